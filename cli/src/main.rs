@@ -22,6 +22,8 @@ mod operate;
 mod out;
 mod report;
 mod run;
+mod schema;
+mod shell;
 mod simulate;
 mod watch;
 
@@ -34,7 +36,7 @@ use linewright_node_shell::{RosArgs, init_logging};
 #[derive(Debug, Parser)]
 #[command(
     name = "linewright",
-    version,
+    version = env!("LINEWRIGHT_VERSION"),
     about,
     after_help = "ROS 2 arguments go behind --ros-args, e.g. --ros-args -r __ns:=/hall_2 --log-level debug."
 )]
@@ -87,6 +89,12 @@ enum CliCommand {
     Watch(watch::Args),
     /// Look at a CAN bus and its CANopen nodes, and talk to them: scan, status, nmt, sdo, monitor, record, replay.
     Can(can::CanArgs),
+    /// Print the JSON schema of a description, for editors: line or cell.
+    Schema(schema::Args),
+    /// Print what a shell needs to complete this command: bash, elvish, fish, powershell or zsh.
+    Completions(shell::CompletionsArgs),
+    /// Write the manual pages of this command into a directory.
+    Man(shell::ManArgs),
     /// Show the frames of a CAN bus, virtual or not, as candump -L does.
     Candump(can::DumpArgs),
 }
@@ -138,6 +146,9 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Resource(args) => asynchronous(async move { cell::resource(args, &ros).await }),
         CliCommand::Watch(args) => asynchronous(async move { watch::run(args, &ros).await }),
         CliCommand::Can(args) => asynchronous(async move { can::run(args).await }),
+        CliCommand::Schema(args) => schema::run(&args),
+        CliCommand::Completions(args) => shell::completions(&args),
+        CliCommand::Man(args) => shell::man(&args),
         CliCommand::Candump(args) => asynchronous(async move { can::dump(args).await }),
     }
 }

@@ -8,5 +8,6 @@ mod check;
 mod check_cell;
 mod processes;
 mod report;
+mod schema;
 mod simulate;
 mod support;

@@ -88,7 +88,6 @@ impl<'a> SvgChart<'a> {
         self.text
     }
 
-    /// A line of SVG as it is.
     pub fn line(&mut self, line: std::fmt::Arguments<'_>) {
         // Writing to a string does not fail.
         let _ = writeln!(self.text, "{line}");

@@ -84,7 +84,6 @@ pub fn text(line: &Line, rows: &[OperationRow]) -> String {
     text
 }
 
-/// As SVG.
 pub fn svg(line: &Line, report: &SimulationReport) -> String {
     let chart = chart(line, &report.rows);
     let mut title = format!("{}: cycle {}", line.title, report.drawn);

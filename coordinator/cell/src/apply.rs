@@ -6,11 +6,10 @@
 use linewright_line::{StationId, Tick};
 
 use super::firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress, PendingRecord};
-use super::ids::{CellId, FiringId, ModeId, OrderKey, PartId};
+use super::ids::{CellId, FiringId, ModeId, NUMBER_MAX, OrderKey, PartId};
 use super::plan::{CellKind, PlayedOrderTemplate};
 use super::question::HoldReason;
 use super::record::{ActivityFailure, Failure, Record, RecordKind};
-use super::snapshot::NUMBER_MAX;
 use super::state::{Part, PartPlace, PlayerState, ReplayError};
 
 type FitResult = Result<(), String>;

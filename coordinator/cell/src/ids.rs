@@ -73,3 +73,9 @@ impl ResourceId {
         self.0 as usize
     }
 }
+
+/// A token demand or gift: so many of a cell.
+pub type TokenDemand = (CellId, u32);
+
+/// Counters stay below this, so that counting on from what somebody has made up never fails.
+pub(crate) const NUMBER_MAX: u64 = 1 << 62;

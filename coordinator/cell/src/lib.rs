@@ -40,6 +40,7 @@ mod reason;
 mod record;
 pub mod schedule;
 mod serial;
+mod situation;
 mod snapshot;
 mod state;
 mod table;
@@ -49,7 +50,7 @@ pub use enabling::Enabling;
 pub use exception::{Presence, RecoveryPolicy, StationUnavailable};
 pub use fifo::Fifo;
 pub use firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress};
-pub use ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ProductionId, ResourceId};
+pub use ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ProductionId, ResourceId, TokenDemand};
 pub use marking::CellMarking;
 pub use orders::{
     CellEvent, CellMessage, OrderMessage, Outcome, PlayerInput, PlayerOutbox, ProductionCommand,
@@ -68,4 +69,4 @@ pub use reason::{DecidingRule, Gain, HoldReason, LostDecision, ProgressCompariso
 pub use record::{ActivityFailure, ActivityStep, Failure, Record, RecordKind, Refusal};
 pub use snapshot::CellSnapshot;
 pub use state::{Part, PartPlace, PlayerState, ReplayError};
-pub use table::{CellTable, PlanError, TokenDemand};
+pub use table::{CellTable, PlanError};

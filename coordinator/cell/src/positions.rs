@@ -7,9 +7,6 @@
 
 use std::collections::BTreeSet;
 
-use super::ids::{CellId, ModeId, PartId};
-use super::state::PlayerState;
-
 /// Positions of a store, from 1. Equal sets are equal values.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Positions {
@@ -43,44 +40,6 @@ impl Positions {
         self.free.insert(position);
         while self.most > 0 && self.free.remove(&self.most) {
             self.most -= 1;
-        }
-    }
-}
-
-impl PlayerState {
-    fn store(&mut self, cell: Option<CellId>) -> Option<&mut Positions> {
-        let store = self.table.store_of(cell?)?;
-        self.positions.get_mut(store)
-    }
-
-    /// A part sets out: it gets a position where it goes.
-    pub(super) fn reserve(&mut self, mode: ModeId, part: PartId) {
-        let to = self.table.part_out(mode);
-        let target = self.store(to).map(Positions::take_lowest);
-        self.parts.entry(part).and_modify(|part| part.target = target);
-    }
-
-    /// A part has arrived: where it was there is room again.
-    pub(super) fn arrive(&mut self, mode: ModeId, part: PartId) {
-        self.leave_position(mode, part);
-        self.parts.entry(part).and_modify(|part| part.position = part.target.take());
-    }
-
-    /// A part does not go where it was to go.
-    pub(super) fn stay(&mut self, mode: ModeId, part: PartId) {
-        let Some(target) = self.parts.get_mut(&part).and_then(|part| part.target.take()) else { return };
-        let to = self.table.part_out(mode);
-        if let Some(store) = self.store(to) {
-            store.give(target);
-        }
-    }
-
-    /// Gives back the position a part comes from.
-    pub(super) fn leave_position(&mut self, mode: ModeId, part: PartId) {
-        let Some(position) = self.parts.get_mut(&part).and_then(|part| part.position.take()) else { return };
-        let from = self.table.part_in(mode);
-        if let Some(store) = self.store(from) {
-            store.give(position);
         }
     }
 }

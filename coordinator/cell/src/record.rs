@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::exception::{ExceptionStep, RecoveryDecision};
 use super::ids::{FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::production::ProductionChange;
-use super::question::HoldReason;
+use super::reason::HoldReason;
 use super::serial;
 
 /// What has happened, and when.
@@ -112,41 +112,36 @@ pub enum RecordKind {
 /// What has happened to an activity, or to what takes no time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActivityStep<'a> {
-    /// It has started.
     Started {
-        /// Which.
+        /// Task order.
         firing: FiringId,
-        /// What.
+        /// Net mode that started.
         mode: ModeId,
-        /// With which part.
         part: Option<PartId>,
-        /// The keys of its orders.
         orders: &'a [OrderKey],
     },
     /// It will not end by itself.
     Raised {
-        /// Which.
+        /// Task order.
         firing: FiringId,
-        /// Why.
+        /// Failure of the task order.
         cause: &'a ActivityFailure,
     },
-    /// It has ended.
     Ended {
-        /// Which.
+        /// Task order.
         firing: FiringId,
     },
     /// It had failed, and is put right.
     Closed {
-        /// Which.
+        /// Activity in progress.
         firing: FiringId,
         /// What was said.
         ruling: &'a RecoveryDecision,
     },
     /// What takes no time has happened.
     Fired {
-        /// What.
+        /// Net mode that fired.
         mode: ModeId,
-        /// With which part.
         part: Option<PartId>,
     },
 }

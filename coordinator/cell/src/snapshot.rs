@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::enabling::Enabling;
 use super::exception::{Exceptions, SavedExceptions};
 use super::firing::{ActivityPhase, OngoingActivity, OrderProgress, PendingRecord};
-use super::ids::{CellId, FiringId, ModeId, PartId};
+use super::ids::{CellId, FiringId, ModeId, NUMBER_MAX, PartId};
 use super::marking::CellMarking;
 use super::plan::CellKind;
 use super::positions::Positions;
@@ -22,9 +22,6 @@ use super::question::HoldReason;
 use super::serial;
 use super::state::{Part, PartPlace, PlayerState, ReplayError, waiting};
 use super::table::CellTable;
-
-/// Counters stay below this, so that counting on from what somebody has made up never fails.
-pub(super) const NUMBER_MAX: u64 = 1 << 62;
 
 /// No store has so many positions.
 const POSITION_MAX: u32 = 1_000_000;

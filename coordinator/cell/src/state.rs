@@ -21,7 +21,7 @@ use super::marking::CellMarking;
 use super::plan::{CellKind, PartPick};
 use super::positions::Positions;
 use super::production::Production;
-use super::question::HoldReason;
+use super::reason::HoldReason;
 use super::record::Record;
 use super::serial;
 use super::table::CellTable;
@@ -300,5 +300,43 @@ impl PlayerState {
         let &(firing, at) = self.orders.get(&key)?;
         let firing = self.firings.get(&firing)?;
         Some((firing, firing.orders.get(at)?))
+    }
+}
+
+impl PlayerState {
+    fn store(&mut self, cell: Option<CellId>) -> Option<&mut Positions> {
+        let store = self.table.store_of(cell?)?;
+        self.positions.get_mut(store)
+    }
+
+    /// A part sets out: it gets a position where it goes.
+    pub(super) fn reserve(&mut self, mode: ModeId, part: PartId) {
+        let to = self.table.part_out(mode);
+        let target = self.store(to).map(Positions::take_lowest);
+        self.parts.entry(part).and_modify(|part| part.target = target);
+    }
+
+    /// A part has arrived: where it was there is room again.
+    pub(super) fn arrive(&mut self, mode: ModeId, part: PartId) {
+        self.leave_position(mode, part);
+        self.parts.entry(part).and_modify(|part| part.position = part.target.take());
+    }
+
+    /// A part does not go where it was to go.
+    pub(super) fn stay(&mut self, mode: ModeId, part: PartId) {
+        let Some(target) = self.parts.get_mut(&part).and_then(|part| part.target.take()) else { return };
+        let to = self.table.part_out(mode);
+        if let Some(store) = self.store(to) {
+            store.give(target);
+        }
+    }
+
+    /// Gives back the position a part comes from.
+    pub(super) fn leave_position(&mut self, mode: ModeId, part: PartId) {
+        let Some(position) = self.parts.get_mut(&part).and_then(|part| part.position.take()) else { return };
+        let from = self.table.part_in(mode);
+        if let Some(store) = self.store(from) {
+            store.give(position);
+        }
     }
 }

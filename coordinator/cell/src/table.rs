@@ -16,7 +16,7 @@ use linewright_nets::{Net, PlaceId, TransitionId};
 use thiserror::Error;
 
 use super::exception::RecoveryPolicy;
-use super::ids::{CellId, ModeId};
+use super::ids::{CellId, ModeId, TokenDemand};
 use super::plan::{ActivityTiming, CellKind, PlayPlan, PlayedActivity, Product, StorePositions, TaskParameterValue};
 
 /// Why a plan does not fit its net.
@@ -126,9 +126,6 @@ impl<T> Rows<T> {
         &self.items[self.range(row)]
     }
 }
-
-/// A token demand or gift: so many of a cell.
-pub type TokenDemand = (CellId, u32);
 
 /// A cell, compiled.
 ///

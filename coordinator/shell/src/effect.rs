@@ -5,8 +5,6 @@ use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::StationReport;
 
-use crate::gateway_station::InputsImage;
-
 /// Something that has arrived.
 #[derive(Clone, Copy, Debug)]
 pub enum CoordinatorArrival {
@@ -117,4 +115,17 @@ pub fn heard(report: &StationReport) -> StationView {
         position_lost: report.position_lost.is_some(),
         estopped: report.mode == Some(ControlMode::EStop),
     }
+}
+
+/// A station's inputs as they are sent to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InputsImage {
+    /// Bit `i` is input `i` of the station.
+    pub bits: u128,
+    /// The bus's manager vouches for the bits.
+    pub valid: bool,
+    /// Changes with every loss of devices, and with the coordinator's life.
+    pub lives: u64,
+    /// The output image that was in force meanwhile: life of the station that sent it, and its number.
+    pub under: Option<(u64, u64)>,
 }

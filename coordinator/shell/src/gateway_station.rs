@@ -9,20 +9,7 @@ use linewright_coordinator_logic::{AppliedImage, Gateway};
 use linewright_line::{StationId, Tick};
 use linewright_station_shell::NewestBySequence;
 
-use crate::effect::CoordinatorEffect;
-
-/// A station's inputs as they are sent to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct InputsImage {
-    /// Bit `i` is input `i` of the station.
-    pub bits: u128,
-    /// The bus's manager vouches for the bits.
-    pub valid: bool,
-    /// Changes with every loss of devices, and with the coordinator's life.
-    pub lives: u64,
-    /// The output image that was in force meanwhile: life of the station that sent it, and its number.
-    pub under: Option<(u64, u64)>,
-}
+use crate::effect::{CoordinatorEffect, InputsImage};
 
 /// The emergency stop, as the gateway sees it.
 #[derive(Clone, Copy, Debug)]

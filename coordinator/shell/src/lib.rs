@@ -11,6 +11,5 @@ mod gateway_station;
 pub mod orders;
 mod shell;
 
-pub use effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, heard};
-pub use gateway_station::InputsImage;
+pub use effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord, InputsImage, heard};
 pub use shell::CoordinatorShell;

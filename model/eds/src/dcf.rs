@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use linewright_problems::{Problems, Report};
+use linewright_diagnostics::{Problems, Report};
 
 use crate::download::address;
 use crate::edit::Editor;
@@ -143,7 +143,7 @@ impl Eds {
         // Last: it may be a new section at the end, behind all that is added to the last one.
         let commissioning = commissioning(configuration);
         self.set_commissioning(&commissioning, &mut editor);
-        let dcf = understand(file_name, editor.finish(), self.encoding, Report::default());
+        let dcf = understand(file_name, editor.finish(), self.encoding, Report::of_excerpts());
         let dcf = dcf.map_err(|problems| ConfigureErrors(vec![ConfigureError::File(problems)]))?;
         errors.extend(dcf.said_otherwise(configuration, &commissioning));
         if errors.is_empty() { Ok(dcf) } else { Err(ConfigureErrors(errors)) }

@@ -4,7 +4,7 @@
 //! UTF-8. What is valid UTF-8 is taken as that, everything else byte for byte as ISO-8859-1: names may show a wrong
 //! letter then, but no byte is lost, and nothing that a device is sent depends on it.
 
-use linewright_problems::{At, Finding};
+use linewright_diagnostics::{At, Problem, Report};
 
 use crate::limits::FILE_BYTES_MAX;
 
@@ -19,20 +19,27 @@ pub(crate) enum TextEncoding {
 
 const MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// The text, or why there is none together with what could be read.
-pub(crate) fn decode(bytes: &[u8]) -> Result<(String, TextEncoding), (Finding, String)> {
+/// The text; or, with a problem, as much of it as could be read.
+pub(crate) fn decode(bytes: &[u8], report: &mut Report) -> Result<(String, TextEncoding), String> {
+    let mut refuse = |problem, readable| {
+        report.add(problem);
+        Err(readable)
+    };
     let start = At::default();
     if bytes.len() > FILE_BYTES_MAX {
         let hint = format!("at most {FILE_BYTES_MAX} are read; is this the right file?");
-        return Err((Finding::new(start, format!("the file has {} bytes", bytes.len())).hint(hint), String::new()));
+        return refuse(Problem::error(start, format!("the file has {} bytes", bytes.len())).hint(hint), String::new());
     }
     if matches!(bytes, [0xFE, 0xFF, ..] | [0xFF, 0xFE, ..]) {
-        return Err((Finding::new(start, "the file is UTF-16").hint("save it as UTF-8 or ISO-8859-1"), String::new()));
+        return refuse(
+            Problem::error(start, "the file is UTF-16").hint("save it as UTF-8 or ISO-8859-1"),
+            String::new(),
+        );
     }
     if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
         let readable = latin1(&bytes[..at]);
         let at = At::new(readable.len()..readable.len());
-        return Err((Finding::new(at, "a zero byte: this is no text").hint("is this the right file?"), readable));
+        return refuse(Problem::error(at, "a zero byte: this is no text").hint("is this the right file?"), readable);
     }
     let (marked, rest) = match bytes.strip_prefix(MARK) {
         Some(rest) => (true, rest),
@@ -48,7 +55,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<(String, TextEncoding), (Finding, S
             let byte = rest.get(error.valid_up_to()).copied().unwrap_or_default();
             let message =
                 format!("the byte 0x{byte:02X} here is not UTF-8, and the file begins with the mark of UTF-8");
-            Err((Finding::new(at, message).hint("save the whole file as UTF-8, or without the mark"), readable))
+            refuse(Problem::error(at, message).hint("save the whole file as UTF-8, or without the mark"), readable)
         }
     }
 }
@@ -75,20 +82,26 @@ fn latin1(bytes: &[u8]) -> String {
 mod tests {
     use super::*;
 
+    /// The text, or the problem.
+    fn decoded(bytes: &[u8]) -> Result<(String, TextEncoding), String> {
+        let mut report = Report::of_excerpts();
+        decode(bytes, &mut report).map_err(|readable| report.into_problems("f", &readable).into_vec()[0].to_string())
+    }
+
     #[test]
     fn what_is_read_is_written_byte_for_byte() {
         for bytes in [&b"a=1"[..], b"\xEF\xBB\xBFa=\xC3\xBC", b"a=\xFC", b"a=\x80\xFF", b"\xC3\xBC"] {
-            let (text, encoding) = decode(bytes).expect("readable");
+            let (text, encoding) = decoded(bytes).expect("readable");
             assert_eq!(encode(&text, encoding), bytes, "{encoding:?}");
         }
-        assert_eq!(decode(b"\xFC").unwrap().0, "ü");
+        assert_eq!(decoded(b"\xFC").unwrap().0, "ü");
     }
 
     #[test]
     fn a_text_its_encoding_cannot_say_becomes_utf_8() {
         for text in ["5 €", "Ã¼"] {
             let bytes = encode(text, TextEncoding::Latin1);
-            assert_eq!(decode(&bytes).unwrap(), (text.to_owned(), TextEncoding::Utf8Marked));
+            assert_eq!(decoded(&bytes).unwrap(), (text.to_owned(), TextEncoding::Utf8Marked));
         }
         assert_eq!(encode("ü", TextEncoding::Latin1), b"\xFC");
         assert_eq!(encode("u", TextEncoding::Latin1), b"u");
@@ -101,9 +114,9 @@ mod tests {
             (b"[a]\nb\0", "zero byte"),
             (b"\xEF\xBB\xBFa\xFF", "0xFF here is not UTF-8"),
         ] {
-            let (finding, _) = decode(bytes).unwrap_err();
-            assert!(format!("{finding:?}").contains(expected), "{finding:?}");
+            let problem = decoded(bytes).unwrap_err();
+            assert!(problem.contains(expected), "{problem}");
         }
-        assert!(decode(&vec![b' '; FILE_BYTES_MAX + 1]).is_err());
+        assert!(decoded(&vec![b' '; FILE_BYTES_MAX + 1]).is_err());
     }
 }

@@ -3,7 +3,7 @@
 //! What would change a value that a device is sent is an error. A limit or a default that cannot be understood is only
 //! a check less, and a warning, unless it is a number that does not fit its type: then the type may be the wrong one.
 
-use linewright_problems::shown;
+use linewright_diagnostics::shown;
 
 use crate::data_type::DataType;
 use crate::ini::IniKey;

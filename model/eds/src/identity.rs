@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use linewright_problems::Report;
+use linewright_diagnostics::Report;
 
 use crate::info::DeviceInfo;
 use crate::ini::Document;

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use linewright_problems::{At, Finding, Report, shown};
+use linewright_diagnostics::{At, Problem, Report, shown};
 
 /// A line that begins with one of these and has no `=` is a value about to be lost.
 const NEVER_LOST: [&str; 12] = [
@@ -81,7 +81,7 @@ impl Document {
             return;
         }
         if content.starts_with('#') || content.starts_with("//") {
-            let finding = Finding::warning(at, "this is taken as a comment, but other tools will not");
+            let finding = Problem::warning(at, "this is taken as a comment, but other tools will not");
             return report.add(finding.hint("begin comments with `;`"));
         }
         if content.starts_with('[') {
@@ -98,7 +98,7 @@ impl Document {
             }
             None => {
                 let message = format!("`{}` stands before the first section and belongs to nothing", shown(content));
-                report.add(Finding::warning(at, message).hint("put it behind the header of its section"));
+                report.add(Problem::warning(at, message).hint("put it behind the header of its section"));
             }
         }
     }
@@ -106,14 +106,14 @@ impl Document {
     fn read_header(&mut self, text: &str, at: At, (line, end): (u32, usize), report: &mut Report) {
         let content = &text[range(at)];
         let Some(close) = content.find(']') else {
-            let finding = Finding::new(at, format!("`{}` has no `]`", shown(content)));
+            let finding = Problem::error(at, format!("`{}` has no `]`", shown(content)));
             return report.add(finding.hint("close the section's name with `]`"));
         };
         let close = at.start as usize + close;
         let behind = trimmed(text, close + 1, at.end as usize);
         if behind.start < behind.end && !text[range(behind)].starts_with(';') {
             let message = format!("`{}` behind the section's name is ignored", shown(&text[range(behind)]));
-            report.add(Finding::warning(behind, message).hint("keys go into lines of their own"));
+            report.add(Problem::warning(behind, message).hint("keys go into lines of their own"));
         }
         let name = trimmed(text, at.start as usize + 1, close);
         self.sections.push(Section { name, line, first_key: narrow(self.keys.len()), end: narrow(end) });
@@ -193,22 +193,22 @@ impl<'a> SectionRef<'a> {
             };
             let message = format!("[{}] {}: stands here twice", shown(self.name()), shown(name));
             report.add(if self.str(key.value) == self.str(before.value) {
-                Finding::warning(key.key, message).hint("remove one of them").earlier(before.key)
+                Problem::warning(key.key, message).hint("remove one of them").earlier(before.key)
             } else {
                 let hint = "the values differ; remove the wrong one";
-                Finding::new(key.key, message).hint(hint).earlier(before.key)
+                Problem::error(key.key, message).hint(hint).earlier(before.key)
             });
         }
     }
 }
 
-fn no_key(at: At, content: &str) -> Finding {
+fn no_key(at: At, content: &str) -> Problem {
     let word = content.split(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default().to_ascii_lowercase();
     if NEVER_LOST.contains(&word.as_str()) {
-        return Finding::new(at, format!("`{}` has no `=`", shown(content))).hint("write `key=value`");
+        return Problem::error(at, format!("`{}` has no `=`", shown(content))).hint("write `key=value`");
     }
     let message = format!("`{}` is neither a section nor a key nor a comment; it is ignored", shown(content));
-    Finding::warning(at, message).hint("write `key=value`, or begin it with `;`")
+    Problem::warning(at, message).hint("write `key=value`, or begin it with `;`")
 }
 
 fn narrow(at: usize) -> u32 {

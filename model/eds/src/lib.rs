@@ -69,14 +69,14 @@ pub use dcf::{Configuration, ConfigureError, ConfigureErrors};
 pub use download::{Download, DownloadContent, DownloadError, WriteReason};
 pub use identity::EdsIdentity;
 pub use info::{Commissioning, DeviceInfo, FileInfo};
-pub use linewright_problems::{Problem, Problems};
+pub use linewright_diagnostics::{Problem, Problems};
 pub use model::{AccessType, Object, ObjectType, SubObject};
 pub use names::Category;
 pub use value::{NodeId, Value, ValueSetting};
 
 use decode::TextEncoding;
 use ini::{Document, SectionRef};
-use linewright_problems::{Finding, Report, shown};
+use linewright_diagnostics::{Report, shown};
 use names::SectionKind;
 use reader::{SectionReader, Weight};
 
@@ -103,13 +103,10 @@ pub struct Eds {
 /// # Errors
 /// All problems of the file, each with its line and key; warnings among them. At most [`limits::PROBLEMS_MAX`] of each.
 pub fn read(file_name: &str, bytes: &[u8]) -> Result<Eds, Problems> {
-    let mut report = Report::default();
-    match decode::decode(bytes) {
+    let mut report = Report::of_excerpts();
+    match decode::decode(bytes, &mut report) {
         Ok((text, encoding)) => understand(file_name, text, encoding, report),
-        Err((finding, readable)) => {
-            report.add(finding);
-            Err(report.into_problems(file_name, &readable))
-        }
+        Err(readable) => Err(report.into_problems(file_name, &readable)),
     }
 }
 
@@ -134,10 +131,10 @@ fn understand(file_name: &str, text: String, encoding: TextEncoding, mut report:
     identity::check(&device, &objects, &document, node, &mut report);
     if objects.is_empty() {
         let hint = "an EDS has sections such as [1000]; is this the right file?";
-        report.add(Finding::new(Default::default(), "the file describes no object").hint(hint));
+        report.add(Problem::error(0..0, "the file describes no object").hint(hint));
     }
     drop(sections);
-    let is_sound = report.is_sound();
+    let is_sound = !report.has_errors();
     let warnings = report.into_problems(file_name, &document.text);
     if !is_sound {
         return Err(warnings);
@@ -177,7 +174,7 @@ fn classify<'a>(document: &'a Document, report: &mut Report) -> Vec<(SectionKind
         }
         if let Some(before) = first.get(&kind) {
             let message = format!("[{}] stands here a second time", shown(section.name()));
-            let finding = Finding::new(section.at(), message).hint("remove one of them, or put both together");
+            let finding = Problem::error(section.at(), message).hint("remove one of them, or put both together");
             report.add(finding.earlier(before.at()));
             continue;
         }

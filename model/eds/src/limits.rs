@@ -7,7 +7,7 @@
 pub const FILE_BYTES_MAX: usize = 8 << 20;
 
 /// The most errors that are reported of one file, and as many warnings: more would only hide the first cause.
-pub const PROBLEMS_MAX: usize = linewright_problems::PROBLEMS_MAX;
+pub const PROBLEMS_MAX: usize = linewright_diagnostics::EXCERPTS_MAX;
 
 /// The most elements of a compact array: its subindices are 1 to 254.
 pub const COMPACT_MAX: u8 = 254;

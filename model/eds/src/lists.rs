@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use linewright_problems::Report;
+use linewright_diagnostics::Report;
 
 use crate::ini::Document;
 use crate::model::Object;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use linewright_problems::shown;
+use linewright_diagnostics::shown;
 
 /// A number and how it was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use linewright_problems::{Report, shown};
+use linewright_diagnostics::{Report, shown};
 
 use crate::entry;
 use crate::ini::{Document, SectionRef};

@@ -1,6 +1,6 @@
 //! One section being read: its keys as texts and numbers, and problems that name section and key.
 
-use linewright_problems::{Finding, Report, shown};
+use linewright_diagnostics::{Problem, Report, shown};
 
 use crate::ini::{IniKey, SectionRef};
 use crate::number;
@@ -100,8 +100,8 @@ impl<'a, 'r> SectionReader<'a, 'r> {
         let name = shown(self.section.str(key.key));
         let message = format!("[{}] {name}: {}", shown(self.section.name()), message.as_ref());
         let finding = match weight {
-            Weight::Error => Finding::new(at, message),
-            Weight::Warning => Finding::warning(at, message),
+            Weight::Error => Problem::error(at, message),
+            Weight::Warning => Problem::warning(at, message),
         };
         self.report.add(finding.hint(hint));
     }
@@ -110,8 +110,8 @@ impl<'a, 'r> SectionReader<'a, 'r> {
     pub(crate) fn say_here(&mut self, weight: Weight, message: impl AsRef<str>, hint: impl Into<String>) {
         let message = format!("[{}] {}", shown(self.section.name()), message.as_ref());
         let finding = match weight {
-            Weight::Error => Finding::new(self.section.at(), message),
-            Weight::Warning => Finding::warning(self.section.at(), message),
+            Weight::Error => Problem::error(self.section.at(), message),
+            Weight::Warning => Problem::warning(self.section.at(), message),
         };
         self.report.add(finding.hint(hint));
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::fmt::Write as _;
 
-use linewright_problems::shown;
+use linewright_diagnostics::shown;
 
 use crate::data_type::{DataType, EncodeError, ValueShape};
 use crate::number::{self, NotANumber};

@@ -30,7 +30,7 @@ pub use frames::{
 };
 pub use handling::{Grip, Handling, Holder, HolderId, Reach, Sensor, Sign, Stand};
 pub use line::*;
-pub use parse::{Parsed, Problem, Problems, parse, suggestion};
+pub use parse::{Parsed, Problem, Problems, parse, schema, suggestion};
 pub use position::NoClearance;
 pub use task::{
     CODE_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, Parameter, RESTS_MAX, Rest, RestId, TASKS_MAX, Task, TaskId,

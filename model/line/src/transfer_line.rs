@@ -46,8 +46,9 @@ impl TransferLine {
     pub fn text(&self) -> String {
         assert!((1..=Self::MACHINES_MAX).contains(&self.machines), "{} machines", self.machines);
         assert!(Self::TIME_SCALE.contains(&self.time_scale), "a time scale of {}", self.time_scale);
-        let mut text = String::with_capacity(SHIPPED.len() * (self.machines + 1));
-        for block in blocks(SHIPPED) {
+        let shipped = without_schema(SHIPPED);
+        let mut text = String::with_capacity(shipped.len() * (self.machines + 1));
+        for block in blocks(shipped) {
             text.push_str(block);
             if is_of_machine_1(block) {
                 for machine in 2..=self.machines {
@@ -86,6 +87,12 @@ impl TransferLine {
         }
         scaled
     }
+}
+
+/// The text without its first line, which names a schema by the path from that one file.
+fn without_schema(text: &str) -> &str {
+    let rest = |(first, rest): (&str, _)| first.starts_with("#:schema").then_some(rest);
+    text.split_once('\n').and_then(rest).unwrap_or(text)
 }
 
 /// Where a line of the shipped text, or an inline table in it, gives a number to `key`, and the number.

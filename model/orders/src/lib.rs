@@ -62,7 +62,6 @@ pub struct TaskOrder {
 /// What a station is told to do.
 #[derive(Clone, Copy, Debug)]
 pub enum TaskCommand<'a> {
-    /// A task.
     Run(&'a TaskOrder),
     /// To leave an order be, and to go back to the rest where the task began, as far as it can by itself.
     Secure(OrderKey),

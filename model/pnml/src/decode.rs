@@ -7,26 +7,24 @@
 use std::borrow::Cow;
 
 use crate::limits::FILE_BYTES_MAX;
-use linewright_problems::{At, Finding, shown};
+use linewright_diagnostics::{At, Problem, Report, shown};
 
 /// How far into the file the XML declaration may reach.
 const DECLARATION_MAX: usize = 256;
 
-/// Why bytes are no text, and as much of the text as could be read.
-pub(crate) struct Undecodable<'a> {
-    pub problem: Finding,
-    pub readable: &'a str,
-}
-
-pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Undecodable<'_>> {
-    let refuse = |problem, readable| Err(Undecodable { problem, readable });
+/// The text; or, with a problem, as much of it as could be read.
+pub(crate) fn decode<'a>(bytes: &'a [u8], report: &mut Report) -> Result<Cow<'a, str>, &'a str> {
+    let mut refuse = |problem, readable| {
+        report.add(problem);
+        Err(readable)
+    };
     let start = At::default();
     if bytes.len() > FILE_BYTES_MAX {
         let hint = format!("at most {FILE_BYTES_MAX} are read; is this the right file?");
-        return refuse(Finding::new(start, format!("the file has {} bytes", bytes.len())).hint(hint), "");
+        return refuse(Problem::error(start, format!("the file has {} bytes", bytes.len())).hint(hint), "");
     }
     if matches!(bytes, [0xFE, 0xFF, ..] | [0xFF, 0xFE, ..] | [0, b'<', ..] | [b'<', 0, ..]) {
-        return refuse(Finding::new(start, "the file is UTF-16").hint("save it as UTF-8"), "");
+        return refuse(Problem::error(start, "the file is UTF-16").hint("save it as UTF-8"), "");
     }
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let text = match (declared(bytes), std::str::from_utf8(bytes)) {
@@ -40,10 +38,10 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Undecodable<'_>> {
             let message = format!("the byte 0x{:02X} here is not UTF-8", bytes[valid.len()]);
             let hint =
                 "save the file as UTF-8, or declare the encoding: <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>";
-            return refuse(Finding::new(At::new(valid.len()..valid.len()), message).hint(hint), readable);
+            return refuse(Problem::error(At::new(valid.len()..valid.len()), message).hint(hint), readable);
         }
         (XmlEncoding::Other(name), _) => {
-            let problem = Finding::new(start, format!("the file declares the encoding `{}`", shown(&name)));
+            let problem = Problem::error(start, format!("the file declares the encoding `{}`", shown(&name)));
             return refuse(problem.hint("UTF-8, US-ASCII and ISO-8859-1 are read; save it as UTF-8"), "");
         }
     };
@@ -56,7 +54,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Undecodable<'_>> {
             // What was copied to be decoded cannot be lent to the caller; its beginning has the same lines in the bytes.
             let readable = std::str::from_utf8(bytes).unwrap_or_default();
             let place = if readable.len() == text.len() { At::new(at..at + 1) } else { start };
-            refuse(Finding::new(place, message).hint(hint), readable)
+            refuse(Problem::error(place, message).hint(hint), readable)
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::kinds::{is_coloured_label, is_ordinary_arc, is_place_transition};
 use crate::label::{label, name, number};
 use crate::limits::{ARCS_MAX, NODES_MAX};
 use crate::xml::{AttributeValue, Tag, Xml, XmlAbort};
-use linewright_problems::{At, Finding, Report, shown};
+use linewright_diagnostics::{At, Problem, Report, shown};
 
 /// An id, as a number: the same text is the same number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -113,7 +113,7 @@ impl<'a> DraftReader<'a, '_> {
     fn net(&mut self, tag: &Tag<'a>) -> Result<(), XmlAbort> {
         let [id, net_type] = self.attributes(tag, ["id", "type"]);
         if let Some(net_type) = net_type.filter(|net_type| !is_place_transition(&net_type.text)) {
-            let finding = Finding::new(net_type.at, format!("this net is of the type `{}`", shown(&net_type.text)));
+            let finding = Problem::error(net_type.at, format!("this net is of the type `{}`", shown(&net_type.text)));
             self.report.add(finding.hint(
                 "only place/transition nets are read: unfold it, or export it as \
                  http://www.pnml.org/version-2009/grammar/ptnet",
@@ -161,7 +161,7 @@ impl<'a> DraftReader<'a, '_> {
                 ("initialMarking", NodeKind::Place) => {
                     let text = label(&mut self.xml, self.report)?;
                     if marking.is_some() {
-                        let finding = Finding::new(child.at, format!("{} is given twice", what("the marking", &id)));
+                        let finding = Problem::error(child.at, format!("{} is given twice", what("the marking", &id)));
                         self.report.add(finding.hint("keep the one that is meant"));
                     }
                     marking = text.or(marking);
@@ -170,7 +170,7 @@ impl<'a> DraftReader<'a, '_> {
                     let text = label(&mut self.xml, self.report)?;
                     let limit = text.as_ref().and_then(|text| number(text, || what("the capacity", &id), self.report));
                     if let Some(limit @ 1..) = limit {
-                        let finding = Finding::new(child.at, format!("{} is {limit}", what("the capacity", &id)));
+                        let finding = Problem::error(child.at, format!("{} is {limit}", what("the capacity", &id)));
                         self.report.add(finding.hint("capacities are not read; write it as a complementary place"));
                     }
                 }
@@ -191,7 +191,7 @@ impl<'a> DraftReader<'a, '_> {
         let [id, to] = self.attributes(tag, ["id", "ref"]);
         self.xml.skip(self.report)?;
         let Some(to) = to else {
-            let finding = Finding::new(tag.at, format!("this reference to a {} has no `ref`", kind.word()));
+            let finding = Problem::error(tag.at, format!("this reference to a {} has no `ref`", kind.word()));
             self.report.add(finding.hint(format!("write the id of the {} it stands for", kind.word())));
             return Ok(());
         };
@@ -208,12 +208,12 @@ impl<'a> DraftReader<'a, '_> {
         is: Being,
     ) -> Result<(), XmlAbort> {
         let Some(id) = id.filter(|id| !id.text.is_empty()) else {
-            let finding = Finding::new(tag.at, format!("this {} has no id", kind.word()));
+            let finding = Problem::error(tag.at, format!("this {} has no id", kind.word()));
             self.report.add(finding.hint("arcs find their ends by id: give it one"));
             return Ok(());
         };
         if self.draft.nodes.len() == NODES_MAX {
-            let finding = Finding::new(tag.at, format!("the net has more than {NODES_MAX} places and transitions"));
+            let finding = Problem::error(tag.at, format!("the net has more than {NODES_MAX} places and transitions"));
             self.report.add(finding.hint("it is too large to be read"));
             return Err(XmlAbort);
         }
@@ -232,7 +232,7 @@ impl<'a> DraftReader<'a, '_> {
                 "inscription" => {
                     let text = label(&mut self.xml, self.report)?;
                     if inscription.is_some() {
-                        let finding = Finding::new(child.at, "this arc has two inscriptions");
+                        let finding = Problem::error(child.at, "this arc has two inscriptions");
                         self.report.add(finding.hint("keep the one that is meant"));
                     }
                     inscription = text.or(inscription);
@@ -248,23 +248,23 @@ impl<'a> DraftReader<'a, '_> {
             id.as_ref().map_or("this arc".into(), |id| format!("the arc `{}`", shown(&id.text)))
         };
         if let Some(other) = types.iter().find(|text| !is_ordinary_arc(&text.text)) {
-            let finding = Finding::new(other.at, format!("{} is of the type `{}`", what(&id), shown(&other.text)));
+            let finding = Problem::error(other.at, format!("{} is of the type `{}`", what(&id), shown(&other.text)));
             self.report.add(finding.hint("only ordinary arcs are read, which take and give tokens"));
         }
         let weight = inscription.or(inscribed);
         let weight_at = weight.as_ref().map_or(tag.at, |text| text.at);
         let weight = weight.and_then(|text| number(&text, || format!("the weight of {}", what(&id)), self.report));
         if weight == Some(0) {
-            let finding = Finding::new(weight_at, format!("the weight of {} is 0", what(&id)));
+            let finding = Problem::error(weight_at, format!("the weight of {} is 0", what(&id)));
             self.report.add(finding.hint("an arc moves at least one token; leave the arc out"));
         }
         let (Some(source), Some(target)) = (source, target) else {
-            let finding = Finding::new(tag.at, format!("{} lacks `source` or `target`", what(&id)));
+            let finding = Problem::error(tag.at, format!("{} lacks `source` or `target`", what(&id)));
             self.report.add(finding.hint("write the ids of the nodes it joins"));
             return Ok(());
         };
         if self.draft.arcs.len() == ARCS_MAX {
-            let finding = Finding::new(tag.at, format!("the net has more than {ARCS_MAX} arcs"));
+            let finding = Problem::error(tag.at, format!("the net has more than {ARCS_MAX} arcs"));
             self.report.add(finding.hint("it is too large to be read"));
             return Err(XmlAbort);
         }
@@ -283,7 +283,7 @@ impl<'a> DraftReader<'a, '_> {
             None => self.draft.priority = Some(text.text.into_owned()),
             Some(first) if *first == text.text => {}
             Some(first) => {
-                let finding = Finding::new(
+                let finding = Problem::error(
                     tag.at,
                     format!("{} is {}, another one's is {}", what(), shown(&text.text), shown(first)),
                 );
@@ -295,12 +295,13 @@ impl<'a> DraftReader<'a, '_> {
     /// Passes over an element that means nothing here, or refuses one that is known to mean something.
     fn unknown(&mut self, tag: &Tag<'a>, element: &str) -> Result<(), XmlAbort> {
         if is_coloured_label(element) {
-            let finding = Finding::new(tag.at, format!("`{}` belongs to a coloured net", shown(element)));
+            let finding = Problem::error(tag.at, format!("`{}` belongs to a coloured net", shown(element)));
             self.report.add(finding.hint("only place/transition nets are read; unfold it first"));
         } else if !matches!(element, "toolspecific" | "graphics")
-            && let [Some(_), Some(_)] = tag.attributes(&self.xml, ["source", "target"], &mut Report::default())
+            && let [Some(_), Some(_)] = tag.attributes(&self.xml, ["source", "target"], &mut Report::of_excerpts())
         {
-            let finding = Finding::new(tag.at, format!("`{}` is a kind of arc that is not known here", shown(element)));
+            let finding =
+                Problem::error(tag.at, format!("`{}` is a kind of arc that is not known here", shown(element)));
             self.report.add(finding.hint("only ordinary arcs are read, which take and give tokens"));
         }
         self.xml.skip(self.report)

@@ -6,12 +6,12 @@
 
 use crate::limits::NAME_BYTES_MAX;
 use crate::xml::{AttributeValue, ElementText, Xml, XmlAbort};
-use linewright_problems::{At, Finding, Report, shown};
+use linewright_diagnostics::{At, Problem, Report, shown};
 
 /// Reads the label that is open: its text, or none if it is only drawn.
 pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option<AttributeValue<'a>>, XmlAbort> {
     let mut found: Option<AttributeValue<'a>> = None;
-    let mut unknown: Option<Finding> = None;
+    let mut unknown: Option<Problem> = None;
     let mut bare = ElementText::default();
     while let Some(tag) = xml.child_behind(&mut bare, report)? {
         if matches!(tag.name, "text" | "value") {
@@ -21,7 +21,7 @@ pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option
             continue;
         }
         if !matches!(tag.name, "graphics" | "toolspecific") {
-            let finding = Finding::new(tag.at, format!("`{}` in a label is not known here", shown(tag.name)));
+            let finding = Problem::error(tag.at, format!("`{}` in a label is not known here", shown(tag.name)));
             unknown.get_or_insert(finding.hint("write what the label says in `<text>`"));
         }
         xml.skip(report)?;
@@ -41,7 +41,7 @@ pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option
 fn add<'a>(found: &mut Option<AttributeValue<'a>>, value: AttributeValue<'a>, at: At, report: &mut Report) {
     match found {
         Some(first) if first.text != value.text => {
-            report.add(Finding::new(at, "this label has two texts").hint("keep the one that is meant"));
+            report.add(Problem::error(at, "this label has two texts").hint("keep the one that is meant"));
         }
         _ => *found = Some(value),
     }
@@ -50,7 +50,7 @@ fn add<'a>(found: &mut Option<AttributeValue<'a>>, value: AttributeValue<'a>, at
 /// A name that is short enough; an empty one is none.
 pub(crate) fn name(value: AttributeValue<'_>, report: &mut Report) -> Option<String> {
     if value.text.len() > NAME_BYTES_MAX {
-        report.add(Finding::new(value.at, format!("a name has more than {NAME_BYTES_MAX} bytes")).hint("shorten it"));
+        report.add(Problem::error(value.at, format!("a name has more than {NAME_BYTES_MAX} bytes")).hint("shorten it"));
         return None;
     }
     (!value.text.is_empty()).then(|| value.text.into_owned())
@@ -72,8 +72,8 @@ pub(crate) fn number(value: &AttributeValue<'_>, what: impl Fn() -> String, repo
     Some(1)
 }
 
-fn refusal(at: At, what: &str, text: &str, colour: &str, digits: &str) -> Finding {
-    let finding = Finding::new(at, format!("{what} is `{}`", shown(text)));
+fn refusal(at: At, what: &str, text: &str, colour: &str, digits: &str) -> Problem {
+    let finding = Problem::error(at, format!("{what} is `{}`", shown(text)));
     let unsigned = digits.trim_start_matches(['-', '+']);
     let is_number = !unsigned.is_empty() && unsigned.bytes().all(|byte| byte.is_ascii_digit());
     if colour != "Default" {

@@ -45,11 +45,11 @@ mod survey;
 mod write;
 mod xml;
 
-pub use linewright_problems::{Problem, Problems};
+pub use linewright_diagnostics::{Problem, Problems};
 pub use write::write;
 
+use linewright_diagnostics::Report;
 use linewright_nets::Net;
-use linewright_problems::Report;
 
 /// Reads a place/transition net. `file_name` is for messages; `net` is the id of the net to take, and may be absent if
 /// there is only one.
@@ -59,16 +59,13 @@ use linewright_problems::Report;
 /// # Errors
 /// All problems of the file, up to [`limits::PROBLEMS_MAX`], each with its place.
 pub fn read(file_name: &str, bytes: &[u8], net: Option<&str>) -> Result<Net, Problems> {
-    let mut report = Report::default();
-    let text = match decode::decode(bytes) {
+    let mut report = Report::of_excerpts();
+    let text = match decode::decode(bytes, &mut report) {
         Ok(text) => text,
-        Err(undecodable) => {
-            report.add(undecodable.problem);
-            return Err(report.into_problems(file_name, undecodable.readable));
-        }
+        Err(readable) => return Err(report.into_problems(file_name, readable)),
     };
     match understand(&text, net, &mut report) {
-        Some(net) if report.is_sound() => Ok(net),
+        Some(net) if !report.has_errors() => Ok(net),
         _ => Err(report.into_problems(file_name, &text)),
     }
 }

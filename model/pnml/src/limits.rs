@@ -21,4 +21,4 @@ pub const NODES_MAX: usize = 1 << 22;
 pub const ARCS_MAX: usize = 1 << 24;
 
 /// The most problems that are reported of one file: more would only hide the first cause.
-pub const PROBLEMS_MAX: usize = linewright_problems::PROBLEMS_MAX;
+pub const PROBLEMS_MAX: usize = linewright_diagnostics::EXCERPTS_MAX;

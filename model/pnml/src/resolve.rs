@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
 
 use crate::draft::{Being, DraftNet, DraftNode, Id, NodeKind};
-use linewright_problems::{At, Finding, Report, shown};
+use linewright_diagnostics::{At, Problem, Report, shown};
 
 /// The net of a draft; none if something is wrong, which is reported.
 pub(crate) fn resolve(draft: DraftNet<'_>, report: &mut Report) -> Option<Net> {
@@ -20,14 +20,14 @@ pub(crate) fn resolve(draft: DraftNet<'_>, report: &mut Report) -> Option<Net> {
             false => builder.output(transition, place, weight),
         };
     }
-    if !report.is_sound() {
+    if report.has_errors() {
         return None;
     }
     match builder.build() {
         Ok(net) => Some(net),
         Err(errors) => {
             for error in errors {
-                report.add(Finding::new(draft.at, error.to_string()));
+                report.add(Problem::error(draft.at, error.to_string()));
             }
             None
         }
@@ -44,7 +44,7 @@ fn owners(draft: &DraftNet<'_>, report: &mut Report) -> Vec<Option<u32>> {
         match first[id.0 as usize] {
             None => (first[id.0 as usize], owners[id.0 as usize]) = (Some(at), node),
             Some(earlier) => {
-                let finding = Finding::new(at, format!("the id `{}` is given twice", text(draft, id)));
+                let finding = Problem::error(at, format!("the id `{}` is given twice", text(draft, id)));
                 report.add(finding.hint("ids are unique in a file").earlier(earlier));
             }
         }
@@ -69,7 +69,7 @@ fn follow_references(draft: &DraftNet<'_>, owners: &[Option<u32>], report: &mut 
             match (seen[at as usize], &node.is) {
                 (ResolveState::Known(being), _) => break being,
                 (ResolveState::OnThisWay, _) => {
-                    let finding = Finding::new(node.at, format!("`{}` refers to itself", text(draft, node.id)));
+                    let finding = Problem::error(node.at, format!("`{}` refers to itself", text(draft, node.id)));
                     report.add(finding.hint("a reference leads, over others perhaps, to a node"));
                     break None;
                 }
@@ -77,12 +77,9 @@ fn follow_references(draft: &DraftNet<'_>, owners: &[Option<u32>], report: &mut 
                 (ResolveState::Not, Being::Another { id, at: place }) => {
                     seen[at as usize] = ResolveState::OnThisWay;
                     way.push(at);
-                    match referred(draft, owners, node, *id, *place) {
-                        Ok(next) => at = next,
-                        Err(finding) => {
-                            report.add(finding);
-                            break None;
-                        }
+                    match referred(draft, owners, node, *id, *place, report) {
+                        Some(next) => at = next,
+                        None => break None,
                     }
                 }
             }
@@ -95,19 +92,25 @@ fn follow_references(draft: &DraftNet<'_>, owners: &[Option<u32>], report: &mut 
 }
 
 /// The node that a reference names.
-fn referred(draft: &DraftNet<'_>, owners: &[Option<u32>], from: &DraftNode, to: Id, at: At) -> Result<u32, Finding> {
+fn referred(
+    draft: &DraftNet<'_>,
+    owners: &[Option<u32>],
+    from: &DraftNode,
+    to: Id,
+    at: At,
+    report: &mut Report,
+) -> Option<u32> {
     let (kind, name) = (from.kind.word(), text(draft, to));
-    match owners[to.0 as usize] {
-        None => {
-            Err(Finding::new(at, format!("`{}` refers to `{name}`, which is no node of the net", text(draft, from.id)))
-                .hint(format!("write the id of a {kind}")))
-        }
-        Some(node) if draft.nodes[node as usize].kind != from.kind => {
-            Err(Finding::new(at, format!("`{}` refers to `{name}`, which is no {kind}", text(draft, from.id)))
-                .hint(format!("write the id of a {kind}")))
-        }
-        Some(node) => Ok(node),
-    }
+    let what = match owners[to.0 as usize] {
+        Some(node) if draft.nodes[node as usize].kind == from.kind => return Some(node),
+        Some(_) => kind,
+        None => "node of the net",
+    };
+    report.add(
+        Problem::error(at, format!("`{}` refers to `{name}`, which is no {what}", text(draft, from.id)))
+            .hint(format!("write the id of a {kind}")),
+    );
+    None
 }
 
 /// A node of the net.
@@ -180,7 +183,7 @@ fn arcs(
             Some(owner) => beings[owner as usize].map(|being| nodes[being as usize]),
             None => {
                 let message = format!("{} {verb} `{}`, which is no node of the net", what(), text(draft, id));
-                report.add(Finding::new(at, message).hint("write the id of a place or transition"));
+                report.add(Problem::error(at, message).hint("write the id of a place or transition"));
                 None
             }
         };
@@ -206,15 +209,15 @@ fn arcs(
             None => {
                 let message =
                     format!("{} and those beside it have a weight of more than {} together", what(), u32::MAX);
-                report.add(Finding::new(arc.at, message).hint("at most that is possible"));
+                report.add(Problem::error(arc.at, message).hint("at most that is possible"));
             }
         }
     }
     arcs
 }
 
-fn unfit(at: At, what: &str, two: &str) -> Finding {
-    Finding::new(at, format!("{what} joins two {two}")).hint("an arc joins a place and a transition")
+fn unfit(at: At, what: &str, two: &str) -> Problem {
+    Problem::error(at, format!("{what} joins two {two}")).hint("an arc joins a place and a transition")
 }
 
 /// The text of an id, for messages.

@@ -4,7 +4,7 @@
 //! several nets is not read half.
 
 use crate::xml::{Xml, XmlAbort};
-use linewright_problems::{At, Finding, Report, shown};
+use linewright_diagnostics::{At, Problem, Report, shown};
 
 /// The most nets in one file.
 const NETS_MAX: usize = 10_000;
@@ -23,13 +23,13 @@ pub(crate) fn choose(text: &str, wanted: Option<&str>, report: &mut Report) -> O
     let (_, second) = nets.get(1).unwrap_or(nets.first()?);
     let finding = match (wanted, nets.len()) {
         (None, 1) => return Some(0),
-        (None, count) => Finding::new(*second, format!("the file has {count} nets: {}", named()))
+        (None, count) => Problem::error(*second, format!("the file has {count} nets: {}", named()))
             .hint("say which one with `--net ID`"),
         (Some(wanted), _) => match nets.iter().filter(|(id, _)| id == wanted).count() {
             1 => return nets.iter().position(|(id, _)| id == wanted),
-            0 => Finding::new(nets[0].1, format!("no net of this file has the id `{}`", shown(wanted)))
+            0 => Problem::error(nets[0].1, format!("no net of this file has the id `{}`", shown(wanted)))
                 .hint(format!("there is {}", named())),
-            count => Finding::new(*second, format!("{count} nets of this file have the id `{}`", shown(wanted)))
+            count => Problem::error(*second, format!("{count} nets of this file have the id `{}`", shown(wanted)))
                 .hint("ids are unique in a file"),
         },
     };
@@ -41,12 +41,12 @@ pub(crate) fn choose(text: &str, wanted: Option<&str>, report: &mut Report) -> O
 fn survey(text: &str, report: &mut Report) -> Result<Vec<(String, At)>, XmlAbort> {
     let mut xml = Xml::new(text);
     let Some(root) = xml.child(report)? else {
-        let finding = Finding::new(At::default(), "there is no XML element in this file");
+        let finding = Problem::error(At::default(), "there is no XML element in this file");
         report.add(finding.hint("is this the right file?"));
         return Err(XmlAbort);
     };
     if root.name != "pnml" {
-        let finding = Finding::new(root.at, format!("the outermost element is `{}`, not `pnml`", shown(root.name)));
+        let finding = Problem::error(root.at, format!("the outermost element is `{}`, not `pnml`", shown(root.name)));
         report.add(finding.hint("only PNML is read; is this the right file?"));
         return Err(XmlAbort);
     }
@@ -54,10 +54,10 @@ fn survey(text: &str, report: &mut Report) -> Result<Vec<(String, At)>, XmlAbort
     while let Some(tag) = xml.child(report)? {
         if tag.name == "net" {
             if nets.len() == NETS_MAX {
-                report.add(Finding::new(tag.at, format!("the file has more than {NETS_MAX} nets")));
+                report.add(Problem::error(tag.at, format!("the file has more than {NETS_MAX} nets")));
                 return Err(XmlAbort);
             }
-            let [id] = tag.attributes(&xml, ["id"], &mut Report::default());
+            let [id] = tag.attributes(&xml, ["id"], &mut Report::of_excerpts());
             nets.push((id.map(|id| id.text.into_owned()).unwrap_or_default(), tag.at));
         }
         xml.skip(report)?;
@@ -65,8 +65,9 @@ fn survey(text: &str, report: &mut Report) -> Result<Vec<(String, At)>, XmlAbort
     // Behind the outermost element there is nothing, or that is reported.
     xml.child(report)?;
     if nets.is_empty() {
-        report
-            .add(Finding::new(root.at, "there is no net in this file").hint("a net is an element `<net>` in `<pnml>`"));
+        report.add(
+            Problem::error(root.at, "there is no net in this file").hint("a net is an element `<net>` in `<pnml>`"),
+        );
         return Err(XmlAbort);
     }
     Ok(nets)

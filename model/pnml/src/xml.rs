@@ -12,7 +12,7 @@ use quick_xml::errors::IllFormedError;
 use quick_xml::events::{BytesStart, Event};
 
 use crate::limits::{ATTRIBUTES_MAX, DEPTH_MAX, NAME_BYTES_MAX};
-use linewright_problems::{At, Finding, Report, shown};
+use linewright_diagnostics::{At, Problem, Report, shown};
 
 /// The text cannot be read on; the report says why.
 pub(crate) struct XmlAbort;
@@ -96,9 +96,15 @@ impl<'a> Xml<'a> {
             match event {
                 Event::Text(part) => text.content.literal(&part.xml10_content()),
                 Event::CData(part) => text.content.literal(&part.xml10_content()),
-                Event::GeneralRef(reference) => match character(&reference, at) {
-                    Ok(c) => text.content.meant(c),
-                    Err(finding) => report.add(finding),
+                Event::GeneralRef(reference) => match character(&reference) {
+                    Some(c) => text.content.meant(c),
+                    None => report.add(
+                        Problem::error(
+                            at,
+                            format!("`&{};` stands for no character that is known here", shown(&reference)),
+                        )
+                        .hint(ONLY_PREDEFINED),
+                    ),
                 },
                 Event::Start(start) => return self.opened(start, at, report).map(Some),
                 Event::End(_) | Event::Eof => return Ok(None),
@@ -117,7 +123,7 @@ impl<'a> Xml<'a> {
             Ok(Event::Eof) if !self.open.is_empty() => {
                 let tag = *self.open.last().unwrap_or(&at);
                 let shown = shown(&self.text[tag.start as usize..tag.end as usize]);
-                let finding = Finding::new(tag, format!("the file ends before `{shown}` is closed"));
+                let finding = Problem::error(tag, format!("the file ends before `{shown}` is closed"));
                 report.add(finding.label("opened here").hint("the file has been cut short; write it again"));
                 Err(XmlAbort)
             }
@@ -131,7 +137,7 @@ impl<'a> Xml<'a> {
                 // Errors of what is never closed are placed where it begins; all else is behind it.
                 let place = At::new(from..self.position().clamp(from, from.saturating_add(60)));
                 report.add(
-                    Finding::new(place, format!("this is not XML: {}", words(&error))).label("reading stopped here"),
+                    Problem::error(place, format!("this is not XML: {}", words(&error))).label("reading stopped here"),
                 );
                 Err(XmlAbort)
             }
@@ -140,12 +146,12 @@ impl<'a> Xml<'a> {
 
     fn opened(&mut self, start: BytesStart<'a>, at: At, report: &mut Report) -> Result<Tag<'a>, XmlAbort> {
         if self.open.is_empty() && self.has_root {
-            let finding = Finding::new(at, "a second element stands behind the end of the first");
+            let finding = Problem::error(at, "a second element stands behind the end of the first");
             report.add(finding.hint("a file has one outermost element; keep each in a file of its own"));
             return Err(XmlAbort);
         }
         if self.open.len() == DEPTH_MAX {
-            let finding = Finding::new(at, format!("elements are nested more than {DEPTH_MAX} deep"));
+            let finding = Problem::error(at, format!("elements are nested more than {DEPTH_MAX} deep"));
             report.add(finding.hint("no net needs that; is this the right file?"));
             return Err(XmlAbort);
         }
@@ -178,14 +184,17 @@ impl<'a> Tag<'a> {
         let mut values = [const { None }; N];
         for (index, attribute) in self.start.attributes().enumerate() {
             if index == ATTRIBUTES_MAX {
-                report.add(Finding::new(self.at, format!("`{}` has more than {ATTRIBUTES_MAX} attributes", self.name)));
+                report
+                    .add(Problem::error(self.at, format!("`{}` has more than {ATTRIBUTES_MAX} attributes", self.name)));
                 break;
             }
             let attribute = match attribute {
                 Ok(attribute) => attribute,
                 Err(error) => {
-                    report
-                        .add(Finding::new(self.at, format!("an attribute of `{}` cannot be read: {error}", self.name)));
+                    report.add(Problem::error(
+                        self.at,
+                        format!("an attribute of `{}` cannot be read: {error}", self.name),
+                    ));
                     break;
                 }
             };
@@ -206,14 +215,14 @@ impl<'a> Tag<'a> {
         let at = At::new(range);
         let finding = match quick_xml::escape::unescape(raw) {
             _ if raw.len() > NAME_BYTES_MAX => {
-                Finding::new(at, format!("the attribute `{name}` has {} bytes", raw.len()))
+                Problem::error(at, format!("the attribute `{name}` has {} bytes", raw.len()))
                     .hint(format!("at most {NAME_BYTES_MAX}"))
             }
             Ok(text) if text.chars().all(is_legal) => return Some(AttributeValue { text, at }),
-            Ok(_) => Finding::new(at, format!("the attribute `{name}` has a character that is not allowed in XML")),
+            Ok(_) => Problem::error(at, format!("the attribute `{name}` has a character that is not allowed in XML")),
             Err(error) => {
                 let error = shown(&error.to_string());
-                Finding::new(at, format!("the attribute `{name}` cannot be read: {error}")).hint(ONLY_PREDEFINED)
+                Problem::error(at, format!("the attribute `{name}` cannot be read: {error}")).hint(ONLY_PREDEFINED)
             }
         };
         report.add(finding);
@@ -242,19 +251,12 @@ fn words(error: &quick_xml::Error) -> String {
 }
 
 /// The character that a reference in a text stands for.
-fn character(reference: &quick_xml::events::BytesRef<'_>, at: At) -> Result<char, Finding> {
-    let unknown = || {
-        Finding::new(at, format!("`&{};` stands for no character that is known here", shown(reference)))
-            .hint(ONLY_PREDEFINED)
+fn character(reference: &quick_xml::events::BytesRef<'_>) -> Option<char> {
+    let c = match reference.resolve_char_ref().ok()? {
+        Some(c) => c,
+        None => quick_xml::escape::resolve_predefined_entity(reference)?.chars().next()?,
     };
-    let c = match reference.resolve_char_ref() {
-        Ok(Some(c)) => c,
-        Ok(None) => quick_xml::escape::resolve_predefined_entity(reference)
-            .and_then(|text| text.chars().next())
-            .ok_or_else(unknown)?,
-        Err(_) => return Err(unknown()),
-    };
-    if is_legal(c) { Ok(c) } else { Err(unknown()) }
+    is_legal(c).then_some(c)
 }
 
 /// Whether XML allows this character.

@@ -9,26 +9,27 @@ use std::time::Duration;
 
 use toml_edit::{Array, Item, TableLike, Value};
 
-use crate::place::{At, Name, Where};
+use crate::place::{Located, LocatedName, Named, TextRange};
 use crate::{Problem, Report, suggestion};
 
 /// No duration of a mechanism or message is sensibly longer.
-const DURATION_MAX_S: f64 = 24.0 * 3600.0;
+pub(crate) const DURATION_MAX_S: f64 = 24.0 * 3600.0;
 /// Nothing a controller can watch is shorter.
-const DURATION_MIN_S: f64 = 1e-6;
+pub(crate) const DURATION_MIN_S: f64 = 1e-6;
+/// The longest period, in milliseconds.
+pub(crate) const MILLIS_MAX: i64 = 60_000;
 /// Longest text of a title or a reason, in bytes.
-const TEXT_MAX: usize = 500;
+pub const TEXT_MAX: usize = 500;
 /// Largest coordinate: a kilometre in millimetres.
-const COORDINATE_MAX: f64 = 1e6;
+pub(crate) const COORDINATE_MAX: f64 = 1e6;
 
 /// The smallest and largest number that measures something.
-const POSITIVE_MIN: f64 = 1e-6;
-const POSITIVE_MAX: f64 = 1e9;
+pub(crate) const POSITIVE_MIN: f64 = 1e-6;
+pub(crate) const POSITIVE_MAX: f64 = 1e9;
 
 /// A value that may be a text or a whole number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Scalar {
-    /// A text.
     Text(String),
     /// A whole number.
     Integer(i64),
@@ -38,7 +39,7 @@ pub enum Scalar {
 pub struct Fields<'a> {
     table: &'a dyn TableLike,
     /// Where the table is: its header, or the whole of it when inline.
-    pub at: Where,
+    pub at: TextRange,
     /// What it is, for messages: "a station", "`moves`".
     what: &'static str,
     asked: Vec<&'static str>,
@@ -46,7 +47,7 @@ pub struct Fields<'a> {
 
 impl<'a> Fields<'a> {
     /// The table at this place; `what` it is, for messages: "a station", "`moves`".
-    pub fn new(table: &'a dyn TableLike, at: Where, what: &'static str) -> Self {
+    pub fn new(table: &'a dyn TableLike, at: TextRange, what: &'static str) -> Self {
         Fields { table, at, what, asked: Vec::new() }
     }
 
@@ -66,7 +67,7 @@ impl<'a> Fields<'a> {
     }
 
     /// The item at `key` with its place.
-    fn item(&mut self, key: &'static str) -> Option<(&'a Item, Where)> {
+    fn item(&mut self, key: &'static str) -> Option<(&'a Item, TextRange)> {
         self.asked.push(key);
         let (found, item) = self.table.get_key_value(key)?;
         let at = item.span().or_else(|| found.span()).unwrap_or_else(|| self.at.clone());
@@ -79,10 +80,10 @@ impl<'a> Fields<'a> {
         key: &'static str,
         expected: &str,
         get: impl FnOnce(&'a Item) -> Option<T>,
-    ) -> Option<At<T>> {
+    ) -> Option<Located<T>> {
         let (item, at) = self.item(key)?;
         match get(item) {
-            Some(value) => Some(At::new(value, at)),
+            Some(value) => Some(Located::new(value, at)),
             None => {
                 report.add(wrong_type(at, key, expected, item));
                 None
@@ -91,7 +92,7 @@ impl<'a> Fields<'a> {
     }
 
     /// Reports that a required key is missing.
-    fn require<T>(&self, report: &mut Report, key: &'static str, found: Option<T>) -> Option<T> {
+    pub(crate) fn require<T>(&self, report: &mut Report, key: &'static str, found: Option<T>) -> Option<T> {
         if found.is_none() && self.table.get(key).is_none_or(Item::is_none) {
             report.add(
                 Problem::error(self.at.clone(), format!("{} needs `{key}`", self.what))
@@ -102,7 +103,7 @@ impl<'a> Fields<'a> {
     }
 
     /// Any text.
-    pub fn text(&mut self, report: &mut Report, key: &'static str) -> Option<Name> {
+    pub fn text(&mut self, report: &mut Report, key: &'static str) -> Option<LocatedName> {
         let text = self.read(report, key, "text in quotes", |item| item.as_str().map(str::to_owned))?;
         if text.value.len() > TEXT_MAX {
             report.add(
@@ -114,76 +115,45 @@ impl<'a> Fields<'a> {
         Some(text)
     }
 
-    /// Any text, which may not be missing.
-    pub fn required_text(&mut self, report: &mut Report, key: &'static str) -> Option<Name> {
-        let found = self.text(report, key);
-        self.require(report, key, found)
-    }
-
     /// True or false.
-    pub fn flag(&mut self, report: &mut Report, key: &'static str) -> Option<At<bool>> {
+    pub fn flag(&mut self, report: &mut Report, key: &'static str) -> Option<Located<bool>> {
         self.read(report, key, "true or false", Item::as_bool)
     }
 
     /// A whole number.
-    pub fn integer(&mut self, report: &mut Report, key: &'static str) -> Option<At<i64>> {
+    pub fn integer(&mut self, report: &mut Report, key: &'static str) -> Option<Located<i64>> {
         self.read(report, key, "a whole number", Item::as_integer)
     }
 
-    /// A whole number, which may not be missing.
-    pub fn required_integer(&mut self, report: &mut Report, key: &'static str) -> Option<At<i64>> {
-        let found = self.integer(report, key);
-        self.require(report, key, found)
-    }
-
-    /// A required coordinate in millimetres.
-    pub fn coordinate(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
-        let found = self.read(report, key, "a number", number);
-        let number = self.require(report, key, found)?;
-        checked_coordinate(report, number, key)
-    }
-
-    /// A coordinate in millimetres that may be left out.
-    pub fn maybe_coordinate(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
+    /// A coordinate in millimetres.
+    pub fn coordinate(&mut self, report: &mut Report, key: &'static str) -> Option<Located<f64>> {
         let number = self.read(report, key, "a number", number)?;
         checked_coordinate(report, number, key)
     }
 
     /// A number above zero: a distance, a speed, a ratio.
-    pub fn positive(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
+    pub fn positive(&mut self, report: &mut Report, key: &'static str) -> Option<Located<f64>> {
         let number = self.read(report, key, "a number", number)?;
         let fits = (POSITIVE_MIN..=POSITIVE_MAX).contains(&number.value);
         checked(report, key, number, fits, "a number above zero, at least 0.000001 and at most 1000000000")
     }
 
-    /// A number above zero, which may not be missing.
-    pub fn required_positive(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
-        let found = self.positive(report, key);
-        self.require(report, key, found)
-    }
-
     /// Any number.
-    pub fn number(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
+    pub fn number(&mut self, report: &mut Report, key: &'static str) -> Option<Located<f64>> {
         let number = self.read(report, key, "a number", number)?;
         let fits = number.value.is_finite();
         checked(report, key, number, fits, "a finite number")
     }
 
-    /// Any number, which may not be missing.
-    pub fn required_number(&mut self, report: &mut Report, key: &'static str) -> Option<At<f64>> {
-        let found = self.number(report, key);
-        self.require(report, key, found)
-    }
-
     /// A number within bounds.
-    pub fn within(&mut self, report: &mut Report, key: &'static str, low: f64, high: f64) -> Option<At<f64>> {
+    pub fn within(&mut self, report: &mut Report, key: &'static str, low: f64, high: f64) -> Option<Located<f64>> {
         let number = self.read(report, key, "a number", number)?;
         let fits = (low..=high).contains(&number.value);
         checked(report, key, number, fits, format!("between {low} and {high}"))
     }
 
     /// A whole number within bounds.
-    pub fn whole(&mut self, report: &mut Report, key: &'static str, low: i64, high: i64) -> Option<At<i64>> {
+    pub fn whole(&mut self, report: &mut Report, key: &'static str, low: i64, high: i64) -> Option<Located<i64>> {
         let number = self.integer(report, key)?;
         let fits = (low..=high).contains(&number.value);
         checked(report, key, number, fits, format!("between {low} and {high}"))
@@ -200,10 +170,10 @@ impl<'a> Fields<'a> {
         report: &mut Report,
         key: &'static str,
         known: &[(&'static str, T)],
-    ) -> Option<At<T>> {
+    ) -> Option<Located<T>> {
         let word = self.text(report, key)?;
         if let Some((_, meaning)) = known.iter().find(|(name, _)| *name == word.value) {
-            return Some(At::new(*meaning, word.at));
+            return Some(Located::new(*meaning, word.at));
         }
         let names = known.iter().map(|(name, _)| *name);
         report.add(
@@ -213,19 +183,8 @@ impl<'a> Fields<'a> {
         None
     }
 
-    /// One of a few words, which may not be missing.
-    pub fn required_word<T: Copy>(
-        &mut self,
-        report: &mut Report,
-        key: &'static str,
-        known: &[(&'static str, T)],
-    ) -> Option<At<T>> {
-        let found = self.maybe_word(report, key, known);
-        self.require(report, key, found)
-    }
-
     /// A positive duration in seconds.
-    pub fn seconds(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
+    pub fn seconds(&mut self, report: &mut Report, key: &'static str) -> Option<Located<Duration>> {
         let seconds = self.read(report, key, "a number of seconds", number)?;
         if !(DURATION_MIN_S..=DURATION_MAX_S).contains(&seconds.value) {
             report.add(
@@ -235,20 +194,16 @@ impl<'a> Fields<'a> {
             );
             return None;
         }
-        Some(At::new(Duration::from_secs_f64(seconds.value), seconds.at))
-    }
-
-    /// A positive duration in seconds, which may not be missing.
-    pub fn required_seconds(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
-        let found = self.seconds(report, key);
-        self.require(report, key, found)
+        Some(Located::new(Duration::from_secs_f64(seconds.value), seconds.at))
     }
 
     /// A period in whole milliseconds.
-    pub fn millis(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
+    pub fn millis(&mut self, report: &mut Report, key: &'static str) -> Option<Located<Duration>> {
         let millis = self.read(report, key, "a whole number of milliseconds", Item::as_integer)?;
         match u64::try_from(millis.value) {
-            Ok(value @ 1..=60_000) => Some(At::new(Duration::from_millis(value), millis.at)),
+            Ok(value) if (1..=MILLIS_MAX).contains(&millis.value) => {
+                Some(Located::new(Duration::from_millis(value), millis.at))
+            }
             _ => {
                 report.add(
                     Problem::error(millis.at, format!("`{key}` is {} ms", millis.value))
@@ -259,34 +214,16 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// A period in whole milliseconds, which may not be missing.
-    pub fn required_millis(&mut self, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
-        let found = self.millis(report, key);
-        self.require(report, key, found)
-    }
-
     /// A list of texts, at most `max` long.
-    pub fn texts(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<At<Vec<Name>>> {
+    pub fn texts(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Located<Vec<LocatedName>>> {
         let array = self.read(report, key, "a list of texts", Item::as_array)?;
         list(report, key, array, max)
-    }
-
-    /// A list of texts, which may not be missing.
-    pub fn required_texts(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<At<Vec<Name>>> {
-        let found = self.texts(report, key, max);
-        self.require(report, key, found)
     }
 
     /// A table inside this one.
     pub fn table(&mut self, report: &mut Report, key: &'static str, what: &'static str) -> Option<Fields<'a>> {
         let table = self.read(report, key, "a table, `{ … }`", Item::as_table_like)?;
         Some(Fields::new(table.value, table.at, what))
-    }
-
-    /// A table inside this one, which may not be missing.
-    pub fn required_table(&mut self, report: &mut Report, key: &'static str, what: &'static str) -> Option<Fields<'a>> {
-        let found = self.table(report, key, what);
-        self.require(report, key, found)
     }
 
     /// A list of tables, `[[key]]` blocks or `[{ … }, …]`, at most `max` long.
@@ -328,69 +265,70 @@ impl<'a> Fields<'a> {
         tables
     }
 
-    /// Every key of this table with a text or a whole number: names are the user's own.
-    pub fn scalars(self, report: &mut Report, max: usize) -> Vec<(Name, At<Scalar>)> {
-        if self.table.len() > max {
-            let problem = Problem::error(self.at.clone(), format!("{} has {} entries", self.what, self.table.len()));
-            report.add(problem.hint(format!("at most {max}")));
-            return Vec::new();
-        }
-        let mut entries = Vec::new();
-        for (key, item) in self.table.iter() {
-            let key_at = self.table.key(key).and_then(|k| k.span()).unwrap_or_else(|| self.at.clone());
-            let at = item.span().unwrap_or_else(|| key_at.clone());
+    /// A table of at most `max` texts or whole numbers, under names that are the user's own.
+    pub fn scalars(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Named<Located<Scalar>>> {
+        self.named(report, key, max, |report, name, item, at| {
             let text = item.as_str().filter(|text| text.len() <= TEXT_MAX).map(|text| Scalar::Text(text.to_owned()));
             match text.or_else(|| item.as_integer().map(Scalar::Integer)) {
-                Some(value) => entries.push((At::new(key.to_owned(), key_at), At::new(value, at))),
-                None => report.add(wrong_type(at, key, "text in quotes or a whole number", item)),
+                Some(value) => Some(Located::new(value, at)),
+                None => {
+                    report.add(wrong_type(at, name, "text in quotes or a whole number", item));
+                    None
+                }
             }
-        }
-        entries
+        })
     }
 
-    /// Every key of this table with a list of texts, each at most `longest` long: names are the user's own.
-    pub fn lists(self, report: &mut Report, max: usize, longest: usize) -> Vec<(Name, At<Vec<Name>>)> {
-        if self.table.len() > max {
-            let problem = Problem::error(self.at.clone(), format!("{} has {} entries", self.what, self.table.len()));
-            report.add(problem.hint(format!("at most {max}")));
-            return Vec::new();
-        }
-        let mut entries = Vec::new();
-        for (key, item) in self.table.iter() {
-            let key_at = self.table.key(key).and_then(|k| k.span()).unwrap_or_else(|| self.at.clone());
-            let at = item.span().unwrap_or_else(|| key_at.clone());
-            match item.as_array() {
-                Some(array) => {
-                    let list = list(report, key, At::new(array, at), longest);
-                    entries.extend(list.map(|list| (At::new(key.to_owned(), key_at), list)));
-                }
-                None => report.add(wrong_type(at, key, "a list of texts", item)),
+    /// A table of at most `max` lists of texts, each at most `longest` long, under names that are the user's own.
+    pub fn lists(
+        &mut self,
+        report: &mut Report,
+        key: &'static str,
+        max: usize,
+        longest: usize,
+    ) -> Option<Named<Located<Vec<LocatedName>>>> {
+        self.named(report, key, max, |report, name, item, at| match item.as_array() {
+            Some(array) => list(report, name, Located::new(array, at), longest),
+            None => {
+                report.add(wrong_type(at, name, "a list of texts", item));
+                None
             }
-        }
-        entries
+        })
     }
 
-    /// Every key of this table with a coordinate: names are the user's own.
-    pub fn coordinates(self, report: &mut Report, max: usize) -> Vec<(Name, f64)> {
-        if self.table.len() > max {
-            let problem = Problem::error(self.at.clone(), format!("{} has {} entries", self.what, self.table.len()));
+    /// A table of at most `max` coordinates, under names that are the user's own.
+    pub fn coordinates(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Named<f64>> {
+        self.named(report, key, max, |report, name, item, at| match number(item) {
+            Some(value) => checked_coordinate(report, Located::new(value, at), name).map(|value| value.value),
+            None => {
+                report.add(wrong_type(at, name, "a number", item));
+                None
+            }
+        })
+    }
+
+    /// A table whose keys are the user's own names.
+    fn named<T>(
+        &mut self,
+        report: &mut Report,
+        key: &'static str,
+        max: usize,
+        read: impl Fn(&mut Report, &str, &Item, TextRange) -> Option<T>,
+    ) -> Option<Named<T>> {
+        let Located { value: table, at } = self.read(report, key, "a table, `{ … }`", Item::as_table_like)?;
+        if table.len() > max {
+            let problem = Problem::error(at, format!("`{key}` has {} entries", table.len()));
             report.add(problem.hint(format!("at most {max}")));
-            return Vec::new();
+            return Some(Vec::new());
         }
         let mut entries = Vec::new();
-        for (key, item) in self.table.iter() {
-            let key_at = self.table.key(key).and_then(|k| k.span()).unwrap_or_else(|| self.at.clone());
-            let at = item.span().unwrap_or_else(|| key_at.clone());
-            match number(item) {
-                Some(value) => {
-                    if let Some(value) = checked_coordinate(report, At::new(value, at), key) {
-                        entries.push((At::new(key.to_owned(), key_at), value.value));
-                    }
-                }
-                None => report.add(wrong_type(at, key, "a number", item)),
-            }
+        for (name, item) in table.iter() {
+            let name_at = table.key(name).and_then(|key| key.span()).unwrap_or_else(|| at.clone());
+            let item_at = item.span().unwrap_or_else(|| name_at.clone());
+            let value = read(report, name, item, item_at);
+            entries.extend(value.map(|value| (Located::new(name.to_owned(), name_at), value)));
         }
-        entries
+        Some(entries)
     }
 
     /// Reports every key that nobody asked for.
@@ -419,10 +357,10 @@ fn number(item: &Item) -> Option<f64> {
 fn checked<T: fmt::Display>(
     report: &mut Report,
     key: &str,
-    number: At<T>,
+    number: Located<T>,
     fits: bool,
     hint: impl Into<String>,
-) -> Option<At<T>> {
+) -> Option<Located<T>> {
     if fits {
         return Some(number);
     }
@@ -430,7 +368,7 @@ fn checked<T: fmt::Display>(
     None
 }
 
-fn checked_coordinate(report: &mut Report, number: At<f64>, key: &str) -> Option<At<f64>> {
+fn checked_coordinate(report: &mut Report, number: Located<f64>, key: &str) -> Option<Located<f64>> {
     if number.value.abs() <= COORDINATE_MAX {
         return Some(number);
     }
@@ -440,7 +378,7 @@ fn checked_coordinate(report: &mut Report, number: At<f64>, key: &str) -> Option
 }
 
 /// The texts of an array, at most `max` of them.
-fn list(report: &mut Report, key: &str, array: At<&Array>, max: usize) -> Option<At<Vec<Name>>> {
+fn list(report: &mut Report, key: &str, array: Located<&Array>, max: usize) -> Option<Located<Vec<LocatedName>>> {
     if array.value.len() > max {
         report.add(
             Problem::error(array.at, format!("`{key}` has {} entries", array.value.len()))
@@ -452,19 +390,19 @@ fn list(report: &mut Report, key: &str, array: At<&Array>, max: usize) -> Option
     for value in array.value {
         let at = value.span().unwrap_or_else(|| array.at.clone());
         match value.as_str() {
-            Some(text) if text.len() <= TEXT_MAX => texts.push(At::new(text.to_owned(), at)),
+            Some(text) if text.len() <= TEXT_MAX => texts.push(Located::new(text.to_owned(), at)),
             Some(_) => report.add(Problem::error(at, format!("an entry of `{key}` has over {TEXT_MAX} bytes"))),
             None => report.add(wrong_value(at, &format!("an entry of `{key}`"), "text in quotes", value)),
         }
     }
-    Some(At::new(texts, array.at))
+    Some(Located::new(texts, array.at))
 }
 
-fn wrong_type(at: Where, key: &str, expected: &str, found: &Item) -> Problem {
+fn wrong_type(at: TextRange, key: &str, expected: &str, found: &Item) -> Problem {
     Problem::error(at, format!("`{key}` must be {expected}")).label(format!("this is {}", described(found.type_name())))
 }
 
-fn wrong_value(at: Where, what: &str, expected: &str, found: &Value) -> Problem {
+fn wrong_value(at: TextRange, what: &str, expected: &str, found: &Value) -> Problem {
     Problem::error(at, format!("{what} must be {expected}")).label(format!("this is {}", described(found.type_name())))
 }
 

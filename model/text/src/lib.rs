@@ -1,21 +1,31 @@
 //! Descriptions written by people: text → tables of values with their places, and what is wrong with them.
 //!
 //! What every reader of such a file needs: problems that point into the text and give advice, tables read key by key
-//! without losing a problem, names that are looked up, and "did you mean". It knows TOML and no key: what a description
+//! without losing a problem, names that are looked up, and "did you mean". The keys of a table are written down once, as
+//! [`keys!`]: its reader follows from that, and the schema that editors use. It knows TOML and no key: what a description
 //! means is known to the crates that read one. A reader never stops at a mistake; what could not be read is absent
 //! afterwards, so that one run reports all that can be known, and none of it twice.
 
 mod document;
 mod fields;
 mod id;
+mod keys;
+mod kind;
 mod names;
 mod place;
-mod problem;
+mod shape;
 mod suggest;
 
+pub use linewright_diagnostics::{Problem, Problems, Report};
+
 pub use document::{BYTES_MAX, document, is_bounded};
-pub use fields::{Fields, Scalar};
-pub use names::{NAME_MAX, Table, phrase, ros_name, tag, unique};
-pub use place::{At, Name, Where, or};
-pub use problem::{Problem, Problems, Report};
+pub use fields::{Fields, Scalar, TEXT_MAX};
+pub use keys::Keys;
+pub use kind::{
+    Kind, coordinate, coordinates, flag, integer, lists, millis, nothing, number, one_of, part, positive, scalars,
+    seconds, table, tables, text, texts, whole, within, word, written,
+};
+pub use names::{NAME_MAX, NameTable, phrase, ros_name, tag, unique};
+pub use place::{Located, LocatedName, Named, TextRange, or};
+pub use shape::{Presence, Property, Shape, Usual, sentences};
 pub use suggest::{nearest, suggestion};

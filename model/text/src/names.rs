@@ -5,22 +5,22 @@
 
 use std::collections::HashMap;
 
-use crate::{Name, Problem, Report, Where, suggestion};
+use crate::{LocatedName, Problem, Report, TextRange, suggestion};
 
 /// Longest name, in characters. ROS allows 255 for a whole topic name; ours are one part of one.
 pub const NAME_MAX: usize = 64;
 
 /// Names of one kind in one scope, each with its number and the place that defines it.
 #[derive(Clone, Debug, Default)]
-pub struct Table<'a> {
-    entries: HashMap<&'a str, (usize, &'a Where)>,
+pub struct NameTable<'a> {
+    entries: HashMap<&'a str, (usize, &'a TextRange)>,
     /// In the order of the description, so that suggestions do not depend on hashing.
     order: Vec<&'a str>,
 }
 
-impl<'a> Table<'a> {
+impl<'a> NameTable<'a> {
     /// Defines `name` as number `id`; gives back the place of an earlier definition, which then stands.
-    pub fn define(&mut self, name: &'a Name, id: usize) -> Option<&'a Where> {
+    pub fn define(&mut self, name: &'a LocatedName, id: usize) -> Option<&'a TextRange> {
         if let Some((_, earlier)) = self.entries.get(name.value.as_str()) {
             return Some(earlier);
         }
@@ -35,7 +35,7 @@ impl<'a> Table<'a> {
     }
 
     /// Where `name` is defined.
-    pub fn place(&self, name: &str) -> Option<&'a Where> {
+    pub fn place(&self, name: &str) -> Option<&'a TextRange> {
         self.entries.get(name).map(|&(_, at)| at)
     }
 
@@ -45,7 +45,7 @@ impl<'a> Table<'a> {
     }
 
     /// What `name` stands for, or a problem that says what it could have been.
-    pub fn find(&self, name: &Name, what: &str, report: &mut Report) -> Option<usize> {
+    pub fn find(&self, name: &LocatedName, what: &str, report: &mut Report) -> Option<usize> {
         let found = self.get(&name.value);
         if found.is_none() && !report.is_full() {
             report.add(
@@ -58,7 +58,7 @@ impl<'a> Table<'a> {
 }
 
 /// Defines `name` in `table`, and reports a second definition.
-pub fn unique<'a>(table: &mut Table<'a>, name: &'a Name, id: usize, what: &str, report: &mut Report) {
+pub fn unique<'a>(table: &mut NameTable<'a>, name: &'a LocatedName, id: usize, what: &str, report: &mut Report) {
     if let Some(earlier) = table.define(name, id) {
         report.add(
             Problem::error(name.at.clone(), format!("a second {what} named `{}`", name.value))
@@ -69,7 +69,7 @@ pub fn unique<'a>(table: &mut Table<'a>, name: &'a Name, id: usize, what: &str, 
 }
 
 /// Reports a name that cannot become part of the ROS graph; whether it can.
-pub fn ros_name(name: &Name, what: &str, report: &mut Report) -> bool {
+pub fn ros_name(name: &LocatedName, what: &str, report: &mut Report) -> bool {
     let text = &name.value;
     let fits = text.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
         && text.starts_with(|c: char| c.is_ascii_lowercase())
@@ -88,7 +88,7 @@ pub fn ros_name(name: &Name, what: &str, report: &mut Report) -> bool {
 }
 
 /// Reports a name that is not as a chart prints it: words, with blanks between them.
-pub fn phrase(name: &Name, what: &str, report: &mut Report) {
+pub fn phrase(name: &LocatedName, what: &str, report: &mut Report) {
     let text = &name.value;
     let fits = !text.is_empty()
         && text.trim() == text
@@ -104,7 +104,7 @@ pub fn phrase(name: &Name, what: &str, report: &mut Report) {
 }
 
 /// Reports a name that is not as a circuit diagram prints it: one word.
-pub fn tag(name: &Name, what: &str, report: &mut Report) {
+pub fn tag(name: &LocatedName, what: &str, report: &mut Report) {
     let text = &name.value;
     if text.is_empty() || text.len() > NAME_MAX || !text.chars().all(|c| c.is_ascii_graphic()) {
         report.add(

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_line::{BUTTONS_MAX, Line, Module, Tick};
 use linewright_plant::Fault;
 
-use linewright_text::{At, Fields, Problem, Report, Where};
+use linewright_text::{Fields, Located, Problem, Report, TextRange};
 
 use super::Scenario;
 use super::vocabulary;
@@ -74,7 +74,7 @@ fn step(line: &Line, mut fields: Fields<'_>, report: &mut Report) -> Option<Scri
         deeds.add(at, Some(ScriptAction::Act(OperatorAction::Network(network(table, report)))));
     }
     fields.finish(report);
-    if let [_, At { at: second, .. }, ..] = deeds.found.as_slice() {
+    if let [_, Located { at: second, .. }, ..] = deeds.found.as_slice() {
         let hint = "give the second one a step of its own; steps follow each other without a pause";
         report.add(Problem::error(second.clone(), "a step does one thing").hint(hint));
     }
@@ -83,18 +83,18 @@ fn step(line: &Line, mut fields: Fields<'_>, report: &mut Report) -> Option<Scri
 }
 
 /// A time in seconds, at most a day; unlike the time of a mechanism it may be none at all.
-fn seconds(fields: &mut Fields<'_>, report: &mut Report, key: &'static str) -> Option<At<Duration>> {
+fn seconds(fields: &mut Fields<'_>, report: &mut Report, key: &'static str) -> Option<Located<Duration>> {
     Some(fields.within(report, key, 0.0, 86_400.0)?.map(Duration::from_secs_f64))
 }
 
 /// What a step does, as far as it is found.
 struct Deeds {
-    found: Vec<At<ScriptAction>>,
+    found: Vec<Located<ScriptAction>>,
 }
 
 impl Deeds {
-    fn add(&mut self, at: Where, deed: Option<ScriptAction>) {
-        self.found.extend(deed.map(|deed| At::new(deed, at)));
+    fn add(&mut self, at: TextRange, deed: Option<ScriptAction>) {
+        self.found.extend(deed.map(|deed| Located::new(deed, at)));
     }
 
     fn people(&mut self, line: &Line, fields: &mut Fields<'_>, report: &mut Report) {
@@ -126,7 +126,7 @@ impl Deeds {
             let turned = vocabulary::selector(line, &word, report);
             self.add(at, turned.map(|(station, manual)| ScriptAction::Act(OperatorAction::Selector(station, manual))));
         }
-        if let Some(At { value: names, at }) = fields.texts(report, "buttons", BUTTONS_MAX) {
+        if let Some(Located { value: names, at }) = fields.texts(report, "buttons", BUTTONS_MAX) {
             let held = names.iter().filter_map(|name| vocabulary::button(line, name, report));
             let held = held.fold(0, |held, button| held | 1 << button);
             self.add(at, Some(ScriptAction::Act(OperatorAction::Buttons(held))));

@@ -6,15 +6,15 @@
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, OpId, StationId};
-use linewright_text::{Name, Problem, Report, Where, suggestion};
+use linewright_text::{LocatedName, Problem, Report, TextRange, suggestion};
 
 use crate::condition::{Compare, OperationCondition, ScenarioCondition, StationCondition};
 use crate::operator::{MotionSelection, NodeProcess};
 
 /// A word and its place.
-type ScenarioWord<'a> = (&'a str, Where);
+type ScenarioWord<'a> = (&'a str, TextRange);
 
-fn of(name: &Name) -> ScenarioWord<'_> {
+fn of(name: &LocatedName) -> ScenarioWord<'_> {
     (&name.value, name.at.clone())
 }
 
@@ -27,11 +27,11 @@ fn one_of<T: Copy>(known: &[(&str, T)], what: &str, (word, at): ScenarioWord<'_>
     found
 }
 
-pub(super) fn command(name: &Name, report: &mut Report) -> Option<ModeCommand> {
+pub(super) fn command(name: &LocatedName, report: &mut Report) -> Option<ModeCommand> {
     one_of(&ModeCommand::ALL.map(|command| (command.name(), command)), "command", of(name), report)
 }
 
-pub(super) fn way(name: &Name, report: &mut Report) -> Option<MotionSelection> {
+pub(super) fn way(name: &LocatedName, report: &mut Report) -> Option<MotionSelection> {
     let known =
         [("normal", MotionSelection::Normal), ("recovery", MotionSelection::Recovery), ("both", MotionSelection::Both)];
     one_of(&known, "motion", of(name), report)
@@ -56,7 +56,7 @@ fn sides<'a>(
 }
 
 /// A part of a text, trimmed, with its place in the file; `at` includes the quotes.
-fn within<'a>(text: &str, at: &Where, part: &'a str) -> ScenarioWord<'a> {
+fn within<'a>(text: &str, at: &TextRange, part: &'a str) -> ScenarioWord<'a> {
     let trimmed = part.trim();
     // An escape in the text moves everything behind it; the whole is then close enough.
     if at.len() != text.len() + 2 {
@@ -66,7 +66,7 @@ fn within<'a>(text: &str, at: &Where, part: &'a str) -> ScenarioWord<'a> {
     (trimmed, start..start + trimmed.len())
 }
 
-pub(super) fn operation(line: &Line, name: &Name, report: &mut Report) -> Option<(StationId, OpId)> {
+pub(super) fn operation(line: &Line, name: &LocatedName, report: &mut Report) -> Option<(StationId, OpId)> {
     operation_in(line, of(name), report)
 }
 
@@ -79,24 +79,24 @@ fn operation_in(line: &Line, text: ScenarioWord<'_>, report: &mut Report) -> Opt
     Some((id, one_of(&known, "operation", right, report)?))
 }
 
-pub(super) fn panel(line: &Line, name: &Name, report: &mut Report) -> Option<(StationId, bool)> {
+pub(super) fn panel(line: &Line, name: &LocatedName, report: &mut Report) -> Option<(StationId, bool)> {
     let (left, right) = sides(of(name), "advance", report)?;
     let side = one_of(&[("advance", true), ("return", false)], "panel button", right, report);
     Some((station(line, left, report)?, side?))
 }
 
-pub(super) fn selector(line: &Line, name: &Name, report: &mut Report) -> Option<(StationId, bool)> {
+pub(super) fn selector(line: &Line, name: &LocatedName, report: &mut Report) -> Option<(StationId, bool)> {
     let (left, right) = sides(of(name), "manual", report)?;
     let side = one_of(&[("manual", true), ("auto", false)], "selector position", right, report);
     Some((station(line, left, report)?, side?))
 }
 
-pub(super) fn button(line: &Line, name: &Name, report: &mut Report) -> Option<usize> {
+pub(super) fn button(line: &Line, name: &LocatedName, report: &mut Report) -> Option<usize> {
     let known: Vec<(&str, usize)> = line.buttons.iter().enumerate().map(|(at, button)| (button.as_str(), at)).collect();
     one_of(&known, "hand-mode button", of(name), report)
 }
 
-pub(super) fn input(line: &Line, name: &Name, report: &mut Report) -> Option<(Option<StationId>, InputId)> {
+pub(super) fn input(line: &Line, name: &LocatedName, report: &mut Report) -> Option<(Option<StationId>, InputId)> {
     let (left, right) = sides(of(name), "input", report)?;
     let owner = if left.0 == "console" { None } else { Some(station(line, left, report)?) };
     let inputs = owner.map_or(&line.console.inputs, |id| &line.station(id).inputs);
@@ -105,19 +105,19 @@ pub(super) fn input(line: &Line, name: &Name, report: &mut Report) -> Option<(Op
     Some((owner, one_of(&known, "input", right, report)?))
 }
 
-pub(super) fn device(line: &Line, name: &Name, report: &mut Report) -> Option<usize> {
+pub(super) fn device(line: &Line, name: &LocatedName, report: &mut Report) -> Option<usize> {
     let known: Vec<(&str, usize)> =
         line.devices.iter().enumerate().map(|(at, device)| (device.name.as_str(), at)).collect();
     one_of(&known, "device", of(name), report)
 }
 
-pub(super) fn process(line: &Line, name: &Name, report: &mut Report) -> Option<NodeProcess> {
+pub(super) fn process(line: &Line, name: &LocatedName, report: &mut Report) -> Option<NodeProcess> {
     let stations = line.station_ids().map(|id| (line.station(id).name.as_str(), NodeProcess::Station(id)));
     let known: Vec<(&str, NodeProcess)> = stations.chain([("coordinator", NodeProcess::Coordinator)]).collect();
     one_of(&known, "process", of(name), report)
 }
 
-pub(super) fn condition(line: &Line, name: &Name, report: &mut Report) -> Option<ScenarioCondition> {
+pub(super) fn condition(line: &Line, name: &LocatedName, report: &mut Report) -> Option<ScenarioCondition> {
     let (text, at) = of(name);
     let clauses: Vec<Option<ScenarioCondition>> =
         clauses(line, text).into_iter().map(|part| clause(line, within(text, &at, part), report)).collect();
@@ -225,7 +225,7 @@ fn mode(word: ScenarioWord<'_>, report: &mut Report) -> Option<ControlMode> {
 }
 
 /// A part of a part, whose place carries no quotes.
-fn within_trimmed<'a>(text: &str, at: &Where, part: &'a str) -> ScenarioWord<'a> {
+fn within_trimmed<'a>(text: &str, at: &TextRange, part: &'a str) -> ScenarioWord<'a> {
     let trimmed = part.trim();
     if at.len() != text.len() {
         return (trimmed, at.clone());

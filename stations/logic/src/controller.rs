@@ -18,7 +18,7 @@ use crate::panel::{Commands, ModeOrder, PanelCommand, RivalCoordinators};
 use crate::parts::{Agreement, Counts, Due, Fired, Image, Levels, Marking, Output, Token};
 use crate::program::{CompileError, Program, bit};
 use crate::report::{Restore, StationReport};
-use crate::rules::Rules;
+use crate::rules::{OrderRules, Rules};
 use crate::slot::OrderSlot;
 use crate::views::PeerViews;
 
@@ -161,6 +161,13 @@ impl Controller {
     pub fn with_rules(mut self, rules: Rules) -> Self {
         self.rules = rules;
         self.views.rules = rules;
+        self
+    }
+
+    /// The same controller with some rules of orders switched off.
+    #[must_use]
+    pub fn with_order_rules(mut self, rules: OrderRules) -> Self {
+        self.orders.iter_mut().for_each(|orders| orders.rules = rules);
         self
     }
 

@@ -17,16 +17,8 @@ use linewright_line::{OpId, Tick};
 use crate::controller::Controller;
 use crate::event::{HappeningKind, StopCause};
 use crate::ignored::Ignored;
+use crate::panel::Founding;
 use crate::parts::{RunCommand, Token};
-
-/// An order to found a generation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Founding {
-    /// The generation; never 0.
-    pub generation: u64,
-    /// The life of this station that was seen at home. Another one does not follow.
-    pub boot_id: u64,
-}
 
 impl Token {
     /// It stands in this place, and nothing of its motion has been driven.

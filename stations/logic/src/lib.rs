@@ -64,6 +64,7 @@ mod order;
 mod order_words;
 mod panel;
 mod parts;
+mod position_guard;
 mod program;
 mod report;
 mod restore;
@@ -79,14 +80,13 @@ mod words;
 pub use controller::{Controller, NO_DELAY, StationInput, StationOutbox};
 pub use event::{HappeningKind, StationHappening, StopCause};
 pub use explain::DEVICES_INVALID;
-pub use generation::Founding;
 pub use ignored::{Handled, Ignored};
-pub use interlock::{OwnSide, PositionGuard, PositionsKnown};
 pub use order::{
     OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand, TaskFailure, TaskOrder,
     TaskOrderReport,
 };
-pub use panel::{ModeOrder, PanelCommand, RivalCoordinators};
+pub use panel::{Founding, ModeOrder, PanelCommand, RivalCoordinators};
+pub use position_guard::{OwnSide, PositionGuard, PositionsKnown};
 pub use program::{CompileError, Program};
 pub use report::{Restore, StationReport, StationSnapshot, WithdrawalAnswer, WithdrawalRequest};
 pub use rules::{OrderRules, Rules};

@@ -9,9 +9,17 @@ use std::time::Duration;
 use linewright_line::Tick;
 use linewright_line::net::ControlMode;
 
-use crate::generation::Founding;
 use crate::ignored::Ignored;
 use crate::program::bit;
+
+/// An order to found a generation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Founding {
+    /// The generation; never 0.
+    pub generation: u64,
+    /// The life of this station that was seen at home. Another one does not follow.
+    pub boot_id: u64,
+}
 
 /// The coordinator's order of the mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

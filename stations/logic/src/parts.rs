@@ -6,8 +6,11 @@ use linewright_line::net::ControlMode;
 use linewright_line::{BRANCHES_MAX, InputId, OpId, Panel, StationId, Tick};
 
 use crate::event::StopCause;
-use crate::step::PASSES_MAX;
-use crate::withdraw::PendingWithdrawal;
+use crate::report::WithdrawalRequest;
+
+/// Transitions looked at in one step before the next image is asked for. An operation that completes leads on to the
+/// next at once; a longer chain means a description with operations that take no time.
+pub(crate) const PASSES_MAX: usize = 4;
 
 /// The source of the command that keeps a motion going.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,6 +104,26 @@ pub(crate) struct Levels {
     pub before: u128,
     /// The mode of the step before.
     pub mode: ControlMode,
+}
+
+/// A request that is open, and the command behind it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PendingWithdrawal {
+    pub request: WithdrawalRequest,
+    /// The rows whose transitions fire once agreed, the first `count` of them.
+    pub rows: [u16; BRANCHES_MAX],
+    pub count: usize,
+    /// Levels the command must keep holding.
+    pub hold: u128,
+    pub mode: ControlMode,
+    /// Peers that must agree, a bit per entry of the program's peers.
+    pub needs: u64,
+}
+
+impl PendingWithdrawal {
+    pub fn rows(&self) -> &[u16] {
+        &self.rows[..self.count]
+    }
 }
 
 /// Taking counts back, by agreement with other stations.

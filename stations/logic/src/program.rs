@@ -11,7 +11,7 @@ use std::time::Duration;
 use linewright_line::net::{Block, ControlMode, Kind, Literal, Place, StationNet, Term, Var};
 use linewright_line::{ButtonId, Line, Module, OpId, Signals, StationId, TaskId};
 
-use crate::interlock::{Interlocks, partners};
+use crate::position_guard::{Interlocks, partners};
 use crate::tasks::StationTasks;
 
 /// The bits of the word of condition variables.

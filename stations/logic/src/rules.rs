@@ -3,8 +3,6 @@
 //! They exist for the checker: an explorer that finds nothing wrong is worth believing only if it finds a collision
 //! as soon as one rule is off. A controller runs with all of them; nothing in a description can turn one off.
 
-use crate::controller::Controller;
-
 /// Which rules hold. The default is all of them, and the only choice for a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
@@ -69,15 +67,6 @@ pub struct OrderRules {
 impl Default for OrderRules {
     fn default() -> Self {
         OrderRules { ends_standing: true, secures_once: true, does_once: true, own_memory: true, stops_at_once: true }
-    }
-}
-
-impl Controller {
-    /// The same controller with some rules of orders switched off.
-    #[must_use]
-    pub fn with_order_rules(mut self, rules: OrderRules) -> Self {
-        self.orders.iter_mut().for_each(|orders| orders.rules = rules);
-        self
     }
 }
 

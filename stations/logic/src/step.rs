@@ -8,13 +8,9 @@ use linewright_line::{BRANCHES_MAX, Tick};
 
 use crate::controller::{Controller, NO_DELAY, StationOutbox};
 use crate::event::{HappeningKind, StopCause};
-use crate::parts::RunCommand;
+use crate::parts::{PASSES_MAX, PendingWithdrawal, RunCommand};
 use crate::program::{Causal, ConditionRow, bit};
-use crate::withdraw::{PendingWithdrawal, WithdrawalState};
-
-/// Transitions looked at in one step before the next image is asked for. An operation that completes leads on to the
-/// next at once; a longer chain means a description with operations that take no time.
-pub(crate) const PASSES_MAX: usize = 4;
+use crate::withdraw::WithdrawalState;
 
 impl Controller {
     /// Plays the net one image further. Call it after every [`Controller::handle`] and at every deadline.

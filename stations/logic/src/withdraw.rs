@@ -13,29 +13,10 @@ use linewright_line::net::ControlMode;
 
 use crate::controller::Controller;
 use crate::event::HappeningKind;
+use crate::parts::PendingWithdrawal;
 use crate::report::WithdrawalRequest;
 
-/// A request that is open, and the command behind it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PendingWithdrawal {
-    pub request: WithdrawalRequest,
-    /// The rows whose transitions fire once agreed, the first `count` of them.
-    rows: [u16; BRANCHES_MAX],
-    count: usize,
-    /// Levels the command must keep holding.
-    pub hold: u128,
-    pub mode: ControlMode,
-    /// Peers that must agree, a bit per entry of the program's peers.
-    pub needs: u64,
-}
-
-impl PendingWithdrawal {
-    pub fn rows(&self) -> &[u16] {
-        &self.rows[..self.count]
-    }
-}
-
-/// What has become of a request.
+/// State of a withdrawal request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum WithdrawalState {
     Waiting,

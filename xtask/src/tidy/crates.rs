@@ -8,7 +8,7 @@ use crate::part::{Stream, cargo, lines};
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
 pub const PURE: [&str; 16] = [
     "linewright-nets",
-    "linewright-problems",
+    "linewright-diagnostics",
     "linewright-text",
     "linewright-pnml",
     "linewright-eds",
@@ -45,10 +45,10 @@ const FORBIDDEN: [&str; 9] = [
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
 const MAY_USE: [(&str, &[&str]); 27] = [
     ("linewright-nets", &[]),
-    ("linewright-problems", &[]),
-    ("linewright-text", &[]),
-    ("linewright-pnml", &["linewright-nets", "linewright-problems"]),
-    ("linewright-eds", &["linewright-problems"]),
+    ("linewright-diagnostics", &[]),
+    ("linewright-text", &["linewright-diagnostics"]),
+    ("linewright-pnml", &["linewright-nets", "linewright-diagnostics"]),
+    ("linewright-eds", &["linewright-diagnostics"]),
     ("linewright-line", &["linewright-nets", "linewright-text"]),
     ("linewright-cell", &["linewright-nets", "linewright-text", "linewright-line"]),
     ("linewright-dbc", &["linewright-line"]),
@@ -142,7 +142,7 @@ const MAY_USE: [(&str, &[&str]); 27] = [
 /// Whatever is not a top itself.
 const EVERYTHING: &[&str] = &[
     "linewright-nets",
-    "linewright-problems",
+    "linewright-diagnostics",
     "linewright-text",
     "linewright-pnml",
     "linewright-eds",

@@ -11,15 +11,14 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::dispatch::{shortest, time};
+use super::super::dispatch::{PartPriority, ShortestRoutes, shortest, time};
 use super::super::firing::ActivityPhase;
-use super::super::ids::{CellId, ModeId};
+use super::super::ids::{CellId, ModeId, TokenDemand};
 use super::super::plan::CellKind;
 use super::super::production::DispatchConfiguration;
 use super::super::state::PartPlace;
-use super::super::table::{CellTable, TokenDemand};
+use super::super::table::CellTable;
 use super::forward_simulation::ForwardSimulation;
-use super::score::{entering, is_last, weight};
 
 /// At most so many numbers of token cells and cells are kept.
 const ENTRIES_MAX: usize = 1_000_000;
@@ -188,7 +187,7 @@ impl CostBounds {
         let micros = |span: Duration| u64::try_from(span.as_micros()).unwrap_or(u64::MAX);
         let mut bound = CostBound { tardiness: 0, makespan: 0 };
         let (began, now) = (imagined.began(), imagined.now());
-        let mut finish = |job: super::super::dispatch::PartPriority, at: Tick, count: u32| {
+        let mut finish = |job: PartPriority, at: Tick, count: u32| {
             let late = job.due.map_or(Duration::ZERO, |due| at.since(due));
             let late = micros(late).saturating_mul(weight(&job)).saturating_mul(u64::from(count));
             bound.tardiness = bound.tardiness.saturating_add(late);
@@ -215,4 +214,27 @@ impl CostBounds {
         bound.makespan = bound.makespan.max(micros((now + need).since(began)));
         bound
     }
+}
+
+/// Whether nothing takes a part on from there.
+pub(in super::super) fn is_last(table: &CellTable, cell: CellId) -> bool {
+    table.consumers(cell).is_empty()
+}
+
+/// The work on a part of a product that has still to enter.
+pub(in super::super) fn entering(
+    desk: &DispatchConfiguration,
+    table: &CellTable,
+    ways: &ShortestRoutes,
+    product: usize,
+) -> Duration {
+    let modes = desk.production().into_iter().flat_map(|production| production.entrances(product));
+    let work =
+        modes.map(|mode| time(table, mode) + table.part_out(mode).map_or(Duration::ZERO, |to| ways.remaining(to)));
+    work.min().unwrap_or_default()
+}
+
+/// How often a part's tardiness counts.
+pub(in super::super) fn weight(job: &PartPriority) -> u64 {
+    1 + u64::try_from(job.priority).unwrap_or(0)
 }

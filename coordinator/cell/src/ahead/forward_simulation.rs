@@ -1,4 +1,4 @@
-//! A cell in thought.
+//! Forward simulation of a cell.
 //!
 //! It begins as the real one is, and goes on as if every activity took its nominal time and every station did what it is
 //! told. An activity that already takes longer than that is believed to take as long again as it is late: so what hangs is
@@ -6,6 +6,7 @@
 //! has: a machine that is down is one that never comes back, as far as can be seen.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use linewright_line::Tick;
 
@@ -16,7 +17,7 @@ use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::question::{Candidate, ConflictGroup, DispatchDecision, Question, check, pose};
 use super::super::record::{ActivityStep, Record, RecordKind};
 use super::super::state::PlayerState;
-use super::bounds::SimulationBasis;
+use super::super::table::CellTable;
 use super::rollout_policy::RolloutPolicy;
 
 /// An activity that was started.
@@ -45,7 +46,7 @@ pub enum Ending {
     Worn,
 }
 
-/// A cell in thought.
+/// Forward simulation of a cell.
 #[derive(Clone, Debug)]
 pub struct ForwardSimulation {
     state: PlayerState,
@@ -59,9 +60,8 @@ pub struct ForwardSimulation {
 }
 
 impl ForwardSimulation {
-    /// The cell as it is now.
-    pub fn new(state: &PlayerState, thought: &SimulationBasis, now: Tick) -> Self {
-        let quiet = thought.table();
+    pub fn new(state: &PlayerState, table: &Arc<CellTable>, now: Tick) -> Self {
+        let quiet = table;
         let mut state = state.clone();
         state.table = quiet.clone();
         state.orders.clear();

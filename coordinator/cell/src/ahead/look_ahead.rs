@@ -98,7 +98,7 @@ impl LookAhead {
         mut lead: impl RolloutPolicy,
         left: &mut usize,
     ) -> Option<EvaluatedDecision> {
-        let mut imagined = ForwardSimulation::new(question.state, &self.thought, question.now);
+        let mut imagined = ForwardSimulation::new(question.state, self.thought.table(), question.now);
         let ending = imagined.play(&mut lead, question.now + self.horizon, *left);
         *left = left.saturating_sub(imagined.firings());
         match ending {
@@ -192,6 +192,12 @@ impl LookAhead {
         let part = part.filter(|_| self.thought.table().part_in(mode).is_some());
         let at = self.best.iter().position(|of| (of.mode, of.part) == (mode, part));
         at.into_iter().for_each(|at| _ = self.best.remove(at));
+    }
+}
+
+impl RolloutPolicy for LookAhead {
+    fn desk(&self) -> &DispatchConfiguration {
+        &self.desk
     }
 }
 

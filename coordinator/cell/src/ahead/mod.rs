@@ -20,8 +20,8 @@ mod score;
 
 pub(super) use bounds::CostBound;
 pub use bounds::SimulationBasis;
+pub(super) use bounds::weight;
 pub use forward_simulation::{Ending, ForwardSimulation, SimulatedActivity};
 pub use look_ahead::{EFFORT, LookAhead};
 pub use rollout_policy::{DeviatingPolicy, PlanPolicy, PlannedStart, PolicyChoice, RolloutPolicy};
 pub use score::Score;
-pub(super) use score::weight;

@@ -1,6 +1,6 @@
-//! Who decides in thought.
+//! Policies that decide in a forward simulation.
 //!
-//! All of them fall back to the rules when they have nothing more to say, so that a future is always played to its end.
+//! All of them fall back to the rules when they have nothing more to decide, so that a simulation is always played to its end.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -16,12 +16,6 @@ use super::super::record::Record;
 pub trait RolloutPolicy: Dispatcher {
     /// What it knows of parts and orders.
     fn desk(&self) -> &DispatchConfiguration;
-}
-
-impl RolloutPolicy for super::LookAhead {
-    fn desk(&self) -> &DispatchConfiguration {
-        &self.desk
-    }
 }
 
 impl RolloutPolicy for DispatchConfiguration {

@@ -11,13 +11,11 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::dispatch::{PartPriority, ShortestRoutes, time};
-use super::super::ids::CellId;
+use super::super::dispatch::PartPriority;
 use super::super::production::DispatchConfiguration;
 use super::super::reason::Gain;
 use super::super::state::PartPlace;
-use super::super::table::CellTable;
-use super::bounds::SimulationBasis;
+use super::bounds::{SimulationBasis, entering, is_last, weight};
 use super::forward_simulation::{Ending, ForwardSimulation};
 
 /// What has come of a future; the smaller one is better. Only scores of futures that began at the same moment are compared.
@@ -91,29 +89,6 @@ impl Score {
             Gain::Nothing
         }
     }
-}
-
-/// Whether nothing takes a part on from there.
-pub(in super::super) fn is_last(table: &CellTable, cell: CellId) -> bool {
-    table.consumers(cell).is_empty()
-}
-
-/// The work on a part of a product that has still to enter.
-pub(in super::super) fn entering(
-    desk: &DispatchConfiguration,
-    table: &CellTable,
-    ways: &ShortestRoutes,
-    product: usize,
-) -> Duration {
-    let modes = desk.production().into_iter().flat_map(|production| production.entrances(product));
-    let work =
-        modes.map(|mode| time(table, mode) + table.part_out(mode).map_or(Duration::ZERO, |to| ways.remaining(to)));
-    work.min().unwrap_or_default()
-}
-
-/// How often a part's tardiness counts.
-pub(in super::super) fn weight(job: &PartPriority) -> u64 {
-    1 + u64::try_from(job.priority).unwrap_or(0)
 }
 
 /// So much later than it could be is what never comes.

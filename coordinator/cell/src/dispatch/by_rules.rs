@@ -22,7 +22,11 @@ use super::super::question::{DispatchDecision, Dispatcher, HeldCandidate, Questi
 use super::super::reason::{DecidingRule, HoldReason, LostDecision};
 use super::super::state::PlayerState;
 use super::super::table::CellTable;
-use super::rule::{Admission, DispatchRule, Measure, PartPriorities, RuleInputs, Timetable};
+use linewright_cell::DispatchRule;
+
+use super::measure::Measure;
+use super::priorities::{Admission, PartPriorities, Timetable};
+use super::rule::RuleInputs;
 use super::urgency::{Fairness, Urgent, pursue, urgent};
 use super::ways::ShortestRoutes;
 

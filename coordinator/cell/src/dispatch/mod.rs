@@ -13,6 +13,8 @@
 //! out what comes next can ask the same rules about a state that is only imagined.
 
 mod by_rules;
+mod measure;
+mod priorities;
 mod rule;
 mod urgency;
 mod ways;
@@ -20,7 +22,9 @@ mod why;
 pub mod words;
 
 pub use by_rules::RuleDispatcher;
-pub use rule::{Admission, DispatchRule, EntryCandidate, Measure, PartPriorities, PartPriority, Timetable, Window};
+pub use linewright_cell::DispatchRule;
+pub use measure::Measure;
+pub use priorities::{Admission, EntryCandidate, PartPriorities, PartPriority, Timetable, Window};
 pub use urgency::Fairness;
 pub use ways::ShortestRoutes;
 pub(super) use ways::{shortest, time};

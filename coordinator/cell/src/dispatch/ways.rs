@@ -7,9 +7,9 @@ use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 use std::time::Duration;
 
-use super::super::ids::{CellId, ModeId};
+use super::super::ids::{CellId, ModeId, TokenDemand};
 use super::super::plan::ActivityTiming;
-use super::super::table::{CellTable, TokenDemand};
+use super::super::table::CellTable;
 
 /// Ways through a table.
 #[derive(Clone, Debug, PartialEq, Eq)]

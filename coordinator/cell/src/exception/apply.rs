@@ -3,10 +3,9 @@
 use linewright_line::Tick;
 
 use super::super::firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress};
-use super::super::ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ResourceId};
+use super::super::ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ResourceId, TokenDemand};
 use super::super::record::Failure;
 use super::super::state::{PartPlace, PlayerState};
-use super::super::table::TokenDemand;
 use super::book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService, Retry};
 use super::fact::{AlarmSubject, ExceptionStep, RecoveryDecision, Strategy, Whereabouts};
 

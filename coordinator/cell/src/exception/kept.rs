@@ -4,8 +4,7 @@ use linewright_line::StationId;
 use serde::{Deserialize, Serialize};
 
 use super::super::firing::ActivityPhase;
-use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
-use super::super::snapshot::NUMBER_MAX;
+use super::super::ids::{AlarmId, FiringId, ModeId, NUMBER_MAX, OrderKey, PartId, ResourceId};
 use super::super::state::PlayerState;
 use super::book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService, Retry};
 use super::fact::AlarmSubject;

@@ -8,9 +8,8 @@ use std::time::Duration;
 
 use linewright_line::StationId;
 
-use super::super::ids::{CellId, ModeId, ResourceId};
+use super::super::ids::{CellId, ModeId, ResourceId, TokenDemand};
 use super::super::record::{ActivityFailure, Failure, Refusal};
-use super::super::table::TokenDemand;
 use super::fact::{RecoveryDecision, Strategy, Whereabouts};
 
 /// What is known of a cell for the case that something fails.

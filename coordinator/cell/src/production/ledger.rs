@@ -8,8 +8,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use linewright_line::{Tick, suggestion};
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::super::dispatch::{Admission, EntryCandidate, PartPriorities};
 use super::super::exception::{ExceptionStep, Whereabouts};
@@ -17,79 +15,12 @@ use super::super::ids::{FiringId, ModeId, PartId, ProductionId};
 use super::super::record::{Record, RecordKind};
 use super::super::table::CellTable;
 use super::super::tracking::{ModeEntry, PartFlow, ReportMetadata};
+use super::change::{ProductionChange, ProductionMisfit, ProductionRefusal};
 use super::order::{ProductionOrder, ProductionStatus};
 use super::request::{ORDERS_MAX, ProductionOrderRequest, RequestProblem, find_circle, in_order};
 
 /// So many orders that are over are remembered, beside those that others wait for.
 const KEPT: usize = 1000;
-
-/// What people change. To be written down before anybody is told.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum ProductionChange {
-    /// A request is an order now.
-    Accepted {
-        /// The next number.
-        id: ProductionId,
-        /// What was asked for.
-        request: ProductionOrderRequest,
-    },
-    /// Nothing more of it enters.
-    Cancelled(ProductionId),
-    /// It is as if it had never been.
-    Withdrawn(ProductionId),
-    /// A part is no more, or is of no use: another one has to enter.
-    Lost(PartId),
-}
-
-impl ProductionChange {
-    /// The order that it changes; none if a part does.
-    pub fn order(&self) -> Option<ProductionId> {
-        match *self {
-            ProductionChange::Accepted { id, request: _ }
-            | ProductionChange::Cancelled(id)
-            | ProductionChange::Withdrawn(id) => Some(id),
-            ProductionChange::Lost(_) => None,
-        }
-    }
-}
-
-/// Why an order is not cancelled or withdrawn.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum ProductionRefusal {
-    /// Nobody knows of it.
-    #[error("there is no order `{name}`{}", .hint.as_ref().map(|hint| format!("; {hint}")).unwrap_or_default())]
-    Unknown {
-        /// What was asked about.
-        name: String,
-        /// What could be meant.
-        hint: Option<String>,
-    },
-    /// There is nothing left to change.
-    #[error("`{0}` is over already")]
-    Over(String),
-    /// It can only be cancelled.
-    #[error("`{name}` has begun: {entered} of its parts have entered; cancel it instead")]
-    Begun {
-        /// The order.
-        name: String,
-        /// How many of its parts have entered, those that were lost among them.
-        entered: u32,
-    },
-    /// Others would wait for ever.
-    #[error("`{name}` is what `{by}` waits for; withdraw that first, or cancel this one")]
-    Needed {
-        /// The order.
-        name: String,
-        /// The first that waits for it.
-        by: String,
-    },
-}
-
-/// A change that cannot be what has happened to these orders.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("a change of production orders does not fit: {0}")]
-pub struct ProductionMisfit(pub String);
 
 /// The production orders of a cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

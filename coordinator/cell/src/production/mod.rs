@@ -18,14 +18,16 @@
 //! *Withdrawn* orders are as if they had never been. Of a *cancelled* one nothing more enters; parts that are inside are
 //! finished as surplus, and it is over when the last of them has left. Nothing here knows how products are made.
 
+mod change;
 mod configuration;
 mod kept;
 mod ledger;
 mod order;
 mod request;
 
+pub use change::{ProductionChange, ProductionMisfit, ProductionRefusal};
 pub use configuration::DispatchConfiguration;
 pub(super) use kept::SavedProduction;
-pub use ledger::{Production, ProductionChange, ProductionMisfit, ProductionRefusal};
+pub use ledger::Production;
 pub use order::{ProductionOrder, ProductionStatus};
 pub use request::{NAME_MAX, ORDERS_MAX, ProductionOrderRequest, QUANTITY_MAX, RequestProblem};

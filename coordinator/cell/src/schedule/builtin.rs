@@ -60,7 +60,7 @@ struct ScheduleSearchState<'a> {
 impl ScheduleSearchState<'_> {
     fn tries(&mut self, mut lead: impl RolloutPolicy, most: usize) {
         let PlanningSituation { now, state, thought, .. } = *self.situation;
-        let mut imagined = ForwardSimulation::new(state, thought, now);
+        let mut imagined = ForwardSimulation::new(state, thought.table(), now);
         let ending = imagined.play(&mut lead, Tick::NEVER, most);
         self.took = imagined.firings();
         self.left = self.left.saturating_sub(self.took);
@@ -123,7 +123,7 @@ impl Scheduler for RolloutScheduler {
         if self.exact && size <= SMALL {
             let search = ScheduleSearch::new(thought.clone(), making.best.take(), making.left / 2);
             making.left /= 2;
-            (making.best, proved) = search.run(ForwardSimulation::new(state, thought, now), desk.clone());
+            (making.best, proved) = search.run(ForwardSimulation::new(state, thought.table(), now), desk.clone());
         }
         if !proved {
             self.sample(&mut making, &desk);

@@ -103,7 +103,7 @@ fn a_cell_goes_as_imagined() {
         shop.log.iter().for_each(|record| thought.note(record));
         let mut real = thought.clone();
         let thought_of = SimulationBasis::new(&made.table);
-        let mut imagined = ForwardSimulation::new(shop.state(), &thought_of, shop.now);
+        let mut imagined = ForwardSimulation::new(shop.state(), thought_of.table(), shop.now);
         assert_eq!(imagined.play(&mut thought, Tick::NEVER, 100_000), Ending::Still);
         let before = shop.starts().len();
         shop.run(&mut real, LONG);

@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use linewright_line::Line;
-use linewright_text::{At, Table, Where};
+use linewright_text::{Located, NameTable, TextRange};
 
 use super::raw::{RawCell, RawException, RawOrder, RawPart, RawResource, RawStep};
 use crate::{
@@ -16,7 +16,7 @@ use crate::{
 pub(super) struct DraftCell<'a> {
     pub raw: &'a RawCell,
     pub line: Option<&'a Line>,
-    pub controllers: Table<'a>,
+    pub controllers: NameTable<'a>,
     pub resources: Vec<DraftResource<'a>>,
     /// Synchronisations, then one for each resource that works on parts.
     pub activities: Vec<DraftActivity<'a>>,
@@ -36,10 +36,10 @@ pub(super) struct DraftResource<'a> {
 pub(super) struct DraftActivity<'a> {
     pub name: String,
     /// Where it is named, or the resource that it belongs to.
-    pub at: Where,
+    pub at: TextRange,
     pub kind: ActivityKind,
     /// What could be resolved of its actions.
-    pub uses: Vec<At<Use>>,
+    pub uses: Vec<Located<Use>>,
     /// Whether all could.
     pub is_whole: bool,
     pub time: Option<Duration>,
@@ -92,28 +92,28 @@ impl<'a> DraftCell<'a> {
 
 impl DraftResource<'_> {
     /// Where it is named, or else its header.
-    pub fn place(&self) -> Where {
+    pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
 
 impl DraftPart<'_> {
     /// Where it is named, or else its header.
-    pub fn place(&self) -> Where {
+    pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
 
 impl DraftStep<'_> {
     /// Where it is named, or else its header.
-    pub fn place(&self) -> Where {
+    pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
 
 impl DraftActivity<'_> {
     /// Those who take part in that role.
-    pub fn used(&self, role: Role) -> impl Iterator<Item = &At<Use>> {
+    pub fn used(&self, role: Role) -> impl Iterator<Item = &Located<Use>> {
         self.uses.iter().filter(move |part| part.value.action.role() == role)
     }
 }

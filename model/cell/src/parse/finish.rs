@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use super::draft::{DraftActivity, DraftCell, DraftException, DraftOrder, DraftPart, DraftResource};
-use super::raw::RawDispatch;
+use super::raw::{RawBounds, RawDispatch};
 use super::rules::{Offsets, offsets, transport};
 use crate::routes::Routes;
 use crate::{
@@ -25,11 +25,7 @@ pub(super) fn finish(draft: &DraftCell<'_>, routes: &Routes) -> Option<Cell> {
     Some(Cell {
         title: raw.title.as_ref().map_or_else(|| name.clone(), |title| title.value.clone()),
         name,
-        limits: CellTimeouts {
-            wip_max: u32::try_from(raw.wip_max.as_ref()?.value).ok()?,
-            reserve: raw.reserve,
-            safety: raw.safety,
-        },
+        limits: limits(raw.cell.as_ref()?)?,
         dispatch: dispatch(&raw.dispatch),
         controllers: draft.controllers.names().map(str::to_owned).collect(),
         resources: draft.resources.iter().map(resource).collect::<Option<_>>()?,
@@ -40,9 +36,14 @@ pub(super) fn finish(draft: &DraftCell<'_>, routes: &Routes) -> Option<Cell> {
     })
 }
 
+fn limits(raw: &RawBounds) -> Option<CellTimeouts> {
+    let wip_max = u32::try_from(raw.wip_max.as_ref()?.value).ok()?;
+    Some(CellTimeouts { wip_max, reserve: raw.reserve, safety: raw.safety })
+}
+
 fn dispatch(raw: &RawDispatch) -> Dispatch {
     let rules: Vec<DispatchRule> = raw.known_rules().map(|rule| rule.value).collect();
-    let seconds = |number: &Option<linewright_text::At<f64>>| {
+    let seconds = |number: &Option<linewright_text::Located<f64>>| {
         number.as_ref().map_or(Duration::ZERO, |number| Duration::from_secs_f64(number.value))
     };
     Dispatch {

@@ -2,7 +2,7 @@
 //!
 //! The text goes through five passes, each of which knows only its own question:
 //!
-//! 1. `read`: is it TOML, and has each key the right type? → `raw`, values with their places
+//! 1. `raw`: is it TOML, and has each key the right type? → values with their places
 //! 2. `names`: are the names well formed and unique?
 //! 3. `resolve`: what does each name stand for? → `draft`, the cell as far as it can be understood
 //! 4. `rules`: does it hold together? One function per rule
@@ -16,12 +16,11 @@ mod finish;
 mod names;
 mod plan;
 mod raw;
-mod read;
 mod resolve;
 mod rules;
 
 use linewright_line::Line;
-use linewright_text::{Problem, Problems, Report};
+use linewright_text::{Keys, Problem, Problems, Report, Shape};
 
 use crate::Cell;
 
@@ -46,11 +45,16 @@ pub fn parse(file_name: &str, text: &str, line: Option<&Line>) -> Result<ParsedC
     Ok(ParsedCell { cell, warnings })
 }
 
+/// What a description of a cell may contain: its keys, with types and bounds. What holds between them, [`parse`] knows.
+pub fn schema() -> Shape {
+    raw::RawCell::shape()
+}
+
 fn understand(text: &str, line: Option<&Line>, report: &mut Report) -> Option<Cell> {
     if !linewright_text::is_bounded(text, "the description", report) {
         return None;
     }
-    let raw = read::read(text, report)?;
+    let raw = raw::read(text, report)?;
     let names = names::names(&raw, report);
     let draft = resolve::resolve(&raw, &names, line, report);
     let routes = rules::check(&draft, report);

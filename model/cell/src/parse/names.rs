@@ -3,7 +3,7 @@
 //! Names of resources, synchronisations, parts and steps become names of places, transitions and tones, so they do
 //! without the signs that are put between them there.
 
-use linewright_text::{Name, Problem, Report, Table, phrase, ros_name, tag, unique};
+use linewright_text::{LocatedName, NameTable, Problem, Report, phrase, ros_name, tag, unique};
 
 use super::raw::RawCell;
 use crate::net::RUNNING;
@@ -17,11 +17,11 @@ const STAGES: [&str; 2] = ["new", "done"];
 
 /// The names of the whole cell.
 pub(super) struct CellNames<'a> {
-    pub resources: Table<'a>,
-    pub syncs: Table<'a>,
-    pub parts: Table<'a>,
+    pub resources: NameTable<'a>,
+    pub syncs: NameTable<'a>,
+    pub parts: NameTable<'a>,
     /// By part type, in the order of the description.
-    pub steps: Vec<Table<'a>>,
+    pub steps: Vec<NameTable<'a>>,
 }
 
 /// Collects and checks all names.
@@ -30,9 +30,9 @@ pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> CellNames<'a> 
         ros_name(name, "cell", report);
     }
     let mut names = CellNames {
-        resources: Table::default(),
-        syncs: Table::default(),
-        parts: Table::default(),
+        resources: NameTable::default(),
+        syncs: NameTable::default(),
+        parts: NameTable::default(),
         steps: Vec::with_capacity(raw.parts.len()),
     };
     for (id, resource) in raw.resources.iter().enumerate() {
@@ -54,7 +54,7 @@ pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> CellNames<'a> 
             label(name, "part", report);
             unique(&mut names.parts, name, id, "part", report);
         }
-        let mut steps = Table::default();
+        let mut steps = NameTable::default();
         for (id, step) in part.steps.iter().enumerate() {
             if let Some(name) = &step.name {
                 label(name, "step", report);
@@ -72,7 +72,7 @@ pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> CellNames<'a> 
     names
 }
 
-fn label(name: &Name, what: &str, report: &mut Report) {
+fn label(name: &LocatedName, what: &str, report: &mut Report) {
     if name.value.contains(SIGNS) {
         let signs: Vec<String> = SIGNS.iter().map(|sign| format!("`{sign}`")).collect();
         report.add(
@@ -84,7 +84,7 @@ fn label(name: &Name, what: &str, report: &mut Report) {
     }
 }
 
-fn reserved(name: &Name, what: &str, taken: &[&str], why: &str, report: &mut Report) {
+fn reserved(name: &LocatedName, what: &str, taken: &[&str], why: &str, report: &mut Report) {
     if taken.contains(&name.value.as_str()) {
         report.add(
             Problem::error(name.at.clone(), format!("a {what} cannot be called `{}`", name.value))

@@ -4,7 +4,7 @@
 //! one begins. All lead forward, so a plan has no circle: the stages are in an order in which every step leads to a later
 //! one. A stage is called after the first step that leads to it.
 
-use linewright_text::{Name, Problem, Report, Table};
+use linewright_text::{LocatedName, NameTable, Problem, Report};
 
 use super::raw::{RawPart, RawStep};
 
@@ -16,7 +16,7 @@ pub(super) struct DraftPlan {
 }
 
 /// Works out the graph; what cannot be is reported.
-pub(super) fn plan(part: &RawPart, names: &Table<'_>, report: &mut Report) -> DraftPlan {
+pub(super) fn plan(part: &RawPart, names: &NameTable<'_>, report: &mut Report) -> DraftPlan {
     let mut is_whole = true;
     // Where each step begins: the number of the first step that begins there. The number after the last is the end.
     let mut begins: Vec<usize> = Vec::with_capacity(part.steps.len());
@@ -51,7 +51,7 @@ pub(super) fn plan(part: &RawPart, names: &Table<'_>, report: &mut Report) -> Dr
 }
 
 /// The step that `or` names, which must have been listed.
-fn earlier(other: &Name, at: usize, names: &Table<'_>, report: &mut Report) -> Option<usize> {
+fn earlier(other: &LocatedName, at: usize, names: &NameTable<'_>, report: &mut Report) -> Option<usize> {
     let found = names.find(other, "step of this part", report)?;
     if found < at {
         return Some(found);
@@ -64,7 +64,13 @@ fn earlier(other: &Name, at: usize, names: &Table<'_>, report: &mut Report) -> O
 }
 
 /// Where the step begins that `then` names, if that is later.
-fn later(other: &Name, at: usize, begins: &[usize], names: &Table<'_>, report: &mut Report) -> Option<usize> {
+fn later(
+    other: &LocatedName,
+    at: usize,
+    begins: &[usize],
+    names: &NameTable<'_>,
+    report: &mut Report,
+) -> Option<usize> {
     let found = names.find(other, "step of this part", report)?;
     if begins[found] > at {
         return Some(begins[found]);

@@ -4,7 +4,7 @@
 //! been; what the numbers may be combined to is for the rules.
 
 use linewright_line::Line;
-use linewright_text::{At, Name, Problem, Report, Scalar, Table, Where, suggestion};
+use linewright_text::{Located, LocatedName, NameTable, Problem, Report, Scalar, TextRange, suggestion};
 
 use super::draft::{DraftActivity, DraftCell, DraftException, DraftOrder, DraftPart, DraftResource, DraftStep};
 use super::names::{CellNames, OUTSIDE};
@@ -34,17 +34,17 @@ pub(super) fn resolve<'a>(
 }
 
 /// The stations, in the order in which they are named: by resources first, then by orders.
-fn controllers(raw: &RawCell) -> Table<'_> {
+fn controllers(raw: &RawCell) -> NameTable<'_> {
     let orders = raw.syncs.iter().map(|sync| &sync.orders).chain(raw.actions.iter().map(|action| &action.orders));
     let of_resources = raw.resources.iter().filter_map(|resource| resource.station.as_ref());
-    let (mut table, mut next) = (Table::default(), 0);
+    let (mut table, mut next) = (NameTable::default(), 0);
     for name in of_resources.chain(orders.flatten().filter_map(|order| order.station.as_ref())) {
         next += usize::from(table.define(name, next).is_none());
     }
     table
 }
 
-fn resource<'a>(raw: &'a RawResource, controllers: &Table<'a>, report: &mut Report) -> DraftResource<'a> {
+fn resource<'a>(raw: &'a RawResource, controllers: &NameTable<'a>, report: &mut Report) -> DraftResource<'a> {
     let prototype = raw.prototype.as_ref().and_then(|name| {
         let found = Prototype::ALL.into_iter().find(|prototype| prototype.name() == name.value);
         if found.is_none() {
@@ -71,7 +71,7 @@ fn resource<'a>(raw: &'a RawResource, controllers: &Table<'a>, report: &mut Repo
 struct CellScope<'a, 's> {
     names: &'s CellNames<'a>,
     resources: &'s [DraftResource<'a>],
-    controllers: &'s Table<'a>,
+    controllers: &'s NameTable<'a>,
 }
 
 impl<'a> CellScope<'a, '_> {
@@ -80,7 +80,7 @@ impl<'a> CellScope<'a, '_> {
         let uses: Vec<_> = written.map(|name| self.action(name, report)).collect();
         let is_whole = raw.actions.is_some() && uses.iter().all(Option::is_some);
         let uses: Vec<_> = uses.into_iter().flatten().collect();
-        let does = |action| uses.iter().any(|part: &At<Use>| part.value.action == action);
+        let does = |action| uses.iter().any(|part: &Located<Use>| part.value.action == action);
         let kind = match (does(ResourceAction::In), does(ResourceAction::Out)) {
             (true, _) => ActivityKind::Enter,
             (false, true) => ActivityKind::Leave,
@@ -98,7 +98,7 @@ impl<'a> CellScope<'a, '_> {
     }
 
     /// `resource.action`, or `outside.in` and `outside.out`.
-    fn action(&self, name: &Name, report: &mut Report) -> Option<At<Use>> {
+    fn action(&self, name: &LocatedName, report: &mut Report) -> Option<Located<Use>> {
         let Some((holder, action)) = name.value.split_once('.') else {
             report.add(
                 Problem::error(name.at.clone(), format!("`{}` names no action", name.value))
@@ -114,7 +114,7 @@ impl<'a> CellScope<'a, '_> {
             (Some(id), self.resources[id.index()].prototype?.actions())
         };
         if let Some(&action) = can.iter().find(|known| known.name() == action) {
-            return Some(At::new(Use { of, action }, name.at.clone()));
+            return Some(Located::new(Use { of, action }, name.at.clone()));
         }
         let what = of.and_then(|id| self.resources[id.index()].prototype);
         let what = what.map_or_else(String::new, |prototype| format!(" ({})", prototype.name()));
@@ -125,14 +125,14 @@ impl<'a> CellScope<'a, '_> {
         None
     }
 
-    fn resource_named(&self, name: &str, at: &Where, report: &mut Report) -> Option<ResourceId> {
-        let found = self.names.resources.find(&At::new(name.to_owned(), at.clone()), "resource", report);
+    fn resource_named(&self, name: &str, at: &TextRange, report: &mut Report) -> Option<ResourceId> {
+        let found = self.names.resources.find(&Located::new(name.to_owned(), at.clone()), "resource", report);
         found.map(ResourceId::at)
     }
 
     /// One activity for each resource that works on parts, with the orders of its `[[action]]`.
     fn processes(&self, raw: &'a [RawCellAction], report: &mut Report) -> Vec<DraftActivity<'a>> {
-        let mut described = Table::default();
+        let mut described = NameTable::default();
         for (id, action) in raw.iter().enumerate() {
             let Some(of) = &action.of else { continue };
             linewright_text::unique(&mut described, of, id, "description of action", report);
@@ -153,7 +153,7 @@ impl<'a> CellScope<'a, '_> {
                 DraftActivity {
                     at: resource.place(),
                     kind: ActivityKind::Process,
-                    uses: vec![At::new(part, resource.place())],
+                    uses: vec![Located::new(part, resource.place())],
                     is_whole: true,
                     time: None,
                     orders: described
@@ -175,7 +175,7 @@ impl<'a> CellScope<'a, '_> {
     }
 
     /// A number, `step.program`, or the position in a store.
-    fn parameter(&self, value: &At<Scalar>, report: &mut Report) -> Option<ParameterSource> {
+    fn parameter(&self, value: &Located<Scalar>, report: &mut Report) -> Option<ParameterSource> {
         let text = match &value.value {
             Scalar::Integer(number) => {
                 let fits = i32::try_from(*number);
@@ -204,7 +204,7 @@ impl<'a> CellScope<'a, '_> {
         }
     }
 
-    fn part(&self, raw: &'a RawPart, names: &Table<'a>, report: &mut Report) -> DraftPart<'a> {
+    fn part(&self, raw: &'a RawPart, names: &NameTable<'a>, report: &mut Report) -> DraftPart<'a> {
         let plan = plan(raw, names, report);
         let mut is_whole = plan.is_whole;
         let mut steps = Vec::with_capacity(raw.steps.len());
@@ -228,7 +228,7 @@ impl<'a> CellScope<'a, '_> {
 
 fn exception<'a>(
     raw: &'a RawException,
-    (activities, resources, controllers): (&[DraftActivity<'_>], &[DraftResource<'_>], &Table<'_>),
+    (activities, resources, controllers): (&[DraftActivity<'_>], &[DraftResource<'_>], &NameTable<'_>),
     names: &CellNames<'_>,
     report: &mut Report,
 ) -> DraftException<'a> {
@@ -258,9 +258,9 @@ fn exception<'a>(
 
 /// A station by its name, or all of the activity.
 fn stop_of(
-    name: &Name,
+    name: &LocatedName,
     resources: &[DraftResource<'_>],
-    controllers: &Table<'_>,
+    controllers: &NameTable<'_>,
     report: &mut Report,
 ) -> Option<StopOf> {
     if name.value == "*" {
@@ -284,9 +284,9 @@ fn stop_of(
 }
 
 /// Resources by name, or by what they are for the part: a resource of such a name comes first.
-fn left_out(written: Option<&At<Vec<Name>>>, names: &CellNames<'_>, report: &mut Report) -> Vec<LeftOut> {
+fn left_out(written: Option<&Located<Vec<LocatedName>>>, names: &CellNames<'_>, report: &mut Report) -> Vec<LeftOut> {
     let roles = [("from", Whereabouts::From), ("to", Whereabouts::To), ("carrier", Whereabouts::Carrier)];
-    let mut one = |name: &Name| {
+    let mut one = |name: &LocatedName| {
         let role = roles.iter().find(|(word, _)| *word == name.value).map(|&(_, part)| LeftOut::As(part));
         let role = role.filter(|_| names.resources.get(&name.value).is_none());
         role.or_else(|| names.resources.find(name, "resource", report).map(|id| LeftOut::Resource(ResourceId::at(id))))

@@ -3,7 +3,7 @@
 //! What a simulated channel follows is an output that somebody else may carry, on a device further down: its name is
 //! looked up when all images are complete.
 
-use linewright_text::{Name, Report, or};
+use linewright_text::{LocatedName, Report, or};
 
 use super::draft::{DraftAnalogue, Wiring};
 use super::raw::{RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLimit};
@@ -11,7 +11,7 @@ use super::wiring::{Wires, one_input, one_output};
 use crate::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, InputId, Lag, OutputId, When};
 
 /// Every signal of its owner that a device's channels carry.
-pub(super) fn signals(raw: &RawAnalogue) -> impl Iterator<Item = &Name> {
+pub(super) fn signals(raw: &RawAnalogue) -> impl Iterator<Item = &LocatedName> {
     let limits = raw.inputs.iter().flat_map(|input| input.inputs.iter().filter_map(|limit| limit.input.as_ref()));
     let broken = raw.inputs.iter().filter_map(|input| input.broken.as_ref());
     let levels = raw.outputs.iter().flat_map(|output| output.outputs.iter().filter_map(|level| level.output.as_ref()));
@@ -22,7 +22,7 @@ pub(super) fn signals(raw: &RawAnalogue) -> impl Iterator<Item = &Name> {
 pub(super) fn named_inputs<'a>(
     raw: &'a RawAnalogue,
     draft: &'a DraftAnalogue,
-) -> impl Iterator<Item = (&'a Name, &'a Option<InputId>)> {
+) -> impl Iterator<Item = (&'a LocatedName, &'a Option<InputId>)> {
     raw.inputs.iter().zip(&draft.inputs).flat_map(|(raw, (bound, broken))| {
         let limits = raw.inputs.iter().zip(bound).filter_map(|(limit, id)| Some((limit.input.as_ref()?, id)));
         limits.chain(raw.broken.iter().map(move |name| (name, broken)))
@@ -33,7 +33,7 @@ pub(super) fn named_inputs<'a>(
 pub(super) fn named_outputs<'a>(
     raw: &'a RawAnalogue,
     draft: &'a DraftAnalogue,
-) -> impl Iterator<Item = (&'a Name, &'a Option<OutputId>)> {
+) -> impl Iterator<Item = (&'a LocatedName, &'a Option<OutputId>)> {
     raw.outputs.iter().zip(&draft.outputs).flat_map(|(raw, bound)| {
         raw.outputs.iter().zip(bound).filter_map(|(level, id)| Some((level.output.as_ref()?, id)))
     })

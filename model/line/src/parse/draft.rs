@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use linewright_text::{At, Where};
+use linewright_text::{Located, TextRange};
 
 use super::names::Names;
 use super::raw::{Kind, RawHolder, RawLine, RawOperation, RawReach, RawStation, RawTask};
@@ -29,39 +29,39 @@ pub(super) struct DraftStation<'a> {
     /// Its name for messages; `?` where it has none.
     pub name: &'a str,
     pub operations: Vec<DraftOperation<'a>>,
-    pub home: Option<At<OpId>>,
+    pub home: Option<Located<OpId>>,
     pub steps: Vec<Vec<OpId>>,
     pub axes: Vec<Axis>,
     /// Where each axis stands, rest by rest.
     pub rests: Vec<Vec<f64>>,
     pub tasks: Vec<DraftTask<'a>>,
     /// Inputs that see parts.
-    pub sensed: Vec<At<InputId>>,
+    pub sensed: Vec<Located<InputId>>,
     pub bus: Bus,
     pub wiring: Wiring,
     /// Manual, advance, return.
-    pub panel: [Option<At<InputId>>; 3],
+    pub panel: [Option<Located<InputId>>; 3],
 }
 
 pub(super) struct DraftOperation<'a> {
     pub raw: &'a RawOperation,
     /// Its name for messages; `?` where it has none.
     pub name: &'a str,
-    pub motion: Option<At<Motion>>,
+    pub motion: Option<Located<Motion>>,
     pub normal: DraftSignals,
     pub recovery: Option<DraftSignals>,
-    pub hand: Option<At<Hand>>,
-    pub path: Vec<At<OpId>>,
-    pub task: Option<At<TaskId>>,
-    pub waits: Vec<At<InputId>>,
+    pub hand: Option<Located<Hand>>,
+    pub path: Vec<Located<OpId>>,
+    pub task: Option<Located<TaskId>>,
+    pub waits: Vec<Located<InputId>>,
 }
 
 pub(super) struct DraftTask<'a> {
     pub raw: &'a RawTask,
     /// Its name for messages; `?` where it has none.
     pub name: &'a str,
-    pub from: Option<At<RestId>>,
-    pub to: Option<At<RestId>>,
+    pub from: Option<Located<RestId>>,
+    pub to: Option<Located<RestId>>,
     /// Its operations, as far as they stand together.
     pub ops: Range<usize>,
     pub parameters: Vec<DraftParameter<'a>>,
@@ -69,28 +69,28 @@ pub(super) struct DraftTask<'a> {
 
 pub(super) struct DraftParameter<'a> {
     pub name: &'a str,
-    pub bits: Vec<Option<At<OutputId>>>,
+    pub bits: Vec<Option<Located<OutputId>>>,
 }
 
 #[derive(Clone, Default)]
 pub(super) struct DraftSignals {
-    pub actuator: Option<At<OutputId>>,
-    pub complete: Option<At<InputId>>,
-    pub fault: Option<At<InputId>>,
-    pub lamp: Option<At<OutputId>>,
+    pub actuator: Option<Located<OutputId>>,
+    pub complete: Option<Located<InputId>>,
+    pub fault: Option<Located<InputId>>,
+    pub lamp: Option<Located<OutputId>>,
 }
 
 /// The image of one owner: the names of its bits, in the order of the devices.
 #[derive(Default)]
 pub(super) struct Wiring {
-    pub inputs: Vec<At<String>>,
-    pub outputs: Vec<At<String>>,
+    pub inputs: Vec<Located<String>>,
+    pub outputs: Vec<Located<String>>,
 }
 
-pub(super) type End = At<(StationId, OpId)>;
+pub(super) type End = Located<(StationId, OpId)>;
 
 pub(super) struct DraftArrow {
-    pub at: Where,
+    pub at: TextRange,
     pub from: Option<End>,
     pub to: Option<End>,
     pub lag: u32,
@@ -99,9 +99,9 @@ pub(super) struct DraftArrow {
 }
 
 pub(super) struct DraftConflict {
-    pub at: Where,
-    pub a: Option<At<crate::Span>>,
-    pub b: Option<At<crate::Span>>,
+    pub at: TextRange,
+    pub a: Option<Located<crate::Span>>,
+    pub b: Option<Located<crate::Span>>,
 }
 
 pub(super) struct DraftDevice {
@@ -147,13 +147,13 @@ pub(super) struct DraftTarget {
 pub(super) struct DraftConsole {
     pub wiring: Wiring,
     /// Start, stop, auto, hand, estop, reset.
-    pub inputs: [Option<At<InputId>>; 6],
+    pub inputs: [Option<Located<InputId>>; 6],
     pub buttons: Vec<Option<InputId>>,
     /// Auto, hand, manual, fault.
-    pub lamps: [Option<At<OutputId>>; 4],
+    pub lamps: [Option<Located<OutputId>>; 4],
 }
 
-pub(super) type DraftStand = At<Stand>;
+pub(super) type DraftStand = Located<Stand>;
 
 pub(super) struct DraftHandling<'a> {
     pub holders: Vec<DraftHolder<'a>>,
@@ -171,14 +171,14 @@ pub(super) struct DraftHolder<'a> {
 pub(super) struct DraftReach<'a> {
     pub raw: &'a RawReach,
     pub hand: Option<HolderId>,
-    pub to: Option<At<HolderId>>,
+    pub to: Option<Located<HolderId>>,
     pub when: Vec<Option<DraftStand>>,
-    pub position: Vec<Option<At<OutputId>>>,
+    pub position: Vec<Option<Located<OutputId>>>,
 }
 
 pub(super) struct DraftSensor {
-    pub at: Where,
-    pub input: Option<(StationId, At<InputId>)>,
+    pub at: TextRange,
+    pub input: Option<(StationId, Located<InputId>)>,
     pub when: Vec<Option<DraftSign>>,
 }
 
@@ -189,7 +189,7 @@ pub(super) enum DraftSign {
 
 impl DraftHolder<'_> {
     /// Where it is named, or else its header.
-    pub fn place(&self) -> Where {
+    pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
@@ -211,7 +211,7 @@ impl DraftOperation<'_> {
     }
 
     /// Where it is named, or else its header.
-    pub fn place(&self) -> Where {
+    pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 
@@ -225,7 +225,7 @@ impl DraftOperation<'_> {
 
 impl DraftTask<'_> {
     /// Where it is named, or else its header.
-    pub fn place(&self) -> Where {
+    pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
@@ -240,7 +240,7 @@ impl DraftStation<'_> {
     }
 
     /// Where it is named, or else its header.
-    pub fn place(&self) -> Where {
+    pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 

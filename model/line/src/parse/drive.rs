@@ -3,7 +3,7 @@
 //! A drive's signals are bits of the image like any device's; only what they mean on the wire differs, which is no
 //! matter of this crate.
 
-use linewright_text::{At, Name, Report, Table};
+use linewright_text::{Located, LocatedName, NameTable, Report};
 
 use super::draft::{DraftDrive, DraftTarget};
 use super::raw::{RawDrive, RawTarget};
@@ -11,7 +11,7 @@ use super::wiring::{Wires, one_input, one_output};
 use crate::{AxisId, Drive, DriveTarget, Homing, InputId, OutputId};
 
 /// Every signal a drive names.
-pub(super) fn signals(raw: &RawDrive) -> impl Iterator<Item = &Name> {
+pub(super) fn signals(raw: &RawDrive) -> impl Iterator<Item = &LocatedName> {
     let of_targets = raw.targets.iter().flat_map(|target| target.output.iter().chain(&target.input));
     let of_homing = raw.homing.iter().flat_map(|homing| homing.output.iter().chain(&homing.done));
     of_targets.chain(&raw.fault).chain(of_homing)
@@ -20,7 +20,7 @@ pub(super) fn signals(raw: &RawDrive) -> impl Iterator<Item = &Name> {
 /// Binds a drive's signals; `axes` are those of its station, where it has one.
 pub(super) fn wire<'a>(
     raw: &'a RawDrive,
-    axes: Option<&Table<'_>>,
+    axes: Option<&NameTable<'_>>,
     wires: &mut Wires<'a>,
     report: &mut Report,
 ) -> DraftDrive {
@@ -59,7 +59,7 @@ pub(super) fn wire<'a>(
 
 /// The drive a draft describes; `None` if a part is missing.
 pub(super) fn finish(draft: &DraftDrive, raw: &RawDrive) -> Option<Drive> {
-    let or = |own: &Option<At<f64>>, else_: f64| own.as_ref().map_or(else_, |own| own.value);
+    let or = |own: &Option<Located<f64>>, else_: f64| own.as_ref().map_or(else_, |own| own.value);
     let (velocity, acceleration) = (raw.velocity.as_ref()?.value, raw.acceleration.as_ref()?.value);
     let targets = draft.targets.iter().zip(&raw.targets).map(|(draft, raw)| {
         let (output, at): (OutputId, InputId) = (draft.output?, draft.at?);

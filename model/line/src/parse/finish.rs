@@ -3,7 +3,7 @@
 //! Every `?` here is a part that some earlier pass must have reported missing. Should that ever not be so, the caller
 //! says that much instead of panicking: a description is a user's input, whatever the mistake is.
 
-use linewright_text::{At, or};
+use linewright_text::{Located, or};
 
 use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStation};
 use super::raw::{Kind, RawConsole, RawTiming};
@@ -47,7 +47,7 @@ pub(super) fn finish(draft: &Draft<'_>) -> Option<Line> {
     })
 }
 
-fn texts(names: &[At<String>]) -> Vec<String> {
+fn texts(names: &[Located<String>]) -> Vec<String> {
     names.iter().map(|name| name.value.clone()).collect()
 }
 
@@ -145,7 +145,7 @@ fn console(draft: &DraftConsole, raw: Option<&RawConsole>) -> Console {
         stop,
         auto,
         hand,
-        estop: estop.map(|input| StopContact { input, pressed: raw.is_none_or(|raw| raw.estop_pressed) }),
+        estop: estop.map(|input| StopContact { input, pressed: raw.is_none_or(|raw| raw.estop.pressed) }),
         reset,
         buttons: draft.buttons.clone(),
         lamps: draft.lamps.each_ref().map(|lamp| lamp.as_ref().map(|l| l.value)),

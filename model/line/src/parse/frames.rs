@@ -3,15 +3,15 @@
 //! What messages and signals are called only the DBC file knows, which is read elsewhere: those names are passed on with
 //! their places.
 
-use linewright_text::{Name, Report, or};
+use linewright_text::{LocatedName, Report, or};
 
 use super::draft::DraftFrames;
-use super::raw::{RawFrames, RawHeard, RawSignalInput, RawTold};
+use super::raw::{RawChecksum, RawFrames, RawHeard, RawSignalInput, RawTold};
 use super::wiring::{Wires, one_input, one_output};
-use crate::{Frames, Named, Receive, Send, SignalInput, SignalOutput, When};
+use crate::{Checksum, Frames, Named, Receive, Send, SignalInput, SignalOutput, When};
 
 /// Every signal of its owner that a device's frames name.
-pub(super) fn signals(raw: &RawFrames) -> impl Iterator<Item = &Name> {
+pub(super) fn signals(raw: &RawFrames) -> impl Iterator<Item = &LocatedName> {
     let inputs = raw.receive.iter().flat_map(|heard| heard.inputs.iter().filter_map(|input| input.input.as_ref()));
     let outputs = raw.send.iter().flat_map(|told| told.outputs.iter().filter_map(|output| output.output.as_ref()));
     inputs.chain(outputs)
@@ -64,7 +64,7 @@ fn receive(raw: &RawHeard, bound: &[Option<crate::InputId>]) -> Option<Receive> 
         message: named(raw.message.as_ref()?),
         timeout: raw.timeout.as_ref()?.value,
         counter: raw.counter.as_ref().map(named),
-        checksum: raw.checksum.as_ref().map(|(signal, kind)| (named(signal), *kind)),
+        checksum: raw.checksum.as_ref().and_then(checksum),
         inputs: inputs.collect::<Option<_>>()?,
     })
 }
@@ -80,12 +80,16 @@ fn send(raw: &RawTold, bound: &[Option<crate::OutputId>]) -> Option<Send> {
         every: raw.every.as_ref()?.value,
         lets_go_after: raw.lets_go_after.as_ref().map(|time| time.value),
         counter: raw.counter.as_ref().map(named),
-        checksum: raw.checksum.as_ref().map(|(signal, kind)| (named(signal), *kind)),
+        checksum: raw.checksum.as_ref().and_then(checksum),
         outputs: outputs.collect::<Option<_>>()?,
         set: set.collect::<Option<_>>()?,
     })
 }
 
-fn named(name: &Name) -> Named {
+fn checksum(raw: &RawChecksum) -> Option<(Named, Checksum)> {
+    Some((named(raw.signal.as_ref()?), raw.kind))
+}
+
+fn named(name: &LocatedName) -> Named {
     Named { name: name.value.clone(), at: name.at.clone() }
 }

@@ -3,7 +3,7 @@
 //! Each type has its own set of buttons; what the types of neighbours have to do with each other is for
 //! [`super::rules`].
 
-use linewright_text::{At, Name, Problem, Report, Table};
+use linewright_text::{Located, LocatedName, NameTable, Problem, Report};
 
 use super::raw::RawHand;
 use crate::{ButtonId, Hand};
@@ -22,8 +22,13 @@ pub(super) fn purpose(number: u8) -> &'static str {
 
 /// Reads one entry. Where a task ends, what follows is whichever is begun: the entry has no `next`, and [`super::task`]
 /// puts one in.
-pub(super) fn hand(raw: &RawHand, buttons: &Table<'_>, ends_task: bool, report: &mut Report) -> Option<At<Hand>> {
-    let mut press = |name: &Option<Name>| {
+pub(super) fn hand(
+    raw: &RawHand,
+    buttons: &NameTable<'_>,
+    ends_task: bool,
+    report: &mut Report,
+) -> Option<Located<Hand>> {
+    let mut press = |name: &Option<LocatedName>| {
         let name = name.as_ref()?;
         buttons.find(name, "button", report).map(ButtonId::at)
     };
@@ -57,11 +62,11 @@ pub(super) fn hand(raw: &RawHand, buttons: &Table<'_>, ends_task: bool, report: 
         5 => Hand::ReversedEnd { forward, back: back?, next: next? },
         _ => Hand::Single { forward, back: back?, next: next? },
     };
-    Some(At::new(hand, raw.at.clone()))
+    Some(Located::new(hand, raw.at.clone()))
 }
 
 /// Reports a button that the type needs and the entry lacks, or the reverse.
-fn wanted(raw: &RawHand, kind: u8, key: &str, found: &Option<Name>, is_wanted: bool, report: &mut Report) {
+fn wanted(raw: &RawHand, kind: u8, key: &str, found: &Option<LocatedName>, is_wanted: bool, report: &mut Report) {
     match (found, is_wanted) {
         (None, true) => report.add(
             Problem::error(raw.at.clone(), format!("hand type {kind} needs `{key}`"))

@@ -2,7 +2,7 @@
 //!
 //! They name axes, inputs and outputs of several stations, so this comes when all stations are known.
 
-use linewright_text::{At, Name, Problem, Report, Table, Where, suggestion, tag, unique};
+use linewright_text::{Located, LocatedName, NameTable, Problem, Report, TextRange, suggestion, tag, unique};
 
 use super::draft::{DraftHandling, DraftHolder, DraftReach, DraftSensor, DraftSign, DraftStand, DraftStation};
 use super::names::Names;
@@ -20,8 +20,9 @@ pub(super) fn resolve<'a>(
     report: &mut Report,
 ) -> DraftHandling<'a> {
     let holders = holders(raw, names, report);
-    let full: Vec<Name> = holders.iter().map(|holder| At::new(holder.name.clone(), holder.raw.at.clone())).collect();
-    let mut table = Table::default();
+    let full: Vec<LocatedName> =
+        holders.iter().map(|holder| Located::new(holder.name.clone(), holder.raw.at.clone())).collect();
+    let mut table = NameTable::default();
     full.iter().enumerate().for_each(|(id, name)| _ = table.define(name, id));
     let scope = Scope { names, stations, holders: &table };
     let mut reaches = Vec::new();
@@ -39,11 +40,11 @@ pub(super) fn resolve<'a>(
 fn holders<'a>(raw: &'a RawLine, names: &Names<'a>, report: &mut Report) -> Vec<DraftHolder<'a>> {
     let mut holders = Vec::new();
     for (id, station) in raw.stations.iter().enumerate() {
-        let mut inside = Table::default();
+        let mut inside = NameTable::default();
         let prefix = station.name.as_ref().map_or("?", |name| name.value.as_str());
         for holder in &station.holders {
             let closes = holder.closes.as_ref().and_then(|closes| {
-                let RawStand { axis, position } = closes;
+                let RawStand { axis, position, .. } = closes;
                 let axis = axis.as_ref()?;
                 let found = names.inside[id].axes.find(axis, "axis", report)?;
                 let place = position.as_ref()?.at.clone();
@@ -53,7 +54,7 @@ fn holders<'a>(raw: &'a RawLine, names: &Names<'a>, report: &mut Report) -> Vec<
             holders.push(DraftHolder { raw: holder, name: format!("{prefix}{DOT}{name}"), closes });
         }
     }
-    let mut free = Table::default();
+    let mut free = NameTable::default();
     for holder in &raw.holders {
         let name = named(holder, &mut free, holders.len(), report).to_owned();
         holders.push(DraftHolder { raw: holder, name, closes: None });
@@ -61,7 +62,7 @@ fn holders<'a>(raw: &'a RawLine, names: &Names<'a>, report: &mut Report) -> Vec<
     holders
 }
 
-fn named<'a>(raw: &'a RawHolder, table: &mut Table<'a>, id: usize, report: &mut Report) -> &'a str {
+fn named<'a>(raw: &'a RawHolder, table: &mut NameTable<'a>, id: usize, report: &mut Report) -> &'a str {
     let Some(name) = &raw.name else { return "?" };
     tag(name, "holder", report);
     if name.value.contains(DOT) {
@@ -74,21 +75,21 @@ fn named<'a>(raw: &'a RawHolder, table: &mut Table<'a>, id: usize, report: &mut 
     &name.value
 }
 
-fn stand(station: usize, axis: usize, at: f64, place: Where) -> DraftStand {
-    At::new(Stand { station: StationId::at(station), axis: AxisId::at(axis), at }, place)
+fn stand(station: usize, axis: usize, at: f64, place: TextRange) -> DraftStand {
+    Located::new(Stand { station: StationId::at(station), axis: AxisId::at(axis), at }, place)
 }
 
 struct Scope<'a, 's> {
     names: &'s Names<'a>,
     stations: &'s [DraftStation<'a>],
-    holders: &'s Table<'s>,
+    holders: &'s NameTable<'s>,
 }
 
 impl Scope<'_, '_> {
     fn reach<'r>(&self, station: usize, raw: &'r RawReach, report: &mut Report) -> DraftReach<'r> {
         let station_name = self.stations[station].name;
         let hand = raw.hand.as_ref().and_then(|name| {
-            let full = At::new(format!("{station_name}{DOT}{}", name.value), name.at.clone());
+            let full = Located::new(format!("{station_name}{DOT}{}", name.value), name.at.clone());
             let found = self.holders.get(&full.value);
             if found.is_none() {
                 let prefix = format!("{station_name}{DOT}");
@@ -117,7 +118,7 @@ impl Scope<'_, '_> {
             let name = raw.input.as_ref()?;
             let inputs = &self.stations[station].wiring.inputs;
             let found = self.bit(station, name, "input", inputs, report)?;
-            Some((StationId::at(station), At::new(InputId::at(found), name.at.clone())))
+            Some((StationId::at(station), Located::new(InputId::at(found), name.at.clone())))
         });
         DraftSensor { at: raw.at.clone(), input, when: raw.when.iter().map(|sign| self.sign(sign, report)).collect() }
     }
@@ -143,7 +144,7 @@ impl Scope<'_, '_> {
         }
     }
 
-    fn axis(&self, name: &Name, report: &mut Report) -> Option<(usize, usize)> {
+    fn axis(&self, name: &LocatedName, report: &mut Report) -> Option<(usize, usize)> {
         let Some((station, axis)) = name.value.split_once(DOT) else {
             report.add(
                 Problem::error(name.at.clone(), format!("`{}` names no axis", name.value))
@@ -151,25 +152,32 @@ impl Scope<'_, '_> {
             );
             return None;
         };
-        let half = |text: &str| At::new(text.to_owned(), name.at.clone());
+        let half = |text: &str| Located::new(text.to_owned(), name.at.clone());
         let station = self.names.stations.find(&half(station), "station", report)?;
         let axis = self.names.inside[station].axes.find(&half(axis), "axis of this station", report)?;
         Some((station, axis))
     }
 
-    fn holder(&self, name: Option<&Name>, report: &mut Report) -> Option<At<HolderId>> {
+    fn holder(&self, name: Option<&LocatedName>, report: &mut Report) -> Option<Located<HolderId>> {
         let name = name?;
         let found = self.holders.find(name, "holder", report)?;
-        Some(At::new(HolderId::at(found), name.at.clone()))
+        Some(Located::new(HolderId::at(found), name.at.clone()))
     }
 
-    fn output(&self, station: usize, name: &Name, report: &mut Report) -> Option<At<OutputId>> {
+    fn output(&self, station: usize, name: &LocatedName, report: &mut Report) -> Option<Located<OutputId>> {
         let outputs = &self.stations[station].wiring.outputs;
         let found = self.bit(station, name, "output", outputs, report)?;
-        Some(At::new(OutputId::at(found), name.at.clone()))
+        Some(Located::new(OutputId::at(found), name.at.clone()))
     }
 
-    fn bit(&self, station: usize, name: &Name, what: &str, bits: &[At<String>], report: &mut Report) -> Option<usize> {
+    fn bit(
+        &self,
+        station: usize,
+        name: &LocatedName,
+        what: &str,
+        bits: &[Located<String>],
+        report: &mut Report,
+    ) -> Option<usize> {
         let found = bits.iter().position(|bit| bit.value == name.value);
         if found.is_none() && !report.is_full() {
             let of = self.stations[station].name;

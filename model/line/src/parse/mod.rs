@@ -2,7 +2,7 @@
 //!
 //! The text goes through five passes, each of which knows only its own question:
 //!
-//! 1. `read`: is it TOML, and has each key the right type? → `raw`, values with their places
+//! 1. `raw`: is it TOML, and has each key the right type? → values with their places
 //! 2. `names`: are the names well formed and unique?
 //! 3. `resolve`: what does each name stand for? → `draft`, the line as far as it can be understood
 //! 4. `rules`: does it hold together? One function per rule
@@ -20,7 +20,6 @@ mod hand;
 mod handling;
 mod names;
 mod raw;
-mod read;
 mod resolve;
 mod rules;
 mod setup;
@@ -29,7 +28,7 @@ mod wiring;
 
 pub use linewright_text::{Problem, Problems, suggestion};
 
-use linewright_text::Report;
+use linewright_text::{Keys, Report, Shape};
 
 use crate::Line;
 
@@ -53,11 +52,16 @@ pub fn parse(file_name: &str, text: &str) -> Result<Parsed, Problems> {
     Ok(Parsed { line, warnings })
 }
 
+/// What a description of a line may contain: its keys, with types and bounds. What holds between them, [`parse`] knows.
+pub fn schema() -> Shape {
+    raw::RawLine::shape()
+}
+
 fn understand(text: &str, report: &mut Report) -> Option<Line> {
     if !linewright_text::is_bounded(text, "the description", report) {
         return None;
     }
-    let raw = read::read(text, report)?;
+    let raw = raw::read(text, report)?;
     let names = names::names(&raw, report);
     let draft = resolve::resolve(&raw, names, report);
     rules::check(&draft, report);

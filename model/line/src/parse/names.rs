@@ -3,7 +3,7 @@
 //! This pass comes first because every later one looks names up. A name that is defined twice stands for its first
 //! definition, and one that is malformed is kept as it is, so that one slip is reported once and not at every use.
 
-use linewright_text::{Name, Problem, Report, Table, phrase, ros_name, tag, unique};
+use linewright_text::{LocatedName, NameTable, Problem, Report, phrase, ros_name, tag, unique};
 
 use super::raw::{RawLine, RawStation};
 
@@ -13,18 +13,18 @@ const RESERVED_STATIONS: [&str; 1] = ["coordinator"];
 /// The names defined inside one station.
 #[derive(Default)]
 pub(super) struct StationNames<'a> {
-    pub operations: Table<'a>,
-    pub axes: Table<'a>,
-    pub rests: Table<'a>,
-    pub tasks: Table<'a>,
+    pub operations: NameTable<'a>,
+    pub axes: NameTable<'a>,
+    pub rests: NameTable<'a>,
+    pub tasks: NameTable<'a>,
 }
 
 /// The names of the whole line, but for its signals, which belong to devices.
 pub(super) struct Names<'a> {
-    pub stations: Table<'a>,
+    pub stations: NameTable<'a>,
     /// By station, in the order of the description.
     pub inside: Vec<StationNames<'a>>,
-    pub buttons: Table<'a>,
+    pub buttons: NameTable<'a>,
 }
 
 /// Collects and checks all names.
@@ -32,7 +32,7 @@ pub(super) fn names<'a>(raw: &'a RawLine, report: &mut Report) -> Names<'a> {
     if let Some(name) = &raw.name {
         ros_name(name, "line", report);
     }
-    let mut names = Names { stations: Table::default(), inside: Vec::new(), buttons: Table::default() };
+    let mut names = Names { stations: NameTable::default(), inside: Vec::new(), buttons: NameTable::default() };
     for (id, station) in raw.stations.iter().enumerate() {
         if let Some(name) = &station.name {
             station_name(name, report);
@@ -77,7 +77,7 @@ fn inside<'a>(station: &'a RawStation, report: &mut Report) -> StationNames<'a> 
 }
 
 fn device_names(raw: &RawLine, report: &mut Report) {
-    let mut devices = Table::default();
+    let mut devices = NameTable::default();
     for (id, device) in raw.devices.iter().enumerate() {
         if let Some(name) = &device.name {
             phrase(name, "device", report);
@@ -86,7 +86,7 @@ fn device_names(raw: &RawLine, report: &mut Report) {
     }
 }
 
-fn station_name(name: &Name, report: &mut Report) {
+fn station_name(name: &LocatedName, report: &mut Report) {
     if ros_name(name, "station", report) && RESERVED_STATIONS.contains(&name.value.as_str()) {
         report.add(
             Problem::error(name.at.clone(), format!("a station cannot be called `{}`", name.value))

@@ -3,7 +3,7 @@
 //! The only pass that looks names up. Each reference either becomes a number or is reported with what it could have
 //! been; what the numbers may be combined to is for the rules.
 
-use linewright_text::{At, Name, Problem, Report, nearest, suggestion};
+use linewright_text::{Located, LocatedName, Problem, Report, nearest, suggestion};
 
 use super::draft::{Draft, DraftArrow, DraftConflict, DraftConsole, DraftOperation, DraftSignals, DraftStation, End};
 use super::names::Names;
@@ -57,7 +57,7 @@ fn station<'a>(
     };
     let home = raw.home.as_ref().and_then(|home| {
         let op = inside.operations.find(home, "operation", report)?;
-        Some(At::new(OpId::at(op), home.at.clone()))
+        Some(Located::new(OpId::at(op), home.at.clone()))
     });
     let home = if tasks.is_empty() { home } else { task::home(&tasks) };
     DraftStation {
@@ -88,7 +88,7 @@ fn operation<'a>(
     let mut path = Vec::new();
     for step in raw.recovery_path.iter().flat_map(|path| &path.value) {
         if let Some(op) = inside.operations.find(step, "operation", report) {
-            path.push(At::new(OpId::at(op), step.at.clone()));
+            path.push(Located::new(OpId::at(op), step.at.clone()));
         }
     }
     DraftOperation {
@@ -101,7 +101,7 @@ fn operation<'a>(
         path,
         task: raw.task.as_ref().and_then(|name| {
             let task = inside.tasks.find(name, "task", report)?;
-            Some(At::new(TaskId::at(task), name.at.clone()))
+            Some(Located::new(TaskId::at(task), name.at.clone()))
         }),
         waits: raw
             .waits
@@ -112,10 +112,10 @@ fn operation<'a>(
     }
 }
 
-fn motion(raw: &RawMoves, inside: &super::names::StationNames<'_>, report: &mut Report) -> Option<At<Motion>> {
+fn motion(raw: &RawMoves, inside: &super::names::StationNames<'_>, report: &mut Report) -> Option<Located<Motion>> {
     let axis = inside.axes.find(raw.axis.as_ref()?, "axis", report);
     let motion = Motion { axis: crate::AxisId::at(axis?), from: raw.from.as_ref()?.value, to: raw.to.as_ref()?.value };
-    Some(At::new(motion, raw.at.clone()))
+    Some(Located::new(motion, raw.at.clone()))
 }
 
 /// What a signal name may refer to inside one station.
@@ -135,11 +135,11 @@ impl Scope<'_, '_> {
         }
     }
 
-    fn input(&mut self, name: Option<&Name>, report: &mut Report) -> Option<At<InputId>> {
+    fn input(&mut self, name: Option<&LocatedName>, report: &mut Report) -> Option<Located<InputId>> {
         let name = name?;
         let found = self.wires.inputs.get(&name.value);
         match found {
-            Some(id) => Some(At::new(InputId::at(id), name.at.clone())),
+            Some(id) => Some(Located::new(InputId::at(id), name.at.clone())),
             None => {
                 if !report.is_full() {
                     report.add(self.unbound(name, "input"));
@@ -149,11 +149,11 @@ impl Scope<'_, '_> {
         }
     }
 
-    pub fn output(&mut self, name: Option<&Name>, report: &mut Report) -> Option<At<OutputId>> {
+    pub fn output(&mut self, name: Option<&LocatedName>, report: &mut Report) -> Option<Located<OutputId>> {
         let name = name?;
         let found = self.wires.outputs.get(&name.value);
         match found {
-            Some(id) => Some(At::new(OutputId::at(id), name.at.clone())),
+            Some(id) => Some(Located::new(OutputId::at(id), name.at.clone())),
             None => {
                 if !report.is_full() {
                     report.add(self.unbound(name, "output"));
@@ -163,7 +163,7 @@ impl Scope<'_, '_> {
         }
     }
 
-    fn unbound(&self, name: &Name, direction: &str) -> Problem {
+    fn unbound(&self, name: &LocatedName, direction: &str) -> Problem {
         let (other, place) = match direction {
             "input" => ("output", self.wires.outputs.place(&name.value)),
             _ => ("input", self.wires.inputs.place(&name.value)),
@@ -192,19 +192,19 @@ fn arrow(raw: &RawArrow, names: &Names<'_>, report: &mut Report) -> DraftArrow {
         from: raw.from.as_ref().and_then(|end| self::end(end, names, report)),
         to: raw.to.as_ref().and_then(|end| self::end(end, names, report)),
         lag: raw.lag,
-        auto: raw.auto,
-        manual: raw.manual,
+        auto: raw.modes.auto,
+        manual: raw.modes.manual,
     }
 }
 
 fn end(raw: &RawEnd, names: &Names<'_>, report: &mut Report) -> Option<End> {
     let station = names.stations.find(&raw.station, "station", report)?;
     let op = station_operation(station, &raw.operation, names, report)?;
-    Some(At::new((StationId::at(station), op), raw.station.at.start..raw.operation.at.end))
+    Some(Located::new((StationId::at(station), op), raw.station.at.start..raw.operation.at.end))
 }
 
 /// An operation that is named together with its station: it may be another station's by mistake.
-fn station_operation(station: usize, name: &Name, names: &Names<'_>, report: &mut Report) -> Option<OpId> {
+fn station_operation(station: usize, name: &LocatedName, names: &Names<'_>, report: &mut Report) -> Option<OpId> {
     let operations = &names.inside[station].operations;
     if let Some(op) = operations.get(&name.value) {
         return Some(OpId::at(op));
@@ -236,7 +236,7 @@ fn span(
     stations: &[DraftStation<'_>],
     names: &Names<'_>,
     report: &mut Report,
-) -> Option<At<crate::Span>> {
+) -> Option<Located<crate::Span>> {
     let station = names.stations.find(raw.station.as_ref()?, "station", report)?;
     let described = &stations[station];
     if let Some(task) = &raw.task {
@@ -250,7 +250,7 @@ fn span(
         let ops = &described.tasks[names.inside[station].tasks.find(task, "task of this station", report)?].ops;
         let last = ops.end.checked_sub(1).filter(|_| !ops.is_empty())?;
         let span = crate::Span { station: StationId::at(station), from: OpId::at(ops.start), until: OpId::at(last) };
-        return Some(At::new(span, raw.at.clone()));
+        return Some(Located::new(span, raw.at.clone()));
     }
     if described.works_on_order() {
         if raw.from.is_some() && raw.until.is_some() {
@@ -267,7 +267,7 @@ fn span(
     let from = raw.from.as_ref().and_then(|name| station_operation(station, name, names, report));
     let until = raw.until.as_ref().and_then(|name| station_operation(station, name, names, report));
     let span = crate::Span { station: StationId::at(station), from: from?, until: until? };
-    Some(At::new(span, raw.at.clone()))
+    Some(Located::new(span, raw.at.clone()))
 }
 
 fn console(raw: &RawLine, wires: Wires<'_>, report: &mut Report) -> DraftConsole {
@@ -276,15 +276,16 @@ fn console(raw: &RawLine, wires: Wires<'_>, report: &mut Report) -> DraftConsole
         ..DraftConsole::default()
     };
     if let Some(raw) = &raw.console {
-        console.inputs = [&raw.start, &raw.stop, &raw.auto, &raw.hand, &raw.estop, &raw.reset].map(|name| {
+        console.inputs = [&raw.start, &raw.stop, &raw.auto, &raw.hand, &raw.estop.input, &raw.reset].map(|name| {
             let name = name.as_ref()?;
             let id = wires.inputs.find(name, "input of the console's devices:", report)?;
-            Some(At::new(InputId::at(id), name.at.clone()))
+            Some(Located::new(InputId::at(id), name.at.clone()))
         });
-        console.lamps = raw.lamps.each_ref().map(|name| {
+        let lamps = &raw.lamps;
+        console.lamps = [&lamps.auto, &lamps.hand, &lamps.manual, &lamps.fault].map(|name| {
             let name = name.as_ref()?;
             let id = wires.outputs.find(name, "output of the console's devices:", report)?;
-            Some(At::new(OutputId::at(id), name.at.clone()))
+            Some(Located::new(OutputId::at(id), name.at.clone()))
         });
     }
     console.wiring = wires.wiring;

@@ -1,6 +1,6 @@
 //! A device's `identity` and `settings`: what they say → numbers and bytes.
 
-use linewright_text::At;
+use linewright_text::Located;
 
 use super::raw::{RawDevice, RawIdentity, RawSetting, RawTransmission, Width};
 use crate::{Identity, Setting, Setup, Transmission};
@@ -40,7 +40,7 @@ pub(super) fn part(value: i64) -> Option<u32> {
 pub(super) fn finish(raw: &RawDevice) -> Option<Setup> {
     let identity = raw.identity.as_ref().map_or(Some(Identity::default()), identity)?;
     let settings = raw.settings.iter().map(setting).collect::<Option<_>>()?;
-    let transmission = raw.transmission.as_ref().map_or(Some(Transmission::default()), |(raw, _)| types(raw))?;
+    let transmission = raw.transmission.as_ref().map_or(Some(Transmission::default()), types)?;
     Some(Setup {
         file: raw.file.as_ref().map(|file| file.value.clone()),
         identity,
@@ -59,16 +59,16 @@ pub(super) fn transmission(value: i64) -> Option<u8> {
 }
 
 fn types(raw: &RawTransmission) -> Option<Transmission> {
-    let kind = |number: &Option<At<i64>>| match number {
+    let kind = |number: &Option<Located<i64>>| match number {
         Some(number) => transmission(number.value).map(Some),
         None => Some(None),
     };
     Some(Transmission { inputs: kind(&raw.inputs)?, outputs: kind(&raw.outputs)? })
 }
 
-fn identity(RawIdentity(parts): &RawIdentity) -> Option<Identity> {
+fn identity(raw: &RawIdentity) -> Option<Identity> {
     let mut numbers = [None; 5];
-    for (number, raw) in numbers.iter_mut().zip(parts) {
+    for (number, raw) in numbers.iter_mut().zip(raw.parts()) {
         *number = match raw {
             Some(raw) => Some(part(raw.value)?),
             None => None,

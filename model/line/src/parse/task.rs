@@ -2,7 +2,7 @@
 //!
 //! A task's operations are found by the name of their task; that they stand together is for the rules.
 
-use linewright_text::{At, Report};
+use linewright_text::{Located, Report};
 
 use super::draft::{DraftOperation, DraftParameter, DraftStation, DraftTask};
 use super::names::StationNames;
@@ -41,10 +41,10 @@ pub(super) fn tasks<'a>(
 ) -> Vec<DraftTask<'a>> {
     let mut tasks = Vec::new();
     for (nth, raw) in raw.tasks.iter().enumerate() {
-        let mut rest = |name: &'a Option<linewright_text::Name>| {
+        let mut rest = |name: &'a Option<linewright_text::LocatedName>| {
             let name = name.as_ref()?;
             let rest = inside.rests.find(name, "rest", report)?;
-            Some(At::new(RestId::at(rest), name.at.clone()))
+            Some(Located::new(RestId::at(rest), name.at.clone()))
         };
         let (from, to) = (rest(&raw.from), rest(&raw.to));
         let parameters = raw.parameters.iter().map(|(name, bits)| DraftParameter {
@@ -71,16 +71,16 @@ fn stretch(operations: &[DraftOperation<'_>], task: TaskId) -> std::ops::Range<u
 }
 
 /// The operation that stands for home: the last one of the first task that ends at the first rest.
-pub(super) fn home(tasks: &[DraftTask<'_>]) -> Option<At<OpId>> {
+pub(super) fn home(tasks: &[DraftTask<'_>]) -> Option<Located<OpId>> {
     let ends_at_home = |task: &&DraftTask<'_>| task.to.as_ref().is_some_and(|to| to.value == RestId(0));
     let task = tasks.iter().filter(|task| !task.ops.is_empty()).find(ends_at_home)?;
-    Some(At::new(OpId::at(task.ops.end - 1), task.place()))
+    Some(Located::new(OpId::at(task.ops.end - 1), task.place()))
 }
 
 /// Puts in what follows where a task ends: the button of the first task listed that begins there.
 pub(super) fn lead_on(operations: &mut [DraftOperation<'_>], tasks: &[DraftTask<'_>]) {
     for task in tasks.iter().filter(|task| !task.ops.is_empty()) {
-        let rest = |end: &Option<At<RestId>>| end.as_ref().map(|rest| rest.value);
+        let rest = |end: &Option<Located<RestId>>| end.as_ref().map(|rest| rest.value);
         let follows = tasks.iter().filter(|next| !next.ops.is_empty()).find(|next| rest(&next.from) == rest(&task.to));
         let button = follows.and_then(|next| operations[next.ops.start].hand.as_ref()).map(|hand| hand.value.forward());
         if let (Some(button), Some(hand)) = (button, &mut operations[task.ops.end - 1].hand) {

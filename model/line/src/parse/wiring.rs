@@ -3,7 +3,7 @@
 //! An image has no layout of its own in a description: its bits are the connected bits of its owner's devices, in the
 //! order in which the devices are written.
 
-use linewright_text::{At, Name, Problem, Report, Table, tag};
+use linewright_text::{Located, LocatedName, NameTable, Problem, Report, tag};
 
 use super::draft::{DraftDevice, Wiring};
 use super::names::Names;
@@ -14,8 +14,8 @@ use crate::{Bus, IMAGE_BITS, InputId, OutputId, Owner, StationId};
 /// One owner's image while it is being put together.
 #[derive(Default)]
 pub(super) struct Wires<'a> {
-    pub inputs: Table<'a>,
-    pub outputs: Table<'a>,
+    pub inputs: NameTable<'a>,
+    pub outputs: NameTable<'a>,
     pub wiring: Wiring,
 }
 
@@ -114,11 +114,11 @@ fn outputs<'a>(device: &'a RawDevice, wires: &mut Wires<'a>, report: &mut Report
 }
 
 fn bits<'a, Id>(
-    bits: &'a [Name],
+    bits: &'a [LocatedName],
     what: &str,
-    table: &mut Table<'a>,
-    others: &Table<'a>,
-    image: &mut Vec<At<String>>,
+    table: &mut NameTable<'a>,
+    others: &NameTable<'a>,
+    image: &mut Vec<Located<String>>,
     report: &mut Report,
     id: impl Fn(usize) -> Id,
 ) -> Vec<Option<Id>> {
@@ -135,14 +135,14 @@ fn bits<'a, Id>(
 }
 
 /// Binds one bit that is named by itself, and not in a list.
-pub(super) fn one_input<'a>(bit: &'a Name, wires: &mut Wires<'a>, report: &mut Report) -> Option<InputId> {
+pub(super) fn one_input<'a>(bit: &'a LocatedName, wires: &mut Wires<'a>, report: &mut Report) -> Option<InputId> {
     tag(bit, "input", report);
     let Wires { inputs, outputs, wiring } = wires;
     one_bit(bit, "input", inputs, outputs, &mut wiring.inputs, report).map(InputId::at)
 }
 
 /// The same of an output.
-pub(super) fn one_output<'a>(bit: &'a Name, wires: &mut Wires<'a>, report: &mut Report) -> Option<OutputId> {
+pub(super) fn one_output<'a>(bit: &'a LocatedName, wires: &mut Wires<'a>, report: &mut Report) -> Option<OutputId> {
     tag(bit, "output", report);
     let Wires { inputs, outputs, wiring } = wires;
     one_bit(bit, "output", outputs, inputs, &mut wiring.outputs, report).map(OutputId::at)
@@ -150,11 +150,11 @@ pub(super) fn one_output<'a>(bit: &'a Name, wires: &mut Wires<'a>, report: &mut 
 
 /// Binds one bit, or reports why it cannot be bound.
 fn one_bit<'a>(
-    bit: &'a Name,
+    bit: &'a LocatedName,
     what: &str,
-    table: &mut Table<'a>,
-    others: &Table<'a>,
-    image: &mut Vec<At<String>>,
+    table: &mut NameTable<'a>,
+    others: &NameTable<'a>,
+    image: &mut Vec<Located<String>>,
     report: &mut Report,
 ) -> Option<usize> {
     if let Some(other) = others.place(&bit.value) {
@@ -182,6 +182,6 @@ fn one_bit<'a>(
                 .hint("divide the station in two, or leave unused bits \"\""),
         );
     }
-    image.push(At::new(bit.value.clone(), bit.at.clone()));
+    image.push(Located::new(bit.value.clone(), bit.at.clone()));
     Some(next)
 }

@@ -110,7 +110,7 @@ pub(super) fn parameters_are_there(draft: &DraftCell<'_>, activity: &DraftActivi
 fn program_is_given(
     draft: &DraftCell<'_>,
     activity: &DraftActivity<'_>,
-    at: &linewright_text::Where,
+    at: &linewright_text::TextRange,
     report: &mut Report,
 ) {
     if activity.kind != ActivityKind::Process {

@@ -1,11 +1,11 @@
 //! Synchronisations: one part, from one place to another.
 
-use linewright_text::{At, Problem, Report};
+use linewright_text::{Located, Problem, Report};
 
 use crate::parse::draft::{DraftActivity, DraftCell};
 use crate::{ActivityKind, Role, Use};
 
-fn words(draft: &DraftCell<'_>, part: &At<Use>) -> String {
+fn words(draft: &DraftCell<'_>, part: &Located<Use>) -> String {
     format!("`{}.{}`", draft.holder(part.value.of), part.value.action.name())
 }
 

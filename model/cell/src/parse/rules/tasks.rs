@@ -2,7 +2,7 @@
 //! enough for the outputs that carry them? Without a line nothing here has anything to say.
 
 use linewright_line::{Parameter, Task};
-use linewright_text::{Problem, Report, Where, suggestion};
+use linewright_text::{Problem, Report, TextRange, suggestion};
 
 use crate::ParameterSource;
 use crate::parse::draft::{DraftActivity, DraftCell, DraftOrder};
@@ -93,7 +93,7 @@ fn numbers_fit(
 }
 
 /// The programs of the steps that an activity is for.
-fn programs(draft: &DraftCell<'_>, activity: &DraftActivity<'_>) -> Vec<(i64, Where)> {
+fn programs(draft: &DraftCell<'_>, activity: &DraftActivity<'_>) -> Vec<(i64, TextRange)> {
     let of = activity.uses.first().and_then(|part| part.value.of);
     let steps = draft.parts.iter().flat_map(|part| &part.steps);
     let on = steps.flat_map(|step| step.on.iter().zip(&step.raw.on));
@@ -101,7 +101,7 @@ fn programs(draft: &DraftCell<'_>, activity: &DraftActivity<'_>) -> Vec<(i64, Wh
     mine.filter_map(|(_, raw)| raw.program.as_ref().map(|program| (program.value, program.at.clone()))).collect()
 }
 
-fn fits(parameter: &Parameter, number: i64, at: &Where, also: Option<&Where>, report: &mut Report) {
+fn fits(parameter: &Parameter, number: i64, at: &TextRange, also: Option<&TextRange>, report: &mut Report) {
     if (0..=i64::from(parameter.most())).contains(&number) {
         return;
     }

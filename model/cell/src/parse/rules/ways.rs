@@ -2,7 +2,7 @@
 //!
 //! Judged only where moves and plans are sound each for itself; one unknown name would make every plan impossible.
 
-use linewright_text::{Problem, Report, Where};
+use linewright_text::{Problem, Report, TextRange};
 
 use super::plans::STAGES_MAX;
 use crate::parse::draft::{DraftCell, DraftPart, DraftStep};
@@ -99,7 +99,7 @@ pub(super) fn plans_can_be_done(
     for step in known {
         for (id, raw) in step.on.iter().zip(&step.raw.on).filter_map(|(on, raw)| Some(((*on)?, raw))) {
             let name = draft.resource(id).name;
-            let at_resource: Where = raw.resource.as_ref().map_or_else(|| raw.at.clone(), |name| name.at.clone());
+            let at_resource: TextRange = raw.resource.as_ref().map_or_else(|| raw.at.clone(), |name| name.at.clone());
             if !comes(id, step) {
                 report.add(
                     Problem::error(

@@ -28,13 +28,14 @@ pub(super) fn cell_has_parts(draft: &DraftCell<'_>, report: &mut Report) {
 }
 
 pub(super) fn parts_come_and_go(draft: &DraftCell<'_>, report: &mut Report) {
+    let at = draft.raw.cell.as_ref().map_or(0..0, |cell| cell.at.clone());
     let missing = |kind| !draft.activities.iter().any(|activity| activity.kind == kind || !activity.is_whole);
     for (kind, what, action) in
         [(ActivityKind::Enter, "comes into", "outside.in"), (ActivityKind::Leave, "leaves", "outside.out")]
     {
         if missing(kind) {
             report.add(
-                Problem::error(draft.raw.at.clone(), format!("no part ever {what} this cell"))
+                Problem::error(at.clone(), format!("no part ever {what} this cell"))
                     .hint(format!("a `[[sync]]` with \"{action}\" among its actions")),
             );
         }
@@ -43,7 +44,7 @@ pub(super) fn parts_come_and_go(draft: &DraftCell<'_>, report: &mut Report) {
 
 /// More parts than the stores hold can leave no room to unload into, even if every grasp is reserved.
 pub(super) fn stores_hold_what_is_let_in(draft: &DraftCell<'_>, report: &mut Report) {
-    let Some(wip_max) = &draft.raw.wip_max else { return };
+    let Some(wip_max) = draft.raw.cell.as_ref().and_then(|cell| cell.wip_max.as_ref()) else { return };
     let mut stores = draft.resources.iter().filter(|resource| resource.prototype.is_some_and(Prototype::stores));
     let Some(first) = stores.next() else { return };
     let stores = std::iter::once(first).chain(stores);

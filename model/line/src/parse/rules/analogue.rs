@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use linewright_text::{At, Problem, Report, Where, or, suggestion};
+use linewright_text::{Located, Problem, Report, TextRange, or, suggestion};
 
 use crate::parse::analogue::{channel, number, when};
 use crate::parse::draft::{Draft, DraftDevice, Wiring};
@@ -82,7 +82,7 @@ fn numbers_mean_something(raw: &RawChannel, report: &mut Report) {
 }
 
 fn channels_are_there_once<'a>(channels: impl Iterator<Item = &'a RawChannel>, what: &str, report: &mut Report) {
-    let mut seen: HashMap<i64, &Where> = HashMap::new();
+    let mut seen: HashMap<i64, &TextRange> = HashMap::new();
     for own in channels.filter_map(|channel| channel.number.as_ref()) {
         if let Some(earlier) = seen.insert(own.value, &own.at) {
             report.add(
@@ -177,7 +177,7 @@ fn simulated_value_follows_something(lag: &RawLag, device: &RawDevice, image: Op
 
 fn values_fit(output: &RawAnalogueOutput, report: &mut Report) {
     let Some(channel) = channel(&output.channel) else { return };
-    let fits = |value: &At<f64>, report: &mut Report| {
+    let fits = |value: &Located<f64>, report: &mut Report| {
         if channel.number_of(value.value).is_none() {
             let ends = [channel.value_of(i16::MIN), channel.value_of(i16::MAX)];
             let (least, most) = (channel.text(ends[0].min(ends[1])), channel.text(ends[0].max(ends[1])));

@@ -18,7 +18,7 @@ pub(super) fn console_exists(draft: &Draft<'_>, report: &mut Report) {
                 .hint("without one, only ROS topics can start it, stop it and change its mode"),
         );
     } else if let Some(console) = &draft.raw.console
-        && console.estop.is_none()
+        && console.estop.input.is_none()
     {
         report.add(
             Problem::warning(console.at.clone(), "the console has no `estop`")

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use linewright_text::{At, Problem, Report};
+use linewright_text::{Located, Problem, Report};
 
 use super::operations::same_place;
 use crate::drive::trapezoid_time;
@@ -79,7 +79,7 @@ const INCREMENTS_MAX: f64 = (1u32 << 30) as f64;
 
 fn numbers_fit_the_drive(drive: &RawDrive, report: &mut Report) {
     let Some(units) = drive.units.as_ref().map(|units| units.value) else { return };
-    let mut fits = |number: &Option<At<f64>>, what: &str, least: f64| {
+    let mut fits = |number: &Option<Located<f64>>, what: &str, least: f64| {
         let Some(number) = number else { return };
         let increments = (number.value * units).round().abs();
         if increments > INCREMENTS_MAX || increments < least {

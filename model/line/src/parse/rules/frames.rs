@@ -1,10 +1,10 @@
 //! Devices that speak no CANopen.
 
-use linewright_text::{Problem, Report, Where, or};
+use linewright_text::{Problem, Report, TextRange, or};
 
 use crate::parse::draft::Draft;
 use crate::parse::frames::when;
-use crate::parse::raw::{RawDevice, RawFrames, RawIdentity, RawSignalInput, RawTold};
+use crate::parse::raw::{RawDevice, RawFrames, RawSignalInput, RawTold};
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
@@ -24,14 +24,14 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
 fn nothing_of_canopen_is_said(device: &RawDevice, frames: &RawFrames, report: &mut Report) {
     let bits = device.inputs.first().or(device.outputs.first()).map(|bit| &bit.at);
     let settings = device.settings.first().and_then(|setting| setting.object.as_ref()).map(|object| &object.at);
-    let identity = device.identity.as_ref().and_then(|RawIdentity(parts)| parts.iter().flatten().next());
-    let said: [(&str, Option<&Where>); 10] = [
+    let identity = device.identity.as_ref().and_then(|identity| identity.parts().into_iter().flatten().next());
+    let said: [(&str, Option<&TextRange>); 10] = [
         ("`node`", device.node.as_ref().map(|node| &node.at)),
         ("`identity`", identity.map(|part| &part.at)),
         ("`inputs` and `outputs`", bits),
         ("`settings`", settings),
         ("`file`", device.file.as_ref().map(|file| &file.at)),
-        ("`transmission`", device.transmission.as_ref().map(|(_, at)| at)),
+        ("`transmission`", device.transmission.as_ref().map(|raw| &raw.at)),
         ("`without_error_values`", device.without_error_values.as_ref().map(|why| &why.at)),
         ("`on_emergency`", device.on_emergency.as_ref().map(|key| &key.at)),
         ("`when_lost`", device.when_lost.as_ref().map(|key| &key.at)),

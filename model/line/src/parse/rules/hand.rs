@@ -3,7 +3,7 @@
 //! In hand mode one held button runs a sequence of operations. A type says which part of a sequence an operation is,
 //! so the types of neighbours, going round the cycle, must tell the same story.
 
-use linewright_text::{At, Problem, Report};
+use linewright_text::{Located, Problem, Report};
 
 use crate::Hand;
 use crate::parse::draft::{DraftOperation, DraftStation, DraftTask};
@@ -14,7 +14,7 @@ use crate::parse::raw::Kind;
 /// station on order as far as the task goes.
 fn neighbours<'s>(
     station: &'s DraftStation<'s>,
-) -> impl Iterator<Item = (&'s DraftOperation<'s>, &'s At<Hand>, &'s DraftOperation<'s>, &'s At<Hand>)> {
+) -> impl Iterator<Item = (&'s DraftOperation<'s>, &'s Located<Hand>, &'s DraftOperation<'s>, &'s Located<Hand>)> {
     let count = station.steps.len();
     let task = |index: usize| station.operation(*station.steps[index].first()?).task.as_ref().map(|task| task.value);
     // Sequences stay within a task; in a cycle they go round.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_text::{At, Problem, Report};
+use linewright_text::{Located, Problem, Report};
 
 use crate::parse::draft::DraftOperation;
 use crate::parse::raw::Kind;
@@ -43,7 +43,7 @@ pub(super) fn watchdog_outlasts_duration(operation: &DraftOperation<'_>, report:
     }
 }
 
-fn outlasts(what: &str, duration: &At<Duration>, watchdog: &At<Duration>, report: &mut Report) {
+fn outlasts(what: &str, duration: &Located<Duration>, watchdog: &Located<Duration>, report: &mut Report) {
     if watchdog.value <= duration.value {
         let (limit, takes) = (watchdog.value.as_secs_f64(), duration.value.as_secs_f64());
         report.add(

@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use linewright_text::{Problem, Report, Where};
+use linewright_text::{Problem, Report, TextRange};
 
 use crate::parse::analogue;
 use crate::parse::draft::{Draft, DraftDevice, DraftStation};
-use crate::parse::raw::{RawDevice, RawIdentity, RawSetting};
+use crate::parse::raw::{RawDevice, RawSetting};
 use crate::parse::setup::{object, part, setting};
 use crate::{InputId, OutputId, Owner, Reaction, is_the_managers, keeps_an_output};
 
@@ -29,7 +29,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
 /// A device that may be lost without a fault must carry nothing that a motion, a panel or the console is decided by.
 fn nothing_depends_on_what_may_be_lost(draft: &Draft<'_>, device: &DraftDevice, raw: &RawDevice, report: &mut Report) {
     let Some(when_lost) = raw.when_lost.as_ref().filter(|key| key.value == Reaction::Report) else { return };
-    let problem = |at: &Where, what: &str, label: &str| {
+    let problem = |at: &TextRange, what: &str, label: &str| {
         Problem::error(when_lost.at.clone(), format!("this device cannot be lost without a fault: {what}"))
             .also(at, label.to_owned())
             .hint("write `when_lost = \"fault\"`, or leave it out")
@@ -99,8 +99,8 @@ fn depended_on(station: &DraftStation<'_>) -> (Vec<InputId>, Vec<OutputId>) {
 }
 
 fn identity_has_numbers(device: &RawDevice, report: &mut Report) {
-    let Some(RawIdentity(parts)) = &device.identity else { return };
-    for number in parts.iter().flatten().filter(|number| part(number.value).is_none()) {
+    let Some(identity) = &device.identity else { return };
+    for number in identity.parts().into_iter().flatten().filter(|number| part(number.value).is_none()) {
         report.add(
             Problem::error(number.at.clone(), format!("{} is no part of an identity", number.value))
                 .hint("objects 1000h and 1018h hold numbers from 0 to 0xFFFFFFFF"),

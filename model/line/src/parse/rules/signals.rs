@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
-use linewright_text::{At, Problem, Report};
+use linewright_text::{Located, Problem, Report};
 
 use super::operations::same_place;
 use crate::parse::draft::DraftStation;
@@ -61,12 +61,12 @@ impl fmt::Display for Meaning {
 
 /// The uses of one image's bits, in the order of the text.
 pub(super) struct Uses<'d> {
-    names: &'d [At<String>],
+    names: &'d [Located<String>],
     by_bit: BTreeMap<usize, Vec<(Meaning, Range<usize>)>>,
 }
 
 impl<'d> Uses<'d> {
-    pub fn of(names: &'d [At<String>]) -> Self {
+    pub fn of(names: &'d [Located<String>]) -> Self {
         Uses { names, by_bit: BTreeMap::new() }
     }
 

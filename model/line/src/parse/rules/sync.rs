@@ -1,6 +1,6 @@
 //! Process data that wait for SYNC.
 
-use linewright_text::{At, Problem, Report};
+use linewright_text::{Located, Problem, Report};
 
 use crate::device::is_synchronous;
 use crate::parse::draft::Draft;
@@ -9,13 +9,13 @@ use crate::parse::setup::transmission;
 
 pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
-        let Some((raw, at)) = &device.transmission else { continue };
+        let Some(raw) = &device.transmission else { continue };
         for number in [&raw.inputs, &raw.outputs].into_iter().flatten() {
             check_type(number, draft, report);
         }
         if device.drive.is_some() {
             report.add(
-                Problem::error(at.clone(), "a drive's process data do not wait for SYNC")
+                Problem::error(raw.at.clone(), "a drive's process data do not wait for SYNC")
                     .hint("leave `transmission` out: enabling a drive is a dialogue, and goes by event"),
             );
             continue;
@@ -24,7 +24,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-fn check_type(number: &At<i64>, draft: &Draft<'_>, report: &mut Report) {
+fn check_type(number: &Located<i64>, draft: &Draft<'_>, report: &mut Report) {
     match transmission(number.value) {
         None => report.add(
             Problem::error(number.at.clone(), format!("{} is no transmission type", number.value))
@@ -41,8 +41,8 @@ fn check_type(number: &At<i64>, draft: &Draft<'_>, report: &mut Report) {
 /// A device that no longer hears SYNC keeps its outputs, and hears every heartbeat: that it still hears SYNC shows only
 /// by inputs that come with it.
 fn outputs_have_inputs_to_show(device: &RawDevice, report: &mut Report) {
-    let Some((raw, _)) = &device.transmission else { return };
-    let synchronous = |number: &Option<At<i64>>| {
+    let Some(raw) = &device.transmission else { return };
+    let synchronous = |number: &Option<Located<i64>>| {
         number.as_ref().and_then(|number| transmission(number.value)).is_some_and(is_synchronous)
     };
     let Some(outputs) = raw.outputs.as_ref().filter(|_| synchronous(&raw.outputs)) else { return };

@@ -198,7 +198,9 @@ fn from_home(roads: &[(RestId, RestId)]) -> Vec<RestId> {
 /// worked on though it was not.
 fn irreversible_operations_come_back(station: &DraftStation<'_>, report: &mut Report) {
     for operation in station.operations.iter().filter(|operation| operation.kind() == Some(Kind::Irreversible)) {
-        let Some(task) = operation.task.as_ref().map(|task: &linewright_text::At<TaskId>| task.value) else { continue };
+        let Some(task) = operation.task.as_ref().map(|task: &linewright_text::Located<TaskId>| task.value) else {
+            continue;
+        };
         let task = &station.tasks[task.index()];
         if let (Some(from), Some(to)) = (&task.from, &task.to)
             && from.value != to.value

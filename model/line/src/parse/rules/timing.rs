@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_text::{At, Problem, Report};
+use linewright_text::{Located, Problem, Report};
 
 use crate::Timing;
 use crate::parse::draft::Draft;
@@ -20,7 +20,7 @@ pub(super) fn limits_exceed_their_periods(draft: &Draft<'_>, report: &mut Report
         ("heartbeat_timeout_ms", &raw.heartbeat_timeout, default.heartbeat_timeout, heartbeat),
     ];
     for (name, limit, limit_default, (period_name, period, period_default)) in limits {
-        let value = |written: &Option<At<Duration>>, default| written.as_ref().map_or(default, |w| w.value);
+        let value = |written: &Option<Located<Duration>>, default| written.as_ref().map_or(default, |w| w.value);
         let (limit_value, period_value) = (value(limit, limit_default), value(period, period_default));
         if limit_value >= period_value * PERIODS_MIN {
             continue;

@@ -1,0 +1,84 @@
+//! Where readers put what they find.
+
+use crate::problems::Cut;
+use crate::{Problem, Problems};
+
+/// At most this many errors, and as many warnings, are kept of a text that is kept whole: more would only hide the first
+/// cause.
+const PROBLEMS_MAX: usize = 500;
+
+/// The same where each problem has an excerpt of its own.
+pub const EXCERPTS_MAX: usize = 50;
+
+/// Where readers put what they find.
+#[derive(Debug, Default)]
+pub struct Report {
+    errors: Vec<Problem>,
+    warnings: Vec<Problem>,
+    cut: Cut,
+    in_excerpts: bool,
+}
+
+impl Report {
+    /// For a text that is not kept: a few problems, each with the lines around it.
+    pub fn of_excerpts() -> Self {
+        Report { in_excerpts: true, ..Report::default() }
+    }
+
+    fn most(&self) -> usize {
+        if self.in_excerpts { EXCERPTS_MAX } else { PROBLEMS_MAX }
+    }
+
+    /// Adds a problem, unless there are far too many of its kind already.
+    pub fn add(&mut self, problem: Problem) {
+        let most = self.most();
+        let (kind, cut) = match problem.is_warning {
+            true => (&mut self.warnings, &mut self.cut.warnings),
+            false => (&mut self.errors, &mut self.cut.errors),
+        };
+        if kind.len() < most {
+            kind.push(problem);
+        } else {
+            *cut = true;
+        }
+    }
+
+    /// Whether another error would not be kept: then there is no need to work it out, and there are more than are kept.
+    pub fn is_full(&mut self) -> bool {
+        let is_full = self.errors.len() >= self.most();
+        self.cut.errors |= is_full;
+        is_full
+    }
+
+    /// Whether anything forbids using the file.
+    pub fn has_errors(&self) -> bool {
+        !self.errors.is_empty()
+    }
+
+    /// What was read, with the warnings, if nothing forbids using it; otherwise all problems. That nothing could be read
+    /// and no rule says why would be a mistake of the program, and is said as one.
+    pub fn close<T>(mut self, read: Option<T>, file_name: &str, text: &str) -> Result<(T, Vec<Problem>), Problems> {
+        let has_errors = self.has_errors();
+        match read {
+            Some(read) if !has_errors => Ok((read, self.into_problems(file_name, text).into_vec())),
+            _ => {
+                if !has_errors {
+                    self.add(
+                        Problem::error(0..0, "this description is incomplete in a way that no rule explains")
+                            .hint("this is a mistake of the program: please report it, with the file"),
+                    );
+                }
+                Err(self.into_problems(file_name, text))
+            }
+        }
+    }
+
+    /// All of them, with what is kept of the text they point into. `file_name` is for messages.
+    pub fn into_problems(self, file_name: &str, text: &str) -> Problems {
+        let all = self.errors.into_iter().chain(self.warnings).collect();
+        let make = if self.in_excerpts { Problems::excerpts } else { Problems::new };
+        let mut problems = make(file_name, text, all);
+        problems.cut = self.cut;
+        problems
+    }
+}

@@ -1,0 +1,184 @@
+//! A station's table and its operations; what it does on order.
+
+use std::time::Duration;
+
+use linewright_text::{
+    Located, LocatedName, Problem, Report, Shape, coordinate, coordinates, integer, keys, lists, part, seconds, table,
+    tables, text, texts, whole,
+};
+
+use super::{RawHolder, RawReach};
+use crate::{CODE_MAX, OPERATIONS_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, RESTS_MAX, TASKS_MAX};
+
+/// At most this many axes in one station.
+pub(super) const AXES_MAX: usize = 64;
+/// At most this many places for parts in one station.
+const HOLDERS_MAX: usize = 1000;
+/// At most this many nests that the hands of one station reach.
+const REACHES_MAX: usize = 256;
+/// At most this many inputs that one operation waits for.
+const WAITS_MAX: usize = 16;
+
+keys! {
+    /// A station: its mechanisms, and its operations in the order of the timing bar chart.
+    pub(in crate::parse) struct RawStation is "a station" {
+        /// The ROS node name: lower-case letters, digits and single `_`, a letter first, at most 64; `coordinator` is taken.
+        name: Option<LocatedName> = text().required(),
+        /// What people call the station; the name if left out.
+        title: Option<LocatedName> = text(),
+        /// The operation that brings the station to its home position. A station on order has tasks and rests instead.
+        home: Option<LocatedName> = text().required_unless("task"),
+        /// CAN interface (`"can1"`) of a bus of the station's own; left out, its devices hang on the coordinator's bus.
+        bus: Option<LocatedName> = text(),
+        /// The mechanisms, each with its position at home, in mm or degrees: `{ vertical = 0.0, horizontal = 0.0 }`. At
+        /// most 64.
+        axes: Vec<(LocatedName, f64)> = coordinates(AXES_MAX).required().or_default(),
+        /// Of a station on order: positions of the whole station in which it rests, the first one being home. At most 8.
+        rests as "rest": Vec<RawRest> = tables(RESTS_MAX),
+        /// What the station does on order, instead of going round a cycle. At most 16.
+        tasks as "task": Vec<RawTask> = tables(TASKS_MAX),
+        /// Where parts can be in this station, for the simulated plant. At most 1000.
+        holders as "holder": Vec<RawHolder> = tables(HOLDERS_MAX),
+        /// Which nests the station's hands reach, for the simulated plant. At most 256.
+        reaches as "reach": Vec<RawReach> = tables(REACHES_MAX),
+        /// The operator's panel at the station: inputs of its own devices.
+        panel: Option<RawPanel> = table(),
+        /// The operations, in the order of the timing bar chart. The first one begins a new cycle. At most 64.
+        operations as "operation": Vec<RawOperation> = tables(OPERATIONS_MAX),
+    }
+
+    /// A position of the whole station in which it rests between tasks.
+    pub(in crate::parse) struct RawRest is "a rest" {
+        /// Its name, unique in the station.
+        name: Option<LocatedName> = text().required(),
+        /// Where axes stand, in mm or degrees; one that is left out stands as `axes` says. The first rest has none.
+        positions as "at": Vec<(LocatedName, f64)> = coordinates(AXES_MAX).or_default(),
+    }
+
+    /// What a station does on order: its operations lead from one rest to another, or to the same.
+    pub(in crate::parse) struct RawTask is "a task" {
+        /// Numbers that come with the order, at most 8, each with the outputs that carry it, the lowest bit first, at most
+        /// 31: `{ program = ["prog_1", "prog_2"] }`.
+        parameters: Vec<(LocatedName, Located<Vec<LocatedName>>)> = lists(PARAMETERS_MAX, PARAMETER_BITS_MAX).or_default(),
+        /// What it is ordered by, unique in the station.
+        name: Option<LocatedName> = text().required(),
+        /// The rest where it begins.
+        from: Option<LocatedName> = text().required(),
+        /// The rest where it ends.
+        to: Option<LocatedName> = text().required(),
+        /// After this many seconds it has failed, whatever time the order leaves it; longer than its motions together, up to
+        /// a day.
+        limit as "limit_s": Option<Located<Duration>> = seconds().required(),
+    }
+
+    /// The operator's panel at a station. What is left out can be operated over ROS topics only.
+    pub(in crate::parse) struct RawPanel is "`panel`" {
+        /// Input: the selector, on is station-manual.
+        manual: Option<LocatedName> = text(),
+        /// Input: the button that is held to advance.
+        advance: Option<LocatedName> = text(),
+        /// Input: the button that is held to go back.
+        retract as "return": Option<LocatedName> = text(),
+    }
+
+    /// An operation: one motion of an axis, with its signals, and how it is recovered.
+    pub(in crate::parse) struct RawOperation is "an operation" {
+        /// As the chart prints it; unique in its station; words without `:`, at most 64 characters.
+        name: Option<LocatedName> = text().required(),
+        /// `"R"`: reversible, after a fault it is resumed or taken back; `"I"`: irreversible, it is resumed or the station
+        /// goes home along `recovery_path`.
+        kind as "module": Option<Located<Kind>> = text().required().then(kind).like(|| Shape::Word(vec!["R", "I"])),
+        /// The motion: `{ axis = "vertical", from = 0, to = 50 }`.
+        moves: Option<RawMoves> = table().required(),
+        /// What the motion takes when nothing is wrong, in seconds, up to a day.
+        duration as "duration_s": Option<Located<Duration>> = seconds().required(),
+        /// After this many seconds it has failed; longer than the duration, twice as long is usual.
+        watchdog as "watchdog_s": Option<Located<Duration>> = seconds().required(),
+        /// The signals of the motion.
+        normal: Option<RawSignals> = table().required(),
+        /// The signals of the motion back, of a reversible operation.
+        recovery: Option<RawRecovery> = table(),
+        /// Hand-mode type and buttons: `{ type = 3, forward = "PB_2", back = "PB_4" }`.
+        hand: Option<RawHand> = table().required(),
+        /// The way home after a fault, of an irreversible operation: reversible operations that are taken back in this
+        /// order, then the home operation follows by itself.
+        recovery_path: Option<Located<Vec<LocatedName>>> = texts(OPERATIONS_MAX),
+        /// The operation listed directly before, to run side by side with it.
+        with: Option<LocatedName> = text(),
+        /// Of a station on order: the task it belongs to.
+        task: Option<LocatedName> = text(),
+        /// Of a station on order: inputs that must be on before the motion starts, at most 16.
+        waits: Option<Located<Vec<LocatedName>>> = texts(WAITS_MAX),
+        /// Of a station on order: 1 to 999, how an order ends whose time runs out while the operation waits.
+        waits_code: Option<Located<i64>> = whole(1, CODE_MAX.into()),
+    }
+
+    /// The motion of an operation.
+    pub(in crate::parse) struct RawMoves is "`moves`" {
+        /// The axis that moves.
+        axis: Option<LocatedName> = text().required(),
+        /// Where it starts, in mm or degrees.
+        from: Option<Located<f64>> = coordinate().required(),
+        /// Where it ends, in mm or degrees.
+        to: Option<Located<f64>> = coordinate().required(),
+    }
+
+    /// The signals of a motion.
+    pub(in crate::parse) struct RawSignals is "`normal`" {
+        /// Output that drives the motion.
+        actuator: Option<LocatedName> = text().required(),
+        /// Input that is on when the motion has arrived.
+        complete: Option<LocatedName> = text().required(),
+        /// Input that is on when the motion has failed; every motion has its watchdog besides.
+        fault: Option<LocatedName> = text(),
+        /// Output: a lamp that is on after a fault of the motion.
+        lamp: Option<LocatedName> = text(),
+    }
+
+    /// The motion back.
+    pub(in crate::parse) struct RawRecovery is "`recovery`" {
+        /// Its signals.
+        signals: RawSignals = part(),
+        /// What the motion back takes, in seconds, up to a day; as long as the motion if left out.
+        duration as "duration_s": Option<Located<Duration>> = seconds(),
+        /// After this many seconds it has failed; as for the motion if left out.
+        watchdog as "watchdog_s": Option<Located<Duration>> = seconds(),
+    }
+
+    /// What an operation is in hand mode, where one held button runs a sequence of operations and a second one may run it
+    /// back.
+    pub(in crate::parse) struct RawHand is "`hand`" {
+        /// 1: first or intermediate operation of a sequence that is never reversed; 2: the last one. 3, 4, 5: first,
+        /// intermediate and last operation of a reversed sequence. 6: on its own, reversed by another button.
+        number as "type": Option<Located<i64>> = integer().required().from_to(1, 6),
+        /// The button that is held to run.
+        forward: Option<LocatedName> = text().required(),
+        /// The button that is held to run back; types 3 to 6.
+        back: Option<LocatedName> = text(),
+        /// The button that starts what follows, the `forward` of the next operation; types 2, 5 and 6.
+        next: Option<LocatedName> = text(),
+    }
+}
+
+/// Whether an operation can be taken back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::parse) enum Kind {
+    Reversible,
+    Irreversible,
+}
+
+fn kind(module: Option<LocatedName>, report: &mut Report) -> Option<Located<Kind>> {
+    let module = module?;
+    let kind = match module.value.as_str() {
+        "R" => Kind::Reversible,
+        "I" => Kind::Irreversible,
+        other => {
+            report.add(
+                Problem::error(module.at, format!("unknown module `{other}`"))
+                    .hint("`R` for a reversible operation, `I` for an irreversible one"),
+            );
+            return None;
+        }
+    };
+    Some(Located::new(kind, module.at))
+}

@@ -1,0 +1,256 @@
+//! What may stand at a key: how it is read, and what it looks like.
+
+use std::time::Duration;
+
+use crate::fields::{COORDINATE_MAX, DURATION_MAX_S, DURATION_MIN_S, MILLIS_MAX, POSITIVE_MAX, POSITIVE_MIN};
+use crate::shape::{ANY_NUMBER, ANY_WHOLE};
+use crate::{Fields, Keys, Located, LocatedName, Named, Presence, Property, Report, Scalar, Shape, Usual};
+
+type Reader<T> = dyn Fn(&mut Fields<'_>, &mut Report, &'static str) -> T;
+
+/// How the value of a key is read into a `T`, and what it looks like in the text.
+pub struct Kind<T> {
+    read: Box<Reader<T>>,
+    shape: Box<dyn Fn() -> Shape>,
+    presence: Presence,
+    usual: Option<Usual>,
+}
+
+impl<T: 'static> Kind<T> {
+    /// A kind that is read so, and looks so.
+    pub fn new(
+        read: impl Fn(&mut Fields<'_>, &mut Report, &'static str) -> T + 'static,
+        shape: impl Fn() -> Shape + 'static,
+    ) -> Self {
+        Kind { read: Box::new(read), shape: Box::new(shape), presence: Presence::Optional, usual: None }
+    }
+
+    /// Reads the value at `key`.
+    pub fn read(&self, fields: &mut Fields<'_>, report: &mut Report, key: &'static str) -> T {
+        (self.read)(fields, report, key)
+    }
+
+    /// Adds what stands at `key` to a table's keys.
+    pub fn describe(&self, key: &'static str, doc: &'static [&'static str], keys: &mut Vec<Property>) {
+        match (self.shape)() {
+            Shape::Part(inside) => keys.extend(inside),
+            shape => keys.push(Property { key, doc, shape, presence: self.presence, usual: self.usual }),
+        }
+    }
+
+    /// The same, turned into something else once it is read.
+    pub fn then<U: 'static>(self, turn: fn(T, &mut Report) -> U) -> Kind<U> {
+        let read = self.read;
+        Kind {
+            read: Box::new(move |fields, report, key| {
+                let read = read(fields, report, key);
+                turn(read, report)
+            }),
+            shape: self.shape,
+            presence: self.presence,
+            usual: self.usual,
+        }
+    }
+
+    /// The same, with a narrower shape: what a later rule checks.
+    pub fn like(self, shape: impl Fn() -> Shape + 'static) -> Self {
+        Kind { shape: Box::new(shape), ..self }
+    }
+
+    /// The same; a later rule checks that it is from `low` to `high`.
+    pub fn from_to(self, low: i64, high: i64) -> Self {
+        self.like(move || Shape::Whole(low, high))
+    }
+
+    /// The same; a later rule, not the reader, reports that it is missing.
+    pub fn missed(self, presence: Presence) -> Self {
+        Kind { presence, ..self }
+    }
+
+    /// The same; a later rule takes `usual` where nothing is written.
+    pub fn usually(self, usual: impl Into<Usual>) -> Self {
+        Kind { usual: Some(usual.into()), ..self }
+    }
+}
+
+impl<T: 'static> Kind<Option<T>> {
+    /// The same, which may not be missing.
+    pub fn required(self) -> Self {
+        let read = self.read;
+        Kind {
+            read: Box::new(move |fields, report, key| {
+                let found = read(fields, report, key);
+                fields.require(report, key, found)
+            }),
+            presence: Presence::Required,
+            ..self
+        }
+    }
+
+    /// The same, which may be missing only where `other` is written.
+    pub fn required_unless(self, other: &'static str) -> Self {
+        let read = self.read;
+        Kind {
+            read: Box::new(move |fields, report, key| {
+                let found = read(fields, report, key);
+                if fields.has(other) { found } else { fields.require(report, key, found) }
+            }),
+            presence: Presence::Unless(other),
+            ..self
+        }
+    }
+
+    /// The same, empty where nothing is written.
+    pub fn or_default(self) -> Kind<T>
+    where
+        T: Default,
+    {
+        self.then(|found, _| found.unwrap_or_default())
+    }
+}
+
+impl<T: Copy + Into<Usual> + 'static> Kind<Option<Located<T>>> {
+    /// The same without its place, and `usual` where nothing is written.
+    pub fn or(self, usual: T) -> Kind<T> {
+        let read = self.read;
+        Kind {
+            read: Box::new(move |fields, report, key| read(fields, report, key).map_or(usual, |found| found.value)),
+            shape: self.shape,
+            presence: self.presence,
+            usual: Some(usual.into()),
+        }
+    }
+}
+
+impl<T: 'static> Kind<Option<Located<Vec<T>>>> {
+    /// What is in the list; nothing where none is written.
+    pub fn entries(self) -> Kind<Vec<T>> {
+        self.then(|found, _| found.map(|list| list.value).unwrap_or_default())
+    }
+}
+
+/// Any text.
+pub fn text() -> Kind<Option<LocatedName>> {
+    Kind::new(|f, report, key| f.text(report, key), || Shape::Text)
+}
+
+/// True or false.
+pub fn flag() -> Kind<Option<Located<bool>>> {
+    Kind::new(|f, report, key| f.flag(report, key), || Shape::Flag)
+}
+
+/// A whole number.
+pub fn integer() -> Kind<Option<Located<i64>>> {
+    Kind::new(|f, report, key| f.integer(report, key), || ANY_WHOLE)
+}
+
+/// A whole number within bounds.
+pub fn whole(low: i64, high: i64) -> Kind<Option<Located<i64>>> {
+    Kind::new(move |f, report, key| f.whole(report, key, low, high), move || Shape::Whole(low, high))
+}
+
+/// Any number.
+pub fn number() -> Kind<Option<Located<f64>>> {
+    Kind::new(|f, report, key| f.number(report, key), || ANY_NUMBER)
+}
+
+/// A number within bounds.
+pub fn within(low: f64, high: f64) -> Kind<Option<Located<f64>>> {
+    Kind::new(move |f, report, key| f.within(report, key, low, high), move || Shape::Number(low, high))
+}
+
+/// A number above zero: a distance, a speed, a ratio.
+pub fn positive() -> Kind<Option<Located<f64>>> {
+    Kind::new(|f, report, key| f.positive(report, key), || Shape::Number(POSITIVE_MIN, POSITIVE_MAX))
+}
+
+fn on_an_axis() -> Shape {
+    Shape::Number(-COORDINATE_MAX, COORDINATE_MAX)
+}
+
+/// A coordinate in millimetres.
+pub fn coordinate() -> Kind<Option<Located<f64>>> {
+    Kind::new(|f, report, key| f.coordinate(report, key), on_an_axis)
+}
+
+/// A positive duration in seconds.
+pub fn seconds() -> Kind<Option<Located<Duration>>> {
+    Kind::new(|f, report, key| f.seconds(report, key), || Shape::Number(DURATION_MIN_S, DURATION_MAX_S))
+}
+
+/// A period in whole milliseconds.
+pub fn millis() -> Kind<Option<Located<Duration>>> {
+    Kind::new(|f, report, key| f.millis(report, key), || Shape::Whole(1, MILLIS_MAX))
+}
+
+fn words<T>(known: &'static [(&'static str, T)]) -> Shape {
+    Shape::Word(known.iter().map(|(word, _)| *word).collect())
+}
+
+/// One of a few words; the first one where nothing is written.
+pub fn word<T: Copy>(known: &'static [(&'static str, T)]) -> Kind<T> {
+    let read = Kind::new(move |f, report, key| f.word(report, key, known), || words(known));
+    Kind { usual: known.first().map(|(word, _)| Usual::Word(word)), ..read }
+}
+
+/// One of a few words, and its place.
+pub fn one_of<T: Copy>(known: &'static [(&'static str, T)]) -> Kind<Option<Located<T>>> {
+    Kind::new(move |f, report, key| f.maybe_word(report, key, known), || words(known))
+}
+
+/// A list of texts, at most `max` long.
+pub fn texts(max: usize) -> Kind<Option<Located<Vec<LocatedName>>>> {
+    Kind::new(move |f, report, key| f.texts(report, key, max), move || Shape::List(Box::new(Shape::Text), max))
+}
+
+/// A table of at most `max` coordinates, under names that are the user's own.
+pub fn coordinates(max: usize) -> Kind<Option<Named<f64>>> {
+    Kind::new(move |f, report, key| f.coordinates(report, key, max), move || Shape::Names(Box::new(on_an_axis()), max))
+}
+
+/// A table of at most `max` texts or whole numbers, under names that are the user's own.
+pub fn scalars(max: usize) -> Kind<Option<Named<Located<Scalar>>>> {
+    Kind::new(
+        move |f, report, key| f.scalars(report, key, max),
+        move || Shape::Names(Box::new(Shape::Either(vec![Shape::Text, ANY_WHOLE])), max),
+    )
+}
+
+/// A table of at most `max` lists of texts, each at most `longest` long, under names that are the user's own.
+pub fn lists(max: usize, longest: usize) -> Kind<Option<Named<Located<Vec<LocatedName>>>>> {
+    Kind::new(
+        move |f, report, key| f.lists(report, key, max, longest),
+        move || Shape::Names(Box::new(Shape::List(Box::new(Shape::Text), longest)), max),
+    )
+}
+
+/// A table inside this one.
+pub fn table<K: Keys + 'static>() -> Kind<Option<K>> {
+    Kind::new(|f, report, key| Some(K::read_all(f.table(report, key, K::WHAT)?, report)), K::shape)
+}
+
+/// A list of tables, at most `max` long.
+pub fn tables<K: Keys + 'static>(max: usize) -> Kind<Vec<K>> {
+    Kind::new(
+        move |f, report, key| {
+            let tables = f.tables(report, key, K::WHAT, max);
+            tables.into_iter().map(|table| K::read_all(table, report)).collect()
+        },
+        move || Shape::List(Box::new(K::shape()), max),
+    )
+}
+
+/// Some keys of this table that are the same in another one, read as one value.
+pub fn part<K: Keys + 'static>() -> Kind<K> {
+    Kind::new(|f, report, _| K::read(f, report), || Shape::Part(K::keys()))
+}
+
+/// Nothing that can be written: a value that another table of the same struct has.
+pub fn nothing<T: Default + 'static>() -> Kind<T> {
+    Kind::new(|_, _, _| T::default(), || Shape::Part(Vec::new()))
+}
+
+/// Whether anything is written at a key that is read for itself, even if it cannot be read.
+pub fn written() -> Kind<bool> {
+    Kind::new(|f, _, key| f.has(key), || Shape::Part(Vec::new()))
+}
