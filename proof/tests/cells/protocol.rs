@@ -108,7 +108,7 @@ fn an_order_that_has_ended_while_its_station_moves_is_answered_and_started_again
         Some("the operator answers \"in-store\""),
         "which starts it again"
     );
-    assert!(again.steps.iter().any(|step| step.contains("is at order 1; order 1 ended Failed(1000)")), "{again:?}");
+    assert!(again.steps.iter().any(|step| step.contains("is at order 1; order 1 ended Failed(TimedOut)")), "{again:?}");
 }
 
 #[test]
