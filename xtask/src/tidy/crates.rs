@@ -59,10 +59,7 @@ const MAY_USE: [(&str, &[&str]); 28] = [
     ("linewright-station-logic", &["linewright-line", "linewright-orders"]),
     ("linewright-station-shell", &["linewright-line", "linewright-station-logic"]),
     ("linewright-coordinator-logic", &["linewright-random", "linewright-nets", "linewright-line"]),
-    (
-        "linewright-coordinator-cell",
-        &["linewright-nets", "linewright-line", "linewright-orders", "linewright-cell", "linewright-random"],
-    ),
+    ("linewright-coordinator-cell", &["linewright-nets", "linewright-line", "linewright-orders", "linewright-cell"]),
     (
         "linewright-coordinator-shell",
         &[
