@@ -18,7 +18,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use linewright_fieldbus::{Bus as CanBus, Frame, Message, Options};
+use linewright_canopen::{Frame, Message};
+use linewright_fieldbus::{Bus as CanBus, Options};
 use linewright_line::{Bus, Owner, StationId};
 use linewright_msgs::{Flag, Text};
 use linewright_node_shell::{Node, Participant, Publisher, RosArgs, qos};

@@ -15,7 +15,8 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use linewright_fieldbus::{Bus as CanBus, Message, Options};
+use linewright_canopen::Message;
+use linewright_fieldbus::{Bus as CanBus, Options};
 use linewright_line::{Bus, InputId, Line, OutputId, Owner, StationId};
 
 #[path = "common/running.rs"]

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use linewright_canopen::Manager;
 use linewright_dbc::{Database, FILE_BYTES_MAX, bind, read};
-use linewright_fieldbus::Manager;
 use linewright_line::{Line, Problem, Problems};
 use miette::{IntoDiagnostic, WrapErr, miette};
 

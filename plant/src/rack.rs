@@ -3,7 +3,7 @@
 //! Pure: frames and time in, frames out. Every device sees every frame, as on a bus; what one device sends is not
 //! shown to the others, which have no use for it.
 
-use linewright_fieldbus::{Frame, NodeId};
+use linewright_canopen::{Frame, NodeId};
 use linewright_line::{AxisId, Bus, Device, Drive, DriveMode, Line, Owner, StationId, Tick};
 
 use crate::device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::{Event, Frame, Manager, NodeId, Outbox};
+use linewright_canopen::{Event, Frame, Manager, NodeId, Outbox};
 use linewright_line::{
     Analogue, AnalogueInput, AnalogueOutput, Bus, Channel, Follows, InputId, Lag, OutputId, Owner, Tick, When,
 };

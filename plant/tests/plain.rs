@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::{Event, Manager, Outbox};
+use linewright_canopen::{Event, Manager, Outbox};
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
 use linewright_plant::{DeviceFault, PlantOptions, Rack};
 
@@ -131,7 +131,7 @@ impl Bench {
         self.carry(out, Vec::new());
     }
 
-    fn carry(&mut self, mut out: Outbox, mut own: Vec<linewright_fieldbus::Frame>) {
+    fn carry(&mut self, mut out: Outbox, mut own: Vec<linewright_canopen::Frame>) {
         while !out.frames.is_empty() || !own.is_empty() {
             let (there, back) = (std::mem::take(&mut out.frames), std::mem::take(&mut own));
             for frame in there.iter().filter(|_| !self.cut) {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::NodeId;
+use linewright_canopen::NodeId;
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{AxisId, ButtonId, Device, Line, OpId, OutputId, Owner, StationId, TransferLine, parse};
 use linewright_plant::{DeviceFault, Fault, FrameFaults};

@@ -118,7 +118,7 @@ fn vcan(tally: &mut Tally, root: &Path, programs: &[String]) {
 /// It is given the program that has just been built: built by itself, the crate would have other features, and with them
 /// most of its dependencies once more.
 fn in_user_mode_linux(tally: &mut Tally, root: &Path, program: &str) {
-    const SCRIPT: &str = "fieldbus/tests/vcan_uml.sh";
+    const SCRIPT: &str = "fieldbus/io/tests/vcan_uml.sh";
     let mut command = Command::new("sh");
     command.current_dir(root).args([SCRIPT, program]);
     let failed_before = tally.failed;

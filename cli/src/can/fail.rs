@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use linewright_fieldbus::sdo::{ObjectId, Options};
-use linewright_fieldbus::{Bus, NodeId, sdo_client};
+use linewright_canopen::NodeId;
+use linewright_canopen::sdo::{ObjectId, Options};
+use linewright_fieldbus::{Bus, sdo_client};
 use linewright_line::{Bus as BusName, Device, Line, Module, Owner};
 use linewright_node_shell::RosArgs;
 use linewright_plant::{CLEAR, DeviceFault, FAULT_INDEX, Fault, FrameFaults, Orders};

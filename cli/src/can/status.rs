@@ -5,9 +5,10 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use linewright_fieldbus::codec::NmtState;
-use linewright_fieldbus::survey::Survey;
-use linewright_fieldbus::{Bus, Clock, MANAGER_NODE, Manager, NodeId, Outbox};
+use linewright_canopen::codec::NmtState;
+use linewright_canopen::survey::Survey;
+use linewright_canopen::{MANAGER_NODE, Manager, NodeId, Outbox};
+use linewright_fieldbus::{Bus, Clock};
 use linewright_line::{Device, Line, Tick};
 use miette::IntoDiagnostic as _;
 use serde::Serialize;

@@ -16,7 +16,8 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Args as ClapArgs;
-use linewright_fieldbus::{Bus as CanBus, BusError, Frame, Options as BusOptions, OwnBuses};
+use linewright_canopen::Frame;
+use linewright_fieldbus::{Bus as CanBus, BusError, Options as BusOptions, OwnBuses};
 use linewright_line::{Bus, Line};
 use linewright_msgs::{LineState, StationState};
 use linewright_node_shell::{Claim, RosArgs};

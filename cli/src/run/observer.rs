@@ -5,9 +5,9 @@
 //! stretch's first operation starts and ends when it is where the last one ends; in between, neither of those two
 //! switches is on. That is all it looks at.
 
-use linewright_fieldbus::codec::Payload;
-use linewright_fieldbus::profile::drive::DriveBinding;
-use linewright_fieldbus::{Frame, Message};
+use linewright_canopen::codec::Payload;
+use linewright_canopen::profile::drive::DriveBinding;
+use linewright_canopen::{Frame, Message};
 use linewright_line::{Bus, Conflict, Device, InputId, Line, Module, Owner, Span, StationId};
 
 /// The inputs of one station, as its devices last sent them.

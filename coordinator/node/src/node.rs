@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use linewright_canopen::{Event as BusEvent, Manager, ManagerError};
 use linewright_cell::Cell;
 use linewright_coordinator_logic::{Command, Heard, OutputImage, Refusal};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
-use linewright_fieldbus::{
-    Bus as CanBus, BusError, Clock, Driver, DriverError, Event as BusEvent, Manager, ManagerError,
-};
+use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, DriverError};
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text, fitting};

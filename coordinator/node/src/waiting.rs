@@ -3,9 +3,9 @@
 //! It waits: what follows the record was decided without it. An emergency stop, by command or from the console, comes first:
 //! what follows the record is dropped then, and decided again.
 
+use linewright_canopen::Event as BusEvent;
 use linewright_coordinator_logic::Command;
 use linewright_coordinator_shell::Remembered;
-use linewright_fieldbus::Event as BusEvent;
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, Tick};
 

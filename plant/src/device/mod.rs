@@ -22,8 +22,8 @@ mod serve;
 mod sync;
 mod trouble;
 
-use linewright_fieldbus::Frame;
-use linewright_fieldbus::codec::{Message, NmtState, NodeId, Payload};
+use linewright_canopen::Frame;
+use linewright_canopen::codec::{Message, NmtState, NodeId, Payload};
 use linewright_line::{Analogue, Tick, Timing};
 
 use crate::fault::{DeviceFault, Fault};

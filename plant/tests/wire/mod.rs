@@ -10,8 +10,8 @@ mod latency;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use linewright_fieldbus::manager::Outbox;
-use linewright_fieldbus::{Event, Frame, Manager, Message};
+use linewright_canopen::manager::Outbox;
+use linewright_canopen::{Event, Frame, Manager, Message};
 use linewright_line::{Bus, Console, Device, Handling, InputId, Line, OutputId, Owner, Setup, Tick, Timing};
 use linewright_plant::{PlantOptions, Rack};
 
@@ -345,8 +345,8 @@ impl Wire {
     }
 }
 
-fn node(at: usize) -> linewright_fieldbus::NodeId {
-    linewright_fieldbus::NodeId::new(at as u8 + 1).expect("from 1")
+fn node(at: usize) -> linewright_canopen::NodeId {
+    linewright_canopen::NodeId::new(at as u8 + 1).expect("from 1")
 }
 
 /// The devices and nothing behind them: fingers press their inputs.

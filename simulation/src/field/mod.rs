@@ -13,7 +13,7 @@ use linewright_plant::{Fault, Plant, PlantOptions};
 pub(crate) use bus::Played;
 pub(crate) use frames::{Frames, SeenInputs};
 pub(crate) use images::Images;
-pub(crate) use linewright_fieldbus::ManagerError;
+pub(crate) use linewright_canopen::ManagerError;
 
 /// The machine.
 pub(crate) enum Field {

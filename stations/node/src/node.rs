@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use linewright_fieldbus::{
-    Bus as CanBus, BusError, Clock, Driver, DriverError, Event as BusEvent, Manager, ManagerError,
-};
+use linewright_canopen::{Event as BusEvent, Manager, ManagerError};
+use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, DriverError};
 use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
 use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
 use linewright_node_shell::{

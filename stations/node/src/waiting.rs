@@ -4,7 +4,7 @@
 
 use std::collections::VecDeque;
 
-use linewright_fieldbus::Event as BusEvent;
+use linewright_canopen::Event as BusEvent;
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 use tokio::sync::mpsc;

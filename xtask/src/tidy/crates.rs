@@ -6,7 +6,7 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 14] = [
+pub const PURE: [&str; 16] = [
     "linewright-nets",
     "linewright-problems",
     "linewright-text",
@@ -19,6 +19,8 @@ pub const PURE: [&str; 14] = [
     "linewright-station-shell",
     "linewright-coordinator-logic",
     "linewright-coordinator-shell",
+    "linewright-canopen",
+    "linewright-plant",
     "linewright-proof",
     "linewright-simulation",
 ];
@@ -41,7 +43,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 24] = [
+const MAY_USE: [(&str, &[&str]); 26] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -66,8 +68,10 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("linewright-history", &["linewright-line", "linewright-coordinator-logic"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
-    ("linewright-fieldbus", &["linewright-line", "linewright-eds", "linewright-dbc"]),
-    ("linewright-plant", &["linewright-line", "linewright-eds", "linewright-dbc", "linewright-fieldbus"]),
+    ("linewright-canopen", &["linewright-line"]),
+    ("linewright-fieldbus", &["linewright-line", "linewright-canopen"]),
+    ("linewright-plant", &["linewright-line", "linewright-canopen"]),
+    ("linewright-racks", &["linewright-line", "linewright-canopen", "linewright-fieldbus", "linewright-plant"]),
     (
         "linewright-proof",
         &[
@@ -89,8 +93,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
             "linewright-station-shell",
             "linewright-coordinator-logic",
             "linewright-coordinator-shell",
-            // Its pure part: frames and the manager.
-            "linewright-fieldbus",
+            "linewright-canopen",
             "linewright-plant",
         ],
     ),
@@ -102,6 +105,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
             "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",
+            "linewright-canopen",
             "linewright-fieldbus",
         ],
     ),
@@ -119,6 +123,7 @@ const MAY_USE: [(&str, &[&str]); 24] = [
             "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",
+            "linewright-canopen",
             "linewright-fieldbus",
         ],
     ),
@@ -144,8 +149,10 @@ const EVERYTHING: &[&str] = &[
     "linewright-history",
     "linewright-msgs",
     "linewright-node-shell",
+    "linewright-canopen",
     "linewright-fieldbus",
     "linewright-plant",
+    "linewright-racks",
     "linewright-proof",
     "linewright-simulation",
     "linewright-station-node",

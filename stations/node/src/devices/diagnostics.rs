@@ -1,7 +1,7 @@
 //! `/diagnostics`: each device in a status of its own.
 
+use linewright_canopen::manager::{Condition, PlainStatus, Status};
 use linewright_fieldbus::Driver;
-use linewright_fieldbus::manager::{Condition, PlainStatus, Status};
 use linewright_line::{Device, Tick};
 use linewright_msgs::{Byte, DiagnosticStatus, KeyValue};
 

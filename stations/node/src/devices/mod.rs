@@ -10,8 +10,9 @@ mod trouble;
 
 use std::time::Duration;
 
-use linewright_fieldbus::manager::{Condition, PlainStatus, Status};
-use linewright_fieldbus::{Driver, Event, NodeId};
+use linewright_canopen::manager::{Condition, PlainStatus, Status};
+use linewright_canopen::{Event, NodeId};
+use linewright_fieldbus::Driver;
 use linewright_line::{Device, Line, Tick};
 use linewright_msgs::{DiagnosticArray, Text};
 use linewright_node_shell::{Forward, Node, Publisher, TopicError, qos, stamp};

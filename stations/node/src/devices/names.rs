@@ -1,6 +1,6 @@
 //! What a device is called in ROS 2, and its network management state in the words of `ros2_canopen`.
 
-use linewright_fieldbus::codec::NmtState;
+use linewright_canopen::codec::NmtState;
 use linewright_line::{Device, Line, Owner};
 
 /// A device's name as a part of a ROS name: `clamp 1 io` becomes `clamp_1_io`. A name that another device, a station or

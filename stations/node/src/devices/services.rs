@@ -3,9 +3,10 @@
 //! The types of `ros2_canopen` have room for "no" and for a number, not for words. So where something was to be read, the
 //! number is the abort code that says why it was not; the words are in the log and in the device's diagnostics.
 
-use linewright_fieldbus::manager::Ask;
-use linewright_fieldbus::sdo::{Abort, ObjectId};
-use linewright_fieldbus::{Answer, AskError, Driver};
+use linewright_canopen::manager::Ask;
+use linewright_canopen::sdo::{Abort, ObjectId};
+use linewright_canopen::{Answer, AskError};
+use linewright_fieldbus::Driver;
 use linewright_msgs::{
     CORead, COReadID, COWrite, COWriteID, CoReadIdRequest, CoReadIdResponse, CoReadRequest, CoReadResponse,
     CoWriteIdRequest, CoWriteIdResponse, CoWriteRequest, CoWriteResponse, Trigger, TriggerResponse,

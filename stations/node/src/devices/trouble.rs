@@ -3,8 +3,8 @@
 //! The sentences come from the manager. They count milliseconds, so they differ each time; what is told is when they
 //! begin and end to apply, and once a second meanwhile.
 
+use linewright_canopen::manager::Budget;
 use linewright_fieldbus::Driver;
-use linewright_fieldbus::manager::Budget;
 use linewright_line::{Owner, Tick};
 use linewright_msgs::{Text, cut};
 use linewright_node_shell::{Node, Publisher, TopicError, qos};
