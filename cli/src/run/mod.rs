@@ -453,7 +453,7 @@ async fn next_of(cell: &mut Option<CellRun>) -> miette::Result<Vec<String>> {
 }
 
 fn mode_name(code: u8) -> &'static str {
-    linewright_station_node::mode_from_code(code).map_or("unknown", |mode| mode.name())
+    linewright_node_line::mode_from_code(code).map_or("unknown", |mode| mode.name())
 }
 
 /// The directory of this run's journals and logs.

@@ -11,12 +11,12 @@ use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, DriverError};
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text, fitting};
+use linewright_node_line::devices::{Devices, in_words};
+use linewright_node_line::{Waiting, mode_to_code, quoted, report_from_message};
 use linewright_node_shell::{
     Forward, JournalError, OpenError, Participant, Recorder, TopicError, Watchdog, fresh_boot_id, stamp,
 };
 use linewright_station_logic::Founding;
-use linewright_station_node::devices::{Devices, in_words};
-use linewright_station_node::{Waiting, mode_to_code, quoted, report_from_message};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 

@@ -6,6 +6,10 @@ use linewright_canopen::{Event as BusEvent, Manager, ManagerError};
 use linewright_fieldbus::{Bus as CanBus, BusError, Clock, Driver, DriverError};
 use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
 use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
+use linewright_node_line::Waiting;
+use linewright_node_line::devices::{Asked, Devices, Trouble};
+use linewright_node_line::quoted;
+use linewright_node_line::{kind_of, order_from_message, report_from_message, report_to_message};
 use linewright_node_shell::{
     Forward, JournalError, OpenError, Participant, Recorder, TopicError, Watchdog, fresh_boot_id, stamp,
 };
@@ -14,12 +18,8 @@ use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEff
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
-use crate::convert::{kind_of, order_from_message, report_from_message, report_to_message};
-use crate::devices::{Asked, Devices, Trouble};
-use crate::foreign::quoted;
 use crate::journal::from_record;
 use crate::topics::{Arrived, Says, open};
-use crate::waiting::Waiting;
 use crate::words::Words;
 
 /// Why a station's node cannot run, or had to end.

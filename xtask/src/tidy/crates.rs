@@ -43,7 +43,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 26] = [
+const MAY_USE: [(&str, &[&str]); 27] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -98,6 +98,17 @@ const MAY_USE: [(&str, &[&str]); 26] = [
         ],
     ),
     (
+        "linewright-node-line",
+        &[
+            "linewright-line",
+            "linewright-station-logic",
+            "linewright-msgs",
+            "linewright-node-shell",
+            "linewright-canopen",
+            "linewright-fieldbus",
+        ],
+    ),
+    (
         "linewright-station-node",
         &[
             "linewright-line",
@@ -105,6 +116,7 @@ const MAY_USE: [(&str, &[&str]); 26] = [
             "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",
+            "linewright-node-line",
             "linewright-canopen",
             "linewright-fieldbus",
         ],
@@ -117,12 +129,11 @@ const MAY_USE: [(&str, &[&str]); 26] = [
             "linewright-coordinator-logic",
             "linewright-coordinator-shell",
             "linewright-history",
-            // How a station's report looks as a message is written once, there.
-            "linewright-station-node",
             "linewright-station-logic",
             "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",
+            "linewright-node-line",
             "linewright-canopen",
             "linewright-fieldbus",
         ],
@@ -149,6 +160,7 @@ const EVERYTHING: &[&str] = &[
     "linewright-history",
     "linewright-msgs",
     "linewright-node-shell",
+    "linewright-node-line",
     "linewright-canopen",
     "linewright-fieldbus",
     "linewright-plant",

@@ -9,8 +9,9 @@ use socketcan::frame::Frame as _;
 use socketcan::tokio::CanSocket;
 use socketcan::{CanDataFrame, CanFrame, CanRemoteFrame, SocketOptions};
 
-use super::BusStats;
 use linewright_canopen::{Frame, Kind};
+
+use super::BusStats;
 
 /// After a failed read, so that one that fails again and again does not take the whole processor.
 const READ_PAUSE: Duration = Duration::from_millis(50);

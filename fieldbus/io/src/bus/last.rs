@@ -8,8 +8,9 @@ use std::path::PathBuf;
 
 use socketcan::{CanSocket, Socket, SocketOptions};
 
-use super::{kernel, members};
 use linewright_canopen::Frame;
+
+use super::{kernel, members};
 
 pub(crate) enum LastWire {
     Kernel(CanSocket),

@@ -184,7 +184,7 @@ fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) ->
 }
 
 /// What kind of event it is in a message, and of which operation.
-pub(crate) fn kind_of(event: &Event) -> (u8, Option<OpId>) {
+pub fn kind_of(event: &Event) -> (u8, Option<OpId>) {
     match event.what {
         Happening::Started(op, Block::Normal) => (StationEvent::KIND_STARTED, Some(op)),
         Happening::Started(op, Block::Recovery) => (StationEvent::KIND_UNDO_STARTED, Some(op)),
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn the_age_of_an_image_counts_the_time_since_the_step() {
-        let line = parse("line.toml", include_str!("../../../model/line/tests/descriptions/cell.toml"));
+        let line = parse("line.toml", include_str!("../../model/line/tests/descriptions/cell.toml"));
         let line = line.unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let mut controller = Controller::new(&line, StationId(0), 7, Restore::Fresh).expect("it compiles");
         let (now, mut message) = (Tick::from_millis(1000), StationState::default());

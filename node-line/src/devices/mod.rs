@@ -21,7 +21,7 @@ use tokio::sync::mpsc;
 pub use names::device_names;
 pub use services::Asked;
 use services::Pending;
-pub use trouble::{Trouble, in_words};
+pub use trouble::{TROUBLE_BYTES_MAX, Trouble, in_words};
 
 /// How often everything is told when nothing changes.
 const EVERY: Duration = Duration::from_secs(1);

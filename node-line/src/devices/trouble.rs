@@ -10,7 +10,6 @@ use linewright_msgs::{Text, cut};
 use linewright_node_shell::{Node, Publisher, TopicError, qos};
 
 use super::{EVERY, NEWS_EVERY, STATES_MAX};
-use crate::words::TROUBLE_BYTES_MAX;
 
 /// The topic of one owner.
 pub struct Trouble {
@@ -55,6 +54,9 @@ impl Trouble {
         &self.text
     }
 }
+
+/// Most bytes of what is said of the devices, whoever says it.
+pub const TROUBLE_BYTES_MAX: usize = 1024;
 
 /// About how much is said of one owner's devices, in bytes: it stands in messages of bounded length, several times.
 const ENOUGH: usize = 800;
