@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use linewright_canopen::Event as BusEvent;
+use linewright_fieldbus_seam::News;
 use tokio::sync::mpsc;
 
 /// What has arrived and is not taken yet. A record that takes longer than [`linewright_node_shell::Watchdog::LIMIT`] ends the
@@ -11,12 +11,12 @@ pub struct Waiting<A> {
     /// Messages, oldest first.
     pub arrived: VecDeque<A>,
     /// What the bus has brought.
-    pub events: Vec<BusEvent>,
+    pub news: Vec<News>,
 }
 
 impl<A> Default for Waiting<A> {
     fn default() -> Self {
-        Waiting { arrived: VecDeque::new(), events: Vec::new() }
+        Waiting { arrived: VecDeque::new(), news: Vec::new() }
     }
 }
 
@@ -28,11 +28,11 @@ impl<A> Waiting<A> {
 
     /// Nothing has arrived.
     pub fn is_empty(&self) -> bool {
-        self.arrived.is_empty() && self.events.is_empty()
+        self.arrived.is_empty() && self.news.is_empty()
     }
 
     /// What the bus has brought, if anything.
-    pub fn take_events(&mut self) -> Option<Vec<BusEvent>> {
-        (!self.events.is_empty()).then(|| std::mem::take(&mut self.events))
+    pub fn take_news(&mut self) -> Option<Vec<News>> {
+        (!self.news.is_empty()).then(|| std::mem::take(&mut self.news))
     }
 }

@@ -7,7 +7,8 @@ use std::sync::{Arc, Mutex};
 
 use linewright_canopen::Frame;
 use linewright_canopen::codec::NodeId;
-use linewright_canopen::manager::{Answer, Ask, Event, InputImage, MANAGER_NODE, Manager, Outbox};
+use linewright_canopen::manager::{Answer, Ask, Event, MANAGER_NODE, Manager, Outbox};
+use linewright_fieldbus_seam::InputImage;
 use linewright_line::{Owner, Tick};
 
 use thiserror::Error;

@@ -16,7 +16,7 @@ use linewright_canopen::candump::{Recorder, parse_log_line};
 use linewright_canopen::{Event, Frame, Kind, Manager, Message, NodeId};
 use linewright_fieldbus::bus::Transport;
 use linewright_fieldbus::{Bus, Clock, Driver, Options};
-use linewright_line::{Bus as BusName, Device, InputId, OutputId, Owner, Timing};
+use linewright_line::{Bus as BusName, Device, DeviceKind, InputId, OutputId, Owner, Timing};
 
 const INTERFACE: &str = "vcan0";
 
@@ -85,15 +85,9 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
         let owner = Owner::Console;
         let description = Device {
             name: "io".to_owned(),
-            node_id: 4,
             owner,
             bus: BusName::Line,
-            inputs: vec![Some(InputId(0))],
-            outputs: vec![Some(OutputId(0))],
-            setup: linewright_line::Setup::default(),
-            drive: None,
-            analogue: linewright_line::Analogue::default(),
-            frames: None,
+            kind: DeviceKind::io(4, vec![Some(InputId(0))], vec![Some(OutputId(0))]),
         };
         let manager = Manager::new([&description], Timing::default()).unwrap();
         let mut driver = Driver::new(bus, manager, Clock::start());

@@ -28,6 +28,4 @@ pub mod tell;
 
 pub use codec::{DecodeError, Message, NodeId};
 pub use frame::{FRAME_BYTES, Frame, FrameError, Kind};
-pub use manager::{
-    Answer, Ask, AskError, Event, IgnoreReason, InputImage, MANAGER_NODE, Manager, ManagerError, Outbox,
-};
+pub use manager::{Answer, Ask, AskError, Event, IgnoreReason, MANAGER_NODE, Manager, ManagerError, Outbox};

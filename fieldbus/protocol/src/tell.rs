@@ -19,7 +19,8 @@ impl Names {
     /// The names in a description, on the bus that is reached over this interface.
     pub fn of(line: Option<&Line>, interface: &str) -> Self {
         let devices = line.into_iter().flat_map(|line| line.devices_on(interface));
-        let mut names: BTreeMap<u8, String> = devices.map(|device| (device.node_id, device.name.clone())).collect();
+        let names = devices.filter_map(|device| Some((device.node_id()?, device.name.clone())));
+        let mut names: BTreeMap<u8, String> = names.collect();
         names.entry(crate::MANAGER_NODE.get()).or_insert_with(|| "manager".to_owned());
         Names(names)
     }

@@ -21,7 +21,8 @@ mod whereabouts;
 pub use analogue::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, Lag};
 pub use console::{Console, StopContact};
 pub use device::{
-    Device, Identity, Owner, Reaction, Setting, Setup, Transmission, is_the_managers, keeps_an_output, wired_bits,
+    Canopen, Device, DeviceKind, Identity, Io, Owner, Reaction, Setting, Setup, Transmission, is_the_managers,
+    keeps_an_output, wired_bits,
 };
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use frames::{

@@ -1,7 +1,7 @@
-//! The devices of a bus as ROS 2 sees them: services and states named like those of `ros2_canopen`, and diagnostics.
+//! The devices of a node as ROS 2 sees them: services and states named like those of `ros2_canopen`, and diagnostics.
 //!
-//! Whoever runs a CANopen manager has one of these beside it: the coordinator's node, and a station's with a bus of its
-//! own. It passes on what is asked and what is answered. Whether and when a device is asked, the manager decides.
+//! Whoever runs a field bus has one of these beside it: the coordinator's node, and a station's with a bus of its own. It
+//! passes on what is asked and what is answered. Whether and when a device is asked, the bus decides.
 
 mod diagnostics;
 mod names;
@@ -10,10 +10,8 @@ mod trouble;
 
 use std::time::Duration;
 
-use linewright_canopen::manager::{Condition, PlainStatus, Status};
-use linewright_canopen::{Event, NodeId};
-use linewright_fieldbus::Driver;
-use linewright_line::{Device, Line, Tick};
+use linewright_fieldbus_seam::{Diagnosis, Joined, Level, News, Target};
+use linewright_line::{Device, DeviceKind, Line, Owner, Tick};
 use linewright_msgs::{DiagnosticArray, Text};
 use linewright_node_shell::{Forward, Node, Publisher, TopicError, qos, stamp};
 use tokio::sync::mpsc;
@@ -32,10 +30,10 @@ const STATES_MAX: u32 = 20;
 /// Requests that wait for this node; more wait in the middleware, ten for each service.
 const QUEUE: usize = 64;
 
-/// One device, and what was last told of it.
+/// One device with services and a state, and what was last told of it.
 struct Told {
-    device: Device,
-    owner: String,
+    name: String,
+    target: Target,
     state: Publisher<Text>,
     word: &'static str,
     /// States told at once since the last regular diagnosis.
@@ -44,22 +42,14 @@ struct Told {
     failed: String,
 }
 
-/// A device that speaks no CANopen: its name, whose it is, and what describes its frames.
-struct Plain {
-    name: String,
-    owner: String,
-    file: String,
-}
+/// What makes a diagnosis news, device by device.
+type Key = Vec<(Level, Option<&'static str>, Option<u16>, u32)>;
 
-/// Condition, state, emergency code and losses of each device, and whether and how often one that speaks no CANopen was
-/// lost: what makes a diagnosis news.
-type Key = (Vec<(Condition, &'static str, Option<u16>, u32)>, Vec<(bool, u32)>);
-
-/// The devices of one bus.
+/// The devices of one node.
 pub struct Devices {
     node: String,
     told: Vec<Told>,
-    plain: Vec<Plain>,
+    owners: Vec<(Owner, String)>,
     diagnostics: Publisher<DiagnosticArray>,
     key: Key,
     due: Tick,
@@ -70,33 +60,35 @@ pub struct Devices {
 }
 
 impl Devices {
-    /// Opens the services and topics of these devices, and of the bus they are on, as part of `node`.
+    /// Opens the services and topics of these devices, and of the buses they are on, as part of `node`.
     pub fn open<'a>(
         node: &mut Node,
         line: &Line,
         devices: impl IntoIterator<Item = &'a Device>,
     ) -> Result<Self, TopicError> {
-        let owner = |device: &Device| line.owner_name(device.owner).to_owned();
-        // The services are those of CANopen; whoever speaks none has none.
-        let (devices, of_frames): (Vec<&Device>, Vec<&Device>) =
-            devices.into_iter().partition(|device| device.frames.is_none());
-        let plain = |device: &&Device| {
-            let file = device.frames.as_ref().map(|frames| frames.file.name.clone()).unwrap_or_default();
-            Plain { name: device.name.clone(), owner: owner(device), file }
-        };
+        let devices: Vec<&Device> = devices.into_iter().collect();
+        let mut owners: Vec<(Owner, String)> = Vec::new();
+        for device in &devices {
+            if !owners.iter().any(|(owner, _)| *owner == device.owner) {
+                owners.push((device.owner, line.owner_name(device.owner).to_owned()));
+            }
+        }
+        // Plain frames have nothing that could be asked for.
+        let with_services = devices.into_iter().filter(|device| !matches!(device.kind, DeviceKind::Frames(_)));
+        let with_services: Vec<&Device> = with_services.collect();
         let (to, from) = mpsc::channel(QUEUE);
         let mut tasks = services::open_bus(node, &to)?;
-        let mut told = Vec::with_capacity(devices.len());
-        for (device, name) in devices.iter().zip(device_names(line, &devices)) {
-            tasks.extend(services::open_device(node, &name, device.node_id, &to)?);
+        let mut told = Vec::with_capacity(with_services.len());
+        for (device, name) in with_services.iter().zip(device_names(line, &with_services)) {
+            let target = device.node_id().map_or_else(|| Target::Device(device.name.clone()), Target::Node);
+            tasks.extend(services::open_device(node, &name, &target, &to)?);
             let state = node.publisher(&format!("{name}/nmt_state"), qos::latched_state())?;
-            let (device, owner) = ((*device).clone(), owner(device));
-            told.push(Told { device, owner, state, word: "", at_once: 0, failed: String::new() });
+            told.push(Told { name: device.name.clone(), target, state, word: "", at_once: 0, failed: String::new() });
         }
         Ok(Devices {
             node: node.name().to_owned(),
             told,
-            plain: of_frames.iter().map(plain).collect(),
+            owners,
             diagnostics: node.publisher("/diagnostics", qos::event())?,
             key: Key::default(),
             due: Tick::ZERO,
@@ -126,67 +118,54 @@ impl Devices {
         self.due
     }
 
-    /// Takes what the bus reports: news are told at once, answers passed on.
-    pub fn bus_events(&mut self, events: &[Event], driver: &mut Driver) {
-        let quiet = |event: &Event| matches!(event, Event::InputsChanged { .. } | Event::Answered { .. });
-        if !events.iter().all(quiet) {
+    /// Takes what the buses report: news are told at once, answers passed on.
+    pub fn bus_news(&mut self, news: &[News], buses: &mut Joined) {
+        let quiet = |news: &News| matches!(news, News::InputsChanged { .. } | News::Answered);
+        if !news.iter().all(quiet) {
             self.due = self.due.min(self.last + NEWS_EVERY);
         }
         // A device that boots is up again in a millisecond; whoever waits for it to boot wants to see that it did.
-        self.states(driver, STATES_MAX);
-        self.answer(driver);
+        self.states(buses, STATES_MAX);
+        self.answer(buses);
     }
 
     /// Tells the states that have changed, of devices that have not done so too often.
-    fn states(&mut self, driver: &Driver, most: u32) {
-        for status in driver.manager().statuses() {
-            let word = names::state_word(status.nmt);
-            let Some(told) = self.told(status.node.get()) else { continue };
+    fn states(&mut self, buses: &Joined, most: u32) {
+        let mut at = 0;
+        buses.states(&mut |name, word| {
+            // They mostly come in the same order.
+            let found = match self.told.get(at) {
+                Some(told) if told.name == name => Some(at),
+                _ => self.told.iter().position(|told| told.name == name),
+            };
+            let Some(found) = found else { return };
+            at = found + 1;
+            let told = &mut self.told[found];
             if told.word != word && told.at_once < most {
                 told.word = word;
                 told.at_once = told.at_once.saturating_add(1);
                 told.state.send(Text::from(word));
             }
-        }
+        });
     }
 
     /// Tells what is due.
-    pub fn act(&mut self, now: Tick, driver: &Driver) {
+    pub fn act(&mut self, now: Tick, buses: &Joined) {
         if now < self.due {
             return;
         }
-        self.states(driver, u32::MAX);
-        let statuses: Vec<Status<'_>> = driver.manager().statuses().collect();
-        let plain: Vec<PlainStatus<'_>> = driver.manager().plain_statuses(now).collect();
-        let of_node = |s: &Status<'_>| {
-            (s.condition, names::state_word(s.nmt), s.emergency.map(|(_, emergency)| emergency.code), s.losses)
-        };
-        let key: Key = (statuses.iter().map(of_node).collect(), plain.iter().map(|s| (s.live, s.losses)).collect());
+        self.states(buses, u32::MAX);
+        let diagnoses = buses.diagnoses();
+        let key: Key = diagnoses.iter().map(Diagnosis::key).collect();
         if self.key != key || self.last + EVERY <= now {
             if self.last + EVERY <= now {
                 self.told.iter_mut().for_each(|told| told.at_once = 0);
             }
             self.key = key;
             self.last = now;
-            let status = statuses.iter().filter_map(|status| {
-                let told = self.told.iter().find(|told| told.device.node_id == status.node.get())?;
-                Some(self.diagnosis(now, driver, status, told))
-            });
-            let plain = plain.iter().filter_map(|status| {
-                let plain = self.plain.iter().find(|plain| plain.name == status.name)?;
-                Some(self.plain_diagnosis(status, plain))
-            });
-            let status = status.chain(plain).collect();
+            let status = diagnoses.into_iter().map(|diagnosis| self.message(diagnosis)).collect();
             self.diagnostics.send(DiagnosticArray { header: stamp(), status });
         }
         self.due = self.last + EVERY;
     }
-
-    fn told(&mut self, node: u8) -> Option<&mut Told> {
-        self.told.iter_mut().find(|told| told.device.node_id == node)
-    }
-}
-
-fn node_id(id: u8) -> Option<NodeId> {
-    NodeId::new(id)
 }

@@ -1,6 +1,5 @@
-//! What a device is called in ROS 2, and its network management state in the words of `ros2_canopen`.
+//! What a device is called in ROS 2.
 
-use linewright_canopen::codec::NmtState;
 use linewright_line::{Device, Line, Owner};
 
 /// A device's name as a part of a ROS name: `clamp 1 io` becomes `clamp_1_io`. A name that another device, a station or
@@ -37,10 +36,11 @@ fn form(line: &Line, device: &Device, form: usize) -> String {
         Owner::Station(id) => &line.station(id).name,
         Owner::Console => "console",
     };
+    let number = device.node_id().map_or(String::new(), |node| format!("_{node:02x}"));
     match form {
         0 => name,
-        1 => format!("{name}_{:02x}", device.node_id),
-        _ => format!("{name}_{:02x}_{}", device.node_id, plain_name(owner)),
+        1 => format!("{name}{number}"),
+        _ => format!("{name}{number}_{}", plain_name(owner)),
     }
 }
 
@@ -59,17 +59,6 @@ fn plain_name(name: &str) -> String {
         format!("device_{plain}").trim_end_matches('_').to_owned()
     } else {
         plain.to_owned()
-    }
-}
-
-/// As `ros2_canopen` writes it. A device that is not heard has no state: `ERROR`, its word for an unknown one.
-pub fn state_word(state: Option<NmtState>) -> &'static str {
-    match state {
-        Some(NmtState::BootUp) => "BOOTUP",
-        Some(NmtState::PreOperational) => "PREOP",
-        Some(NmtState::Operational) => "START",
-        Some(NmtState::Stopped) => "STOP",
-        Some(NmtState::Unknown(_)) | None => "ERROR",
     }
 }
 
@@ -96,7 +85,7 @@ mod tests {
         line.devices[1].name = "clamp 1".to_owned();
         line.devices[2].name = "Coordinator".to_owned();
         line.devices[3].name = "console-io".to_owned();
-        let ids: Vec<u8> = line.devices.iter().map(|device| device.node_id).collect();
+        let ids: Vec<u8> = line.devices.iter().filter_map(Device::node_id).collect();
         let with = |name: &str, at: usize| format!("{name}_{:02x}", ids[at]);
         let expected = [with("console_io", 0), with("clamp_1", 1), with("coordinator", 2), with("console_io", 3)];
         assert_eq!(names(&line)[..4], expected);
@@ -110,7 +99,7 @@ mod tests {
         {
             let device = &mut line.devices[at];
             name.clone_into(&mut device.name);
-            device.node_id = node_id;
+            device.canopen_mut().expect("CANopen").node_id = node_id;
             device.owner = Owner::Station(linewright_line::StationId(at as u16 % 3));
         }
         let names = device_names(&line, &line.devices.iter().collect::<Vec<_>>());

@@ -3,10 +3,7 @@
 //! The types of `ros2_canopen` have room for "no" and for a number, not for words. So where something was to be read, the
 //! number is the abort code that says why it was not; the words are in the log and in the device's diagnostics.
 
-use linewright_canopen::manager::Ask;
-use linewright_canopen::sdo::{Abort, ObjectId};
-use linewright_canopen::{Answer, AskError};
-use linewright_fieldbus::Driver;
+use linewright_fieldbus_seam::{Answer, Joined, Object, Reply as Read, Request, Target, abort};
 use linewright_msgs::{
     CORead, COReadID, COWrite, COWriteID, CoReadIdRequest, CoReadIdResponse, CoReadRequest, CoReadResponse,
     CoWriteIdRequest, CoWriteIdResponse, CoWriteRequest, CoWriteResponse, Trigger, TriggerResponse,
@@ -14,72 +11,76 @@ use linewright_msgs::{
 use linewright_node_shell::{Forward, Node, Reply, TopicError, serve};
 use tokio::sync::mpsc;
 
-use super::{Devices, node_id};
+use super::Devices;
 
 /// Something a service was asked.
 #[derive(Debug)]
 pub struct Asked {
-    node: u8,
-    what: What,
+    target: Target,
+    request: Request,
+    answerer: Answerer,
 }
 
-#[derive(Debug)]
-enum What {
-    Reset(Reply<Trigger>),
-    Start(Reply<Trigger>),
-    Transfer(Ask, Answerer),
-}
-
-/// Where the answer to a transfer goes.
+/// Where the answer goes.
 #[derive(Debug)]
 enum Answerer {
+    Trigger(Reply<Trigger>),
     Read(Reply<CORead>),
     Write(Reply<COWrite>),
     ReadId(Reply<COReadID>),
     WriteId(Reply<COWriteID>),
 }
 
-/// A transfer that the manager has not answered yet.
+/// A request that the bus has not answered yet.
 pub struct Pending {
     number: u64,
-    node: u8,
-    ask: Ask,
+    target: Target,
     answerer: Answerer,
 }
 
 /// The services of a bus, by node id: `~/sdo_read`, `~/sdo_write`.
 pub fn open_bus(node: &mut Node, to: &mpsc::Sender<Asked>) -> Result<Vec<Forward>, TopicError> {
     let read = serve(node.service::<COReadID>("~/sdo_read")?, to.clone(), |asked: CoReadIdRequest, reply| {
-        let ask = Ask::Read(ObjectId::new(asked.index, asked.subindex));
-        Asked { node: asked.nodeid, what: What::Transfer(ask, Answerer::ReadId(reply)) }
+        let request = Request::Read(Object { index: asked.index, sub: asked.subindex });
+        Asked { target: Target::Node(asked.nodeid), request, answerer: Answerer::ReadId(reply) }
     });
     let write = serve(node.service::<COWriteID>("~/sdo_write")?, to.clone(), |asked: CoWriteIdRequest, reply| {
         let bytes = bytes_of(asked.canopen_datatype);
         // A negative number of a short type comes with its sign in the bytes above it.
         let value = if is_signed(asked.canopen_datatype) { low_bytes(asked.data, bytes) } else { asked.data };
-        let ask = Ask::Write { object: ObjectId::new(asked.index, asked.subindex), value, bytes };
-        Asked { node: asked.nodeid.cast_unsigned(), what: What::Transfer(ask, Answerer::WriteId(reply)) }
+        let object = Object { index: asked.index, sub: asked.subindex };
+        let target = Target::Node(asked.nodeid.cast_unsigned());
+        Asked { target, request: Request::Write { object, value, bytes }, answerer: Answerer::WriteId(reply) }
     });
     Ok(vec![read, write])
 }
 
 /// The services of one device: `<device>/nmt_reset_node`, `nmt_start_node`, `sdo_read`, `sdo_write`.
-pub fn open_device(node: &mut Node, name: &str, id: u8, to: &mpsc::Sender<Asked>) -> Result<Vec<Forward>, TopicError> {
-    let asked = move |what| Asked { node: id, what };
+pub fn open_device(
+    node: &mut Node,
+    name: &str,
+    target: &Target,
+    to: &mpsc::Sender<Asked>,
+) -> Result<Vec<Forward>, TopicError> {
+    let asked = {
+        let target = target.clone();
+        move |request, answerer| Asked { target: target.clone(), request, answerer }
+    };
     let reset = node.service::<Trigger>(&format!("{name}/nmt_reset_node"))?;
     let start = node.service::<Trigger>(&format!("{name}/nmt_start_node"))?;
     let read = node.service::<CORead>(&format!("{name}/sdo_read"))?;
     let write = node.service::<COWrite>(&format!("{name}/sdo_write"))?;
+    let [of_reset, of_start, of_read, of_write] = [asked.clone(), asked.clone(), asked.clone(), asked];
     Ok(vec![
-        serve(reset, to.clone(), move |_, reply| asked(What::Reset(reply))),
-        serve(start, to.clone(), move |_, reply| asked(What::Start(reply))),
+        serve(reset, to.clone(), move |_, reply| of_reset(Request::Reset, Answerer::Trigger(reply))),
+        serve(start, to.clone(), move |_, reply| of_start(Request::Start, Answerer::Trigger(reply))),
         serve(read, to.clone(), move |request: CoReadRequest, reply| {
-            let ask = Ask::Read(ObjectId::new(request.index, request.subindex));
-            asked(What::Transfer(ask, Answerer::Read(reply)))
+            let object = Object { index: request.index, sub: request.subindex };
+            of_read(Request::Read(object), Answerer::Read(reply))
         }),
         serve(write, to.clone(), move |request: CoWriteRequest, reply| {
-            let object = ObjectId::new(request.index, request.subindex);
-            asked(What::Transfer(Ask::Write { object, value: request.data, bytes: None }, Answerer::Write(reply)))
+            let object = Object { index: request.index, sub: request.subindex };
+            of_write(Request::Write { object, value: request.data, bytes: None }, Answerer::Write(reply))
         }),
     ])
 }
@@ -119,75 +120,56 @@ impl Answerer {
         let success = answer.is_ok();
         // What is longer than a number (a name, say) is not read by these services.
         let value = match answer {
-            Ok(bytes) => number(bytes).ok_or(Abort::TOO_LONG),
-            Err(error) => Err(error.abort()),
+            Ok(Read { value, .. }) => number(value).ok_or(abort::TOO_LONG),
+            Err(refusal) => Err(refusal.code),
         };
         let (read, data) = match value {
             Ok(data) => (true, data),
-            Err(Abort(code)) => (false, code),
+            Err(code) => (false, code),
         };
         match self {
             Answerer::Read(reply) => reply.send(CoReadResponse { success: read, data }),
             Answerer::ReadId(reply) => reply.send(CoReadIdResponse { success: read, data }),
             Answerer::Write(reply) => reply.send(CoWriteResponse { success }),
             Answerer::WriteId(reply) => reply.send(CoWriteIdResponse { success }),
+            Answerer::Trigger(reply) => {
+                let message = match answer {
+                    Ok(Read { text, .. }) => text.clone(),
+                    Err(refusal) => refusal.text.clone(),
+                };
+                reply.send(TriggerResponse { success, message });
+            }
         }
     }
 }
 
 impl Devices {
-    /// Passes a request on to the manager.
-    pub fn ask(&mut self, asked: Asked, driver: &mut Driver) {
-        let Asked { node, what } = asked;
-        match what {
-            What::Transfer(ask, answerer) => {
-                tracing::info!("asked: {}", in_words(node, &ask));
-                let number = driver.ask(node, ask);
-                self.pending.push(Pending { number, node, ask, answerer });
-            }
-            What::Reset(reply) => {
-                tracing::info!("asked to reset node {node:02X}h");
-                if let Some(node) = node_id(node) {
-                    driver.reset_node(node);
-                }
-                reply.send(TriggerResponse { success: true, message: "ordered to reset".into() });
-            }
-            What::Start(reply) => {
-                tracing::info!("asked to start node {node:02X}h");
-                let said = node_id(node).map_or(Err("no node id".to_owned()), |node| driver.start_node(node));
-                let (success, message) = said.map_or_else(|why| (false, why), |how| (true, how));
-                reply.send(TriggerResponse { success, message });
-            }
-        }
-        self.answer(driver);
+    /// Passes a request on to the buses.
+    pub fn ask(&mut self, asked: Asked, buses: &mut Joined) {
+        let Asked { target, request, answerer } = asked;
+        tracing::info!("asked: {target}, {request}");
+        let number = buses.ask(&target, request);
+        self.pending.push(Pending { number, target, answerer });
+        self.answer(buses);
     }
 
-    /// Sends the answers the manager has.
-    pub(super) fn answer(&mut self, driver: &mut Driver) {
-        for (number, answer) in driver.take_answers() {
+    /// Sends the answers the buses have.
+    pub(super) fn answer(&mut self, buses: &mut Joined) {
+        for (number, answer) in buses.take_answers() {
             let Some(at) = self.pending.iter().position(|pending| pending.number == number) else { continue };
-            let Pending { node, ask, answerer, .. } = self.pending.swap_remove(at);
-            let failed = answer.as_ref().err().map_or(String::new(), |error| why(node, &ask, error));
+            let Pending { target, answerer, .. } = self.pending.swap_remove(at);
+            let failed = answer.as_ref().err().map_or(String::new(), |refusal| refusal.text.clone());
             if !failed.is_empty() {
                 tracing::warn!("{failed}");
             }
-            if let Some(told) = self.told(node) {
+            // Why it is not started is said in the answer.
+            let is_told = !matches!(answerer, Answerer::Trigger(_));
+            if let Some(told) = self.told.iter_mut().find(|told| told.target == target && is_told) {
                 told.failed = failed;
             }
             answerer.send(&answer);
         }
     }
-}
-
-fn in_words(node: u8, ask: &Ask) -> String {
-    match ask {
-        Ask::Read(object) => format!("node {node:02X}h, read object {object}"),
-        Ask::Write { object, value, .. } => format!("node {node:02X}h, write {value} ({value:X}h) to object {object}"),
-    }
-}
-
-fn why(node: u8, ask: &Ask, error: &AskError) -> String {
-    format!("{}: {error}", in_words(node, ask))
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! What keeps an owner's devices from being valid, told in words on a topic of its own (`<station>/trouble`).
 //!
-//! The sentences come from the manager. They count milliseconds, so they differ each time; what is told is when they
+//! The sentences come from the bus. They count milliseconds, so they differ each time; what is told is when they
 //! begin and end to apply, and once a second meanwhile.
 
-use linewright_canopen::manager::Budget;
-use linewright_fieldbus::Driver;
+use linewright_fieldbus_seam::{Budget, Joined};
 use linewright_line::{Owner, Tick};
 use linewright_msgs::{Text, cut};
 use linewright_node_shell::{Node, Publisher, TopicError, qos};
@@ -30,8 +29,8 @@ impl Trouble {
     }
 
     /// Tells what there is to tell now.
-    pub fn act(&mut self, now: Tick, driver: &Driver) {
-        let valid = driver.inputs(self.owner).valid;
+    pub fn act(&mut self, now: Tick, buses: &Joined) {
+        let valid = buses.inputs(self.owner).valid;
         if self.valid == Some(valid) && (valid || now < self.due) {
             return;
         }
@@ -42,7 +41,7 @@ impl Trouble {
         }
         self.valid = Some(valid);
         self.due = now + EVERY;
-        let text = in_words(driver, self.owner);
+        let text = in_words(buses, self.owner);
         if text != self.text || text.is_empty() {
             self.text.clone_from(&text);
             self.publisher.send(Text { data: text });
@@ -62,8 +61,8 @@ pub const TROUBLE_BYTES_MAX: usize = 1024;
 const ENOUGH: usize = 800;
 
 /// A sentence for each device of `owner` that is in the way, or for the first ones; empty if none is.
-pub fn in_words(driver: &Driver, owner: Owner) -> String {
-    joined(driver.manager().trouble(driver.now(), owner))
+pub fn in_words(buses: &Joined, owner: Owner) -> String {
+    joined(buses.trouble(owner).into_iter())
 }
 
 fn joined(sentences: impl Iterator<Item = String>) -> String {

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use crate::common::*;
 use linewright_canopen::sdo::{self, ObjectId};
-use linewright_canopen::{Event, InputImage, Manager, NodeId};
+use linewright_canopen::{Event, Manager, NodeId};
 use linewright_fieldbus::bus::{self, Transport};
 use linewright_fieldbus::{Bus, Clock, Driver, sdo_client};
+use linewright_fieldbus_seam::InputImage;
 use linewright_line::{Bus as BusName, Line, Owner};
 use linewright_plant::{FAULT_INDEX, PRESS_INDEX, PlantOptions};
 use linewright_racks::{Options, run_plant};

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use linewright_canopen::manager::Outbox;
 use linewright_canopen::{Event, Frame, Manager, Message};
-use linewright_line::{Bus, Console, Device, Handling, InputId, Line, OutputId, Owner, Setup, Tick, Timing};
+use linewright_line::{Bus, Console, Device, DeviceKind, Handling, InputId, Line, OutputId, Owner, Tick, Timing};
 use linewright_plant::{PlantOptions, Rack};
 
 pub use latency::Report;
@@ -353,15 +353,13 @@ fn node(at: usize) -> linewright_canopen::NodeId {
 fn line() -> Line {
     let device = |at: u8| Device {
         name: format!("io {at}"),
-        node_id: at + 1,
         owner: Owner::Console,
         bus: Bus::Line,
-        inputs: (0..BITS).map(|bit| Some(InputId(u16::from(at) * BITS + bit))).collect(),
-        outputs: (0..BITS).map(|bit| Some(OutputId(u16::from(at) * BITS + bit))).collect(),
-        setup: Setup::default(),
-        drive: None,
-        analogue: linewright_line::Analogue::default(),
-        frames: None,
+        kind: DeviceKind::io(
+            at + 1,
+            (0..BITS).map(|bit| Some(InputId(u16::from(at) * BITS + bit))).collect(),
+            (0..BITS).map(|bit| Some(OutputId(u16::from(at) * BITS + bit))).collect(),
+        ),
     };
     Line {
         name: "test".to_owned(),

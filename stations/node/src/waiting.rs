@@ -8,7 +8,7 @@ use linewright_line::net::ControlMode;
 use linewright_node_line::order_from_message;
 
 use crate::journal::to_record;
-use crate::node::{NodeError, Shell, next_bus_events};
+use crate::node::{NodeError, Shell, next_news};
 use crate::topics::Arrived;
 
 impl Shell {
@@ -34,12 +34,12 @@ impl Shell {
                     tracing::warn!(station = self.name, "the journal is slow: outputs off until it is written");
                     true
                 }
-                events = next_bus_events(&mut self.driver) => match events {
-                    Ok(events) => {
-                        self.waiting.events.extend(events);
+                news = next_news(&mut self.buses) => match news {
+                    Ok(news) => {
+                        self.waiting.news.extend(news);
                         false
                     }
-                    Err(error) => return Err(NodeError::Driver { station: self.name.clone(), error }),
+                    Err(error) => return Err(NodeError::BusLost { station: self.name.clone(), error }),
                 },
             };
             if must_stop && due.take().is_some() {

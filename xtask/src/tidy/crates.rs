@@ -6,7 +6,7 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 16] = [
+pub const PURE: [&str; 18] = [
     "linewright-nets",
     "linewright-problems",
     "linewright-text",
@@ -19,7 +19,9 @@ pub const PURE: [&str; 16] = [
     "linewright-station-shell",
     "linewright-coordinator-logic",
     "linewright-coordinator-shell",
+    "linewright-fieldbus-seam",
     "linewright-canopen",
+    "linewright-modbus",
     "linewright-plant",
     "linewright-proof",
     "linewright-simulation",
@@ -43,7 +45,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 27] = [
+const MAY_USE: [(&str, &[&str]); 30] = [
     ("linewright-nets", &[]),
     ("linewright-problems", &[]),
     ("linewright-text", &[]),
@@ -68,10 +70,27 @@ const MAY_USE: [(&str, &[&str]); 27] = [
     ("linewright-history", &["linewright-line", "linewright-coordinator-logic"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
-    ("linewright-canopen", &["linewright-line"]),
-    ("linewright-fieldbus", &["linewright-line", "linewright-canopen"]),
-    ("linewright-plant", &["linewright-line", "linewright-canopen"]),
-    ("linewright-racks", &["linewright-line", "linewright-canopen", "linewright-fieldbus", "linewright-plant"]),
+    ("linewright-fieldbus-seam", &["linewright-line"]),
+    ("linewright-canopen", &["linewright-line", "linewright-fieldbus-seam"]),
+    ("linewright-modbus", &["linewright-line", "linewright-fieldbus-seam"]),
+    ("linewright-fieldbus", &["linewright-line", "linewright-fieldbus-seam", "linewright-canopen"]),
+    (
+        "linewright-modbus-tcp",
+        // The clock of a process is in the last.
+        &["linewright-line", "linewright-fieldbus-seam", "linewright-modbus", "linewright-fieldbus"],
+    ),
+    ("linewright-plant", &["linewright-line", "linewright-canopen", "linewright-modbus"]),
+    (
+        "linewright-racks",
+        &[
+            "linewright-line",
+            "linewright-canopen",
+            "linewright-modbus",
+            "linewright-fieldbus",
+            "linewright-modbus-tcp",
+            "linewright-plant",
+        ],
+    ),
     (
         "linewright-proof",
         &[
@@ -104,8 +123,9 @@ const MAY_USE: [(&str, &[&str]); 27] = [
             "linewright-station-logic",
             "linewright-msgs",
             "linewright-node-shell",
-            "linewright-canopen",
+            "linewright-fieldbus-seam",
             "linewright-fieldbus",
+            "linewright-modbus-tcp",
         ],
     ),
     (
@@ -117,7 +137,7 @@ const MAY_USE: [(&str, &[&str]); 27] = [
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-node-line",
-            "linewright-canopen",
+            "linewright-fieldbus-seam",
             "linewright-fieldbus",
         ],
     ),
@@ -134,7 +154,7 @@ const MAY_USE: [(&str, &[&str]); 27] = [
             "linewright-msgs",
             "linewright-node-shell",
             "linewright-node-line",
-            "linewright-canopen",
+            "linewright-fieldbus-seam",
             "linewright-fieldbus",
         ],
     ),
@@ -161,8 +181,11 @@ const EVERYTHING: &[&str] = &[
     "linewright-msgs",
     "linewright-node-shell",
     "linewright-node-line",
+    "linewright-fieldbus-seam",
     "linewright-canopen",
+    "linewright-modbus",
     "linewright-fieldbus",
+    "linewright-modbus-tcp",
     "linewright-plant",
     "linewright-racks",
     "linewright-proof",

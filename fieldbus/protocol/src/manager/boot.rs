@@ -11,7 +11,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use linewright_line::{Device, Identity, Tick, Timing};
+use linewright_line::{Identity, Setup, Tick, Timing};
 
 use super::errors::ERROR_REGISTER;
 use super::event::{Event, Outbox};
@@ -371,7 +371,7 @@ impl Peer {
 }
 
 /// What every device has to be, and what it is told before it is started.
-pub(super) fn plan(node: NodeId, device: &Device, process: &Process, timing: &Timing) -> Plan {
+pub(super) fn plan(node: NodeId, setup: &Setup, process: &Process, timing: &Timing) -> Plan {
     let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
     // Object 1017h, producer heartbeat time in ms.
     let produce = Setting::new(0x1017, 0, millis(timing.heartbeat).to_le_bytes());
@@ -380,8 +380,8 @@ pub(super) fn plan(node: NodeId, device: &Device, process: &Process, timing: &Ti
     let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
     let consume = process.has_outputs().then(|| Setting::new(0x1016, 1, watched.to_le_bytes()));
     // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
-    let described = device.setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
-    let described = described.chain(super::sync::settings(device, timing));
-    let settings = described.chain([produce]).chain(consume).chain(process.settings(node, &device.setup.settings));
-    Plan { identity: device.setup.identity, settings: judged(device, settings) }
+    let described = setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
+    let described = described.chain(super::sync::settings(setup, timing));
+    let settings = described.chain([produce]).chain(consume).chain(process.settings(node, &setup.settings));
+    Plan { identity: setup.identity, settings: judged(setup, settings) }
 }

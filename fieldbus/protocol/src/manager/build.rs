@@ -1,15 +1,17 @@
 //! From the devices of a description to the manager of their bus, or why there can be none.
 
-use linewright_line::{Device, FrameId, Tick, Timing};
+use linewright_fieldbus_seam::InputImage;
+use linewright_line::{Canopen, Device, DeviceKind, FrameId, Timing};
 use thiserror::Error;
 
 use super::event::IGNORE_REASONS;
 use super::pace::Pace;
 use super::peer::Peer;
+use super::process::Process;
 use super::request::Requests;
 use super::rival::Rival;
 use super::status::Record;
-use super::{Image, InputImage, MANAGER_NODE, Manager, TOLD};
+use super::{Image, MANAGER_NODE, Manager, TOLD};
 use crate::codec::NodeId;
 
 /// Why a manager cannot be built from a set of devices.
@@ -69,26 +71,30 @@ impl Manager {
         let mut plains = Vec::new();
         for device in devices {
             if !images.iter().any(|i| i.owner == device.owner) {
-                let inputs = InputImage { bits: 0, valid: false, since: Tick::ZERO, updated: Tick::ZERO, losses: 0 };
-                images.push(Image { owner: device.owner, outputs: 0, inputs });
+                images.push(Image { owner: device.owner, outputs: 0, inputs: InputImage::NEVER });
             }
-            if let Some(frames) = &device.frames {
-                let unread = || ManagerError::Unread { device: device.name.clone(), file: frames.file.name.clone() };
-                plains.push((device, frames.bound.as_ref().ok_or_else(unread)?));
-                continue;
-            }
-            let node = NodeId::new(device.node_id).filter(|node| *node != MANAGER_NODE);
-            let node =
-                node.ok_or_else(|| ManagerError::NodeId { device: device.name.clone(), node: device.node_id })?;
+            let (canopen, process) = match &device.kind {
+                DeviceKind::Frames(frames) => {
+                    let unread =
+                        || ManagerError::Unread { device: device.name.clone(), file: frames.file.name.clone() };
+                    plains.push((device, frames.bound.as_ref().ok_or_else(unread)?));
+                    continue;
+                }
+                DeviceKind::Io(canopen, io) => (canopen, Process::of_io(io, &timing)),
+                DeviceKind::Drive(canopen, drive) => (canopen, Process::of_drive(drive)),
+            };
+            let Canopen { node_id, setup } = canopen;
+            let node = NodeId::new(*node_id).filter(|node| *node != MANAGER_NODE);
+            let node = node.ok_or_else(|| ManagerError::NodeId { device: device.name.clone(), node: *node_id })?;
             if let Some(other) = peers.iter().find(|p| p.node == node) {
                 let (first, second) = (other.name.clone(), device.name.clone());
-                return Err(ManagerError::Duplicate { first, second, node: device.node_id });
+                return Err(ManagerError::Duplicate { first, second, node: *node_id });
             }
-            let bits = device.inputs.len().max(device.outputs.len());
+            let bits = device.input_bits().len().max(device.output_bits().len());
             if bits > 64 {
                 return Err(ManagerError::TooWide { device: device.name.clone(), bits });
             }
-            peers.push(Peer::new(node, device, &timing));
+            peers.push(Peer::new(node, device, setup, process, &timing));
         }
         let records = vec![Record::default(); peers.len()];
         let mut manager = Manager {

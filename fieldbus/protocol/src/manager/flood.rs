@@ -13,35 +13,6 @@ use super::event::{Event, IgnoreReason, Outbox};
 use super::peer::{Outcome, Peer, Phase};
 use super::trouble::Why;
 
-/// Lets a few through at once, and after that one every so often.
-#[derive(Clone, Copy, Debug)]
-pub struct Budget {
-    burst: u32,
-    every: Duration,
-    left: u32,
-    since: Tick,
-}
-
-impl Budget {
-    /// So many at once, and one every so often.
-    pub const fn new(burst: u32, every: Duration) -> Self {
-        Budget { burst, every, left: burst, since: Tick::ZERO }
-    }
-
-    /// Whether one more is let through at `now`.
-    pub fn take(&mut self, now: Tick) -> bool {
-        let earned = now.since(self.since).as_micros() / self.every.as_micros().max(1);
-        if earned > 0 {
-            self.left = self.left.saturating_add(u32::try_from(earned).unwrap_or(u32::MAX)).min(self.burst);
-            self.since = now;
-        }
-        self.left > 0 && {
-            self.left -= 1;
-            true
-        }
-    }
-}
-
 /// A node may say this much of itself within one [`WINDOW`]: process data, heartbeats and emergencies together. A drive
 /// that moves sends some forty; two thousand a second is a third of what 500 kbit/s carry.
 pub(super) const FRAMES_MAX: u32 = 200;
@@ -124,23 +95,5 @@ impl Peer {
         if self.told.take(now) {
             out.events.push(event);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_budget_lets_a_few_through_and_then_one_every_so_often() {
-        let mut budget = Budget::new(3, Duration::from_millis(100));
-        let at = Tick::from_millis;
-        let through = |budget: &mut Budget, now: u64| (0..10).filter(|_| budget.take(at(now))).count();
-        assert_eq!(through(&mut budget, 1000), 3);
-        assert_eq!(through(&mut budget, 1050), 0);
-        assert_eq!(through(&mut budget, 1150), 1);
-        assert_eq!(through(&mut budget, 9000), 3);
-        // Asked all the time, it gives no more than it earns.
-        assert_eq!((9001..10001).map(|now| through(&mut budget, now)).sum::<usize>(), 10);
     }
 }

@@ -18,7 +18,6 @@ mod errors;
 mod event;
 mod flood;
 mod guard;
-mod image;
 mod on_error;
 mod pace;
 mod peer;
@@ -33,13 +32,13 @@ mod trouble;
 
 use std::time::Duration;
 
+use linewright_fieldbus_seam::{Budget, InputImage};
 use linewright_line::{Owner, Tick, Timing};
 
 pub use boot::BootError;
 pub use build::ManagerError;
 pub use channels::ChannelFault;
 pub use event::{Event, IgnoreReason, Outbox};
-pub use flood::Budget;
 pub use plain::{FrameFault, PlainStatus};
 pub use request::{Answer, Ask, AskError};
 pub use status::{Condition, Status};
@@ -60,22 +59,6 @@ pub const MANAGER_NODE: NodeId = match NodeId::new(127) {
     Some(node) => node,
     None => panic!("127 is a node id"),
 };
-
-/// An owner's inputs, as its devices last reported them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct InputImage {
-    /// Bit `i` is the owner's input `i`. The last known values where `valid` is false: for showing, not for deciding.
-    pub bits: u128,
-    /// Every device of the owner that may not be lost is operational, was heard within the heartbeat timeout, has sent
-    /// its inputs since it last booted, and is not in error. False for an owner without devices on this bus.
-    pub valid: bool,
-    /// Since when `valid` is what it is.
-    pub since: Tick,
-    /// When the owner's devices last sent any inputs; [`Tick::ZERO`] if never.
-    pub updated: Tick,
-    /// How often the image has become invalid: a loss shorter than the reader's scan still shows.
-    pub losses: u32,
-}
 
 struct Image {
     owner: Owner,
@@ -272,8 +255,7 @@ impl Manager {
 
     /// The inputs of `owner` as they stand at `now`.
     pub fn inputs(&self, now: Tick, owner: Owner) -> InputImage {
-        let never = InputImage { bits: 0, valid: false, since: Tick::ZERO, updated: Tick::ZERO, losses: 0 };
-        let image = self.images.iter().find(|i| i.owner == owner).map_or(never, |i| i.inputs);
+        let image = self.images.iter().find(|i| i.owner == owner).map_or(InputImage::NEVER, |i| i.inputs);
         // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
         InputImage { valid: image.valid && self.are_trusted(now, owner), ..image }
     }
@@ -410,9 +392,7 @@ impl Manager {
         let updated = peers().filter_map(Peer::updated).chain(plains().filter_map(Plain::updated)).max();
         let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
         let before = image.inputs;
-        let since = if before.valid == valid { before.since } else { now };
-        let losses = before.losses + u32::from(before.valid && !valid);
-        image.inputs = InputImage { bits, valid, since, updated: updated.unwrap_or(before.updated), losses };
+        image.inputs = before.followed_by(now, bits, valid, updated);
         if (before.bits, before.valid) != (bits, valid) {
             out.events.push(Event::InputsChanged { owner });
         }

@@ -11,7 +11,7 @@
 //!
 //! [`Setup::without_error_values`]: linewright_line::Setup::without_error_values
 
-use linewright_line::{Device, OutputId, wired_bits};
+use linewright_line::{OutputId, Setup, wired_bits};
 
 use crate::sdo::Setting;
 
@@ -49,8 +49,8 @@ pub(super) fn settings(outputs: &[Option<OutputId>], sets: bool, own: &[linewrig
 
 /// How a plan's settings that belong here are taken: those of the description are read back like the manager's own, and
 /// all of them are excused where the description says why.
-pub(super) fn judged(device: &Device, settings: impl Iterator<Item = Setting>) -> Vec<Setting> {
-    let excused = device.setup.without_error_values.is_some();
+pub(super) fn judged(setup: &Setup, settings: impl Iterator<Item = Setting>) -> Vec<Setting> {
+    let excused = setup.without_error_values.is_some();
     let judge = |setting: Setting| {
         let concerned = is_one(setting.object.index);
         let setting = if concerned && setting.compared.is_none() { setting.read_back() } else { setting };

@@ -19,13 +19,14 @@
 
 use std::time::Duration;
 
-use linewright_line::{Device, Owner, Reaction, Tick, Timing};
+use linewright_fieldbus_seam::Budget;
+use linewright_line::{Device, Owner, Reaction, Setup, Tick, Timing};
 
 use super::boot::{Boot, BootError, DEVICE_TYPE, Plan, plan};
 use super::channels::Channels;
 use super::errors::Errors;
 use super::event::{Event, IgnoreReason, Outbox};
-use super::flood::{Budget, Flood};
+use super::flood::Flood;
 use super::process::Process;
 use super::sync;
 use super::transfer::Transfer;
@@ -109,14 +110,13 @@ pub(super) struct Peer {
 }
 
 impl Peer {
-    pub(super) fn new(node: NodeId, device: &Device, timing: &Timing) -> Self {
-        let process = Process::of(device, timing);
+    pub(super) fn new(node: NodeId, device: &Device, setup: &Setup, process: Process, timing: &Timing) -> Self {
         Peer {
             node,
             name: device.name.clone(),
             owner: device.owner,
-            plan: plan(node, device, &process, timing),
-            is_vital: device.setup.when_lost == Reaction::Fault,
+            plan: plan(node, setup, &process, timing),
+            is_vital: setup.when_lost == Reaction::Fault,
             process,
             errors: Errors::new(device.on_emergency()),
             flood: Flood::default(),

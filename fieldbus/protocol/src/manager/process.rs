@@ -3,11 +3,12 @@
 //! All of them keep the image their owner set last and say what follows from it. When a frame may be sent, and whether the
 //! device can be trusted, is decided by whoever holds this (`peer.rs`).
 
-use linewright_line::{Device, InputId, OutputId, Tick, Timing};
+use linewright_fieldbus_seam::{gather, scatter};
+use linewright_line::{InputId, Io, OutputId, Tick, Timing};
 
 use super::channels::{ChannelFault, Channels};
 use super::event::IgnoreReason;
-use super::{image, on_error};
+use super::on_error;
 use crate::codec::{NodeId, Payload, Profile};
 use crate::profile::drive::{Drive, DriveBinding};
 use crate::sdo::Abort;
@@ -35,15 +36,14 @@ pub(super) struct Bits {
 }
 
 impl Process {
-    pub fn of(device: &Device, timing: &Timing) -> Self {
-        match &device.drive {
-            Some(drive) => Process::Drive(Box::new(Drive::new(DriveBinding::of(drive)))),
-            None => {
-                let (inputs, outputs) = (device.inputs.clone(), device.outputs.clone());
-                let bits = Bits { inputs, outputs, heard: 0, wanted: 0, sent: None };
-                Process::Io(bits, Box::new(Channels::of(&device.analogue, timing)))
-            }
-        }
+    pub fn of_drive(drive: &linewright_line::Drive) -> Self {
+        Process::Drive(Box::new(Drive::new(DriveBinding::of(drive))))
+    }
+
+    pub fn of_io(io: &Io, timing: &Timing) -> Self {
+        let (inputs, outputs) = (io.inputs.clone(), io.outputs.clone());
+        let bits = Bits { inputs, outputs, heard: 0, wanted: 0, sent: None };
+        Process::Io(bits, Box::new(Channels::of(&io.analogue, timing)))
     }
 
     /// By which table its error codes are read.
@@ -105,7 +105,7 @@ impl Process {
     /// Its bits of its owner's input image.
     pub fn inputs(&self) -> u128 {
         match self {
-            Process::Io(bits, channels) => image::gather(bits.heard, &bits.inputs) | channels.bits(),
+            Process::Io(bits, channels) => gather(bits.heard, &bits.inputs) | channels.bits(),
             Process::Drive(drive) => drive.inputs(),
         }
     }
@@ -130,7 +130,7 @@ impl Process {
     pub fn set_image(&mut self, now: Tick, image: u128) {
         match self {
             Process::Io(bits, channels) => {
-                bits.wanted = image::scatter(image, &bits.outputs);
+                bits.wanted = scatter(image, &bits.outputs);
                 channels.set_image(image);
             }
             Process::Drive(drive) => drive.set_image(now, image),

@@ -10,7 +10,7 @@
 
 use std::time::Duration;
 
-use linewright_line::{Device, Tick, Timing};
+use linewright_line::{Device, Setup, Tick, Timing};
 
 use super::boot::{BootError, REFUSED_RETRY};
 use super::event::Event;
@@ -29,14 +29,14 @@ const CLEAR: u32 = 10;
 
 /// How long inputs that come with SYNC may stay away: three frames, and no shorter than a heartbeat may.
 pub(super) fn inputs_within(device: &Device, timing: &Timing) -> Option<Duration> {
-    let every = device.setup.transmission.inputs_every()?;
+    let every = device.canopen()?.setup.transmission.inputs_every()?;
     let period = timing.sync?;
-    (!device.inputs.is_empty()).then(|| (period * u32::from(every) * MISSING).max(timing.heartbeat_timeout))
+    (!device.input_bits().is_empty()).then(|| (period * u32::from(every) * MISSING).max(timing.heartbeat_timeout))
 }
 
 /// What a device is told of SYNC before it is started.
-pub(super) fn settings(device: &Device, timing: &Timing) -> Vec<Setting> {
-    let transmission = device.setup.transmission;
+pub(super) fn settings(setup: &Setup, timing: &Timing) -> Vec<Setting> {
+    let transmission = setup.transmission;
     let mut settings = Vec::new();
     if let Some(period) = timing.sync.filter(|_| transmission.is_synchronous()) {
         let micros = u32::try_from(period.as_micros()).unwrap_or(u32::MAX);

@@ -13,8 +13,8 @@ use linewright_canopen::sdo::ObjectId;
 use linewright_canopen::sdo::wire::Request;
 use linewright_canopen::{Ask, Frame, Manager, Message, NodeId};
 use linewright_line::{
-    AtRest, AxisId, Bus, Device, Drive, DriveMode, DriveTarget, Homing, InputId, OutputId, Owner, Setup, StationId,
-    Tick, Timing,
+    AtRest, AxisId, Bus, Canopen, Device, DeviceKind, Drive, DriveMode, DriveTarget, Homing, InputId, OutputId, Owner,
+    Setup, StationId, Tick, Timing,
 };
 
 /// Nodes 4 and 5 are one owner's, 6 another's, 7 is a drive.
@@ -47,15 +47,14 @@ fn device(node: u8) -> Device {
     let bits = first(node)..first(node) + BITS;
     Device {
         name: format!("io {node}"),
-        node_id: node,
         owner: owner(node),
         bus: Bus::Line,
-        inputs: if node == DRIVE { Vec::new() } else { bits.clone().map(|bit| Some(InputId(bit))).collect() },
-        outputs: if node == DRIVE { Vec::new() } else { bits.map(|bit| Some(OutputId(bit))).collect() },
-        setup: Setup::default(),
-        drive: (node == DRIVE).then(drive),
-        analogue: linewright_line::Analogue::default(),
-        frames: None,
+        kind: if node == DRIVE {
+            DeviceKind::Drive(Canopen { node_id: node, setup: Setup::default() }, drive())
+        } else {
+            let inputs = bits.clone().map(|bit| Some(InputId(bit))).collect();
+            DeviceKind::io(node, inputs, bits.map(|bit| Some(OutputId(bit))).collect())
+        },
     }
 }
 

@@ -12,7 +12,7 @@ use linewright_canopen::manager::Outbox;
 use linewright_canopen::sdo::ObjectId;
 use linewright_canopen::sdo::wire::{Raw, Request};
 use linewright_canopen::{Event, Frame, Manager, Message, NodeId};
-use linewright_line::{Bus, Device, InputId, OutputId, Owner, Setup, StationId, Tick, Timing};
+use linewright_line::{Bus, Device, DeviceKind, InputId, OutputId, Owner, StationId, Tick, Timing};
 
 /// Bits that each device has in each direction.
 pub const BITS: u16 = 16;
@@ -28,15 +28,13 @@ fn device(id: u8) -> Device {
     let first = (u16::from(id) - 1) % OF_ONE_OWNER * BITS;
     Device {
         name: format!("io {id}"),
-        node_id: id,
         owner: owner(id),
         bus: Bus::Line,
-        inputs: (first..first + BITS).map(|bit| Some(InputId(bit))).collect(),
-        outputs: (first..first + BITS).map(|bit| Some(OutputId(bit))).collect(),
-        setup: Setup::default(),
-        drive: None,
-        analogue: linewright_line::Analogue::default(),
-        frames: None,
+        kind: DeviceKind::io(
+            id,
+            (first..first + BITS).map(|bit| Some(InputId(bit))).collect(),
+            (first..first + BITS).map(|bit| Some(OutputId(bit))).collect(),
+        ),
     }
 }
 

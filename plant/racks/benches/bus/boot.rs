@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 use linewright_canopen::{Event, Manager};
 use linewright_fieldbus::{Bus, Clock, Driver};
 use linewright_line::{
-    Bus as BusName, Console, Device, Handling, Identity, InputId, Line, OutputId, Owner, Setup, Timing,
+    Bus as BusName, Canopen, Console, Device, DeviceKind, Handling, Identity, InputId, Io, Line, OutputId, Owner,
+    Setup, Timing,
 };
 use linewright_plant::PlantOptions;
 use linewright_racks::{Options, run_plant};
@@ -92,15 +93,16 @@ fn line() -> Line {
         };
         Device {
             name: format!("io {id}"),
-            node_id: id,
             owner: Owner::Console,
             bus: BusName::Line,
-            inputs: (first..first + 4).map(|bit| Some(InputId(bit))).collect(),
-            outputs: (first..first + 4).map(|bit| Some(OutputId(bit))).collect(),
-            setup: Setup { identity, ..Setup::default() },
-            drive: None,
-            analogue: linewright_line::Analogue::default(),
-            frames: None,
+            kind: DeviceKind::Io(
+                Canopen { node_id: id, setup: Setup { identity, ..Setup::default() } },
+                Io {
+                    inputs: (first..first + 4).map(|bit| Some(InputId(bit))).collect(),
+                    outputs: (first..first + 4).map(|bit| Some(OutputId(bit))).collect(),
+                    analogue: linewright_line::Analogue::default(),
+                },
+            ),
         }
     };
     Line {

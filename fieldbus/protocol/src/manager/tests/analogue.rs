@@ -24,7 +24,7 @@ fn output(number: u8, outputs: &[(u16, f64)]) -> AnalogueOutput {
 /// always.
 fn bench(analogue: Analogue) -> Bench {
     let mut devices = devices();
-    devices[0].analogue = analogue;
+    devices[0].io_mut().expect("I/O").analogue = analogue;
     Bench::of(&devices[..2])
 }
 

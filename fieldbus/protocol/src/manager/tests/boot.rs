@@ -8,7 +8,7 @@ use crate::sdo::{Abort, Cause, ObjectId, TransferError};
 /// The clamp's device must be this one.
 fn particular() -> Bench {
     let mut devices = devices();
-    let setup = &mut devices[2].setup;
+    let setup = &mut devices[2].canopen_mut().expect("CANopen").setup;
     setup.identity = Identity { vendor: Some(0x123), revision: Some(0x0001_0002), ..Identity::default() };
     setup.settings = vec![Setting { index: 0x6206, sub: 1, data: vec![0xFF] }];
     let mut bench = Bench::of(&devices);
@@ -162,7 +162,7 @@ fn devices_boot_side_by_side() {
 /// The clamp's device has been identified, told its heartbeats, and asked to go to pre-operational without a manager.
 fn asked_for_error_values(setup: linewright_line::Setup) -> Bench {
     let mut devices = devices();
-    devices[2].setup = setup;
+    devices[2].canopen_mut().expect("CANopen").setup = setup;
     let mut bench = Bench::of(&devices);
     for text in ["706#00", "586#4300100091010300", "586#6017100000000000", "586#6016100100000000"] {
         bench.hear(text);
@@ -245,7 +245,7 @@ fn a_device_that_the_description_excuses_is_told_all_the_same_and_started() {
 fn the_error_values_of_every_byte_with_wired_outputs_are_told() {
     let mut devices = devices();
     let wired = |bit: u16| (bit != 3 && !(8..16).contains(&bit)).then_some(OutputId(bit));
-    devices[2].outputs = (0..20).map(wired).collect();
+    devices[2].io_mut().expect("I/O").outputs = (0..20).map(wired).collect();
     let mut bench = Bench::of(&devices);
     bench.hear("706#00");
     let asked = bench.keeps_what_it_is_told(6);

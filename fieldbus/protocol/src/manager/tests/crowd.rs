@@ -97,9 +97,10 @@ impl Crowd {
         for id in 1..=count {
             let mut device = super::devices().remove(0);
             device.name = format!("io {id}");
-            device.node_id = id;
+            device.canopen_mut().expect("CANopen").node_id = id;
             device.owner = Owner::Station(StationId(id.into()));
-            device.setup.settings = vec![Setting { index: 0x2000, sub: 0, data: domain(id) }];
+            device.canopen_mut().expect("CANopen").setup.settings =
+                vec![Setting { index: 0x2000, sub: 0, data: domain(id) }];
             devices.push(device);
         }
         let station = |id| Station {

@@ -7,8 +7,8 @@ use super::*;
 /// The clamp's device up, with these reactions.
 fn with(on_emergency: Option<Reaction>, when_lost: Reaction) -> Bench {
     let mut devices = devices();
-    devices[2].setup.on_emergency = on_emergency;
-    devices[2].setup.when_lost = when_lost;
+    devices[2].canopen_mut().expect("CANopen").setup.on_emergency = on_emergency;
+    devices[2].canopen_mut().expect("CANopen").setup.when_lost = when_lost;
     let mut bench = Bench::of(&devices);
     for node in [4, 5, 6] {
         bench.bring_up(node);
@@ -132,7 +132,7 @@ fn an_emergency_that_is_only_reported_changes_nothing() {
 fn a_device_that_may_be_lost_takes_nobody_along() {
     // The clamp's owner has two devices here, one of which may be lost.
     let mut devices = devices();
-    devices[1].setup.when_lost = Reaction::Report;
+    devices[1].canopen_mut().expect("CANopen").setup.when_lost = Reaction::Report;
     let mut bench = Bench::of(&devices);
     bench.bring_up(4);
     assert!(bench.inputs(DRILL).valid, "it need not even be there");

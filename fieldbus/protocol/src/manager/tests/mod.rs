@@ -9,7 +9,7 @@ mod request;
 mod rival;
 mod trouble;
 
-use linewright_line::{Bus, Device, InputId, OutputId, StationId};
+use linewright_line::{Bus, Device, DeviceKind, InputId, OutputId, StationId};
 use proptest::prelude::*;
 
 use super::*;
@@ -22,15 +22,9 @@ const CLAMP: Owner = Owner::Station(StationId(1));
 fn devices() -> Vec<Device> {
     let device = |name: &str, node_id, owner, bit| Device {
         name: name.to_owned(),
-        node_id,
         owner,
         bus: Bus::Line,
-        inputs: vec![Some(InputId(bit)), None],
-        outputs: vec![Some(OutputId(bit))],
-        setup: linewright_line::Setup::default(),
-        drive: None,
-        analogue: linewright_line::Analogue::default(),
-        frames: None,
+        kind: DeviceKind::io(node_id, vec![Some(InputId(bit)), None], vec![Some(OutputId(bit))]),
     };
     vec![device("drill-a", 4, DRILL, 0), device("drill-b", 5, DRILL, 1), device("clamp", 6, CLAMP, 0)]
 }
@@ -351,10 +345,10 @@ fn what_is_not_understood_is_ignored_and_counted() {
 #[test]
 fn impossible_devices_are_refused_by_name() {
     let mut devices = devices();
-    devices[1].node_id = 4;
+    devices[1].canopen_mut().expect("CANopen").node_id = 4;
     let error = Manager::new(&devices, Timing::default()).map(|_| ()).unwrap_err();
     assert_eq!(error.to_string(), "devices `drill-a` and `drill-b` share node id 4");
-    devices[1].node_id = 127;
+    devices[1].canopen_mut().expect("CANopen").node_id = 127;
     let error = Manager::new(&devices, Timing::default()).map(|_| ()).unwrap_err();
     assert_eq!(error.to_string(), "device `drill-b` has node id 127; devices have 1 to 126, the manager itself is 127");
 }

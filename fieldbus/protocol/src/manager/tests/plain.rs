@@ -39,15 +39,20 @@ fn gauge() -> Device {
     };
     let mut device = devices().remove(2);
     device.name = "gauge".to_owned();
-    device.node_id = 0;
-    (device.inputs, device.outputs) = (Vec::new(), Vec::new());
-    device.frames = Some(Frames {
+    device.kind = DeviceKind::Frames(Frames {
         file: Named { name: "gauge.dbc".to_owned(), at: 0..0 },
         receive: Vec::new(),
         send: Vec::new(),
         bound: Some(FrameBinding { heard: vec![heard], told: vec![told] }),
     });
     device
+}
+
+fn binding_of(gauge: &mut Device) -> &mut FrameBinding {
+    match &mut gauge.kind {
+        DeviceKind::Frames(Frames { bound: Some(bound), .. }) => bound,
+        _ => panic!("a device of frames"),
+    }
 }
 
 /// The clamp's device is up; the gauge has not been heard.
@@ -98,7 +103,7 @@ fn an_input_follows_its_limit_with_hysteresis() {
 #[test]
 fn one_counter_runs_through_all_forms_of_a_message() {
     let mut gauge = gauge();
-    let bound = gauge.frames.as_mut().and_then(|frames| frames.bound.as_mut()).unwrap();
+    let bound = binding_of(&mut gauge);
     let mut other = bound.told[0].clone();
     other.rest[0] = 0x80;
     other.outputs.clear();
@@ -135,7 +140,7 @@ fn a_value_that_is_none_makes_its_frame_none() {
     let number = Field { size: 32, coding: Coding::Float, factor: 1.0, ..field(16, 32) };
     for when in [When::NotZero, When::Above { at: 1.0, hysteresis: 0.0 }, When::Below { at: 1.0, hysteresis: 0.0 }] {
         let mut gauge = gauge();
-        let heard = &mut gauge.frames.as_mut().and_then(|frames| frames.bound.as_mut()).unwrap().heard[0];
+        let heard = &mut binding_of(&mut gauge).heard[0];
         (heard.len, heard.pages[0].inputs) = (6, vec![(InputId(1), number, when)]);
         let mut bench = Bench::of(&[gauge]);
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
@@ -208,7 +213,7 @@ fn a_loss_of_the_other_device_switches_it_off() {
 fn identifiers_have_one_meaning() {
     let refused = |id: u32, extended: bool| {
         let mut gauge = gauge();
-        let bound = gauge.frames.as_mut().and_then(|frames| frames.bound.as_mut()).unwrap();
+        let bound = binding_of(&mut gauge);
         bound.heard[0].id = FrameId { id, extended };
         Manager::new(&[devices().remove(2), gauge], Timing::default()).map(|_| ()).err().map(|error| error.to_string())
     };
@@ -219,7 +224,8 @@ fn identifiers_have_one_meaning() {
     assert!(refused(0x77F, false).is_some() && refused(0x123, false).is_some());
     assert_eq!((refused(0x187, false), refused(0x186, true)), (None, None));
     let mut unread = gauge();
-    unread.frames.as_mut().unwrap().bound = None;
+    let DeviceKind::Frames(frames) = &mut unread.kind else { panic!("a device of frames") };
+    frames.bound = None;
     let error = Manager::new(&[unread], Timing::default()).map(|_| ()).unwrap_err();
     assert_eq!(error.to_string(), "device `gauge`: its file gauge.dbc has not been read");
 }

@@ -128,7 +128,7 @@ fn what_the_process_rests_on_is_not_written_in_any_state() {
 #[test]
 fn what_the_description_sets_is_not_written_by_others() {
     let mut devices = devices();
-    devices[2].setup.settings = vec![Setting { index: 0x2001, sub: 0, data: vec![1] }];
+    devices[2].canopen_mut().expect("CANopen").setup.settings = vec![Setting { index: 0x2001, sub: 0, data: vec![1] }];
     let mut bench = Bench::of(&devices);
     for text in ["706#00", "586#4300100091010300", "586#6001200000000000", "586#6017100000000000"] {
         bench.hear(text);
