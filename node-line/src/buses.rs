@@ -1,10 +1,11 @@
 //! The field buses of a node: each kind is opened by its own crate. Another kind gets a line here.
 
-use linewright_fieldbus::{CanFieldbus, Clock, OpenError, Options, is_on_can};
+use linewright_fieldbus::{CanFieldbus, Clock, OpenError, Options};
 use linewright_fieldbus_seam::{Fieldbus, Joined};
 use linewright_line::{Device, Timing};
+use linewright_modbus_tcp::ModbusTcp;
 
-/// Opens the buses that carry these devices. `interface` is the CAN bus, which is there as well where no device is.
+/// Opens the buses that carry these devices. `interface` is the CAN bus, which is opened unless all of them are elsewhere.
 ///
 /// # Errors
 /// When one is not to be had, or the devices cannot share it.
@@ -17,8 +18,15 @@ pub fn open_buses<'a>(
 ) -> Result<Joined, OpenError> {
     let devices: Vec<Device> = devices.into_iter().cloned().collect();
     let owners: Vec<_> = devices.iter().map(|device| device.owner).collect();
-    let (on_can, _): (Vec<Device>, Vec<Device>) = devices.into_iter().partition(is_on_can);
+    let modbus = ModbusTcp::new(&devices, clock);
+    let has_modbus = devices.iter().any(|device| device.modbus().is_some());
+    let on_can: Vec<Device> = devices.into_iter().filter(Device::is_on_can).collect();
     let mut buses: Vec<Box<dyn Fieldbus>> = Vec::new();
-    buses.push(Box::new(CanFieldbus::open(interface, options, on_can, timing, clock)?));
+    if !on_can.is_empty() || !has_modbus {
+        buses.push(Box::new(CanFieldbus::open(interface, options, on_can, timing, clock)?));
+    }
+    if has_modbus {
+        buses.push(Box::new(modbus));
+    }
     Ok(Joined::new(buses, owners))
 }

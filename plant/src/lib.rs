@@ -1,9 +1,10 @@
-//! The simulated plant: a line's mechanisms, and the CAN devices they hang on.
+//! The simulated plant: a line's mechanisms, and the devices they hang on.
 //!
 //! - [`Plant`]: the mechanisms of a line in pure, event-driven time: outputs in, limit switches out; and where parts are;
 //! - [`DeviceNode`]: one generic CANopen I/O device, pure: frames in, frames out;
 //! - [`DriveNode`]: one CANopen drive, pure as well; it moves its axis itself;
 //! - [`PlainNode`]: one device that speaks no CANopen, but the frames of a DBC file, pure;
+//! - [`ModbusNode`]: one device in Modbus, pure: requests in, answers out;
 //! - [`Rack`]: the devices of one bus wired to the mechanisms, pure.
 //!
 //! `linewright_racks` puts racks on the buses of a machine.
@@ -21,7 +22,7 @@ mod plant;
 mod rack;
 mod wire;
 
-pub use device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
+pub use device::{DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, Order, PlainNode};
 pub use fault::{CLEAR, DeviceFault, FAULT_INDEX, Fault, HOLD_INDEX, Orders, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX};
 pub use parts::{Mishap, PartNo, Refused, Spot, Whereabouts};
 pub use plant::{Plant, PlantOptions};

@@ -6,7 +6,7 @@
 use linewright_canopen::{Frame, NodeId};
 use linewright_line::{AxisId, Bus, Device, DeviceKind, Drive, DriveMode, Line, Owner, StationId, Tick};
 
-use crate::device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
+use crate::device::{DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, Order, PlainNode};
 use crate::fault::{DeviceFault, Fault};
 use crate::plant::{Plant, PlantOptions};
 use crate::wire::{FrameFaults, Wire};
@@ -36,6 +36,7 @@ enum Node {
     /// With the station whose axis it moves.
     Drive(Box<DriveNode>, StationId),
     Plain(Box<PlainNode>),
+    Modbus(Box<ModbusNode>),
 }
 
 impl Node {
@@ -44,6 +45,7 @@ impl Node {
             Node::Io(node) => node.handle(now, frame, out),
             Node::Drive(node, _) => node.handle(now, frame, out),
             Node::Plain(node) => node.handle(now, frame, out),
+            Node::Modbus(_) => {}
         }
     }
 
@@ -52,6 +54,7 @@ impl Node {
             Node::Io(node) => node.poll(now, out),
             Node::Drive(node, _) => node.poll(now, out),
             Node::Plain(node) => node.poll(now, out),
+            Node::Modbus(node) => node.poll(now),
         }
     }
 
@@ -60,6 +63,7 @@ impl Node {
             Node::Io(node) => node.next_deadline(),
             Node::Drive(node, _) => node.next_deadline(),
             Node::Plain(node) => node.next_deadline(),
+            Node::Modbus(node) => node.next_deadline(),
         }
     }
 }
@@ -93,6 +97,7 @@ impl Rack {
                     let home = line.station(station).axes[drive.axis.index()].home;
                     Node::Drive(Box::new(DriveNode::new(now, id, drive, home, &line.timing)), station)
                 }
+                (DeviceKind::Modbus(modbus), _) => Node::Modbus(Box::new(ModbusNode::new(modbus))),
                 // The console has no axis that a drive could move.
                 (DeviceKind::Drive(..), Owner::Console) => continue,
                 (DeviceKind::Io(canopen, io), _) => {
@@ -114,6 +119,30 @@ impl Rack {
     /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) {
         self.each(now, out, |_| 1, |node, outbox| node.poll(now, outbox));
+    }
+
+    /// Asks the Modbus device at this address and unit. An exception's code if it refuses, `None` if it does not answer.
+    pub fn ask(
+        &mut self,
+        now: Tick,
+        (address, unit): (&str, u8),
+        request: &ModbusRequest,
+        out: &mut Vec<Frame>,
+    ) -> Option<Result<ModbusResponse, u8>> {
+        // Everything else at this moment first: what is read is what the switches say now.
+        self.poll(now, out);
+        let mut answer = None;
+        for slot in &mut self.slots {
+            let Node::Modbus(node) = &mut slot.node else { continue };
+            // Several may share one: what is not the first one's may be the next one's.
+            if node.is_at(address, unit) && !matches!(answer, Some(Ok(_))) {
+                answer = node.handle(now, request);
+            }
+        }
+        self.carry_outputs(now);
+        self.carry_axes(now);
+        self.carry_inputs(now, out);
+        answer
     }
 
     /// When [`Rack::poll`] has something to do next.
@@ -139,6 +168,7 @@ impl Rack {
             Node::Io(node) => node.inject(now, fault),
             Node::Drive(node, _) => node.inject(now, fault),
             Node::Plain(node) => node.inject(now, fault),
+            Node::Modbus(node) => node.inject(fault),
         }
         if fault.is_none() {
             slot.wire = Wire::default();
@@ -149,8 +179,14 @@ impl Rack {
     pub fn fail_device(&mut self, now: Tick, device: &Device, fault: Option<DeviceFault>) {
         if let Some(node) = device.node_id().and_then(NodeId::new) {
             self.inject(now, node, fault);
-        } else if let Some(node) = self.plain_mut(&device.name) {
-            node.inject(now, fault);
+            return;
+        }
+        for slot in self.slots.iter_mut().filter(|slot| slot.device.name == device.name) {
+            match &mut slot.node {
+                Node::Plain(node) => node.inject(now, fault),
+                Node::Modbus(node) => node.inject(fault),
+                Node::Io(_) | Node::Drive(..) => {}
+            }
         }
     }
 
@@ -175,7 +211,7 @@ impl Rack {
     pub fn device(&self, node: NodeId) -> Option<&DeviceNode> {
         self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
             Node::Io(node) => Some(node.as_ref()),
-            Node::Drive(..) | Node::Plain(_) => None,
+            Node::Drive(..) | Node::Plain(_) | Node::Modbus(_) => None,
         })
     }
 
@@ -185,7 +221,7 @@ impl Rack {
             .node
         {
             Node::Io(node) => Some(node.as_mut()),
-            Node::Drive(..) | Node::Plain(_) => None,
+            Node::Drive(..) | Node::Plain(_) | Node::Modbus(_) => None,
         })
     }
 
@@ -193,7 +229,7 @@ impl Rack {
     pub fn drive(&self, node: NodeId) -> Option<&DriveNode> {
         self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
             Node::Drive(node, _) => Some(node.as_ref()),
-            Node::Io(_) | Node::Plain(_) => None,
+            Node::Io(_) | Node::Plain(_) | Node::Modbus(_) => None,
         })
     }
 
@@ -203,7 +239,7 @@ impl Rack {
             .node
         {
             Node::Drive(node, _) => Some(node.as_mut()),
-            Node::Io(_) | Node::Plain(_) => None,
+            Node::Io(_) | Node::Plain(_) | Node::Modbus(_) => None,
         })
     }
 
@@ -211,7 +247,7 @@ impl Rack {
     pub fn plain_mut(&mut self, name: &str) -> Option<&mut PlainNode> {
         self.slots.iter_mut().filter(|slot| slot.device.name == name).find_map(|slot| match &mut slot.node {
             Node::Plain(node) => Some(node.as_mut()),
-            Node::Io(_) | Node::Drive(..) => None,
+            Node::Io(_) | Node::Drive(..) | Node::Modbus(_) => None,
         })
     }
 
@@ -241,7 +277,7 @@ impl Rack {
     pub fn driven(&self, owner: Owner) -> u128 {
         let drives = self.slots.iter().filter(|slot| slot.device.owner == owner).filter_map(|slot| match &slot.node {
             Node::Drive(node, _) if node.obeys_an_order() => slot.device.drive(),
-            Node::Drive(..) | Node::Io(_) | Node::Plain(_) => None,
+            Node::Drive(..) | Node::Io(_) | Node::Plain(_) | Node::Modbus(_) => None,
         });
         let moved = drives.flat_map(Drive::outputs).fold(0, |image, output| image | output.bit());
         self.plant.outputs(owner) | moved
@@ -293,6 +329,7 @@ impl Rack {
             let on = self.slots.iter().filter(|slot| slot.device.owner == *owner).flat_map(|slot| {
                 let bits = match &slot.node {
                     Node::Io(node) => node.outputs() & !slot.stuck.0 | slot.stuck.1,
+                    Node::Modbus(node) => node.outputs(),
                     Node::Drive(..) | Node::Plain(_) => 0,
                 };
                 let wired = slot.device.output_bits().iter().enumerate();
@@ -301,7 +338,7 @@ impl Rack {
             let plain = self.slots.iter().filter(|slot| slot.device.owner == *owner).map(|slot| match &slot.node {
                 Node::Plain(node) => node.outputs(),
                 Node::Io(node) => node.analogue_outputs(),
-                Node::Drive(..) => 0,
+                Node::Drive(..) | Node::Modbus(_) => 0,
             });
             let plain = plain.fold(0, |all, outputs| all | outputs);
             let image = on.fold(plain, |image, output| image | output.bit());
@@ -318,10 +355,14 @@ impl Rack {
                 slot.send(&mut outbox.frames, out);
                 continue;
             }
-            let Node::Io(node) = &mut slot.node else { continue };
             let wired = slot.device.input_bits().iter().take(64).enumerate();
             let on = wired.filter(|(_, input)| input.is_some_and(|input| image & input.bit() != 0));
             let bits = on.fold(0, |bits, (at, _)| bits | 1 << at);
+            if let Node::Modbus(node) = &mut slot.node {
+                node.set_inputs(bits);
+                continue;
+            }
+            let Node::Io(node) = &mut slot.node else { continue };
             let mut outbox = DeviceOutbox::default();
             node.set_inputs(now, bits, &mut outbox);
             node.set_plant(now, image, self.plant.outputs(slot.device.owner), &mut outbox);

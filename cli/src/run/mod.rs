@@ -187,7 +187,8 @@ impl Session {
     async fn open(line: &Line, args: &Args, ros: &RosArgs, dir: &Path, options: &BusOptions) -> miette::Result<Self> {
         let (to, frames) = mpsc::channel(4096);
         let (mut head, mut virtual_bus) = (Vec::new(), false);
-        let mut buses: Vec<&Bus> = line.devices.iter().map(|device| &device.bus).collect();
+        let on_can = line.devices.iter().filter(|device| device.is_on_can());
+        let mut buses: Vec<&Bus> = on_can.map(|device| &device.bus).collect();
         buses.sort_by_key(|bus| bus.to_string());
         buses.dedup();
         for bus in buses {

@@ -197,7 +197,7 @@ impl Shell {
                     }
                 }
                 // On another manager's bus nothing is sent, and on one that is gone nothing arrives.
-                news = self.buses.next() => {
+                news = self.buses.next_news() => {
                     self.waiting.news.extend(news?);
                     let news = std::mem::take(&mut self.waiting.news);
                     self.bus_news(&news);

@@ -100,7 +100,7 @@ impl Shell {
                     }
                     false
                 }
-                news = self.buses.next() => {
+                news = self.buses.next_news() => {
                     let news = news?;
                     let of_console = |news: &News| matches!(news, News::InputsChanged { owner: Owner::Console });
                     let may_stop = news.iter().any(of_console);

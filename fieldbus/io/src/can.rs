@@ -8,7 +8,7 @@ use linewright_fieldbus_seam::{
     Answer, BusLost, Diagnosis, Fieldbus, InputImage, LastOrders, Level, NOT_HEARD, News, NextNews, Object, Refusal,
     Reply, Request, Target,
 };
-use linewright_line::{Canopen, Device, DeviceKind, Owner, Timing};
+use linewright_line::{Canopen, Device, Owner, Timing};
 use thiserror::Error;
 
 use crate::bus::{Bus, BusError, Options};
@@ -38,13 +38,6 @@ pub struct CanFieldbus {
 
 /// Above every number of a request to the manager.
 const AT_ONCE: u64 = 1 << 40;
-
-/// Whether a device hangs on a CAN bus.
-pub fn is_on_can(device: &Device) -> bool {
-    match &device.kind {
-        DeviceKind::Io(..) | DeviceKind::Drive(..) | DeviceKind::Frames(_) => true,
-    }
-}
 
 impl CanFieldbus {
     /// Opens the bus of this name, with the manager of these devices. Nothing is sent yet.

@@ -15,6 +15,6 @@ mod driver;
 pub mod sdo_client;
 
 pub use bus::{Bus, BusError, Found, Options, OwnBuses, Transport, find_bus, place};
-pub use can::{CanFieldbus, OpenError, is_on_can};
+pub use can::{CanFieldbus, OpenError};
 pub use clock::Clock;
 pub use driver::{Driver, DriverError, LastFrames};

@@ -8,9 +8,7 @@ use std::task::Poll;
 
 use linewright_line::Owner;
 
-use crate::{
-    Answer, BusLost, Diagnosis, Fieldbus, InputImage, LastOrders, News, NextNews, Refusal, Request, Target, abort,
-};
+use crate::{Answer, Diagnosis, Fieldbus, InputImage, LastOrders, News, NextNews, Refusal, Request, Target, abort};
 
 /// Several buses as one.
 pub struct Joined {
@@ -45,18 +43,18 @@ impl Joined {
     ///
     /// # Errors
     /// When one of them is gone. The node then has to end.
-    pub async fn next(&mut self) -> Result<Vec<News>, BusLost> {
-        let mut news = self.first().await?;
-        if self.buses.len() > 1 {
-            self.let_go_of_the_lost(&mut news);
-        }
-        Ok(news)
-    }
-
-    fn first(&mut self) -> NextNews<'_> {
+    pub fn next_news(&mut self) -> NextNews<'_> {
         if self.buses.len() == 1 {
             return self.buses[0].next();
         }
+        Box::pin(async move {
+            let mut news = self.first().await?;
+            self.let_go_of_the_lost(&mut news);
+            Ok(news)
+        })
+    }
+
+    fn first(&mut self) -> NextNews<'_> {
         let turn = (self.turn + 1) % self.buses.len().max(1);
         self.turn = turn;
         let mut waiting: Vec<_> = self.buses.iter_mut().map(|bus| bus.next()).collect();
@@ -219,7 +217,7 @@ mod tests {
     }
 
     fn next(joined: &mut Joined) -> Option<Vec<News>> {
-        let mut next = Box::pin(joined.next());
+        let mut next = Box::pin(joined.next_news());
         match next.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
             Poll::Ready(news) => Some(news.expect("no bus is lost")),
             Poll::Pending => None,

@@ -3,7 +3,7 @@
 //! Numbers and bytes only. Where they come from, the description itself or a device's own file (EDS, DCF), is no matter
 //! here; what an object does, the device's manual says.
 
-use crate::{Analogue, Bus, Drive, Frames, InputId, Line, OutputId, StationId};
+use crate::{Analogue, Bus, Drive, Frames, InputId, Line, Modbus, OutputId, StationId};
 
 /// A device of an owner.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,8 @@ pub enum DeviceKind {
     Drive(Canopen, Drive),
     /// Plain CAN frames, as a DBC file describes them.
     Frames(Frames),
+    /// Inputs and outputs in Modbus TCP.
+    Modbus(Modbus),
 }
 
 impl DeviceKind {
@@ -183,7 +185,7 @@ impl Device {
     pub fn canopen(&self) -> Option<&Canopen> {
         match &self.kind {
             DeviceKind::Io(canopen, _) | DeviceKind::Drive(canopen, _) => Some(canopen),
-            DeviceKind::Frames(_) => None,
+            DeviceKind::Frames(_) | DeviceKind::Modbus(_) => None,
         }
     }
 
@@ -191,7 +193,7 @@ impl Device {
     pub fn canopen_mut(&mut self) -> Option<&mut Canopen> {
         match &mut self.kind {
             DeviceKind::Io(canopen, _) | DeviceKind::Drive(canopen, _) => Some(canopen),
-            DeviceKind::Frames(_) => None,
+            DeviceKind::Frames(_) | DeviceKind::Modbus(_) => None,
         }
     }
 
@@ -232,10 +234,27 @@ impl Device {
         }
     }
 
+    /// Its registers, if it speaks Modbus.
+    pub fn modbus(&self) -> Option<&Modbus> {
+        match &self.kind {
+            DeviceKind::Modbus(modbus) => Some(modbus),
+            _ => None,
+        }
+    }
+
+    /// Whether it hangs on a CAN bus.
+    pub fn is_on_can(&self) -> bool {
+        match self.kind {
+            DeviceKind::Io(..) | DeviceKind::Drive(..) | DeviceKind::Frames(_) => true,
+            DeviceKind::Modbus(_) => false,
+        }
+    }
+
     /// For each of its digital inputs, the input of its owner's image; none of a device without such bits.
     pub fn input_bits(&self) -> &[Option<InputId>] {
         match &self.kind {
             DeviceKind::Io(_, io) => &io.inputs,
+            DeviceKind::Modbus(modbus) => &modbus.inputs,
             DeviceKind::Drive(..) | DeviceKind::Frames(_) => &[],
         }
     }
@@ -244,6 +263,7 @@ impl Device {
     pub fn output_bits(&self) -> &[Option<OutputId>] {
         match &self.kind {
             DeviceKind::Io(_, io) => &io.outputs,
+            DeviceKind::Modbus(modbus) => &modbus.outputs,
             DeviceKind::Drive(..) | DeviceKind::Frames(_) => &[],
         }
     }
@@ -254,6 +274,7 @@ impl Device {
             DeviceKind::Io(_, io) => io.inputs.iter().flatten().copied().chain(io.analogue.carried_inputs()).collect(),
             DeviceKind::Drive(_, drive) => drive.inputs().collect(),
             DeviceKind::Frames(frames) => frames.inputs().collect(),
+            DeviceKind::Modbus(modbus) => modbus.inputs.iter().flatten().copied().collect(),
         }
     }
 
@@ -265,6 +286,7 @@ impl Device {
             }
             DeviceKind::Drive(_, drive) => drive.outputs().collect(),
             DeviceKind::Frames(frames) => frames.outputs().collect(),
+            DeviceKind::Modbus(modbus) => modbus.outputs.iter().flatten().copied().collect(),
         }
     }
 

@@ -10,6 +10,7 @@ mod drive;
 mod frames;
 mod handling;
 mod line;
+mod modbus;
 pub mod net;
 mod parse;
 mod position;
@@ -31,6 +32,7 @@ pub use frames::{
 };
 pub use handling::{Grip, Handling, Holder, HolderId, Reach, Sensor, Sign, Stand};
 pub use line::*;
+pub use modbus::{Modbus, REGISTER_BITS, RegisterValue, Table, Watchdog};
 pub use parse::{Parsed, Problem, Problems, parse, suggestion};
 pub use position::NoClearance;
 pub use task::{

@@ -37,6 +37,9 @@ impl Line {
                 DeviceKind::Frames(frames) => {
                     return frames.source(input).map(|source| format!("{}, {source}", device.name));
                 }
+                DeviceKind::Modbus(modbus) => {
+                    return modbus.source(input).map(|source| format!("{}, {source}", device.name));
+                }
             };
             Some(format!("{}, node {node:02X}h, {object}", device.name))
         })

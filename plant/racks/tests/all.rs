@@ -3,3 +3,4 @@
 #[path = "../../tests/common/mod.rs"]
 mod common;
 mod end_to_end;
+mod modbus;

@@ -88,7 +88,7 @@ pub async fn run(options: Options, participant: &Participant, stop: watch::Recei
 
 pub(crate) async fn next_news(buses: &mut Option<Joined>) -> Result<Vec<News>, BusLost> {
     match buses {
-        Some(buses) => buses.next().await,
+        Some(buses) => buses.next_news().await,
         None => std::future::pending().await,
     }
 }

@@ -79,18 +79,8 @@ const MAY_USE: [(&str, &[&str]); 30] = [
         // The clock of a process is in the last.
         &["linewright-line", "linewright-fieldbus-seam", "linewright-modbus", "linewright-fieldbus"],
     ),
-    ("linewright-plant", &["linewright-line", "linewright-canopen", "linewright-modbus"]),
-    (
-        "linewright-racks",
-        &[
-            "linewright-line",
-            "linewright-canopen",
-            "linewright-modbus",
-            "linewright-fieldbus",
-            "linewright-modbus-tcp",
-            "linewright-plant",
-        ],
-    ),
+    ("linewright-plant", &["linewright-line", "linewright-canopen"]),
+    ("linewright-racks", &["linewright-line", "linewright-canopen", "linewright-fieldbus", "linewright-plant"]),
     (
         "linewright-proof",
         &[

@@ -69,7 +69,7 @@ impl Manager {
         let mut peers: Vec<Peer> = Vec::new();
         let mut images: Vec<Image> = Vec::new();
         let mut plains = Vec::new();
-        for device in devices {
+        for device in devices.into_iter().filter(|device| device.is_on_can()) {
             if !images.iter().any(|i| i.owner == device.owner) {
                 images.push(Image { owner: device.owner, outputs: 0, inputs: InputImage::NEVER });
             }
@@ -82,6 +82,7 @@ impl Manager {
                 }
                 DeviceKind::Io(canopen, io) => (canopen, Process::of_io(io, &timing)),
                 DeviceKind::Drive(canopen, drive) => (canopen, Process::of_drive(drive)),
+                DeviceKind::Modbus(_) => continue,
             };
             let Canopen { node_id, setup } = canopen;
             let node = NodeId::new(*node_id).filter(|node| *node != MANAGER_NODE);

@@ -9,7 +9,7 @@ use super::draft::{Draft, DraftConsole, DraftDevice, DraftOperation, DraftSignal
 use super::raw::{Kind, RawConsole, RawDevice, RawTiming};
 use super::rules::node_id;
 use super::setup;
-use super::{analogue, drive, frames, handling, task};
+use super::{analogue, drive, frames, handling, modbus, task};
 use crate::{
     Arrow, Canopen, Conflict, Console, Device, DeviceKind, InputId, Io, Line, Module, Operation, Panel, Signals,
     Station, StopContact, Timing,
@@ -124,6 +124,9 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
 fn kind(draft: &Draft<'_>, device: &DraftDevice, raw: &RawDevice) -> Option<DeviceKind> {
     if let (Some(draft), Some(raw)) = (&device.frames, &raw.frames) {
         return Some(DeviceKind::Frames(frames::finish(draft, raw)?));
+    }
+    if let Some(raw) = &raw.modbus {
+        return Some(DeviceKind::Modbus(modbus::finish(device, raw)?));
     }
     let canopen = Canopen { node_id: node_id(raw.node.as_ref()?.value)?, setup: setup::finish(raw)? };
     if let (Some(draft), Some(raw)) = (&device.drive, &raw.drive) {

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use linewright_text::{At, Name, Where};
 
-use crate::{AtRest, Checksum, DriveMode, Reaction};
+use crate::{AtRest, Checksum, DriveMode, Reaction, Table};
 
 #[derive(Debug)]
 pub(super) struct RawLine {
@@ -230,6 +230,52 @@ pub(super) struct RawDevice {
     pub drive: Option<RawDrive>,
     pub analogue: RawAnalogue,
     pub frames: Option<RawFrames>,
+    pub kind: Option<At<RawDeviceKind>>,
+    pub modbus: Option<RawModbus>,
+}
+
+/// What a device speaks, where its `kind` says so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum RawDeviceKind {
+    Canopen,
+    Modbus,
+}
+
+/// The `modbus` table of a device.
+#[derive(Debug)]
+pub(super) struct RawModbus {
+    pub at: Where,
+    pub address: Option<Name>,
+    pub unit: Option<At<i64>>,
+    pub cycle: Option<At<Duration>>,
+    pub timeout: Option<At<Duration>>,
+    pub inputs: Option<RawRegisters>,
+    pub outputs: Option<RawRegisters>,
+    pub watchdog: Option<RawWatchdog>,
+    pub without_watchdog: Option<Name>,
+    pub expect: Vec<RawRegisterValue>,
+    pub settings: Vec<RawRegisterValue>,
+}
+
+/// A table of a Modbus device, and where in it bits begin.
+#[derive(Debug)]
+pub(super) struct RawRegisters {
+    pub at: Where,
+    pub table: Table,
+    pub first: Option<At<i64>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawWatchdog {
+    pub at: Where,
+    pub register: Option<At<i64>>,
+    pub timeout: Option<At<Duration>>,
+}
+
+#[derive(Debug)]
+pub(super) struct RawRegisterValue {
+    pub register: Option<At<i64>>,
+    pub value: Option<At<i64>>,
 }
 
 /// Device type, vendor, product, revision, serial.

@@ -4,10 +4,12 @@ use linewright_text::{At, Fields, Name, Problem, Report, Where, suggestion};
 
 use super::{
     ARROWS_MAX, CONFLICTS_MAX, DEVICE_BITS, DEVICES_MAX, HOLDERS_MAX, SENSORS_MAX, SETTINGS_MAX, STATIONS_MAX,
-    analogue, drive, frames, handling, setup, station,
+    analogue, drive, frames, handling, modbus, setup, station,
 };
 use crate::BUTTONS_MAX;
-use crate::parse::raw::{RawArrow, RawConflict, RawConsole, RawDevice, RawEnd, RawLine, RawSpan, RawTiming};
+use crate::parse::raw::{
+    RawArrow, RawConflict, RawConsole, RawDevice, RawDeviceKind, RawEnd, RawLine, RawSpan, RawTiming,
+};
 
 /// A lag above this is a slip: it would let one station run that many cycles ahead.
 const LAG_MAX: i64 = 8;
@@ -181,8 +183,13 @@ fn device(mut f: Fields<'_>, report: &mut Report) -> RawDevice {
     let mut bits = |key| f.texts(report, key, DEVICE_BITS).map(|b| b.value).unwrap_or_default();
     let (inputs, outputs) = (bits("inputs"), bits("outputs"));
     let frames = f.table(report, "dbc", "`dbc`").map(|f| frames::frames(f, report));
+    let kinds = [("canopen", RawDeviceKind::Canopen), ("modbus", RawDeviceKind::Modbus)];
+    let kind = f.maybe_word(report, "kind", &kinds);
+    let modbus = f.table(report, "modbus", "`modbus`").map(|f| modbus::modbus(f, report));
     // Whoever speaks no CANopen has no node id.
-    let node = if frames.is_some() { f.integer(report, "node") } else { f.required_integer(report, "node") };
+    let speaks_another =
+        frames.is_some() || modbus.is_some() || kind.as_ref().is_some_and(|kind| kind.value == RawDeviceKind::Modbus);
+    let node = if speaks_another { f.integer(report, "node") } else { f.required_integer(report, "node") };
     let raw = RawDevice {
         at: f.at.clone(),
         name: f.required_text(report, "name"),
@@ -201,6 +208,8 @@ fn device(mut f: Fields<'_>, report: &mut Report) -> RawDevice {
         drive: f.table(report, "drive", "`drive`").map(|f| drive::drive(f, report)),
         analogue: analogue::channels(&mut f, report),
         frames,
+        kind,
+        modbus,
     };
     f.finish(report);
     raw

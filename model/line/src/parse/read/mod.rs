@@ -7,6 +7,7 @@ mod drive;
 mod frames;
 mod handling;
 mod line;
+mod modbus;
 mod setup;
 mod station;
 mod task;
