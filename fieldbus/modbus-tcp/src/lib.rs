@@ -111,9 +111,10 @@ impl Fieldbus for ModbusTcp {
 
     fn release_outputs(&mut self) {
         self.manager.release_outputs(&mut Outbox::default());
+        // Nobody else reads the answers then.
+        self.links.iter_mut().for_each(|link| *link = None);
         let told: Vec<&Last> = self.lasts.iter().filter(|last| last.send()).collect();
         last::wait_for(&told);
-        self.links.iter_mut().for_each(|link| *link = None);
         self.lasts.iter().for_each(Last::forget);
     }
 
