@@ -55,6 +55,7 @@ fn a_station_runs_in_modbus_stops_at_once_and_names_a_device_that_is_gone() {
     let off = wait_for(Duration::from_millis(1500), || coils(port) == 0);
     assert!(off, "an emergency stop turns its coils off");
     operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
+    operator.say("reset");
     operator.recover();
     operator.cycles(1);
 

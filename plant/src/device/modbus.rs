@@ -139,7 +139,7 @@ impl ModbusNode {
         let outputs = (self.modbus.outputs_at, self.modbus.outputs.len(), self.outputs);
         [inputs, outputs].into_iter().find_map(|((own, first), bits, value)| {
             let at = usize::from(address.checked_sub(first)?);
-            (own == table && at < bits).then_some(value >> at & 1 == 1)
+            (own == table && at < bits).then(|| value >> at & 1 == 1)
         })
     }
 
@@ -156,7 +156,7 @@ impl ModbusNode {
         let outputs = (self.modbus.outputs_at, self.modbus.outputs.len(), self.outputs);
         let of_bits = [inputs, outputs].into_iter().find_map(|((own, first), bits, value)| {
             let at = usize::from(address.checked_sub(first)?);
-            (own == table && at < table.addresses(bits)).then_some((value >> (at * REGISTER_BITS)) as u16)
+            (own == table && at < table.addresses(bits)).then(|| (value >> (at * REGISTER_BITS)) as u16)
         });
         let others = (table == Table::HoldingRegisters).then(|| self.registers.get(&address).copied());
         of_bits.or(others.flatten())

@@ -25,8 +25,8 @@ const RETRY_FIRST: Duration = Duration::from_millis(100);
 const RETRY_MAX: Duration = Duration::from_secs(2);
 /// One that was operational for so long is tried as soon as at first.
 const PROVEN: Duration = Duration::from_secs(1);
-/// So many answers in a row in time, and it is not called slow any more.
-const CALM: u32 = 50;
+/// So many answers in a row in time, and it is not called slow any more: ten seconds of the usual cycle.
+const CALM: u32 = 1500;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
