@@ -181,8 +181,8 @@ async fn a_wrong_register_map_is_said_to_be_one() {
             "wrong register map: reading 3 discrete inputs from 100 is refused: illegal",
         ),
         (
-            |modbus| modbus.outputs_at.1 = 6,
-            "wrong register map: writing 3 coils from 6 is refused: illegal data address",
+            |modbus| modbus.outputs_at.1 = 100,
+            "wrong register map: writing 3 coils from 100 is refused: illegal data address",
         ),
         (|modbus| modbus.expect[0].value = 5, "another device: holding register 0 is 1025, expected 5"),
         (|modbus| modbus.unit = 9, "unit 9): "),
