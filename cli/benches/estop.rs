@@ -18,7 +18,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use linewright_fieldbus::{Bus as CanBus, Frame, Message, Options};
+use linewright_canopen::{Frame, Message};
+use linewright_fieldbus::{Bus as CanBus, Options};
 use linewright_line::{Bus, Owner, StationId};
 use linewright_msgs::{Flag, Text};
 use linewright_node_shell::{Participant, Publisher, RosArgs, RosNode, qos};
@@ -107,16 +108,17 @@ impl Bench {
         };
         let console = line.devices.iter().find(|device| device.owner == Owner::Console).ok_or("there is a console")?;
         let pressed = line.console.inputs.iter().position(|name| name == "ES_pressed").ok_or("it has the button")?;
-        let pressed_bit = console.inputs.iter().position(|input| input.is_some_and(|input| input.index() == pressed));
+        let pressed_bit =
+            console.input_bits().iter().position(|input| input.is_some_and(|input| input.index() == pressed));
         Ok(Bench {
             commands: node.publisher("mode_cmd", qos::command())?,
             advance: node.publisher("transfer/advance", qos::command())?,
             bar_bus: CanBus::open(&bar_bus, &options)?,
             console: CanBus::open(LINE_BUS, &options)?,
-            console_node: console.node_id,
-            console_inputs: console.inputs.len(),
+            console_node: console.node_id().ok_or("it speaks CANopen")?,
+            console_inputs: console.input_bits().len(),
             pressed_bit: pressed_bit.ok_or("the button is wired")? as u16,
-            bar_nodes: of_bar().map(|device| device.node_id).collect(),
+            bar_nodes: of_bar().filter_map(linewright_line::Device::node_id).collect(),
             outputs: 0,
             _node: node,
         })

@@ -15,7 +15,8 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use linewright_fieldbus::{Bus as CanBus, Message, Options};
+use linewright_canopen::Message;
+use linewright_fieldbus::{Bus as CanBus, Options};
 use linewright_line::{Bus, InputId, Line, OutputId, Owner, StationId};
 
 #[path = "common/running.rs"]
@@ -185,12 +186,12 @@ impl Listener {
 
     /// The station a node belongs to, and its image from the bits of the frame. Every station of this line has one.
     fn image(&self, bus: &Bus, node: u8, bits: u64, inputs: bool) -> Option<(StationId, u128)> {
-        let device = self.line.devices.iter().find(|d| d.bus == *bus && d.node_id == node)?;
+        let device = self.line.devices.iter().find(|d| d.bus == *bus && d.node_id() == Some(node))?;
         let Owner::Station(station) = device.owner else { return None };
         let places: Vec<Option<u16>> = if inputs {
-            device.inputs.iter().map(|i| i.map(|i| i.0)).collect()
+            device.input_bits().iter().map(|i| i.map(|i| i.0)).collect()
         } else {
-            device.outputs.iter().map(|o| o.map(|o| o.0)).collect()
+            device.output_bits().iter().map(|o| o.map(|o| o.0)).collect()
         };
         let set = places.iter().enumerate().filter(|&(bit, _)| bits & (1 << bit) != 0);
         Some((station, set.filter_map(|(_, place)| *place).fold(0, |image, place| image | 1 << place)))

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use linewright_eds::{DownloadContent, Eds, NodeId, limits, read};
-use linewright_line::{Device, Line, Setting, is_the_managers, keeps_an_output};
+use linewright_line::{Canopen, Device, DeviceKind, Line, Setting, is_the_managers, keeps_an_output};
 use miette::{WrapErr, miette};
 
 use crate::load;
@@ -14,7 +14,7 @@ use crate::load;
 /// Reads the file of every device that names one, beside the description in `dir`.
 pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> {
     for device in &mut line.devices {
-        let Some(file) = device.setup.file.clone() else { continue };
+        let Some(file) = device.canopen().and_then(|canopen| canopen.setup.file.clone()) else { continue };
         let path = dir.join(&file);
         let name = path.display().to_string();
         let eds = description(&path).wrap_err_with(|| format!("device `{}`", device.name))?;
@@ -35,9 +35,10 @@ fn description(path: &Path) -> miette::Result<Eds> {
 
 /// Adds what the file says.
 fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
-    let node = NodeId::new(device.node_id).ok_or("its node id is none")?;
+    let Canopen { node_id, setup } = device.canopen_mut().ok_or("it speaks no CANopen")?;
+    let node = NodeId::new(*node_id).ok_or("its node id is none")?;
     let said = eds.identity();
-    let identity = &mut device.setup.identity;
+    let identity = &mut setup.identity;
     let parts = [
         ("type", &mut identity.device_type, said.device_type),
         ("vendor", &mut identity.vendor, said.vendor),
@@ -54,7 +55,7 @@ fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
             _ => {}
         }
     }
-    for setting in &device.setup.settings {
+    for setting in &setup.settings {
         fits(setting, eds, node)?;
     }
     let mut settings = Vec::new();
@@ -67,28 +68,28 @@ fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
         }
     }
     // What the description says itself comes last, and so stays.
-    settings.append(&mut device.setup.settings);
-    device.setup.settings = settings;
+    settings.append(&mut setup.settings);
+    setup.settings = settings;
     lets_go(device, eds)
 }
 
 /// Checks that the EDS has the objects by which the device turns its outputs off when its manager's heartbeat is missed
 /// (CiA 401, 6206h and 6207h). The error names the missing object and the remedy.
 fn lets_go(device: &Device, eds: &Eds) -> Result<(), String> {
-    if device.setup.without_error_values.is_some() || device.drive.is_some() {
+    let DeviceKind::Io(Canopen { setup, .. }, io) = &device.kind else { return Ok(()) };
+    if setup.without_error_values.is_some() {
         return Ok(());
     }
     let remedy = "use a device that lets go, or say in `without_error_values` why that is safe";
-    let settings = &device.setup.settings;
+    let settings = &setup.settings;
     // The last value stays.
     let last =
         |nth: usize| !settings[nth + 1..].iter().any(|l| (l.index, l.sub) == (settings[nth].index, settings[nth].sub));
-    let mut keeps =
-        settings.iter().enumerate().filter(|(nth, own)| last(*nth) && keeps_an_output(&device.outputs, own));
+    let mut keeps = settings.iter().enumerate().filter(|(nth, own)| last(*nth) && keeps_an_output(&io.outputs, own));
     if let Some((_, Setting { index, sub, .. })) = keeps.next() {
         return Err(format!("by object {index:04X}h:{sub:02X} an output stays on when the manager is gone: {remedy}"));
     }
-    for (sub, _) in (1..).zip(device.outputs.chunks(8)).filter(|(_, byte)| byte.iter().any(Option::is_some)) {
+    for (sub, _) in (1..).zip(io.outputs.chunks(8)).filter(|(_, byte)| byte.iter().any(Option::is_some)) {
         if let Some(index) = [0x6206, 0x6207].into_iter().find(|index| eds.entry(*index, sub).is_none()) {
             return Err(format!(
                 "there is no object {index:04X}h:{sub:02X}, by which its outputs go off when the manager is gone: {remedy}"
@@ -115,7 +116,7 @@ fn fits(setting: &Setting, eds: &Eds, node: NodeId) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use linewright_line::{Bus, Identity, Owner, Setup};
+    use linewright_line::{Bus, Identity, Owner};
 
     use super::*;
 
@@ -124,15 +125,9 @@ mod tests {
     fn device() -> Device {
         Device {
             name: "io".to_owned(),
-            node_id: 4,
             owner: Owner::Console,
             bus: Bus::Line,
-            inputs: Vec::new(),
-            outputs: Vec::new(),
-            setup: Setup::default(),
-            drive: None,
-            analogue: linewright_line::Analogue::default(),
-            frames: None,
+            kind: DeviceKind::io(4, Vec::new(), Vec::new()),
         }
     }
 
@@ -144,14 +139,15 @@ mod tests {
     fn a_file_says_who_the_device_has_to_be() {
         let mut device = device();
         apply(&mut device, &eds()).expect("an EDS alone sets nothing");
-        assert_eq!(device.setup.identity.device_type, eds().identity().device_type);
-        assert!(device.setup.settings.is_empty(), "an EDS has no parameter values");
+        assert_eq!(device.canopen_mut().expect("CANopen").setup.identity.device_type, eds().identity().device_type);
+        assert!(device.canopen_mut().expect("CANopen").setup.settings.is_empty(), "an EDS has no parameter values");
     }
 
     #[test]
     fn a_description_that_contradicts_the_file_is_refused() {
         let mut device = device();
-        device.setup.identity = Identity { device_type: Some(0x192), ..Identity::default() };
+        device.canopen_mut().expect("CANopen").setup.identity =
+            Identity { device_type: Some(0x192), ..Identity::default() };
         let why = apply(&mut device, &eds()).expect_err("a drive is no I/O device");
         assert!(why.starts_with("type is 0x"), "{why}");
     }
@@ -161,7 +157,7 @@ mod tests {
         let setting = |index, sub, data: &[u8]| Setting { index, sub, data: data.to_vec() };
         let refused = |setting: Setting| {
             let mut device = device();
-            device.setup.settings = vec![setting];
+            device.canopen_mut().expect("CANopen").setup.settings = vec![setting];
             apply(&mut device, &eds()).expect_err("it must not be sent")
         };
         assert!(refused(setting(0x7777, 0, &[1])).contains("there is no object 7777h:00"));
@@ -176,7 +172,7 @@ mod tests {
     fn outputs_that_would_stay_on_without_a_manager_are_found_in_the_file() {
         let tried = |change: &dyn Fn(&mut Device), eds: &Eds| {
             let mut device = device();
-            device.outputs = vec![Some(linewright_line::OutputId(0))];
+            device.io_mut().expect("I/O").outputs = vec![Some(linewright_line::OutputId(0))];
             change(&mut device);
             apply(&mut device, eds)
         };
@@ -184,13 +180,14 @@ mod tests {
         let without = String::from_utf8(IO.to_vec()).expect("ASCII").replace("[6206sub1]", "[6205sub1]");
         let without = read("io.eds", without.as_bytes());
         let keeps = |device: &mut Device| {
-            device.setup.settings = vec![Setting { index: 0x6206, sub: 1, data: vec![0] }];
+            device.canopen_mut().expect("CANopen").setup.settings =
+                vec![Setting { index: 0x6206, sub: 1, data: vec![0] }];
         };
         let why = tried(&keeps, &eds()).expect_err("it stays as it is");
         assert!(why.starts_with("by object 6206h:01 an output stays on when the manager is gone"), "{why}");
         let excused = |device: &mut Device| {
             keeps(device);
-            device.setup.without_error_values = Some("a safety relay".to_owned());
+            device.canopen_mut().expect("CANopen").setup.without_error_values = Some("a safety relay".to_owned());
         };
         assert_eq!(tried(&excused, &eds()), Ok(()));
         if let Ok(without) = without {

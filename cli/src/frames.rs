@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use linewright_canopen::Manager;
 use linewright_dbc::{Database, FILE_BYTES_MAX, bind, read};
-use linewright_fieldbus::Manager;
-use linewright_line::{Line, Problem, Problems};
+use linewright_line::{DeviceKind, Line, Problem, Problems};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::load;
@@ -15,7 +15,7 @@ pub fn complete(line: &mut Line, file: &Path) -> miette::Result<()> {
     let dir = file.parent().unwrap_or(Path::new(""));
     let mut problems: Vec<Problem> = Vec::new();
     for device in &mut line.devices {
-        let Some(frames) = &mut device.frames else { continue };
+        let DeviceKind::Frames(frames) = &mut device.kind else { continue };
         let database = database(&dir.join(&frames.file.name)).wrap_err_with(|| format!("device `{}`", device.name))?;
         match bind(frames, &database) {
             Ok(bound) => frames.bound = Some(bound),
@@ -37,7 +37,7 @@ fn database(path: &Path) -> miette::Result<Database> {
 
 /// That no two devices of a bus use the same identifiers: only here all of them are known.
 fn identifiers_are_one_devices(line: &Line) -> miette::Result<()> {
-    for device in line.devices.iter().filter(|device| device.frames.is_some()) {
+    for device in line.devices.iter().filter(|device| device.frames().is_some()) {
         let on_bus = line.devices.iter().filter(|other| other.bus == device.bus);
         Manager::new(on_bus, line.timing).into_diagnostic()?;
     }

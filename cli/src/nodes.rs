@@ -227,13 +227,13 @@ pub fn plant(args: PlantArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.common.line, true)?;
     runtime()?.block_on(async {
         let mut stop = stop_signal(args.common.end_with_stdin);
-        let options = linewright_plant::Options {
+        let options = linewright_racks::Options {
             line_bus: args.bus.clone(),
             bus: args.common.bus(),
             plant: linewright_plant::PlantOptions { people: true, ..Default::default() },
             clock: Clock::start(),
         };
-        let buses = linewright_plant::run_plant(&line, &options);
+        let buses = linewright_racks::run_plant(&line, &options);
         tokio::select! {
             ended = buses => ended.map_err(|error| miette!("{error}")),
             _ = stop.wait_for(|stop| *stop) => Ok(()),

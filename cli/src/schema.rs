@@ -98,7 +98,10 @@ fn table(doc: &[&str], keys: &[Property]) -> Value {
 /// One of two keys, where the one may be left out for the other.
 fn either(key: &str, presence: Presence) -> Option<Value> {
     match presence {
-        Presence::Unless(other) => Some(json!({ "anyOf": [{ "required": [key] }, { "required": [other] }] })),
+        Presence::Unless(others) => {
+            let one = std::iter::once(key).chain(others.iter().copied()).map(|key| json!({ "required": [key] }));
+            Some(json!({ "anyOf": one.collect::<Vec<_>>() }))
+        }
         Presence::Optional | Presence::Required => None,
     }
 }

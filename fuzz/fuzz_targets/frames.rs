@@ -10,7 +10,7 @@ use libfuzzer_sys::fuzz_target;
 
 #[path = "../../plant/tests/any_frames/mod.rs"]
 mod devices;
-#[path = "../../fieldbus/tests/any_frames/mod.rs"]
+#[path = "../../fieldbus/protocol/tests/any_frames/mod.rs"]
 mod manager;
 
 fuzz_target!(|input: &[u8]| {

@@ -9,8 +9,8 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use libfuzzer_sys::fuzz_target;
-use linewright_fieldbus::sdo::wire::{Content, Raw, Request};
-use linewright_fieldbus::sdo::{Abort, Client, Dictionary, Mode, ObjectId, Options, Progress, Server};
+use linewright_canopen::sdo::wire::{Content, Raw, Request};
+use linewright_canopen::sdo::{Abort, Client, Dictionary, Mode, ObjectId, Options, Progress, Server};
 use linewright_line::Tick;
 
 const LEN_MAX: usize = 1024;

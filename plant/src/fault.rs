@@ -1,6 +1,6 @@
 //! What can be made to go wrong, and by which number over CAN.
 
-use linewright_fieldbus::codec::Abort;
+use linewright_canopen::codec::Abort;
 
 /// Manufacturer object 5F00h of a simulated device. Subindex 0 is the whole device, subindex n output bit n − 1.
 pub const FAULT_INDEX: u16 = 0x5F00;

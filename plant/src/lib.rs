@@ -1,13 +1,13 @@
-//! The simulated plant: a line's mechanisms, and the CAN devices they hang on.
+//! The simulated plant: a line's mechanisms, and the devices they hang on.
 //!
 //! - [`Plant`]: the mechanisms of a line in pure, event-driven time: outputs in, limit switches out; and where parts are;
 //! - [`DeviceNode`]: one generic CANopen I/O device, pure: frames in, frames out;
 //! - [`DriveNode`]: one CANopen drive, pure as well; it moves its axis itself;
 //! - [`PlainNode`]: one device that speaks no CANopen, but the frames of a DBC file, pure;
-//! - [`Rack`]: the devices of one bus wired to the mechanisms, pure;
-//! - `run_plant`: the shell that puts racks on their buses.
+//! - [`ModbusNode`]: one device in Modbus, pure: requests in, answers out;
+//! - [`Rack`]: the devices of one bus wired to the mechanisms, pure.
 //!
-//! The last needs the feature `can`, which is on by default. A simulation in virtual time does without it, and is pure.
+//! `linewright_racks` puts racks on the buses of a machine.
 //!
 //! The plant knows the description and the laws of motion, and nothing of modes, cycles or controllers: whoever
 //! energises an output moves an axis. That makes it a fair opponent in a test. It can be made to fail, in process or
@@ -20,15 +20,11 @@ mod mechanism;
 mod parts;
 mod plant;
 mod rack;
-#[cfg(feature = "can")]
-mod run;
 mod wire;
 
-pub use device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
+pub use device::{DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, Order, PlainNode};
 pub use fault::{CLEAR, DeviceFault, FAULT_INDEX, Fault, HOLD_INDEX, Orders, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX};
 pub use parts::{Mishap, PartNo, Refused, Spot, Whereabouts};
 pub use plant::{Plant, PlantOptions};
 pub use rack::Rack;
-#[cfg(feature = "can")]
-pub use run::{Options, RackRunner, open_plant, run_plant};
 pub use wire::FrameFaults;

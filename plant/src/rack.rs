@@ -3,10 +3,10 @@
 //! Pure: frames and time in, frames out. Every device sees every frame, as on a bus; what one device sends is not
 //! shown to the others, which have no use for it.
 
-use linewright_fieldbus::{Frame, NodeId};
-use linewright_line::{AxisId, Bus, Device, Drive, DriveMode, Line, Owner, StationId, Tick};
+use linewright_canopen::{Frame, NodeId};
+use linewright_line::{AxisId, Bus, Device, DeviceKind, Drive, DriveMode, Line, Owner, StationId, Tick};
 
-use crate::device::{DeviceNode, DeviceOutbox, DriveNode, Order, PlainNode};
+use crate::device::{DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, Order, PlainNode};
 use crate::fault::{DeviceFault, Fault};
 use crate::plant::{Plant, PlantOptions};
 use crate::wire::{FrameFaults, Wire};
@@ -36,6 +36,7 @@ enum Node {
     /// With the station whose axis it moves.
     Drive(Box<DriveNode>, StationId),
     Plain(Box<PlainNode>),
+    Modbus(Box<ModbusNode>),
 }
 
 impl Node {
@@ -44,6 +45,7 @@ impl Node {
             Node::Io(node) => node.handle(now, frame, out),
             Node::Drive(node, _) => node.handle(now, frame, out),
             Node::Plain(node) => node.handle(now, frame, out),
+            Node::Modbus(_) => {}
         }
     }
 
@@ -52,6 +54,7 @@ impl Node {
             Node::Io(node) => node.poll(now, out),
             Node::Drive(node, _) => node.poll(now, out),
             Node::Plain(node) => node.poll(now, out),
+            Node::Modbus(node) => node.poll(now),
         }
     }
 
@@ -60,6 +63,7 @@ impl Node {
             Node::Io(node) => node.next_deadline(),
             Node::Drive(node, _) => node.next_deadline(),
             Node::Plain(node) => node.next_deadline(),
+            Node::Modbus(node) => node.next_deadline(),
         }
     }
 }
@@ -83,21 +87,23 @@ impl Rack {
             if !owners.contains(&device.owner) {
                 owners.push(device.owner);
             }
-            if let Some(binding) = device.frames.as_ref().and_then(|frames| frames.bound.as_ref()) {
-                let node = Node::Plain(Box::new(PlainNode::new(now, binding)));
-                slots.push(Slot::of(device, node));
-                continue;
-            }
-            let Some(id) = NodeId::new(device.node_id) else { continue };
-            let node = match (&device.drive, device.owner) {
-                (Some(drive), Owner::Station(station)) => {
+            let node = match (&device.kind, device.owner) {
+                (DeviceKind::Frames(frames), _) => {
+                    let Some(binding) = &frames.bound else { continue };
+                    Node::Plain(Box::new(PlainNode::new(now, binding)))
+                }
+                (DeviceKind::Drive(canopen, drive), Owner::Station(station)) => {
+                    let Some(id) = NodeId::new(canopen.node_id) else { continue };
                     let home = line.station(station).axes[drive.axis.index()].home;
                     Node::Drive(Box::new(DriveNode::new(now, id, drive, home, &line.timing)), station)
                 }
-                _ => {
-                    let (inputs, outputs) = (device.inputs.len(), device.outputs.len());
-                    let node = DeviceNode::new(now, id, inputs, outputs, &line.timing);
-                    Node::Io(Box::new(node.with_channels(&device.analogue)))
+                (DeviceKind::Modbus(modbus), _) => Node::Modbus(Box::new(ModbusNode::new(modbus))),
+                // The console has no axis that a drive could move.
+                (DeviceKind::Drive(..), Owner::Console) => continue,
+                (DeviceKind::Io(canopen, io), _) => {
+                    let Some(id) = NodeId::new(canopen.node_id) else { continue };
+                    let node = DeviceNode::new(now, id, io.inputs.len(), io.outputs.len(), &line.timing);
+                    Node::Io(Box::new(node.with_channels(&io.analogue)))
                 }
             };
             slots.push(Slot::of(device, node));
@@ -113,6 +119,30 @@ impl Rack {
     /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) {
         self.each(now, out, |_| 1, |node, outbox| node.poll(now, outbox));
+    }
+
+    /// Asks the Modbus device at this address and unit. An exception's code if it refuses, `None` if it does not answer.
+    pub fn ask(
+        &mut self,
+        now: Tick,
+        (address, unit): (&str, u8),
+        request: &ModbusRequest,
+        out: &mut Vec<Frame>,
+    ) -> Option<Result<ModbusResponse, u8>> {
+        // Everything else at this moment first: what is read is what the switches say now.
+        self.poll(now, out);
+        let mut answer = None;
+        for slot in &mut self.slots {
+            let Node::Modbus(node) = &mut slot.node else { continue };
+            // Several may share one: what is not the first one's may be the next one's.
+            if node.is_at(address, unit) && !matches!(answer, Some(Ok(_))) {
+                answer = node.handle(now, request);
+            }
+        }
+        self.carry_outputs(now);
+        self.carry_axes(now);
+        self.carry_inputs(now, out);
+        answer
     }
 
     /// When [`Rack::poll`] has something to do next.
@@ -133,11 +163,12 @@ impl Rack {
 
     /// Makes any device fail, or work again: all its faults of communication, and its line.
     pub fn inject(&mut self, now: Tick, node: NodeId, fault: Option<DeviceFault>) {
-        let Some(slot) = self.slots.iter_mut().find(|slot| slot.device.node_id == node.get()) else { return };
+        let Some(slot) = self.slots.iter_mut().find(|slot| slot.device.node_id() == Some(node.get())) else { return };
         match &mut slot.node {
             Node::Io(node) => node.inject(now, fault),
             Node::Drive(node, _) => node.inject(now, fault),
             Node::Plain(node) => node.inject(now, fault),
+            Node::Modbus(node) => node.inject(fault),
         }
         if fault.is_none() {
             slot.wire = Wire::default();
@@ -146,16 +177,22 @@ impl Rack {
 
     /// The same of a device of the description, CANopen or not.
     pub fn fail_device(&mut self, now: Tick, device: &Device, fault: Option<DeviceFault>) {
-        if let Some(node) = NodeId::new(device.node_id) {
+        if let Some(node) = device.node_id().and_then(NodeId::new) {
             self.inject(now, node, fault);
-        } else if let Some(node) = self.plain_mut(&device.name) {
-            node.inject(now, fault);
+            return;
+        }
+        for slot in self.slots.iter_mut().filter(|slot| slot.device.name == device.name) {
+            match &mut slot.node {
+                Node::Plain(node) => node.inject(now, fault),
+                Node::Modbus(node) => node.inject(fault),
+                Node::Io(_) | Node::Drive(..) => {}
+            }
         }
     }
 
     /// Makes the line to a device this bad.
     pub fn disturb(&mut self, node: NodeId, faults: FrameFaults) {
-        for slot in self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())) {
             slot.wire = Wire::new(faults);
         }
     }
@@ -163,7 +200,7 @@ impl Rack {
     /// Holds an output bit of a device at a value, whatever process data say, or lets it follow them again.
     pub fn stick(&mut self, node: NodeId, output: usize, value: Option<bool>) {
         let bit = u32::try_from(output).ok().and_then(|output| 1u64.checked_shl(output)).unwrap_or(0);
-        for slot in self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())) {
             let (held, on) = slot.stuck;
             let held = if value.is_some() { held | bit } else { held & !bit };
             slot.stuck = (held, if value == Some(true) { on | bit } else { on & !bit });
@@ -172,33 +209,37 @@ impl Rack {
 
     /// The I/O device with this node id.
     pub fn device(&self, node: NodeId) -> Option<&DeviceNode> {
-        self.slots.iter().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &slot.node {
+        self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
             Node::Io(node) => Some(node.as_ref()),
-            Node::Drive(..) | Node::Plain(_) => None,
+            Node::Drive(..) | Node::Plain(_) | Node::Modbus(_) => None,
         })
     }
 
     /// The I/O device with this node id, to make it fail.
     pub fn device_mut(&mut self, node: NodeId) -> Option<&mut DeviceNode> {
-        self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &mut slot.node {
+        self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &mut slot
+            .node
+        {
             Node::Io(node) => Some(node.as_mut()),
-            Node::Drive(..) | Node::Plain(_) => None,
+            Node::Drive(..) | Node::Plain(_) | Node::Modbus(_) => None,
         })
     }
 
     /// The drive with this node id.
     pub fn drive(&self, node: NodeId) -> Option<&DriveNode> {
-        self.slots.iter().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &slot.node {
+        self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
             Node::Drive(node, _) => Some(node.as_ref()),
-            Node::Io(_) | Node::Plain(_) => None,
+            Node::Io(_) | Node::Plain(_) | Node::Modbus(_) => None,
         })
     }
 
     /// The drive with this node id, to make it fail.
     pub fn drive_mut(&mut self, node: NodeId) -> Option<&mut DriveNode> {
-        self.slots.iter_mut().filter(|slot| slot.device.node_id == node.get()).find_map(|slot| match &mut slot.node {
+        self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &mut slot
+            .node
+        {
             Node::Drive(node, _) => Some(node.as_mut()),
-            Node::Io(_) | Node::Plain(_) => None,
+            Node::Io(_) | Node::Plain(_) | Node::Modbus(_) => None,
         })
     }
 
@@ -206,7 +247,7 @@ impl Rack {
     pub fn plain_mut(&mut self, name: &str) -> Option<&mut PlainNode> {
         self.slots.iter_mut().filter(|slot| slot.device.name == name).find_map(|slot| match &mut slot.node {
             Node::Plain(node) => Some(node.as_mut()),
-            Node::Io(_) | Node::Drive(..) => None,
+            Node::Io(_) | Node::Drive(..) | Node::Modbus(_) => None,
         })
     }
 
@@ -222,7 +263,7 @@ impl Rack {
         let mut found = false;
         for slot in &mut self.slots {
             let Node::Drive(node, of) = &mut slot.node else { continue };
-            if *of == station && slot.device.drive.as_ref().is_some_and(|drive| drive.axis == axis) {
+            if *of == station && slot.device.drive().is_some_and(|drive| drive.axis == axis) {
                 let mut outbox = DeviceOutbox::default();
                 node.fail(now, fault, &mut outbox);
                 slot.send(&mut outbox.frames, out);
@@ -235,8 +276,8 @@ impl Rack {
     /// What an owner's devices drive: bit `i` is its output `i`. All outputs of a drive that moves by an order count.
     pub fn driven(&self, owner: Owner) -> u128 {
         let drives = self.slots.iter().filter(|slot| slot.device.owner == owner).filter_map(|slot| match &slot.node {
-            Node::Drive(node, _) if node.obeys_an_order() => slot.device.drive.as_ref(),
-            Node::Drive(..) | Node::Io(_) | Node::Plain(_) => None,
+            Node::Drive(node, _) if node.obeys_an_order() => slot.device.drive(),
+            Node::Drive(..) | Node::Io(_) | Node::Plain(_) | Node::Modbus(_) => None,
         });
         let moved = drives.flat_map(Drive::outputs).fold(0, |image, output| image | output.bit());
         self.plant.outputs(owner) | moved
@@ -273,7 +314,7 @@ impl Rack {
     /// Puts the axes where their drives have moved them to.
     fn carry_axes(&mut self, now: Tick) {
         for slot in &self.slots {
-            if let (Node::Drive(node, station), Some(drive)) = (&slot.node, &slot.device.drive) {
+            if let (Node::Drive(node, station), Some(drive)) = (&slot.node, slot.device.drive()) {
                 let increments = match drive.mode {
                     DriveMode::Position => node.place(now),
                     DriveMode::Velocity => node.speed(now),
@@ -288,15 +329,16 @@ impl Rack {
             let on = self.slots.iter().filter(|slot| slot.device.owner == *owner).flat_map(|slot| {
                 let bits = match &slot.node {
                     Node::Io(node) => node.outputs() & !slot.stuck.0 | slot.stuck.1,
+                    Node::Modbus(node) => node.outputs(),
                     Node::Drive(..) | Node::Plain(_) => 0,
                 };
-                let wired = slot.device.outputs.iter().enumerate();
+                let wired = slot.device.output_bits().iter().enumerate();
                 wired.filter(move |(at, _)| bits >> at & 1 == 1).filter_map(|(_, output)| *output)
             });
             let plain = self.slots.iter().filter(|slot| slot.device.owner == *owner).map(|slot| match &slot.node {
                 Node::Plain(node) => node.outputs(),
                 Node::Io(node) => node.analogue_outputs(),
-                Node::Drive(..) => 0,
+                Node::Drive(..) | Node::Modbus(_) => 0,
             });
             let plain = plain.fold(0, |all, outputs| all | outputs);
             let image = on.fold(plain, |image, output| image | output.bit());
@@ -313,10 +355,14 @@ impl Rack {
                 slot.send(&mut outbox.frames, out);
                 continue;
             }
-            let Node::Io(node) = &mut slot.node else { continue };
-            let wired = slot.device.inputs.iter().take(64).enumerate();
+            let wired = slot.device.input_bits().iter().take(64).enumerate();
             let on = wired.filter(|(_, input)| input.is_some_and(|input| image & input.bit() != 0));
             let bits = on.fold(0, |bits, (at, _)| bits | 1 << at);
+            if let Node::Modbus(node) = &mut slot.node {
+                node.set_inputs(bits);
+                continue;
+            }
+            let Node::Io(node) = &mut slot.node else { continue };
             let mut outbox = DeviceOutbox::default();
             node.set_inputs(now, bits, &mut outbox);
             node.set_plant(now, image, self.plant.outputs(slot.device.owner), &mut outbox);
@@ -331,17 +377,17 @@ impl Rack {
         match order {
             Order::Fail { output, fault } => {
                 // A bit without a wire drives nothing that could fail.
-                if let Some(output) = device.outputs.get(output).copied().flatten() {
+                if let Some(output) = device.output_bits().get(output).copied().flatten() {
                     self.plant.inject_output(now, owner, output, fault);
                 }
             }
             Order::Press { input, value } => {
-                if let Some(input) = device.inputs.get(input).copied().flatten() {
+                if let Some(input) = device.input_bits().get(input).copied().flatten() {
                     self.plant.force(owner, input, value);
                 }
             }
             Order::Stick { output, value } => {
-                if let Some(node) = NodeId::new(device.node_id) {
+                if let Some(node) = device.node_id().and_then(NodeId::new) {
                     self.stick(node, output, value);
                 }
             }
@@ -349,10 +395,10 @@ impl Rack {
             Order::ClearAll => {
                 slot.wire = Wire::default();
                 slot.stuck = (0, 0);
-                for output in device.outputs.iter().flatten() {
+                for output in device.output_bits().iter().flatten() {
                     self.plant.inject_output(now, owner, *output, None);
                 }
-                for input in device.inputs.iter().flatten() {
+                for input in device.input_bits().iter().flatten() {
                     self.plant.force(owner, *input, None);
                 }
             }

@@ -12,7 +12,6 @@ mod drive_rack;
 mod drive_states;
 mod drives;
 mod eds;
-mod end_to_end;
 mod frames;
 mod lines;
 mod mechanisms;

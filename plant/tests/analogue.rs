@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::{Event, Frame, Manager, NodeId, Outbox};
+use linewright_canopen::{Event, Frame, Manager, NodeId, Outbox};
 use linewright_line::{
     Analogue, AnalogueInput, AnalogueOutput, Bus, Channel, Follows, InputId, Lag, OutputId, Owner, Tick, When,
 };
@@ -42,7 +42,7 @@ fn analogue(follows: Option<Follows>) -> Analogue {
 impl Bench {
     fn up(analogue: Analogue) -> Self {
         let mut line = crate::common::line();
-        line.devices[0].analogue = analogue;
+        line.devices[0].io_mut().expect("I/O").analogue = analogue;
         let now = Tick::from_millis(100);
         let devices: Vec<_> = line.devices.iter().filter(|device| device.bus == Bus::Line).collect();
         let manager = Manager::new(devices, line.timing).unwrap();

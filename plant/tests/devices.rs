@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::common::*;
-use linewright_fieldbus::{Frame, NodeId};
+use linewright_canopen::{Frame, NodeId};
 use linewright_line::{Bus, Tick};
 use linewright_plant::{PlantOptions, Rack};
 use proptest::prelude::*;
@@ -238,7 +238,7 @@ proptest! {
                 _ => {}
             }
             let device = bench.rack.device(NodeId::new(4).unwrap()).unwrap();
-            let operational = device.state() == linewright_fieldbus::codec::NmtState::Operational;
+            let operational = device.state() == linewright_canopen::codec::NmtState::Operational;
             prop_assert!(operational || device.outputs() == 0);
         }
     }

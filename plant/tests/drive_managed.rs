@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::{Event, Frame, Manager, NodeId, Outbox};
+use linewright_canopen::{Event, Frame, Manager, NodeId, Outbox};
 use linewright_line::{AxisId, Bus, Owner, StationId, Tick, parse};
 use linewright_plant::{DeviceFault, PlantOptions, Rack};
 

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use crate::drive_bench::described;
+use linewright_canopen::{Frame, NodeId};
 use linewright_eds::{Eds, read};
-use linewright_fieldbus::{Frame, NodeId};
 use linewright_line::{AtRest, Tick, Timing};
 use linewright_plant::{DeviceOutbox, DriveNode};
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::{Frame, NodeId};
+use linewright_canopen::{Frame, NodeId};
 use linewright_line::{AxisId, Bus, Line, StationId, Tick, parse};
 use linewright_plant::{PlantOptions, Rack};
 

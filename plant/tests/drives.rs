@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::drive_bench::{FAULT, HOME, LOST_MAX, Pair, described};
-use linewright_fieldbus::profile::drive::State;
+use linewright_canopen::profile::drive::State;
 use linewright_line::{AtRest, Drive as Described, DriveMode};
 use linewright_plant::Fault;
 use proptest::prelude::*;
@@ -189,7 +189,7 @@ fn a_drive_found_running_is_taken_over_without_a_jump() {
     pair.set(0b1000);
     pair.run(millis(200), |_| {});
     // A new manager, which knows nothing of all that, with an order for the other end.
-    pair.drive = linewright_fieldbus::profile::drive::Drive::new(pair.drive.binding().clone());
+    pair.drive = linewright_canopen::profile::drive::Drive::new(pair.drive.binding().clone());
     let place = pair.place();
     pair.set(0b0001);
     pair.run(millis(1500), |pair| assert!(pair.place() < place + 14.0, "on to the old target"));

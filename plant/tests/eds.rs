@@ -3,9 +3,9 @@
 
 use std::time::Duration;
 
+use linewright_canopen::sdo::{Client, ObjectId, Options, Progress};
+use linewright_canopen::{Frame, Message};
 use linewright_eds::{Eds, NodeId, Value, read};
-use linewright_fieldbus::sdo::{Client, ObjectId, Options, Progress};
-use linewright_fieldbus::{Frame, Message};
 use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, Channel, Tick, Timing};
 use linewright_plant::{DeviceNode, DeviceOutbox};
 
@@ -36,7 +36,7 @@ fn channels() -> Analogue {
 
 /// A device of 64 inputs and outputs that has booted.
 fn device() -> DeviceNode {
-    let id = linewright_fieldbus::NodeId::new(NODE).expect("a node id");
+    let id = linewright_canopen::NodeId::new(NODE).expect("a node id");
     let mut device = DeviceNode::new(Tick::ZERO, id, 64, 64, &Timing::default());
     device.poll(Tick::ZERO + Duration::from_millis(30), &mut DeviceOutbox::default());
     device
@@ -55,7 +55,7 @@ fn ask(device: &mut DeviceNode, index: u16, sub: u8) -> Vec<u8> {
 /// An object of any length, as a manager reads it.
 fn upload(device: &mut DeviceNode, object: ObjectId) -> Vec<u8> {
     let now = Tick::ZERO + Duration::from_millis(31);
-    let node = linewright_fieldbus::NodeId::new(NODE).expect("a node id");
+    let node = linewright_canopen::NodeId::new(NODE).expect("a node id");
     let mut client = Client::upload(object, Options::default());
     let mut requests = Vec::new();
     client.start(now, &mut requests);

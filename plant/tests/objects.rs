@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::sdo::{Abort, Cause, Client, Mode, ObjectId, Options, Progress};
-use linewright_fieldbus::{Frame, Message, NodeId};
+use linewright_canopen::sdo::{Abort, Cause, Client, Mode, ObjectId, Options, Progress};
+use linewright_canopen::{Frame, Message, NodeId};
 use linewright_line::{Tick, Timing};
 use linewright_plant::{DeviceNode, DeviceOutbox};
 use proptest::prelude::*;

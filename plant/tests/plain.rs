@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::{Event, Manager, Outbox};
-use linewright_line::{Bus, Line, Owner, StationId, Tick};
+use linewright_canopen::{Event, Manager, Outbox};
+use linewright_line::{Bus, DeviceKind, Line, Owner, StationId, Tick};
 use linewright_plant::{DeviceFault, PlantOptions, Rack};
 
 const OWNER: Owner = Owner::Station(StationId(0));
@@ -82,7 +82,7 @@ fn line(text: &str, file: &str) -> Line {
         Err(problems) => panic!("{problems:#}"),
     };
     let database = linewright_dbc::read(file.as_bytes()).expect("a sound file");
-    let frames = line.devices[0].frames.as_mut().expect("a device of frames");
+    let DeviceKind::Frames(frames) = &mut line.devices[0].kind else { panic!("a device of frames") };
     frames.bound = Some(linewright_dbc::bind(frames, &database).expect("it fits"));
     line
 }
@@ -131,7 +131,7 @@ impl Bench {
         self.carry(out, Vec::new());
     }
 
-    fn carry(&mut self, mut out: Outbox, mut own: Vec<linewright_fieldbus::Frame>) {
+    fn carry(&mut self, mut out: Outbox, mut own: Vec<linewright_canopen::Frame>) {
         while !out.frames.is_empty() || !own.is_empty() {
             let (there, back) = (std::mem::take(&mut out.frames), std::mem::take(&mut own));
             for frame in there.iter().filter(|_| !self.cut) {

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::{Event, Frame, Manager, NodeId, Outbox};
+use linewright_canopen::{Event, Frame, Manager, NodeId, Outbox};
 use linewright_line::{Bus, Device, Owner, Tick, Timing, Transmission};
 use linewright_plant::{DeviceNode, DeviceOutbox};
 
@@ -27,13 +27,13 @@ impl Pair {
         let timing = Timing { sync: Some(Duration::from_millis(10)), ..Timing::default() };
         let mut device: Device = crate::common::line().devices[0].clone();
         assert_eq!(device.bus, Bus::Line);
-        device.setup.transmission = Transmission { inputs: Some(2), outputs: Some(1) };
-        let node = NodeId::new(device.node_id).unwrap();
+        device.canopen_mut().expect("CANopen").setup.transmission = Transmission { inputs: Some(2), outputs: Some(1) };
+        let node = device.node_id().and_then(NodeId::new).unwrap();
         let now = Tick::from_millis(100);
         let mut pair = Pair {
             now,
             manager: Manager::new([&device], timing).unwrap(),
-            device: DeviceNode::new(now, node, device.inputs.len(), device.outputs.len(), &timing),
+            device: DeviceNode::new(now, node, device.input_bits().len(), device.output_bits().len(), &timing),
             deaf: false,
             wire: Vec::new(),
             events: Vec::new(),

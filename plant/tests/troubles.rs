@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::sdo::ObjectId;
-use linewright_fieldbus::{Frame, Manager, NodeId, Outbox};
+use linewright_canopen::sdo::ObjectId;
+use linewright_canopen::{Frame, Manager, NodeId, Outbox};
 use linewright_line::{Bus, Owner, Tick};
 use linewright_plant::{FrameFaults, PlantOptions, Rack};
 

@@ -3,12 +3,13 @@
 //! A process that dies says nothing any more, and its devices keep what it asked for until they miss it. One that starts
 //! has its journal and nothing else: it hears and says everything anew.
 
+use linewright_canopen::ManagerError;
 use linewright_coordinator_shell::CoordinatorRecord;
 use linewright_line::{Bus, StationId, Tick};
 use linewright_station_logic::{CompileError, Restore};
 use thiserror::Error;
 
-use crate::field::{ManagerError, SimulatedField};
+use crate::field::SimulatedField;
 use crate::node::{CoordinatorNode, StationNode};
 use crate::sim::LineSim;
 
@@ -21,6 +22,14 @@ pub enum StartError {
     /// The devices of a bus have no manager.
     #[error(transparent)]
     Bus(#[from] ManagerError),
+    /// A device is on no CAN bus.
+    #[error(
+        "frames are played on CAN buses, and device `{device}` speaks Modbus: simulate without frames, or run the line"
+    )]
+    NoFrames {
+        /// Which.
+        device: String,
+    },
 }
 
 impl LineSim {

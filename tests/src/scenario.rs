@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::NodeId;
+use linewright_canopen::NodeId;
 use linewright_line::net::{ControlMode, Place};
 use linewright_line::{AxisId, ButtonId, Device, Line, OpId, OutputId, Owner, StationId, TransferLine, parse};
 use linewright_plant::{DeviceFault, Fault, FrameFaults};
@@ -98,7 +98,7 @@ impl Sim {
     /// Holds the output bit of a device that carries this output, or lets it follow process data again.
     pub fn stick(&mut self, device: &str, output: OutputId, value: Option<bool>) {
         let device = self.device(device);
-        let bit = device.outputs.iter().position(|bound| *bound == Some(output));
+        let bit = device.output_bits().iter().position(|bound| *bound == Some(output));
         let bit = bit.unwrap_or_else(|| panic!("no such output"));
         let said = format!("{}: output bit {bit} {value:?}", device.name);
         self.inner().disturb(device.owner, said, |rack, _| rack.stick(node_of(&device), bit, value));
@@ -277,7 +277,7 @@ impl Sim {
 }
 
 fn node_of(device: &Device) -> NodeId {
-    NodeId::new(device.node_id).unwrap_or_else(|| panic!("{} has no node id", device.name))
+    device.node_id().and_then(NodeId::new).unwrap_or_else(|| panic!("{} has no node id", device.name))
 }
 
 /// By how much to multiply the seeds of a randomised test: the environment variable `LINEWRIGHT_SOAK`, or 1.

@@ -64,9 +64,9 @@ const CASES: [Case; 13] = [
 fn line() -> Line {
     let mut line = transfer_line(1.0);
     for device in &mut line.devices {
-        let profile = if device.drive.is_some() { (0x0002_0192, 402) } else { (0x0003_0191, 401) };
+        let profile = if device.drive().is_some() { (0x0002_0192, 402) } else { (0x0003_0191, 401) };
         let identity = Identity { device_type: Some(profile.0), product: Some(profile.1), ..Identity::default() };
-        device.setup.identity = identity;
+        device.canopen_mut().expect("CANopen").setup.identity = identity;
     }
     line
 }
@@ -74,7 +74,7 @@ fn line() -> Line {
 /// Every device of a station: its name, its node id as people read it, its station.
 fn devices(line: &Line) -> Vec<(String, String, StationId)> {
     let of_station = line.devices.iter().filter_map(|device| match device.owner {
-        Owner::Station(id) => Some((device.name.clone(), format!("(node {:02X}h): ", device.node_id), id)),
+        Owner::Station(id) => Some((device.name.clone(), format!("(node {:02X}h): ", device.node_id()?), id)),
         Owner::Console => None,
     });
     of_station.collect()
@@ -263,7 +263,7 @@ fn frames_that_are_lost_or_come_twice() {
         let share = [5, 20, 50][seed as usize % 3];
         let disturb = |sim: &mut Sim, share: u16| {
             for device in sim.line().devices.clone() {
-                let seed = seed * 1000 + u64::from(device.node_id) + sim.observer().looks();
+                let seed = seed * 1000 + u64::from(device.node_id().expect("CANopen")) + sim.observer().looks();
                 let bad = FrameFaults { lost_to: share, lost_from: share, doubled: 2 * share, seed };
                 sim.disturb(&device.name, bad);
             }

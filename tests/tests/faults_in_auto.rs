@@ -91,7 +91,7 @@ fn one_stops_and_the_others_finish(sim: &mut Sim, station: &str, operation: &str
 
 fn drive_of(sim: &Sim, station: StationId, op: OpId) -> Option<&Drive> {
     let axis = sim.line().operation((station, op)).motion.axis;
-    let drives = sim.line().devices_of(Owner::Station(station)).filter_map(|device| device.drive.as_ref());
+    let drives = sim.line().devices_of(Owner::Station(station)).filter_map(linewright_line::Device::drive);
     drives.into_iter().find(|drive| drive.axis == axis)
 }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Line, Named, Page, ToldFrame, When,
+    Checksum, Coding, DeviceKind, Field, FrameBinding, FrameId, Frames, HeardFrame, Line, Named, Page, ToldFrame, When,
 };
 use linewright_plant::DeviceFault;
 use linewright_tests::{Sim, transfer_line};
@@ -19,7 +19,7 @@ fn field(start: usize, size: u8) -> Field {
 fn line() -> Line {
     let mut line = transfer_line(1.0);
     let device = line.devices.iter_mut().find(|device| device.name == BOX).expect("the clamp's device");
-    let (inputs, outputs) = (std::mem::take(&mut device.inputs), std::mem::take(&mut device.outputs));
+    let (inputs, outputs) = (device.input_bits().to_vec(), device.output_bits().to_vec());
     let inputs = inputs.iter().enumerate().filter_map(|(at, input)| Some(((*input)?, field(at, 1), When::NotZero)));
     let outputs = outputs.iter().enumerate().filter_map(|(at, output)| Some(((*output)?, field(at, 1), 1)));
     let heard = HeardFrame {
@@ -42,8 +42,7 @@ fn line() -> Line {
         rest: [0; 8],
         outputs: outputs.collect(),
     };
-    device.node_id = 0;
-    device.frames = Some(Frames {
+    device.kind = DeviceKind::Frames(Frames {
         file: Named { name: "box.dbc".to_owned(), at: 0..0 },
         receive: Vec::new(),
         send: Vec::new(),

@@ -32,11 +32,11 @@ fn wired<T>(
 }
 
 fn switches(line: &Line) -> Vec<(StationId, OpId, String, InputId)> {
-    wired(line, |operation| operation.normal.complete, |device, input| device.inputs.contains(&Some(*input)))
+    wired(line, |operation| operation.normal.complete, |device, input| device.input_bits().contains(&Some(*input)))
 }
 
 fn relays(line: &Line) -> Vec<(StationId, OpId, String, OutputId)> {
-    wired(line, |operation| operation.normal.actuator, |device, output| device.outputs.contains(&Some(*output)))
+    wired(line, |operation| operation.normal.actuator, |device, output| device.output_bits().contains(&Some(*output)))
 }
 
 /// Why the operation was stopped last, and what the operator reads of it.

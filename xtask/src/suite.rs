@@ -206,7 +206,7 @@ fn vcan(root: &Path, programs: &[String], setup: &Setup, stage: &mut Stage) {
 /// It is given the program that has just been built: built by itself, the crate would have other features, and with them
 /// most of its dependencies once more.
 fn in_user_mode_linux(root: &Path, program: &str, setup: &Setup, Stage { shown, tally }: &mut Stage) {
-    const SCRIPT: &str = "fieldbus/tests/vcan_uml.sh";
+    const SCRIPT: &str = "fieldbus/io/tests/vcan_uml.sh";
     let mut command = Command::new("sh");
     command.current_dir(root).args([SCRIPT, program]);
     setup.apply(&mut command);

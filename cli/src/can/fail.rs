@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use linewright_fieldbus::sdo::{ObjectId, Options};
-use linewright_fieldbus::{Bus, NodeId, sdo_client};
+use linewright_canopen::NodeId;
+use linewright_canopen::sdo::{ObjectId, Options};
+use linewright_fieldbus::{Bus, sdo_client};
 use linewright_line::{Bus as BusName, Device, Line, Module, Owner};
 use linewright_node_shell::RosArgs;
 use linewright_plant::{CLEAR, DeviceFault, FAULT_INDEX, Fault, FrameFaults, Orders};
@@ -133,7 +134,9 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     };
     let mut bus =
         Bus::open(interface, &super::options(interface, Some(&super::run_of(&line, ros)?))?).into_diagnostic()?;
-    let node = NodeId::new(device.node_id)
+    let node = device
+        .node_id()
+        .and_then(NodeId::new)
         .ok_or_else(|| miette!("{} speaks no CANopen: it cannot be told to fail", device.name))?;
     for ((index, sub), value) in orders {
         sdo_client::write(&mut bus, node, ObjectId::new(index, sub), &value.to_le_bytes(), Options::default())
@@ -184,11 +187,11 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
         }
     };
     for device in devices {
-        if let Some(bit) = device.outputs.iter().position(|bound| *bound == Some(output)) {
+        if let Some(bit) = device.output_bits().iter().position(|bound| *bound == Some(output)) {
             return Ok((device, u8::try_from(bit + 1).into_diagnostic()?));
         }
         // A drive has one axis, whichever target it is sent to.
-        if device.drive.is_some() && device.carried_outputs().any(|carried| carried == output) {
+        if device.drive().is_some() && device.carried_outputs().contains(&output) {
             return Ok((device, 1));
         }
     }

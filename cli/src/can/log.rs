@@ -7,8 +7,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use linewright_fieldbus::candump::{self, Recorder};
-use linewright_fieldbus::{Bus, Frame, tell};
+use linewright_canopen::candump::{self, Recorder};
+use linewright_canopen::{Frame, tell};
+use linewright_fieldbus::Bus;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use tokio::time::{Instant, sleep_until};
 

@@ -15,7 +15,8 @@ use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::{Args, Subcommand};
-use linewright_fieldbus::{Bus, NodeId, Options as BusOptions, find_bus};
+use linewright_canopen::NodeId;
+use linewright_fieldbus::{Bus, Options as BusOptions, find_bus};
 use linewright_line::Line;
 use linewright_node_shell::{RosArgs, names};
 use miette::{IntoDiagnostic, miette};

@@ -4,9 +4,10 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use linewright_fieldbus::codec::{NmtCommand, NmtState};
-use linewright_fieldbus::survey::state_name;
-use linewright_fieldbus::{Bus, Message, NodeId};
+use linewright_canopen::codec::{NmtCommand, NmtState};
+use linewright_canopen::survey::state_name;
+use linewright_canopen::{Message, NodeId};
+use linewright_fieldbus::Bus;
 use miette::IntoDiagnostic;
 use tokio::time::{Instant, timeout_at};
 

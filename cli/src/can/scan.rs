@@ -8,11 +8,12 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use linewright_fieldbus::codec::NmtState;
-use linewright_fieldbus::sdo::wire::Request;
-use linewright_fieldbus::sdo::{Mode, ObjectId, Options};
-use linewright_fieldbus::survey::state_name;
-use linewright_fieldbus::{Bus, Message, NodeId, sdo_client};
+use linewright_canopen::codec::NmtState;
+use linewright_canopen::sdo::wire::Request;
+use linewright_canopen::sdo::{Mode, ObjectId, Options};
+use linewright_canopen::survey::state_name;
+use linewright_canopen::{Message, NodeId};
+use linewright_fieldbus::{Bus, sdo_client};
 use miette::IntoDiagnostic;
 use serde::Serialize;
 use tokio::time::{Instant, timeout_at};

@@ -7,8 +7,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
-use linewright_fieldbus::sdo::{ObjectId, Options};
-use linewright_fieldbus::{Bus, NodeId, sdo_client};
+use linewright_canopen::NodeId;
+use linewright_canopen::sdo::{ObjectId, Options};
+use linewright_fieldbus::{Bus, sdo_client};
 use miette::{IntoDiagnostic, miette};
 
 use super::node;

@@ -5,9 +5,10 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use linewright_fieldbus::codec::NmtState;
-use linewright_fieldbus::survey::Survey;
-use linewright_fieldbus::{Bus, Clock, MANAGER_NODE, Manager, NodeId, Outbox};
+use linewright_canopen::codec::NmtState;
+use linewright_canopen::survey::Survey;
+use linewright_canopen::{MANAGER_NODE, Manager, NodeId, Outbox};
+use linewright_fieldbus::{Bus, Clock};
 use linewright_line::{Device, Line, Tick};
 use miette::IntoDiagnostic as _;
 use serde::Serialize;
@@ -40,7 +41,7 @@ struct StatusNode {
 
 pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
-    let plain: Vec<&Device> = line.devices_on(interface).filter(|device| device.frames.is_some()).collect();
+    let plain: Vec<&Device> = line.devices_on(interface).filter(|device| device.frames().is_some()).collect();
     let mut plain = Manager::new(plain, line.timing).into_diagnostic()?;
     let listen = args.listen.map_or_else(|| long_enough(&line, interface), Duration::from_millis);
     let clock = Clock::start();
@@ -75,17 +76,18 @@ pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::R
 
 /// Four heartbeats; where devices speak no CANopen, as long as the slowest of their messages may stay away.
 fn long_enough(line: &Line, interface: &str) -> Duration {
-    let heard = line.devices_on(interface).filter_map(|device| device.frames.as_ref()?.bound.as_ref());
+    let heard = line.devices_on(interface).filter_map(|device| device.frames()?.bound.as_ref());
     let slowest = heard.flat_map(|bound| bound.heard.iter().map(|heard| heard.timeout)).max().unwrap_or_default();
     (line.timing.heartbeat * 4).max(slowest) + Duration::from_millis(50)
 }
 
 /// The description's CANopen devices on this bus, then whoever else was heard.
 fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Duration) -> Vec<StatusNode> {
-    let described = line.devices_on(interface).filter(|device| device.frames.is_none()).map(|device| {
-        let heard = NodeId::new(device.node_id).and_then(|node| survey.node(node));
+    let canopen = line.devices_on(interface).filter_map(|device| Some((device, device.node_id()?)));
+    let described = canopen.map(|(device, node)| {
+        let heard = NodeId::new(node).and_then(|node| survey.node(node));
         StatusNode {
-            node: Some(device.node_id),
+            node: Some(node),
             name: Some(device.name.clone()),
             owner: Some(line.owner_name(device.owner).to_owned()),
             operational: heard.is_some_and(|heard| heard.state == Some(NmtState::Operational)),
@@ -95,7 +97,7 @@ fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Dur
             ),
         }
     });
-    let known = |node: NodeId| line.devices_on(interface).any(|device| device.node_id == node.get());
+    let known = |node: NodeId| line.devices_on(interface).any(|device| device.node_id() == Some(node.get()));
     let others = survey.heard().filter(|(node, _)| !known(*node)).map(|(node, heard)| StatusNode {
         node: Some(node.get()),
         name: None,

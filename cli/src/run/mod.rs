@@ -16,7 +16,8 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::Args as ClapArgs;
-use linewright_fieldbus::{Bus as CanBus, BusError, Frame, Options as BusOptions, OwnBuses};
+use linewright_canopen::Frame;
+use linewright_fieldbus::{Bus as CanBus, BusError, Options as BusOptions, OwnBuses};
 use linewright_line::{Bus, Line};
 use linewright_msgs::{LineState, StationState};
 use linewright_node_shell::{Claim, RosArgs};
@@ -186,7 +187,8 @@ impl Session {
     async fn open(line: &Line, args: &Args, ros: &RosArgs, dir: &Path, options: &BusOptions) -> miette::Result<Self> {
         let (to, frames) = mpsc::channel(4096);
         let (mut head, mut virtual_bus) = (Vec::new(), false);
-        let mut buses: Vec<&Bus> = line.devices.iter().map(|device| &device.bus).collect();
+        let on_can = line.devices.iter().filter(|device| device.is_on_can());
+        let mut buses: Vec<&Bus> = on_can.map(|device| &device.bus).collect();
         buses.sort_by_key(|bus| bus.to_string());
         buses.dedup();
         for bus in buses {
@@ -452,7 +454,7 @@ async fn next_of(cell: &mut Option<CellRun>) -> miette::Result<Vec<String>> {
 }
 
 fn mode_name(code: u8) -> &'static str {
-    linewright_station_node::mode_from_code(code).map_or("unknown", |mode| mode.name())
+    linewright_node_line::mode_from_code(code).map_or("unknown", |mode| mode.name())
 }
 
 /// The directory of this run's journals and logs.

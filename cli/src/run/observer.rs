@@ -5,9 +5,9 @@
 //! stretch's first operation starts and ends when it is where the last one ends; in between, neither of those two
 //! switches is on. That is all it looks at.
 
-use linewright_fieldbus::codec::Payload;
-use linewright_fieldbus::profile::drive::DriveBinding;
-use linewright_fieldbus::{Frame, Message};
+use linewright_canopen::codec::Payload;
+use linewright_canopen::profile::drive::DriveBinding;
+use linewright_canopen::{Frame, Message};
 use linewright_line::{Bus, Conflict, Device, InputId, Line, Module, Owner, Span, StationId};
 
 /// The inputs of one station, as its devices last sent them.
@@ -23,9 +23,10 @@ struct SeenStationInputs {
 impl SeenStationInputs {
     fn of(line: &Line, id: StationId) -> Self {
         let devices = || line.devices_of(Owner::Station(id));
-        let drives = devices().map(|device| device.drive.as_ref().map(DriveBinding::of)).collect();
+        let drives = devices().map(|device| device.drive().map(DriveBinding::of)).collect();
         // One that has nothing to say in its first process data need not be heard.
-        let heard = devices().map(|device| device.inputs.iter().flatten().next().is_none() && device.drive.is_none());
+        let heard =
+            devices().map(|device| device.input_bits().iter().flatten().next().is_none() && device.drive().is_none());
         SeenStationInputs { bits: 0, heard: heard.collect(), drives }
     }
 
@@ -34,7 +35,7 @@ impl SeenStationInputs {
     fn take(&mut self, index: usize, device: &Device, payload: Payload) {
         let said = match &self.drives[index] {
             Some(drive) => drive.places(payload),
-            None => (payload.bytes().len() * 8 >= device.inputs.len()).then(|| bits_of(device, payload)),
+            None => (payload.bytes().len() * 8 >= device.input_bits().len()).then(|| bits_of(device, payload)),
         };
         if let Some((known, on)) = said {
             self.heard[index] = true;
@@ -45,7 +46,7 @@ impl SeenStationInputs {
 
 /// The inputs of an I/O device, and those of them that are on.
 fn bits_of(device: &Device, payload: Payload) -> (u128, u128) {
-    let inputs = device.inputs.iter().enumerate();
+    let inputs = device.input_bits().iter().enumerate();
     inputs.filter_map(|(bit, input)| Some((bit, input.as_ref()?))).fold((0, 0), |(known, on), (bit, input)| {
         let one = 1 << input.0;
         (known | one, if payload.bits() & (1 << bit) == 0 { on } else { on | one })
@@ -56,8 +57,8 @@ fn bits_of(device: &Device, payload: Payload) -> (u128, u128) {
 /// nor what a device says in frames that are no CANopen's.
 fn is_read(line: &Line, station: StationId, input: InputId) -> bool {
     line.devices_of(Owner::Station(station)).any(|device| {
-        let drive = device.drive.iter().flat_map(|drive| &drive.targets).map(|target| target.at);
-        device.inputs.iter().flatten().copied().chain(drive).any(|read| read == input)
+        let drive = device.drive().into_iter().flat_map(|drive| &drive.targets).map(|target| target.at);
+        device.input_bits().iter().flatten().copied().chain(drive).any(|read| read == input)
     })
 }
 
@@ -124,7 +125,7 @@ impl BusObserver {
         let Ok(Message::Tpdo1 { node, payload }) = Message::decode(frame) else { return };
         for id in self.line.station_ids() {
             let devices = self.line.devices_of(Owner::Station(id)).enumerate();
-            for (index, device) in devices.filter(|(_, d)| d.bus == *bus && d.node_id == node.get()) {
+            for (index, device) in devices.filter(|(_, d)| d.bus == *bus && d.node_id() == Some(node.get())) {
                 self.stations[id.index()].take(index, device, payload);
             }
         }

@@ -18,6 +18,7 @@ mod hand_mode;
 mod interrupts;
 mod kills;
 mod lost_memory;
+mod modbus;
 mod other_devices;
 mod outputs;
 mod remaps;

@@ -3,8 +3,8 @@
 use linewright_coordinator_shell::InputsImage;
 use linewright_line::{Line, Owner, StationId};
 use linewright_msgs::ProcessImage;
+use linewright_node_line::devices::Trouble;
 use linewright_node_shell::{RosNode, TopicError, stamp};
-use linewright_station_node::devices::Trouble;
 
 /// The message that carries a station's inputs.
 pub fn inputs_message(image: InputsImage, boot_id: u64, sequence: u64) -> ProcessImage {

@@ -6,18 +6,17 @@ use std::time::Duration;
 use linewright_cell::Cell;
 use linewright_coordinator_logic::{ModeCommand, OutputImage, Refusal, StationView};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
-use linewright_fieldbus::{
-    Bus as CanBus, BusError, Clock, Driver, DriverError, Event as BusEvent, Manager, ManagerError,
-};
+use linewright_fieldbus::{Clock, OpenError as NoBus};
+use linewright_fieldbus_seam::{BusLost, Joined, News};
 use linewright_line::net::ControlMode;
 use linewright_line::{Bus, Line, Owner, StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text, fitting};
+use linewright_node_line::devices::{Devices, in_words};
+use linewright_node_line::{Waiting, mode_to_code, open_buses, quoted, report_from_message};
 use linewright_node_shell::{
     Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
 use linewright_station_logic::Founding;
-use linewright_station_node::devices::{Devices, in_words};
-use linewright_station_node::{Waiting, mode_to_code, quoted, report_from_message};
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
@@ -38,13 +37,10 @@ pub enum NodeError {
     Topic(#[from] TopicError),
     /// The line's bus is not to be had.
     #[error(transparent)]
-    Bus(#[from] BusError),
+    Bus(#[from] NoBus),
     /// The line's bus is gone, or another manager's.
     #[error("coordinator: {0}")]
-    Driver(#[from] DriverError),
-    /// The devices cannot share a bus.
-    #[error(transparent)]
-    Manager(#[from] ManagerError),
+    BusLost(#[from] BusLost),
     /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
@@ -87,10 +83,7 @@ pub struct Options {
 pub async fn run(options: Options, participant: &Participant, stop: watch::Receiver<bool>) -> Result<(), NodeError> {
     let watchdog = Watchdog::start("coordinator", Watchdog::LIMIT);
     let mut node = Shell::start(options, participant)?;
-    let last = node.driver.last_frames();
-    watchdog.before_the_end(move || {
-        last.send();
-    });
+    watchdog.before_the_end(node.buses.last_orders());
     let outcome = node.work(&watchdog, stop).await;
     node.end();
     outcome
@@ -108,7 +101,7 @@ pub(crate) struct Shell {
     /// What there is to do, in this order.
     effects: Vec<CoordinatorEffect>,
     pub(crate) cell: Option<Playing>,
-    pub(crate) driver: Driver,
+    pub(crate) buses: Joined,
     devices: Devices,
     pub(crate) journal: Option<JournalWriter>,
     pub(crate) waiting: Waiting<Arrived>,
@@ -149,10 +142,9 @@ impl Shell {
             }
             None => (None, None),
         };
-        let bus = CanBus::open(&interface, &bus)?;
-        tracing::info!("line devices on {}", bus.describe());
         let devices = line.devices.iter().filter(|device| device.bus == Bus::Line);
-        let driver = Driver::new(bus, Manager::new(devices, line.timing)?, clock);
+        let buses = open_buses(devices, &interface, &bus, line.timing, clock)?;
+        tracing::info!("line devices on {}", buses.describe());
         let mut node = participant.node(&format!("/{}", line.name), "coordinator")?;
         let (says, from, tasks) = open(&mut node, &line)?;
         let on_bus = line.devices.iter().filter(|device| device.bus == Bus::Line);
@@ -168,7 +160,7 @@ impl Shell {
             shell: CoordinatorShell::new(&line, boot_id, record.unwrap_or_default()),
             effects: Vec::new(),
             cell,
-            driver,
+            buses,
             devices,
             journal,
             waiting: Waiting::default(),
@@ -205,12 +197,12 @@ impl Shell {
                     }
                 }
                 // On another manager's bus nothing is sent, and on one that is gone nothing arrives.
-                events = self.driver.next() => {
-                    self.waiting.events.extend(events?);
-                    let events = std::mem::take(&mut self.waiting.events);
-                    self.bus_events(&events);
+                news = self.buses.next_news() => {
+                    self.waiting.news.extend(news?);
+                    let news = std::mem::take(&mut self.waiting.news);
+                    self.bus_news(&news);
                 }
-                asked = self.devices.next() => self.devices.ask(asked, &mut self.driver),
+                asked = self.devices.next() => self.devices.ask(asked, &mut self.buses),
                 arrived = self.from.recv() => match arrived {
                     Some(arrived) => self.waiting.arrived.push_back(arrived),
                     None => return Err(NodeError::Middleware),
@@ -308,24 +300,24 @@ impl Shell {
         self.shell.answer_soon();
     }
 
-    pub(crate) fn bus_events(&mut self, events: &[BusEvent]) {
-        for event in events {
-            match event {
-                BusEvent::InputsChanged { .. } | BusEvent::Answered { .. } => {}
-                BusEvent::Ignored { reason, frame } => self.ignore(format_args!("frame {frame}: {reason}")),
-                other => tracing::info!("{other}"),
+    pub(crate) fn bus_news(&mut self, news: &[News]) {
+        for one in news {
+            match one {
+                News::InputsChanged { .. } | News::Answered => {}
+                News::Ignored(what) => self.ignore(what),
+                News::Noted(what) => tracing::info!("{what}"),
             }
         }
-        self.devices.bus_events(events, &mut self.driver);
+        self.devices.bus_news(news, &mut self.buses);
     }
 
-    /// What the bus knows of inputs now.
+    /// What the buses know of inputs now.
     fn look(&mut self) {
-        let image = self.driver.inputs(Owner::Console);
+        let image = self.buses.inputs(Owner::Console);
         self.handle(CoordinatorArrival::Console { bits: image.bits, valid: image.valid });
         for at in 0..self.behind.len() {
             let station = self.behind[at].station;
-            let image = self.driver.inputs(Owner::Station(station));
+            let image = self.buses.inputs(Owner::Station(station));
             let (bits, valid, losses) = (image.bits, image.valid, u64::from(image.losses));
             self.handle(CoordinatorArrival::Devices { station, bits, valid, losses });
         }
@@ -352,9 +344,9 @@ impl Shell {
             let apart = cell.apart();
             self.shell.plays_cell(apart.isolated.iter().copied(), apart.stopped.iter().copied());
         }
-        self.devices.act(now, &self.driver);
+        self.devices.act(now, &self.buses);
         // The reason first, so that a station that sees the loss can say why.
-        self.behind.iter_mut().for_each(|behind| behind.trouble.act(now, &self.driver));
+        self.behind.iter_mut().for_each(|behind| behind.trouble.act(now, &self.buses));
         let mut effects = std::mem::take(&mut self.effects);
         self.shell.act(now, &mut effects);
         let mut is_interrupted = false;
@@ -390,8 +382,8 @@ impl Shell {
             }
             // It is awaited where effects are performed in order.
             CoordinatorEffect::Remember(_) => {}
-            CoordinatorEffect::Lamps(bits) => self.driver.set_outputs(Owner::Console, bits),
-            CoordinatorEffect::Energise(station, bits) => self.driver.set_outputs(Owner::Station(station), bits),
+            CoordinatorEffect::Lamps(bits) => self.buses.set_outputs(Owner::Console, bits),
+            CoordinatorEffect::Energise(station, bits) => self.buses.set_outputs(Owner::Station(station), bits),
             CoordinatorEffect::Inputs { station, sequence, image } => self.send_inputs(station, sequence, image),
             CoordinatorEffect::Order { sequence } => self.send_order(sequence),
             CoordinatorEffect::Tell { sequence } => self.tell(now, sequence),
@@ -401,7 +393,7 @@ impl Shell {
     fn refused(&mut self, refusal: &Refusal) {
         let text = refusal.text_with(&self.line, |owner| match owner {
             Owner::Station(id) if !self.troubles[id.index()].is_empty() => self.troubles[id.index()].clone(),
-            owner => in_words(&self.driver, owner),
+            owner => in_words(&self.buses, owner),
         });
         self.refuse(text);
     }
@@ -429,7 +421,7 @@ impl Shell {
     /// Lets go of all outputs.
     fn end(&mut self) {
         if !std::mem::replace(&mut self.has_ended, true) {
-            self.driver.release_outputs();
+            self.buses.release_outputs();
             tracing::info!("coordinator ends");
         }
     }

@@ -5,7 +5,7 @@
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_coordinator_shell::CoordinatorRecord;
-use linewright_fieldbus::Event as BusEvent;
+use linewright_fieldbus_seam::News;
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, Tick};
 
@@ -29,8 +29,8 @@ pub(crate) enum Recorded {
 impl Shell {
     /// Takes in what has arrived, what has waited first.
     pub(crate) fn take(&mut self) {
-        if let Some(events) = self.waiting.take_events() {
-            self.bus_events(&events);
+        if let Some(news) = self.waiting.take_news() {
+            self.bus_news(&news);
         }
         self.waiting.fill(&mut self.from, TAKEN_AT_ONCE);
         // All of it: an emergency stop among it must not wait for another record.
@@ -80,7 +80,7 @@ impl Shell {
                     if let Arrived::Outputs(station, image) = &arrived {
                         let wanted = if image.valid { image.word() } else { 0 };
                         if let Some(staying) = self.shell.keep_only(*station, wanted) {
-                            self.driver.set_outputs(Owner::Station(*station), staying);
+                            self.buses.set_outputs(Owner::Station(*station), staying);
                         }
                     }
                     self.waiting.arrived.push_back(arrived);
@@ -96,17 +96,15 @@ impl Shell {
                     tracing::warn!("the journal is slow: outputs of stations off until it is written");
                     due = None;
                     for behind in &self.behind {
-                        self.driver.set_outputs(Owner::Station(behind.station), 0);
+                        self.buses.set_outputs(Owner::Station(behind.station), 0);
                     }
                     false
                 }
-                events = self.driver.next() => {
-                    let events = events?;
-                    let of_console = |event: &BusEvent| {
-                        matches!(event, BusEvent::InputsChanged { owner: Owner::Console })
-                    };
-                    let may_stop = events.iter().any(of_console);
-                    self.waiting.events.extend(events);
+                news = self.buses.next_news() => {
+                    let news = news?;
+                    let of_console = |news: &News| matches!(news, News::InputsChanged { owner: Owner::Console });
+                    let may_stop = news.iter().any(of_console);
+                    self.waiting.news.extend(news);
                     may_stop
                 }
             };

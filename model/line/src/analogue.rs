@@ -4,7 +4,7 @@
 //! gives a channel its value. This is what the description says about it, in the channel's unit. How the 16 bits of a
 //! channel lie in a process data object a [`Field`] knows, as it does for other devices' signals.
 
-use crate::{Coding, Device, Field, InputId, OutputId, When};
+use crate::{Coding, Field, InputId, OutputId, When};
 
 /// Channels of one device each way: CiA 401 gives its second to fourth process data objects four each.
 pub const CHANNELS_MAX: u8 = 12;
@@ -166,12 +166,10 @@ impl Analogue {
     pub fn carried_outputs(&self) -> impl Iterator<Item = OutputId> {
         self.outputs.iter().flat_map(|channel| channel.outputs.iter().map(|(output, _)| *output))
     }
-}
 
-impl Device {
-    /// The object of the analogue channel that turns an input on and off, and how; `None` if none does.
-    pub(crate) fn analogue_source(&self, input: InputId) -> Option<String> {
-        self.analogue.inputs.iter().find_map(|own| {
+    /// The object of the channel that turns an input on and off, and how; `None` if none does.
+    pub(crate) fn source(&self, input: InputId) -> Option<String> {
+        self.inputs.iter().find_map(|own| {
             let (channel, number) = (&own.channel, own.channel.number);
             if own.broken == Some(input) {
                 return Some(format!("6401h:{number:02X} is no measurement"));

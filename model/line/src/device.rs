@@ -1,34 +1,63 @@
-//! A CAN device: whose bits it carries, what it has to be, and what it is told before it is started.
+//! A device: whose bits it carries, how it is spoken to, what it has to be, and what it is told before it is started.
 //!
 //! Numbers and bytes only. Where they come from, the description itself or a device's own file (EDS, DCF), is no matter
 //! here; what an object does, the device's manual says.
 
-use crate::{Analogue, Bus, Drive, Frames, InputId, Line, OutputId, StationId};
+use crate::{Analogue, Bus, Drive, Frames, InputId, Line, Modbus, OutputId, StationId};
 
-/// A CAN device: inputs and outputs (CiA 401 default mapping: one PDO of up to 64 bits each way, and three of four
-/// analogue channels), or a drive.
+/// A device of an owner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Device {
     /// Name, unique in the line.
     pub name: String,
-    /// CAN node id, 1 to 127, unique on its bus. 0 for a device that speaks no CANopen, and has none.
-    pub node_id: u8,
     /// Whose image it carries.
     pub owner: Owner,
     /// The bus it hangs on.
     pub bus: Bus,
+    /// How it is spoken to, and what it carries.
+    pub kind: DeviceKind,
+}
+
+/// What kind of device it is, with its address and its settings.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DeviceKind {
+    /// Inputs and outputs in CANopen (CiA 401).
+    Io(Canopen, Io),
+    /// A drive in CANopen (CiA 402).
+    Drive(Canopen, Drive),
+    /// Plain CAN frames, as a DBC file describes them.
+    Frames(Frames),
+    /// Inputs and outputs in Modbus TCP.
+    Modbus(Modbus),
+}
+
+impl DeviceKind {
+    /// An I/O device in CANopen with these bits, and nothing else said of it.
+    pub fn io(node_id: u8, inputs: Vec<Option<InputId>>, outputs: Vec<Option<OutputId>>) -> Self {
+        let canopen = Canopen { node_id, setup: Setup::default() };
+        DeviceKind::Io(canopen, Io { inputs, outputs, analogue: Analogue::default() })
+    }
+}
+
+/// A device in CANopen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Canopen {
+    /// Its node id, 1 to 126, unique on its bus.
+    pub node_id: u8,
+    /// Which device it has to be, and what it is told before it is started.
+    pub setup: Setup,
+}
+
+/// Inputs and outputs in the default mapping of CiA 401: one PDO of up to 64 bits each way, and three of four analogue
+/// channels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Io {
     /// For each bit of its input PDO (TPDO1, 0x180 + id), the input of its owner's image it carries.
     pub inputs: Vec<Option<InputId>>,
     /// For each bit of its output PDO (RPDO1, 0x200 + id), the output of its owner's image it carries.
     pub outputs: Vec<Option<OutputId>>,
     /// Its analogue channels.
     pub analogue: Analogue,
-    /// Who it has to be, and what it is told before it is started.
-    pub setup: Setup,
-    /// What it is beyond that, if it is a drive: its signals are then all here, and it has no bits above.
-    pub drive: Option<Drive>,
-    /// What it is instead, if it speaks no CANopen: its signals are then all here.
-    pub frames: Option<Frames>,
 }
 
 /// Whose process image a device carries.
@@ -152,6 +181,115 @@ pub struct Setup {
 }
 
 impl Device {
+    /// What it is in CANopen, if it speaks that.
+    pub fn canopen(&self) -> Option<&Canopen> {
+        match &self.kind {
+            DeviceKind::Io(canopen, _) | DeviceKind::Drive(canopen, _) => Some(canopen),
+            DeviceKind::Frames(_) | DeviceKind::Modbus(_) => None,
+        }
+    }
+
+    /// The same, to complete it.
+    pub fn canopen_mut(&mut self) -> Option<&mut Canopen> {
+        match &mut self.kind {
+            DeviceKind::Io(canopen, _) | DeviceKind::Drive(canopen, _) => Some(canopen),
+            DeviceKind::Frames(_) | DeviceKind::Modbus(_) => None,
+        }
+    }
+
+    /// Its node id, if it speaks CANopen.
+    pub fn node_id(&self) -> Option<u8> {
+        self.canopen().map(|canopen| canopen.node_id)
+    }
+
+    /// Its inputs and outputs, if it is an I/O device in CANopen.
+    pub fn io(&self) -> Option<&Io> {
+        match &self.kind {
+            DeviceKind::Io(_, io) => Some(io),
+            _ => None,
+        }
+    }
+
+    /// The same, to change it.
+    pub fn io_mut(&mut self) -> Option<&mut Io> {
+        match &mut self.kind {
+            DeviceKind::Io(_, io) => Some(io),
+            _ => None,
+        }
+    }
+
+    /// The drive, if it is one.
+    pub fn drive(&self) -> Option<&Drive> {
+        match &self.kind {
+            DeviceKind::Drive(_, drive) => Some(drive),
+            _ => None,
+        }
+    }
+
+    /// Its frames, if it speaks plain CAN.
+    pub fn frames(&self) -> Option<&Frames> {
+        match &self.kind {
+            DeviceKind::Frames(frames) => Some(frames),
+            _ => None,
+        }
+    }
+
+    /// Its registers, if it speaks Modbus.
+    pub fn modbus(&self) -> Option<&Modbus> {
+        match &self.kind {
+            DeviceKind::Modbus(modbus) => Some(modbus),
+            _ => None,
+        }
+    }
+
+    /// Whether it hangs on a CAN bus.
+    pub fn is_on_can(&self) -> bool {
+        match self.kind {
+            DeviceKind::Io(..) | DeviceKind::Drive(..) | DeviceKind::Frames(_) => true,
+            DeviceKind::Modbus(_) => false,
+        }
+    }
+
+    /// For each of its digital inputs, the input of its owner's image; none of a device without such bits.
+    pub fn input_bits(&self) -> &[Option<InputId>] {
+        match &self.kind {
+            DeviceKind::Io(_, io) => &io.inputs,
+            DeviceKind::Modbus(modbus) => &modbus.inputs,
+            DeviceKind::Drive(..) | DeviceKind::Frames(_) => &[],
+        }
+    }
+
+    /// For each of its digital outputs, the output of its owner's image; none of a device without such bits.
+    pub fn output_bits(&self) -> &[Option<OutputId>] {
+        match &self.kind {
+            DeviceKind::Io(_, io) => &io.outputs,
+            DeviceKind::Modbus(modbus) => &modbus.outputs,
+            DeviceKind::Drive(..) | DeviceKind::Frames(_) => &[],
+        }
+    }
+
+    /// Every input of its owner's image it carries: its bits' and its channels', its drive's, or its frames'.
+    pub fn carried_inputs(&self) -> Vec<InputId> {
+        match &self.kind {
+            DeviceKind::Io(_, io) => io.inputs.iter().flatten().copied().chain(io.analogue.carried_inputs()).collect(),
+            DeviceKind::Drive(_, drive) => drive.inputs().collect(),
+            DeviceKind::Frames(frames) => frames.inputs().collect(),
+            DeviceKind::Modbus(modbus) => modbus.inputs.iter().flatten().copied().collect(),
+        }
+    }
+
+    /// Every output of its owner's image it carries.
+    pub fn carried_outputs(&self) -> Vec<OutputId> {
+        match &self.kind {
+            DeviceKind::Io(_, io) => {
+                io.outputs.iter().flatten().copied().chain(io.analogue.carried_outputs()).collect()
+            }
+            DeviceKind::Drive(_, drive) => drive.outputs().collect(),
+            DeviceKind::Frames(frames) => frames.outputs().collect(),
+            DeviceKind::Modbus(modbus) => modbus.outputs.iter().flatten().copied().collect(),
+        }
+    }
+
     /// What an emergency of the device does to its owner.
     ///
     /// Usually a fault: a device that says it is in error is not believed what it says of its inputs, nor to do with its
@@ -159,9 +297,10 @@ impl Device {
     /// signal tells its station by that signal, which stops the operation under way and no other. And of a device whose
     /// loss does not matter, its emergency matters less.
     pub fn on_emergency(&self) -> Reaction {
-        let tells_itself = self.drive.as_ref().is_some_and(|drive| drive.fault.is_some());
-        let usual = if tells_itself { Reaction::Report } else { self.setup.when_lost };
-        self.setup.on_emergency.unwrap_or(usual)
+        let Some(Canopen { setup, .. }) = self.canopen() else { return Reaction::Fault };
+        let tells_itself = self.drive().is_some_and(|drive| drive.fault.is_some());
+        let usual = if tells_itself { Reaction::Report } else { setup.when_lost };
+        setup.on_emergency.unwrap_or(usual)
     }
 }
 

@@ -3,7 +3,7 @@
 //! To a station nothing changes: an output says "go to this target", an input says "is there". What turns the one into
 //! the other belongs to the field bus; this is only what the description says about it, in the axis's own units.
 
-use crate::{AxisId, Device, Frames, InputId, OutputId};
+use crate::{AxisId, InputId, OutputId};
 
 /// What a drive is told to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -109,30 +109,6 @@ impl Drive {
     /// The shortest time it takes from standstill to standstill over a distance, in seconds.
     pub fn time_for(&self, distance: f64, velocity: f64) -> f64 {
         trapezoid_time(distance, velocity, self.acceleration)
-    }
-}
-
-impl Device {
-    /// Every input of its owner's image it carries: its bits' and its channels', its drive's, or its frames'.
-    pub fn carried_inputs(&self) -> impl Iterator<Item = InputId> {
-        self.inputs
-            .iter()
-            .flatten()
-            .copied()
-            .chain(self.analogue.carried_inputs())
-            .chain(self.drive.iter().flat_map(Drive::inputs))
-            .chain(self.frames.iter().flat_map(Frames::inputs))
-    }
-
-    /// Every output of its owner's image it carries.
-    pub fn carried_outputs(&self) -> impl Iterator<Item = OutputId> {
-        self.outputs
-            .iter()
-            .flatten()
-            .copied()
-            .chain(self.analogue.carried_outputs())
-            .chain(self.drive.iter().flat_map(Drive::outputs))
-            .chain(self.frames.iter().flat_map(Frames::outputs))
     }
 }
 

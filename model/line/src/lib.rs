@@ -10,6 +10,7 @@ mod drive;
 mod frames;
 mod handling;
 mod line;
+mod modbus;
 pub mod net;
 mod parse;
 mod position;
@@ -21,7 +22,8 @@ mod whereabouts;
 pub use analogue::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, Lag};
 pub use console::{Console, StopContact};
 pub use device::{
-    Device, Identity, Owner, Reaction, Setting, Setup, Transmission, is_the_managers, keeps_an_output, wired_bits,
+    Canopen, Device, DeviceKind, Identity, Io, Owner, Reaction, Setting, Setup, Transmission, is_the_managers,
+    keeps_an_output, wired_bits,
 };
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use frames::{
@@ -30,6 +32,7 @@ pub use frames::{
 };
 pub use handling::{Grip, Handling, Holder, HolderId, Reach, Sensor, Sign, Stand};
 pub use line::*;
+pub use modbus::{Modbus, REGISTER_BITS, RegisterValue, Table, Watchdog};
 pub use parse::{Parsed, Problem, Problems, parse, schema, suggestion};
 pub use position::NoClearance;
 pub use task::{

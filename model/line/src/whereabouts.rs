@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use crate::{Drive, DriveMode, InputId, Line, Owner};
+use crate::{DeviceKind, Drive, DriveMode, InputId, Io, Line, Owner};
 
 impl Line {
     /// An input of a station or of the console, with where it is: `LS_closed (clamp 1 io, node 21h, 6000h:01 bit 1)`.
@@ -31,18 +31,26 @@ impl Line {
     /// Device, node id, object and bit of an input.
     fn input_place(&self, owner: Owner, input: InputId) -> Option<String> {
         self.devices.iter().filter(|device| device.owner == owner).find_map(|device| {
-            if let Some(frames) = &device.frames {
-                return frames.source(input).map(|source| format!("{}, {source}", device.name));
-            }
-            let bit = device.inputs.iter().position(|carried| *carried == Some(input));
-            let object = match (bit, &device.drive) {
-                (None, None) => device.analogue_source(input)?,
-                // CiA 401: eight digital inputs in each subindex.
-                (Some(bit), _) => format!("6000h:{:02X} bit {}", bit / 8 + 1, bit % 8),
-                (None, Some(drive)) => drive_object(drive, input)?.to_owned(),
+            let (node, object) = match &device.kind {
+                DeviceKind::Io(canopen, io) => (canopen.node_id, io_object(io, input)?),
+                DeviceKind::Drive(canopen, drive) => (canopen.node_id, drive_object(drive, input)?.to_owned()),
+                DeviceKind::Frames(frames) => {
+                    return frames.source(input).map(|source| format!("{}, {source}", device.name));
+                }
+                DeviceKind::Modbus(modbus) => {
+                    return modbus.source(input).map(|source| format!("{}, {source}", device.name));
+                }
             };
-            Some(format!("{}, node {:02X}h, {object}", device.name, device.node_id))
+            Some(format!("{}, node {node:02X}h, {object}", device.name))
         })
+    }
+}
+
+/// The object of an I/O device (CiA 401) that an input is made of: eight digital inputs in each subindex.
+fn io_object(io: &Io, input: InputId) -> Option<String> {
+    match io.inputs.iter().position(|carried| *carried == Some(input)) {
+        Some(bit) => Some(format!("6000h:{:02X} bit {}", bit / 8 + 1, bit % 8)),
+        None => io.analogue.source(input),
     }
 }
 

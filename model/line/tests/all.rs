@@ -6,6 +6,7 @@ mod devices;
 mod drives;
 mod fields;
 mod groups;
+mod modbus;
 mod net;
 mod never_panics;
 mod on_order;

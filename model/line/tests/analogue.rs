@@ -27,7 +27,7 @@ fn channels_are_read_and_their_signals_are_bits_like_any() {
     let simulated = "simulated = { output = \"Y_open\", on = 6.0, lag_ms = 300 }";
     let line = line(&format!("{{ {INPUT}, {simulated} }}"), &format!("{{ {OUTPUT} }}"));
     let channel = |number, unit: &str, factor, offset| Channel { number, unit: unit.to_owned(), factor, offset };
-    let first = line.devices[0].inputs.iter().flatten().count() as u16;
+    let first = line.devices[0].input_bits().iter().flatten().count() as u16;
     let follows = Follows::Output { output: OutputId(0), on: 6.0, off: 0.0 };
     let input = AnalogueInput {
         channel: channel(2, "bar", 0.01, -1.0),
@@ -41,14 +41,14 @@ fn channels_are_read_and_their_signals_are_bits_like_any() {
         simulated: Some(Lag { follows, time_constant: std::time::Duration::from_millis(300) }),
     };
     let output = AnalogueOutput { channel: channel(1, "mA", 0.001, 0.0), rest: 4.0, outputs: vec![(OutputId(2), 8.0)] };
-    assert_eq!(line.devices[0].analogue, Analogue { inputs: vec![input], outputs: vec![output] });
+    assert_eq!(line.devices[0].io().expect("I/O").analogue, Analogue { inputs: vec![input], outputs: vec![output] });
     let station = &line.stations[0];
     assert_eq!(station.inputs[usize::from(first)..][..3], ["high", "low", "gauge_broken"]);
     assert_eq!(station.outputs[2], "Y_soft");
     let text = |nth| line.input_text(Owner::Station(StationId(0)), InputId(nth));
     assert!(text(first).ends_with("6401h:02 above 5.00 bar)"), "{}", text(first));
     assert!(text(first + 2).ends_with("6401h:02 is no measurement)"), "{}", text(first + 2));
-    assert!(line.devices[0].carried_outputs().any(|output| output == OutputId(2)));
+    assert!(line.devices[0].carried_outputs().contains(&OutputId(2)));
 }
 
 /// Message and text of the only problem that these channels have beyond those of the whole and unused signals.

@@ -17,14 +17,14 @@ fn identity_and_settings_are_read() {
          { object = \"2001h:2\", type = \"i16\", value = -2 }]",
     );
     let parsed = parse("line.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}"));
-    let setup = &parsed.line.devices[0].setup;
+    let setup = &parsed.line.devices[0].canopen().expect("CANopen").setup;
     assert_eq!(setup.file.as_deref(), Some("io.eds"));
     let identity = Identity { device_type: Some(0x0003_0191), vendor: Some(0x123), ..Identity::default() };
     assert_eq!(setup.identity, Identity { revision: Some(0x0001_0002), ..identity });
     let setting = |index, sub, data: &[u8]| Setting { index, sub, data: data.to_vec() };
     let expected = [setting(0x6206, 1, &[255]), setting(0x2000, 0, &[1, 0, 0, 0]), setting(0x2001, 2, &[0xFE, 0xFF])];
     assert_eq!(setup.settings, expected);
-    assert_eq!(parsed.line.devices[1].setup, linewright_line::Setup::default());
+    assert_eq!(parsed.line.devices[1].canopen().expect("CANopen").setup, linewright_line::Setup::default());
 }
 
 /// The one problem that this text has beyond those of the whole.
@@ -45,7 +45,12 @@ fn problem(text: &str) -> String {
 fn what_trouble_does_is_read() {
     let reactions = |text: &str| {
         let parsed = parse("line.toml", &with(text)).unwrap_or_else(|problems| panic!("{problems:#}"));
-        parsed.line.devices.iter().map(|d| (d.on_emergency(), d.setup.when_lost)).collect::<Vec<_>>()
+        parsed
+            .line
+            .devices
+            .iter()
+            .map(|d| (d.on_emergency(), d.canopen().expect("CANopen").setup.when_lost))
+            .collect::<Vec<_>>()
     };
     let (fault, report) = (Reaction::Fault, Reaction::Report);
     // The drive has a fault signal of its own.
@@ -97,7 +102,7 @@ fn what_keeps_an_output_on_without_a_manager_needs_a_reason() {
         assert_eq!(problem(&setting), keeps, "{object} = {value}");
         let excused = with(&format!("{setting}\nwithout_error_values = \"the safety relay cuts its supply\""));
         let parsed = parse("line.toml", &excused).unwrap_or_else(|problems| panic!("{problems:#}"));
-        let why = parsed.line.devices[0].setup.without_error_values.as_deref();
+        let why = parsed.line.devices[0].canopen().expect("CANopen").setup.without_error_values.as_deref();
         assert_eq!(why, Some("the safety relay cuts its supply"));
     }
     // What no output hangs on, and what lets go.

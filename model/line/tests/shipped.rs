@@ -138,14 +138,14 @@ fn arrows_conflicts_devices_and_console_are_resolved() {
     assert_eq!(line.conflicts.len(), 2);
     let first = &line.conflicts[0];
     assert_eq!((first.a.from, first.a.until, first.b.from, first.b.until), (OpId(0), OpId(8), OpId(1), OpId(0)));
-    let nodes: Vec<(u8, Owner)> = line.devices.iter().map(|d| (d.node_id, d.owner)).collect();
+    let nodes: Vec<(u8, Owner)> = line.devices.iter().map(|d| (d.node_id().expect("CANopen"), d.owner)).collect();
     let station = |id| Owner::Station(StationId(id));
     let of_the_mill = [(0x22, station(2)), (0x23, station(2)), (0x24, station(2))];
     assert_eq!(nodes[..3], [(0x01, Owner::Console), (0x11, station(0)), (0x21, station(1))]);
     assert_eq!(nodes[3..], of_the_mill);
-    let slides: Vec<Option<usize>> = line.devices.iter().map(|d| d.drive.as_ref().map(|d| d.axis.index())).collect();
+    let slides: Vec<Option<usize>> = line.devices.iter().map(|d| d.drive().map(|d| d.axis.index())).collect();
     assert_eq!(slides, [None, None, None, None, Some(0), Some(1)]);
-    assert_eq!(line.devices[0].inputs[4..8], [Some(InputId(4)), None, Some(InputId(5)), Some(InputId(6))]);
+    assert_eq!(line.devices[0].input_bits()[4..8], [Some(InputId(4)), None, Some(InputId(5)), Some(InputId(6))]);
     assert!(line.console.buttons.iter().all(Option::is_some) && line.console.lamps.iter().all(Option::is_some));
     let estop = line.console.estop.expect("it has one");
     assert_eq!((line.console.inputs[estop.input.index()].as_str(), estop.pressed), ("ES_pressed", true));
@@ -181,7 +181,7 @@ fn every_number_of_machines_is_a_sound_line() {
             for (kind, title, first_node) in [("clamp", "Clamp", 0x21), ("mill", "Mill", 0x22)] {
                 let id = line.station_named(&format!("{kind}_{machine}")).expect("each machine is there");
                 assert_eq!(line.station(id).title, format!("{title} {machine}"));
-                let node = line.devices_of(Owner::Station(id)).next().map(|d| usize::from(d.node_id));
+                let node = line.devices_of(Owner::Station(id)).next().and_then(|d| d.node_id().map(usize::from));
                 assert_eq!(node, Some(first_node + 4 * (machine - 1)));
                 let arrows = line.arrows.iter().filter(|a| a.from.0 == id || a.to.0 == id).count();
                 assert_eq!(arrows, if kind == "clamp" { 5 } else { 2 }, "arrows of {kind} {machine}");
@@ -202,7 +202,7 @@ fn times_scale_but_watchdogs_stay_above_a_second() {
     assert_eq!((scaled(10.0).1, scaled(10.0).2), (7.0, 20.0));
     let slide = |time_scale| {
         let line = sound(&TransferLine { machines: 2, time_scale }.text());
-        line.devices.last().and_then(|d| d.drive.clone()).expect("the second mill's main slide has a drive")
+        line.devices.last().and_then(|d| d.drive().cloned()).expect("the second mill's main slide has a drive")
     };
     let (slow, fast) = (slide(1.0), slide(0.1));
     assert_eq!((slow.velocity, slow.acceleration, slow.targets[1].velocity), (217.0, 2e4, 88.0));

@@ -87,15 +87,15 @@ impl<T: 'static> Kind<Option<T>> {
         }
     }
 
-    /// The same, which may be missing only where `other` is written.
-    pub fn required_unless(self, other: &'static str) -> Self {
+    /// The same, which may be missing only where one of `others` is written.
+    pub fn required_unless(self, others: &'static [&'static str]) -> Self {
         let read = self.read;
         Kind {
             read: Box::new(move |fields, report, key| {
                 let found = read(fields, report, key);
-                if fields.has(other) { found } else { fields.require(report, key, found) }
+                if others.iter().any(|other| fields.has(other)) { found } else { fields.require(report, key, found) }
             }),
-            presence: Presence::Unless(other),
+            presence: Presence::Unless(others),
             ..self
         }
     }

@@ -50,7 +50,7 @@ pub enum Presence {
     /// It may not.
     Required,
     /// It may where this other key is written.
-    Unless(&'static str),
+    Unless(&'static [&'static str]),
 }
 
 /// What counts where nothing is written.

@@ -9,8 +9,8 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::codec::{Abort, NodeId, Payload};
-use linewright_fieldbus::sdo::ObjectId;
+use linewright_canopen::codec::{Abort, NodeId, Payload};
+use linewright_canopen::sdo::ObjectId;
 use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, Follows, Tick, When};
 
 use super::objects::{exactly, number};

@@ -13,11 +13,11 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::MANAGER_NODE;
-use linewright_fieldbus::codec::{
+use linewright_canopen::MANAGER_NODE;
+use linewright_canopen::codec::{
     BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST, Message, NO_ERROR, NmtCommand, NmtState, NodeId,
 };
-use linewright_fieldbus::sdo::{Abort, ObjectId, Server};
+use linewright_canopen::sdo::{Abort, ObjectId, Server};
 use linewright_line::{Tick, Timing};
 
 use super::DeviceOutbox;

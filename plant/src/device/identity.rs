@@ -2,8 +2,8 @@
 //!
 //! The names are longer than four bytes, so that reading them takes a segmented transfer as with a real device.
 
-use linewright_fieldbus::codec::{Abort, NodeId};
-use linewright_fieldbus::sdo::ObjectId;
+use linewright_canopen::codec::{Abort, NodeId};
+use linewright_canopen::sdo::ObjectId;
 
 /// Vendor: none was ever assigned to a simulation.
 const VENDOR: u32 = 0;

@@ -3,7 +3,7 @@
 //! [`DeviceNode`] is a generic CANopen I/O device (CiA 401), [`DriveNode`] a drive (CiA 402); what both are of CANopen
 //! is `comm`, and their servers `serve`.
 //!
-//! [`PlainNode`] speaks none of that, but the frames of a DBC file.
+//! [`PlainNode`] speaks none of that, but the frames of a DBC file, and [`ModbusNode`] has a register map.
 //!
 //! An I/O device knows its bits and its bus, nothing of mechanisms: inputs are handed to it, outputs are read from it. **Leaving
 //! the operational state puts every output to zero; losing the manager, or being stopped, puts it to its error value**,
@@ -14,6 +14,7 @@ mod channels;
 mod comm;
 mod drive;
 mod identity;
+mod modbus;
 mod objects;
 mod on_error;
 mod pdo;
@@ -22,8 +23,8 @@ mod serve;
 mod sync;
 mod trouble;
 
-use linewright_fieldbus::Frame;
-use linewright_fieldbus::codec::{Message, NmtState, NodeId, Payload};
+use linewright_canopen::Frame;
+use linewright_canopen::codec::{Message, NmtState, NodeId, Payload};
 use linewright_line::{Analogue, Tick, Timing};
 
 use crate::fault::{DeviceFault, Fault};
@@ -31,6 +32,7 @@ use crate::wire::FrameFaults;
 use channels::Channels;
 use comm::{Change, Comm};
 pub use drive::DriveNode;
+pub use modbus::{ModbusNode, ModbusRequest, ModbusResponse};
 use on_error::OnError;
 use pdo::Pdo;
 pub use plain::PlainNode;

@@ -3,8 +3,8 @@
 //! Outputs can be read here, never written: they follow process data alone, which stops when the manager does. What
 //! belongs together is answered by its own part: identity, PDO parameters, behaviour on errors.
 
-use linewright_fieldbus::codec::{Abort, Payload};
-use linewright_fieldbus::sdo::ObjectId;
+use linewright_canopen::codec::{Abort, Payload};
+use linewright_canopen::sdo::ObjectId;
 use linewright_line::Tick;
 
 use super::comm::Comm;

@@ -1,7 +1,7 @@
 //! What a device does when it has lost its manager: objects 1029h (CiA 301), 6206h and 6207h (CiA 401).
 
-use linewright_fieldbus::codec::Abort;
-use linewright_fieldbus::sdo::ObjectId;
+use linewright_canopen::codec::Abort;
+use linewright_canopen::sdo::ObjectId;
 
 use super::objects::exactly;
 

@@ -7,8 +7,8 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::codec::{Abort, NodeId};
-use linewright_fieldbus::sdo::ObjectId;
+use linewright_canopen::codec::{Abort, NodeId};
+use linewright_canopen::sdo::ObjectId;
 
 use super::objects::exactly;
 

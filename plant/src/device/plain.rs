@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use linewright_fieldbus::Frame;
+use linewright_canopen::Frame;
 use linewright_line::{Field, FrameBinding, FrameId, HeardFrame, Page, Tick, ToldFrame, When};
 
 use super::DeviceOutbox;

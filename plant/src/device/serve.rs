@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use linewright_fieldbus::codec::{Abort, Message};
-use linewright_fieldbus::sdo::wire::{Raw, Request};
-use linewright_fieldbus::sdo::{Dictionary, ObjectId, Server};
+use linewright_canopen::codec::{Abort, Message};
+use linewright_canopen::sdo::wire::{Raw, Request};
+use linewright_canopen::sdo::{Dictionary, ObjectId, Server};
 use linewright_line::Tick;
 
 use super::DeviceOutbox;

@@ -5,8 +5,8 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::codec::Abort;
-use linewright_fieldbus::sdo::ObjectId;
+use linewright_canopen::codec::Abort;
+use linewright_canopen::sdo::ObjectId;
 use linewright_line::Tick;
 
 use super::objects::exactly;

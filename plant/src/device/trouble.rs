@@ -3,8 +3,8 @@
 //!
 //! Several troubles may hold at once; each is cleared by itself, or all with 5F00h:00 = 0.
 
-use linewright_fieldbus::codec::Abort;
-use linewright_fieldbus::sdo::ObjectId;
+use linewright_canopen::codec::Abort;
+use linewright_canopen::sdo::ObjectId;
 use linewright_line::Tick;
 
 use super::objects::number;
@@ -122,7 +122,7 @@ pub(super) fn write<D: Device>(
 
 #[cfg(test)]
 mod tests {
-    use linewright_fieldbus::NodeId;
+    use linewright_canopen::NodeId;
     use linewright_line::Timing;
 
     use super::*;

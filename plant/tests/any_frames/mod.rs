@@ -10,8 +10,8 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus::sdo::wire::Request;
-use linewright_fieldbus::{Frame, Message, NodeId};
+use linewright_canopen::sdo::wire::Request;
+use linewright_canopen::{Frame, Message, NodeId};
 use linewright_line::{AtRest, AxisId, Drive, DriveMode, DriveTarget, InputId, OutputId, Tick, Timing};
 use linewright_plant::{DeviceNode, DeviceOutbox, DriveNode};
 

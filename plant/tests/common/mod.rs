@@ -8,8 +8,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Axis, AxisId, Bus, ButtonId, Console, Device, Hand, Handling, InputId, Line, Module, Motion, OpId, Operation,
-    OutputId, Owner, Panel, Signals, Station, StationId, Timing,
+    Axis, AxisId, Bus, ButtonId, Console, Device, DeviceKind, Hand, Handling, InputId, Line, Module, Motion, OpId,
+    Operation, OutputId, Owner, Panel, Signals, Station, StationId, Timing,
 };
 
 pub const PRESS: StationId = StationId(0);
@@ -74,15 +74,13 @@ fn station(name: &str, bus: Bus) -> Station {
 fn device(name: &str, node_id: u8, owner: Owner, bus: Bus, inputs: u16, outputs: u16) -> Device {
     Device {
         name: name.to_owned(),
-        node_id,
         owner,
         bus,
-        inputs: (0..inputs).map(|i| Some(InputId(i))).collect(),
-        outputs: (0..outputs).map(|i| Some(OutputId(i))).collect(),
-        setup: linewright_line::Setup::default(),
-        drive: None,
-        analogue: linewright_line::Analogue::default(),
-        frames: None,
+        kind: DeviceKind::io(
+            node_id,
+            (0..inputs).map(|i| Some(InputId(i))).collect(),
+            (0..outputs).map(|i| Some(OutputId(i))).collect(),
+        ),
     }
 }
 

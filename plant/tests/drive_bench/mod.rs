@@ -5,10 +5,10 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use linewright_fieldbus::codec::Message;
-use linewright_fieldbus::profile::drive::{Drive, DriveBinding};
-use linewright_fieldbus::sdo::Setting;
-use linewright_fieldbus::{Frame, NodeId};
+use linewright_canopen::codec::Message;
+use linewright_canopen::profile::drive::{Drive, DriveBinding};
+use linewright_canopen::sdo::Setting;
+use linewright_canopen::{Frame, NodeId};
 use linewright_line::{
     AtRest, AxisId, Drive as Described, DriveMode, DriveTarget, Homing, InputId, OutputId, Tick, Timing,
 };
@@ -73,7 +73,7 @@ pub struct Pair {
     random: u64,
     lost: [u32; 2],
     /// Which states of its power it has been seen in.
-    pub states: Vec<linewright_fieldbus::profile::drive::State>,
+    pub states: Vec<linewright_canopen::profile::drive::State>,
     pub emergencies: Vec<u16>,
     /// What the last image that differed began from: when, and where the axis was.
     pub since: (Tick, f64),
@@ -222,7 +222,7 @@ impl Pair {
         }
     }
 
-    fn send(&mut self, payload: linewright_fieldbus::codec::Payload) {
+    fn send(&mut self, payload: linewright_canopen::codec::Payload) {
         let id = NodeId::new(5).expect("a node id");
         let frame = Message::Rpdo1 { node: id, payload }.encode();
         for _ in 0..self.copies(0) {

@@ -10,9 +10,9 @@ mod latency;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use linewright_fieldbus::manager::Outbox;
-use linewright_fieldbus::{Event, Frame, Manager, Message};
-use linewright_line::{Bus, Console, Device, Handling, InputId, Line, OutputId, Owner, Setup, Tick, Timing};
+use linewright_canopen::manager::Outbox;
+use linewright_canopen::{Event, Frame, Manager, Message};
+use linewright_line::{Bus, Console, Device, DeviceKind, Handling, InputId, Line, OutputId, Owner, Tick, Timing};
 use linewright_plant::{PlantOptions, Rack};
 use linewright_random::Random;
 
@@ -345,23 +345,21 @@ impl Wire {
     }
 }
 
-fn node(at: usize) -> linewright_fieldbus::NodeId {
-    linewright_fieldbus::NodeId::new(at as u8 + 1).expect("from 1")
+fn node(at: usize) -> linewright_canopen::NodeId {
+    linewright_canopen::NodeId::new(at as u8 + 1).expect("from 1")
 }
 
 /// The devices and nothing behind them: fingers press their inputs.
 fn line() -> Line {
     let device = |at: u8| Device {
         name: format!("io {at}"),
-        node_id: at + 1,
         owner: Owner::Console,
         bus: Bus::Line,
-        inputs: (0..BITS).map(|bit| Some(InputId(u16::from(at) * BITS + bit))).collect(),
-        outputs: (0..BITS).map(|bit| Some(OutputId(u16::from(at) * BITS + bit))).collect(),
-        setup: Setup::default(),
-        drive: None,
-        analogue: linewright_line::Analogue::default(),
-        frames: None,
+        kind: DeviceKind::io(
+            at + 1,
+            (0..BITS).map(|bit| Some(InputId(u16::from(at) * BITS + bit))).collect(),
+            (0..BITS).map(|bit| Some(OutputId(u16::from(at) * BITS + bit))).collect(),
+        ),
     };
     Line {
         name: "test".to_owned(),

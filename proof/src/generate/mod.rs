@@ -16,7 +16,7 @@ mod text;
 
 use std::ops::RangeInclusive;
 
-use linewright_line::{Bus, Console, Device, Handling, Line, Owner, Station, StationId, Timing};
+use linewright_line::{Bus, Console, Device, DeviceKind, Handling, Line, Owner, Station, StationId, Timing};
 
 pub use breakage::{Breakage, break_it, breakages, without_literal};
 pub use cell::{CellShape, cell};
@@ -122,15 +122,13 @@ fn devices(number: usize, station: &Station) -> impl Iterator<Item = Device> + u
     let count = inputs.max(outputs).div_ceil(DEVICE_BITS);
     (0..count).map(move |nth| Device {
         name: format!("{name} io {nth}"),
-        node_id: nth as u8 + 1,
         owner: Owner::Station(StationId::at(number)),
         bus: bus.clone(),
-        inputs: bits(nth, inputs).map(|bit| Some(linewright_line::InputId::at(bit))).collect(),
-        outputs: bits(nth, outputs).map(|bit| Some(linewright_line::OutputId::at(bit))).collect(),
-        setup: linewright_line::Setup::default(),
-        drive: None,
-        analogue: linewright_line::Analogue::default(),
-        frames: None,
+        kind: DeviceKind::io(
+            nth as u8 + 1,
+            bits(nth, inputs).map(|bit| Some(linewright_line::InputId::at(bit))).collect(),
+            bits(nth, outputs).map(|bit| Some(linewright_line::OutputId::at(bit))).collect(),
+        ),
     })
 }
 

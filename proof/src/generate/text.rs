@@ -7,8 +7,8 @@ use std::fmt::{self, Display, Write};
 use std::time::Duration;
 
 use linewright_line::{
-    Arrow, AtRest, Bus, ButtonId, Device, Drive, DriveMode, Identity, InputId, Line, Module, OpId, Operation, OutputId,
-    Owner, Parameter, Rest, RestId, Setting, Setup, Signals, Span, Station, StationId, Task,
+    Arrow, AtRest, Bus, ButtonId, Canopen, Device, Drive, DriveMode, Identity, InputId, Line, Module, OpId, Operation,
+    OutputId, Owner, Parameter, Rest, RestId, Setting, Setup, Signals, Span, Station, StationId, Task,
 };
 
 /// The description of a line, as [`linewright_line::parse`] reads it.
@@ -219,7 +219,10 @@ fn write_arrow(out: &mut String, line: &Line, arrow: &Arrow) -> fmt::Result {
 }
 
 fn write_device(out: &mut String, line: &Line, device: &Device) -> fmt::Result {
-    writeln!(out, "\n[[device]]\nname = {}\nnode = {}", quoted(&device.name), device.node_id)?;
+    writeln!(out, "\n[[device]]\nname = {}", quoted(&device.name))?;
+    if let Some(Canopen { node_id, .. }) = device.canopen() {
+        writeln!(out, "node = {node_id}")?;
+    }
     let (inputs, outputs) = match device.owner {
         Owner::Station(id) => {
             let station = line.station(id);
@@ -231,13 +234,15 @@ fn write_device(out: &mut String, line: &Line, device: &Device) -> fmt::Result {
             (&line.console.inputs, &line.console.outputs)
         }
     };
-    write_setup(out, &device.setup)?;
+    if let Some(Canopen { setup, .. }) = device.canopen() {
+        write_setup(out, setup)?;
+    }
     let name = |names: &[String], index: Option<usize>| quoted(index.map_or("", |index| names[index].as_str()));
-    if let (Owner::Station(id), Some(drive)) = (device.owner, &device.drive) {
+    if let (Owner::Station(id), Some(drive)) = (device.owner, device.drive()) {
         return write_drive(out, line.station(id), drive);
     }
-    writeln!(out, "inputs = {}", list(device.inputs.iter().map(|bit| name(inputs, bit.map(InputId::index)))))?;
-    writeln!(out, "outputs = {}", list(device.outputs.iter().map(|bit| name(outputs, bit.map(OutputId::index)))))
+    writeln!(out, "inputs = {}", list(device.input_bits().iter().map(|bit| name(inputs, bit.map(InputId::index)))))?;
+    writeln!(out, "outputs = {}", list(device.output_bits().iter().map(|bit| name(outputs, bit.map(OutputId::index)))))
 }
 
 /// Every setting is written as bytes of an unsigned number, which is how it is sent.

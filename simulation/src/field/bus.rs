@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use linewright_fieldbus::{Frame, Manager, ManagerError, Outbox};
+use linewright_canopen::{Frame, Manager, ManagerError, Outbox};
 use linewright_line::{Device, Line, Tick};
 use linewright_plant::Rack;
 

@@ -3,7 +3,7 @@
 //! The coordinator reads the line's bus and carries the images of the stations on it; a station with a bus of its own is
 //! the manager there.
 
-use linewright_fieldbus::ManagerError;
+use linewright_canopen::ManagerError;
 use linewright_line::{Bus as BusName, InputId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{DeviceFault, Fault, Plant, PlantOptions, Rack};
 

@@ -219,8 +219,8 @@ fn slot((number, device): (usize, &Device)) -> ImageSlot {
     let bits = |wired: &mut dyn Iterator<Item = u16>| wired.fold(0, |bits, bit| bits | 1 << bit);
     ImageSlot {
         device: number,
-        inputs: bits(&mut device.carried_inputs().map(|input| input.0)),
-        outputs: bits(&mut device.carried_outputs().map(|output| output.0)),
+        inputs: bits(&mut device.carried_inputs().into_iter().map(|input| input.0)),
+        outputs: bits(&mut device.carried_outputs().into_iter().map(|output| output.0)),
         unplugged: false,
         unread: false,
         noticed: Tick::NEVER,

@@ -10,10 +10,11 @@ mod images;
 use linewright_line::{AxisId, InputId, Line, Module, OpId, Owner, StationId, Tick};
 use linewright_plant::{Fault, Plant, PlantOptions};
 
+use crate::lives::StartError;
+
 pub(crate) use bus::Played;
 pub(crate) use frames::{SeenInputs, SimulatedBuses};
 pub(crate) use images::Images;
-pub(crate) use linewright_fieldbus::ManagerError;
 
 /// The machine.
 pub(crate) enum SimulatedField {
@@ -22,7 +23,11 @@ pub(crate) enum SimulatedField {
 }
 
 impl SimulatedField {
-    pub(crate) fn new(line: &Line, options: PlantOptions, by_frames: bool) -> Result<Self, ManagerError> {
+    pub(crate) fn new(line: &Line, options: PlantOptions, by_frames: bool) -> Result<Self, StartError> {
+        let elsewhere = line.devices.iter().find(|device| !device.is_on_can());
+        if let Some(device) = elsewhere.filter(|_| by_frames) {
+            return Err(StartError::NoFrames { device: device.name.clone() });
+        }
         Ok(if by_frames {
             SimulatedField::Frames(Box::new(SimulatedBuses::new(line, options)?))
         } else {

@@ -4,9 +4,6 @@
 //! record, an output image, a report and events — in that order, so that nobody ever knows more of this station than
 //! it would remember after being killed. It decides nothing.
 
-mod convert;
-pub mod devices;
-mod foreign;
 mod journal;
 mod node;
 mod orders;
@@ -14,7 +11,4 @@ mod topics;
 mod waiting;
 mod words;
 
-pub use convert::{ConvertError, mode_from_code, mode_to_code, report_from_message, report_to_message};
-pub use foreign::quoted;
 pub use node::{NodeError, Options, run};
-pub use waiting::Waiting;

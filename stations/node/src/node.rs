@@ -2,11 +2,14 @@
 
 use std::path::PathBuf;
 
-use linewright_fieldbus::{
-    Bus as CanBus, BusError, Clock, Driver, DriverError, Event as BusEvent, Manager, ManagerError,
-};
+use linewright_fieldbus::{Clock, OpenError as NoBus};
+use linewright_fieldbus_seam::{BusLost, Joined, News};
 use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
 use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
+use linewright_node_line::devices::{Asked, Devices, Trouble};
+use linewright_node_line::quoted;
+use linewright_node_line::{Waiting, open_buses};
+use linewright_node_line::{kind_of, order_from_message, report_from_message, report_to_message};
 use linewright_node_shell::{
     Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
 };
@@ -15,12 +18,8 @@ use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEff
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
-use crate::convert::{kind_of, order_from_message, report_from_message, report_to_message};
-use crate::devices::{Asked, Devices, Trouble};
-use crate::foreign::quoted;
 use crate::journal::from_record;
 use crate::topics::{Arrived, Says, open};
-use crate::waiting::Waiting;
 use crate::words::Words;
 
 /// Why a station's node cannot run, or had to end.
@@ -37,18 +36,15 @@ pub enum NodeError {
     Topic(#[from] TopicError),
     /// The station's own bus is not to be had.
     #[error(transparent)]
-    Bus(#[from] BusError),
+    Bus(#[from] NoBus),
     /// The station's own bus is gone, or another manager's.
     #[error("station {station}: {error}")]
-    Driver {
+    BusLost {
         /// The station.
         station: String,
         /// Which, and what to do.
-        error: DriverError,
+        error: BusLost,
     },
-    /// The station's devices cannot share a bus.
-    #[error(transparent)]
-    Manager(#[from] ManagerError),
     /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
@@ -82,19 +78,17 @@ pub struct Options {
 pub async fn run(options: Options, participant: &Participant, stop: watch::Receiver<bool>) -> Result<(), NodeError> {
     let watchdog = Watchdog::start(&options.line.station(options.station).name, Watchdog::LIMIT);
     let mut node = Shell::start(options, participant)?;
-    if let Some(last) = node.driver.as_ref().map(Driver::last_frames) {
-        watchdog.before_the_end(move || {
-            last.send();
-        });
+    if let Some(last) = node.buses.as_ref().map(Joined::last_orders) {
+        watchdog.before_the_end(last);
     }
     let outcome = node.work(&watchdog, stop).await;
     node.end();
     outcome
 }
 
-pub(crate) async fn next_bus_events(driver: &mut Option<Driver>) -> Result<Vec<BusEvent>, DriverError> {
-    match driver {
-        Some(driver) => driver.next().await,
+pub(crate) async fn next_news(buses: &mut Option<Joined>) -> Result<Vec<News>, BusLost> {
+    match buses {
+        Some(buses) => buses.next_news().await,
         None => std::future::pending().await,
     }
 }
@@ -117,8 +111,9 @@ pub(crate) struct Shell {
     pub(crate) shell: StationShell,
     /// What there is to do, in this order.
     effects: Vec<StationEffect>,
-    pub(crate) driver: Option<Driver>,
-    /// What ROS 2 sees of the devices on its own bus.
+    /// The buses of its own devices; `None` behind the gateway.
+    pub(crate) buses: Option<Joined>,
+    /// What ROS 2 sees of the devices on them.
     devices: Option<Devices>,
     trouble: Option<Trouble>,
     words: Words,
@@ -168,21 +163,21 @@ impl Shell {
         }
         let boot_id = fresh_boot_id();
         let shell = StationShell::new(&line, station, boot_id, restore)?;
-        let driver = match &line.station(station).bus {
+        let buses = match &line.station(station).bus {
             Bus::Line => None,
             Bus::Own(interface) => {
-                let bus = CanBus::open(interface, &bus)?;
-                tracing::info!(station = name, "devices on {}", bus.describe());
-                let manager = Manager::new(line.devices_of(Owner::Station(station)), line.timing)?;
-                Some(Driver::new(bus, manager, clock))
+                let own = line.devices_of(Owner::Station(station));
+                let buses = open_buses(own, interface, &bus, line.timing, clock)?;
+                tracing::info!(station = name, "devices on {}", buses.describe());
+                Some(buses)
             }
         };
         let mut node = participant.node(&format!("/{}", line.name), &name)?;
         let (says, from, tasks) = open(&mut node, &line, station, boot_id, shell.controller().peers())?;
         let own = line.devices_of(Owner::Station(station));
-        let devices = driver.as_ref().map(|_| Devices::open(&mut node, &line, own)).transpose()?;
+        let devices = buses.as_ref().map(|_| Devices::open(&mut node, &line, own)).transpose()?;
         let owner = Owner::Station(station);
-        let trouble = driver.as_ref().map(|_| Trouble::open(&mut node, "~/trouble", owner)).transpose()?;
+        let trouble = buses.as_ref().map(|_| Trouble::open(&mut node, "~/trouble", owner)).transpose()?;
         Ok(Shell {
             line,
             station,
@@ -190,7 +185,7 @@ impl Shell {
             clock,
             shell,
             effects: Vec::new(),
-            driver,
+            buses,
             devices,
             trouble,
             words: Words::default(),
@@ -219,14 +214,14 @@ impl Shell {
                         return Ok(());
                     }
                 }
-                events = next_bus_events(&mut self.driver) => match events {
-                    Ok(events) => {
-                        self.waiting.events.extend(events);
-                        let events = std::mem::take(&mut self.waiting.events);
-                        self.bus_events(&events);
+                news = next_news(&mut self.buses) => match news {
+                    Ok(news) => {
+                        self.waiting.news.extend(news);
+                        let news = std::mem::take(&mut self.waiting.news);
+                        self.bus_news(&news);
                     }
                     // On another manager's bus nothing is sent, and on one that is gone nothing arrives.
-                    Err(error) => return Err(NodeError::Driver { station: self.name.clone(), error }),
+                    Err(error) => return Err(NodeError::BusLost { station: self.name.clone(), error }),
                 },
                 arrived = self.from.recv() => match arrived {
                     Some(arrived) => self.waiting.arrived.push_back(arrived),
@@ -236,8 +231,8 @@ impl Shell {
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
-            if let Some(events) = self.waiting.take_events() {
-                self.bus_events(&events);
+            if let Some(news) = self.waiting.take_news() {
+                self.bus_news(&news);
             }
             self.waiting.fill(&mut self.from, TAKEN_AT_ONCE);
             // All of it: an emergency stop among it must not wait for another record.
@@ -324,22 +319,20 @@ impl Shell {
         self.handle(StationArrival::Panel(command));
     }
 
-    fn bus_events(&mut self, events: &[BusEvent]) {
-        let owner = Owner::Station(self.station);
-        for event in events {
-            match event {
-                BusEvent::InputsChanged { owner: changed } if *changed == owner => {}
-                BusEvent::Answered { .. } => {}
-                BusEvent::Ignored { reason, frame } => self.ignore(format_args!("frame {frame}: {reason}")),
-                other => tracing::info!(station = self.name, "{other}"),
+    fn bus_news(&mut self, news: &[News]) {
+        for one in news {
+            match one {
+                News::InputsChanged { .. } | News::Answered => {}
+                News::Ignored(what) => self.ignore(what),
+                News::Noted(what) => tracing::info!(station = self.name, "{what}"),
             }
         }
-        if let (Some(devices), Some(driver)) = (&mut self.devices, &mut self.driver) {
-            devices.bus_events(events, driver);
+        if let (Some(devices), Some(buses)) = (&mut self.devices, &mut self.buses) {
+            devices.bus_news(news, buses);
         }
         self.tell_trouble(self.clock.now());
-        if let Some(driver) = &self.driver {
-            let image = driver.inputs(owner);
+        if let Some(buses) = &self.buses {
+            let image = buses.inputs(Owner::Station(self.station));
             let losses = u64::from(image.losses);
             self.handle(StationArrival::Devices { bits: image.bits, valid: image.valid, losses });
         }
@@ -347,15 +340,15 @@ impl Shell {
 
     /// What is wrong with the devices on its own bus, if it has one.
     fn tell_trouble(&mut self, now: Tick) {
-        if let (Some(trouble), Some(driver)) = (&mut self.trouble, &self.driver) {
-            trouble.act(now, driver);
+        if let (Some(trouble), Some(buses)) = (&mut self.trouble, &self.buses) {
+            trouble.act(now, buses);
             self.words.trouble(trouble.text());
         }
     }
 
     fn asked(&mut self, asked: Asked) {
-        if let (Some(devices), Some(driver)) = (&mut self.devices, &mut self.driver) {
-            devices.ask(asked, driver);
+        if let (Some(devices), Some(buses)) = (&mut self.devices, &mut self.buses) {
+            devices.ask(asked, buses);
         }
     }
 
@@ -366,8 +359,8 @@ impl Shell {
     /// end now, with the outputs off.
     async fn act(&mut self) -> Result<(), NodeError> {
         let now = self.clock.now();
-        if let (Some(devices), Some(driver)) = (&mut self.devices, &self.driver) {
-            devices.act(now, driver);
+        if let (Some(devices), Some(buses)) = (&mut self.devices, &self.buses) {
+            devices.act(now, buses);
         }
         self.tell_trouble(now);
         let mut effects = std::mem::take(&mut self.effects);
@@ -400,8 +393,8 @@ impl Shell {
     }
 
     pub(crate) fn drive(&mut self, image: Driven) {
-        if let Some(driver) = &mut self.driver {
-            driver.set_outputs(Owner::Station(self.station), image.bits);
+        if let Some(buses) = &mut self.buses {
+            buses.set_outputs(Owner::Station(self.station), image.bits);
         }
         if let Some(publisher) = &self.says.outputs {
             let mut message = ProcessImage {
@@ -473,8 +466,8 @@ impl Shell {
         }
         let off = self.shell.off();
         self.drive(off);
-        if let Some(driver) = &mut self.driver {
-            driver.release_outputs();
+        if let Some(buses) = &mut self.buses {
+            buses.release_outputs();
         }
         tracing::info!(station = self.name, "ends");
     }

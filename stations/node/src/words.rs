@@ -3,10 +3,8 @@
 //! The controller knows that its devices cannot be trusted; which one and why is known to whoever manages them.
 
 use linewright_msgs::{cut, fitting};
+use linewright_node_line::devices::TROUBLE_BYTES_MAX;
 use linewright_station_logic::{DEVICES_INVALID, HappeningKind, StationHappening, StopCause};
-
-/// Most bytes of what is said of the devices, whoever says it.
-pub const TROUBLE_BYTES_MAX: usize = 1024;
 
 /// What is known of the devices' trouble.
 #[derive(Debug, Default)]

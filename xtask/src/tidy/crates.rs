@@ -7,7 +7,7 @@ use super::Member;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 17] = [
+pub const PURE: [&str; 21] = [
     "linewright-random",
     "linewright-nets",
     "linewright-diagnostics",
@@ -23,6 +23,10 @@ pub const PURE: [&str; 17] = [
     "linewright-coordinator-logic",
     "linewright-coordinator-cell",
     "linewright-coordinator-shell",
+    "linewright-fieldbus-seam",
+    "linewright-canopen",
+    "linewright-modbus",
+    "linewright-plant",
     "linewright-proof",
     "linewright-simulation",
 ];
@@ -45,7 +49,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 28] = [
+const MAY_USE: [(&str, &[&str]); 34] = [
     ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-diagnostics", &[]),
@@ -74,8 +78,17 @@ const MAY_USE: [(&str, &[&str]); 28] = [
     ("linewright-history", &["linewright-line", "linewright-coordinator-cell"]),
     ("linewright-msgs", &[]),
     ("linewright-node-shell", &["linewright-msgs"]),
-    ("linewright-fieldbus", &["linewright-line"]),
-    ("linewright-plant", &["linewright-random", "linewright-line", "linewright-fieldbus"]),
+    ("linewright-fieldbus-seam", &["linewright-line"]),
+    ("linewright-canopen", &["linewright-line", "linewright-fieldbus-seam"]),
+    ("linewright-modbus", &["linewright-line", "linewright-fieldbus-seam"]),
+    ("linewright-fieldbus", &["linewright-line", "linewright-fieldbus-seam", "linewright-canopen"]),
+    (
+        "linewright-modbus-tcp",
+        // The clock of a process is in the last.
+        &["linewright-line", "linewright-fieldbus-seam", "linewright-modbus", "linewright-fieldbus"],
+    ),
+    ("linewright-plant", &["linewright-random", "linewright-line", "linewright-canopen"]),
+    ("linewright-racks", &["linewright-line", "linewright-canopen", "linewright-fieldbus", "linewright-plant"]),
     (
         "linewright-proof",
         &[
@@ -103,9 +116,20 @@ const MAY_USE: [(&str, &[&str]); 28] = [
             "linewright-coordinator-logic",
             "linewright-coordinator-cell",
             "linewright-coordinator-shell",
-            // Its pure part: frames and the manager.
-            "linewright-fieldbus",
+            "linewright-canopen",
             "linewright-plant",
+        ],
+    ),
+    (
+        "linewright-node-line",
+        &[
+            "linewright-line",
+            "linewright-station-logic",
+            "linewright-msgs",
+            "linewright-node-shell",
+            "linewright-fieldbus-seam",
+            "linewright-fieldbus",
+            "linewright-modbus-tcp",
         ],
     ),
     (
@@ -116,6 +140,8 @@ const MAY_USE: [(&str, &[&str]); 28] = [
             "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",
+            "linewright-node-line",
+            "linewright-fieldbus-seam",
             "linewright-fieldbus",
         ],
     ),
@@ -129,12 +155,12 @@ const MAY_USE: [(&str, &[&str]); 28] = [
             "linewright-coordinator-cell",
             "linewright-coordinator-shell",
             "linewright-history",
-            // How a station's report looks as a message is written once, there.
-            "linewright-station-node",
             "linewright-station-logic",
             "linewright-station-shell",
             "linewright-msgs",
             "linewright-node-shell",
+            "linewright-node-line",
+            "linewright-fieldbus-seam",
             "linewright-fieldbus",
         ],
     ),
@@ -164,8 +190,14 @@ const EVERYTHING: &[&str] = &[
     "linewright-history",
     "linewright-msgs",
     "linewright-node-shell",
+    "linewright-node-line",
+    "linewright-fieldbus-seam",
+    "linewright-canopen",
+    "linewright-modbus",
     "linewright-fieldbus",
+    "linewright-modbus-tcp",
     "linewright-plant",
+    "linewright-racks",
     "linewright-proof",
     "linewright-simulation",
     "linewright-station-node",

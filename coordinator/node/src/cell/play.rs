@@ -23,8 +23,8 @@ use linewright_coordinator_cell::{
 use linewright_history::Note;
 use linewright_line::{InputId, Line, StationId, Tick};
 use linewright_msgs::{CellState, SetResourceRequest, SetResourceResponse, SubmitOrders, WhyNotResponse};
+use linewright_node_line::quoted;
 use linewright_node_shell::{Forward, Reply, RosNode, TopicError, fresh_key, stamp};
-use linewright_station_node::quoted;
 use linewright_station_shell::NewestBySequence;
 use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};

@@ -5,13 +5,14 @@
 
 use linewright_text::{Located, or};
 
-use super::draft::{Draft, DraftConsole, DraftOperation, DraftSignals, DraftStation};
-use super::raw::{Kind, RawConsole, RawTiming};
+use super::draft::{Draft, DraftConsole, DraftDevice, DraftOperation, DraftSignals, DraftStation};
+use super::raw::{Kind, RawConsole, RawDevice, RawTiming};
 use super::rules::node_id;
 use super::setup;
-use super::{analogue, drive, frames, handling, task};
+use super::{analogue, drive, frames, handling, modbus, task};
 use crate::{
-    Arrow, Conflict, Console, Device, InputId, Line, Module, Operation, Panel, Signals, Station, StopContact, Timing,
+    Arrow, Canopen, Conflict, Console, Device, DeviceKind, InputId, Io, Line, Module, Operation, Panel, Signals,
+    Station, StopContact, Timing,
 };
 
 /// The line a draft describes; `None` if a part is missing.
@@ -112,27 +113,27 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
     let devices = draft.devices.iter().zip(&draft.raw.devices).map(|(device, raw)| {
         Some(Device {
             name: raw.name.as_ref()?.value.clone(),
-            node_id: match &raw.frames {
-                Some(_) => 0,
-                None => node_id(raw.node.as_ref()?.value)?,
-            },
             owner: device.owner?,
             bus: device.bus.clone(),
-            inputs: device.inputs.clone(),
-            outputs: device.outputs.clone(),
-            setup: setup::finish(raw)?,
-            drive: match (&device.drive, &raw.drive) {
-                (Some(draft), Some(raw)) => Some(drive::finish(draft, raw)?),
-                _ => None,
-            },
-            analogue: analogue::finish(&device.analogue, &raw.analogue, draft.image(device.owner?))?,
-            frames: match (&device.frames, &raw.frames) {
-                (Some(draft), Some(raw)) => Some(frames::finish(draft, raw)?),
-                _ => None,
-            },
+            kind: kind(draft, device, raw)?,
         })
     });
     devices.collect()
+}
+
+fn kind(draft: &Draft<'_>, device: &DraftDevice, raw: &RawDevice) -> Option<DeviceKind> {
+    if let (Some(draft), Some(raw)) = (&device.frames, &raw.frames) {
+        return Some(DeviceKind::Frames(frames::finish(draft, raw)?));
+    }
+    if let Some(raw) = &raw.modbus {
+        return Some(DeviceKind::Modbus(modbus::finish(device, raw)?));
+    }
+    let canopen = Canopen { node_id: node_id(raw.node.as_ref()?.value)?, setup: setup::finish(raw)? };
+    if let (Some(draft), Some(raw)) = (&device.drive, &raw.drive) {
+        return Some(DeviceKind::Drive(canopen, drive::finish(draft, raw)?));
+    }
+    let analogue = analogue::finish(&device.analogue, &raw.analogue, draft.image(device.owner?))?;
+    Some(DeviceKind::Io(canopen, Io { inputs: device.inputs.clone(), outputs: device.outputs.clone(), analogue }))
 }
 
 fn console(draft: &DraftConsole, raw: Option<&RawConsole>) -> Console {

@@ -18,6 +18,7 @@ mod finish;
 mod frames;
 mod hand;
 mod handling;
+mod modbus;
 mod names;
 mod raw;
 mod resolve;

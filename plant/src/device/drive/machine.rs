@@ -4,8 +4,8 @@
 //! Transitions have the numbers of the figure. Which of them happen by themselves, and when a ramp has to end first,
 //! is the drive's business.
 
-use linewright_fieldbus::profile::drive::State;
-use linewright_fieldbus::profile::drive::word::{ENABLE_OPERATION, FAULT_RESET};
+use linewright_canopen::profile::drive::State;
+use linewright_canopen::profile::drive::word::{ENABLE_OPERATION, FAULT_RESET};
 
 /// The transition that `word` orders in `state`; `before` is the word before it. `stays` is whether the quick stop
 /// option leaves the drive in quick stop active, from where it can be enabled again.

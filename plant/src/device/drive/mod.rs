@@ -13,11 +13,11 @@ mod profile;
 
 use std::time::Duration;
 
-use linewright_fieldbus::Frame;
-use linewright_fieldbus::codec::{Abort, Message, NmtState, NodeId, Payload};
-use linewright_fieldbus::profile::drive::word::{DISABLE_VOLTAGE, QUICK_STOP};
-use linewright_fieldbus::profile::drive::{FOLLOWING_ERROR, SENSOR_1, State};
-use linewright_fieldbus::sdo::ObjectId;
+use linewright_canopen::Frame;
+use linewright_canopen::codec::{Abort, Message, NmtState, NodeId, Payload};
+use linewright_canopen::profile::drive::word::{DISABLE_VOLTAGE, QUICK_STOP};
+use linewright_canopen::profile::drive::{FOLLOWING_ERROR, SENSOR_1, State};
+use linewright_canopen::sdo::ObjectId;
 use linewright_line::{Drive, DriveMode, Tick, Timing};
 
 use super::comm::{Change, Comm};

@@ -2,9 +2,9 @@
 //!
 //! `launch-config/devices/linewright-drive.eds` is the same table for other people's tools; a test compares them.
 
-use linewright_fieldbus::codec::{Abort, NodeId};
-use linewright_fieldbus::profile::drive::word::{HOMING, PROFILE_POSITION, PROFILE_VELOCITY};
-use linewright_fieldbus::sdo::ObjectId;
+use linewright_canopen::codec::{Abort, NodeId};
+use linewright_canopen::profile::drive::word::{HOMING, PROFILE_POSITION, PROFILE_VELOCITY};
+use linewright_canopen::sdo::ObjectId;
 
 /// Object 1008h.
 pub(super) const NAME: &str = "Linewright simulated drive";

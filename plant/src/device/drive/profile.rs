@@ -1,7 +1,7 @@
 //! What the drive does: transitions and their ramps, set-points, velocities, homing, and the statusword that says so.
 
-use linewright_fieldbus::profile::drive::State;
-use linewright_fieldbus::profile::drive::word::{
+use linewright_canopen::profile::drive::State;
+use linewright_canopen::profile::drive::word::{
     CHANGE_IMMEDIATELY, HALT, HOMING, NEW_SET_POINT, PROFILE_POSITION, PROFILE_VELOCITY, RELATIVE,
 };
 use linewright_line::Tick;

@@ -4,7 +4,7 @@ use linewright_text::{
     Kind, Located, LocatedName, Presence, Shape, flag, integer, keys, one_of, part, table, tables, text, texts, word,
 };
 
-use super::{RawAnalogue, RawDrive, RawFrames};
+use super::{RawAnalogue, RawDrive, RawFrames, RawModbus};
 use crate::Reaction;
 
 /// Bits of one device each way: one PDO of 8 bytes (CiA 401's default mapping).
@@ -29,14 +29,19 @@ keys! {
         inputs: Vec<LocatedName> = texts(DEVICE_BITS).entries(),
         /// Names in the order of the bits of RPDO1, lowest bit of the first byte first; `""` is not connected. At most 64.
         outputs: Vec<LocatedName> = texts(DEVICE_BITS).entries(),
-        /// The device speaks no CANopen; it then has none of the keys of one.
+        /// A device without CANopen, described by a DBC file; it then has none of the keys of CANopen.
         frames as "dbc": Option<RawFrames> = table(),
+        /// Field bus of the device. `"modbus"` needs a `modbus` table; then all other keys but name, station, console, inputs and
+        /// outputs are left out.
+        kind: Option<Located<RawDeviceKind>> = one_of(&[("canopen", RawDeviceKind::Canopen), ("modbus", RawDeviceKind::Modbus)]),
+        /// Address, registers and times of a device in Modbus TCP.
+        modbus: Option<RawModbus> = table(),
         /// CANopen node id, 1 to 126, unique on its bus; 127 is the bus manager.
-        node: Option<Located<i64>> = integer().required_unless("dbc").from_to(1, 126),
+        node: Option<Located<i64>> = integer().required_unless(&["dbc", "modbus"]).from_to(1, 126),
         /// Its name, unique in the line.
         name: Option<LocatedName> = text().required(),
         /// The station whose signals it carries; or else `console`.
-        station: Option<LocatedName> = text().missed(Presence::Unless("console")),
+        station: Option<LocatedName> = text().missed(Presence::Unless(&["console"])),
         /// `true`: it carries the main console's signals.
         console: Option<Located<bool>> = flag(),
         /// Its EDS or DCF, by its path from this file; what that says of identity and settings is added to what stands here.
@@ -97,6 +102,13 @@ keys! {
 
 /// An object as people write it: `6206:01`, `6206h:1`, `0x1029`.
 const OBJECT: &str = "^(0x)?[0-9A-Fa-f]{1,4}h?(:(0x)?[0-9A-Fa-f]{1,2}h?)?$";
+
+/// Field bus of a device, where its `kind` gives it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::parse) enum RawDeviceKind {
+    Canopen,
+    Modbus,
+}
 
 /// How many bytes a number has, and whether it has a sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -102,9 +102,9 @@ keys! {
         /// Of a station on order, instead of `from` and `until`: the task, from its start to its end.
         task: Option<LocatedName> = text(),
         /// The operation with whose start the state begins.
-        from: Option<LocatedName> = text().missed(Presence::Unless("task")),
+        from: Option<LocatedName> = text().missed(Presence::Unless(&["task"])),
         /// The operation with whose end it is over.
-        until: Option<LocatedName> = text().missed(Presence::Unless("task")),
+        until: Option<LocatedName> = text().missed(Presence::Unless(&["task"])),
     }
 
     /// The main console: names of its devices' signals.

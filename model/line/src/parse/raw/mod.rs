@@ -13,14 +13,16 @@ mod drive;
 mod frames;
 mod handling;
 mod line;
+mod modbus;
 mod station;
 
 pub(super) use analogue::{RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLimit};
-pub(super) use device::{RawDevice, RawIdentity, RawSetting, RawTransmission, Width};
+pub(super) use device::{RawDevice, RawDeviceKind, RawIdentity, RawSetting, RawTransmission, Width};
 pub(super) use drive::{RawDrive, RawTarget};
 pub(super) use frames::{RawChecksum, RawFrames, RawHeard, RawSignalInput, RawTold};
 pub(super) use handling::{RawHolder, RawReach, RawSensor, RawSign, RawStand};
 pub(super) use line::{RawArrow, RawConflict, RawConsole, RawEnd, RawLine, RawSpan, RawTiming};
+pub(super) use modbus::{RawModbus, RawRegisterValue};
 pub(super) use station::{Kind, RawHand, RawMoves, RawOperation, RawSignals, RawStation, RawTask};
 
 use linewright_text::{Fields, Keys, Report};

@@ -27,7 +27,7 @@ keys! {
         /// What people call the station; the name if left out.
         title: Option<LocatedName> = text(),
         /// The operation that brings the station to its home position. A station on order has tasks and rests instead.
-        home: Option<LocatedName> = text().required_unless("task"),
+        home: Option<LocatedName> = text().required_unless(&["task"]),
         /// CAN interface (`"can1"`) of a bus of the station's own; left out, its devices hang on the coordinator's bus.
         bus: Option<LocatedName> = text(),
         /// The mechanisms, each with its position at home, in mm or degrees: `{ vertical = 0.0, horizontal = 0.0 }`. At

@@ -41,10 +41,11 @@ fn owner<'a>(draft: &'a Draft<'_>, device: &DraftDevice) -> Option<&'a Wiring> {
 }
 
 fn only_io_has_channels(device: &RawDevice, first: &RawChannel, report: &mut Report) {
-    let other = match (&device.drive, &device.frames) {
-        (Some(drive), _) => ("`drive`", &drive.at),
-        (None, Some(frames)) => ("`dbc`", &frames.at),
-        (None, None) => return,
+    let other = match (&device.drive, &device.frames, &device.modbus) {
+        (Some(drive), ..) => ("`drive`", &drive.at),
+        (None, Some(frames), _) => ("`dbc`", &frames.at),
+        (None, None, Some(modbus)) => ("`modbus`", &modbus.at),
+        (None, None, None) => return,
     };
     report.add(
         Problem::error(first.at.clone(), format!("a device with a {} table has no analogue channels", other.0))

@@ -13,6 +13,7 @@ mod drives;
 mod frames;
 mod hand;
 mod handling;
+mod modbus;
 mod motion;
 mod operations;
 mod recovery;
@@ -42,6 +43,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     setups::check(draft, report);
     sync::check(draft, report);
     frames::check(draft, report);
+    modbus::check(draft, report);
     analogue::check(draft, report);
     for station in &draft.stations {
         stations::station_has_operations(station, report);

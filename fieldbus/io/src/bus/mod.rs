@@ -1,0 +1,281 @@
+//! The wire: SocketCAN where the kernel has an interface of that name, else a virtual bus between processes.
+//!
+//! Both carry the same sixteen bytes per frame and behave alike: everyone else hears a frame, its sender does not,
+//! frames of one sender arrive in order, and nobody waits for anybody. Which of the two it is, [`Bus::describe`] says
+//! in words, because a line that moves nothing is a nuisance to debug when the frames are somewhere else.
+//!
+//! This module knows sockets and directories; it does not look into frames.
+
+mod kernel;
+mod last;
+mod members;
+mod own;
+mod virtual_bus;
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use thiserror::Error;
+
+use kernel::KernelBus;
+pub(crate) use last::LastWire;
+use linewright_canopen::Frame;
+use linewright_canopen::candump::Recorder;
+pub use own::{Found, OwnBuses, find as find_bus};
+use virtual_bus::VirtualBus;
+
+/// Where to look for the bus.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Which kind of wire.
+    pub transport: Transport,
+    /// Where virtual buses live, one directory each. By default `$LINEWRIGHT_BUS_DIR`, else
+    /// `$XDG_RUNTIME_DIR/linewright-bus`, else `linewright-bus-<uid>` in the directory for temporary files.
+    pub dir: Option<PathBuf>,
+}
+
+/// Which kind of wire.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transport {
+    /// SocketCAN if the kernel has a CAN interface of that name, else the virtual bus.
+    #[default]
+    Auto,
+    /// SocketCAN or an error.
+    SocketCan,
+    /// The virtual bus, whatever the kernel has.
+    Virtual,
+}
+
+/// Why a bus cannot be opened.
+#[derive(Debug, Error)]
+pub enum BusError {
+    /// The name cannot be that of an interface.
+    #[error("`{name}` is not a bus name: 1 to 15 letters, digits, `.`, `_` or `-`, not starting with a dot")]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// The kernel refuses the interface.
+    #[error("cannot open CAN interface {name}: {error}")]
+    Kernel {
+        /// The interface.
+        name: String,
+        /// The kernel's reason.
+        error: io::Error,
+    },
+    /// There is no such interface, and the virtual bus was not asked for.
+    #[error(
+        "there is no CAN interface {name} ({error}): see `ip link show {name}` and the name given; \
+         without CAN hardware `linewright run` and nodes started with --virtual-bus use a virtual bus"
+    )]
+    Missing {
+        /// The interface.
+        name: String,
+        /// The kernel's reason.
+        error: io::Error,
+    },
+    /// The interface was there, and is down or gone.
+    #[error(
+        "CAN interface {name} is gone ({error}): nothing can be sent or heard; bring it up again \
+         (`ip link set {name} up`) and start this again"
+    )]
+    Gone {
+        /// The interface.
+        name: String,
+        /// The kernel's reason.
+        error: io::Error,
+    },
+    /// The virtual bus's directory cannot be used.
+    #[error("cannot use {path} for virtual bus '{name}': {error}")]
+    Virtual {
+        /// The bus.
+        name: String,
+        /// Its directory, or this member's place in it.
+        path: String,
+        /// The system's reason.
+        error: io::Error,
+    },
+}
+
+/// What went wrong on a bus without stopping it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BusStats {
+    /// Frames sent.
+    pub sent: u64,
+    /// Frames received.
+    pub received: u64,
+    /// Frames some or all others did not get because a queue was full.
+    pub overruns: u64,
+    /// Frames the system refused to send.
+    pub send_errors: u64,
+    /// Failures to receive.
+    pub receive_errors: u64,
+    /// Datagrams that were no frames.
+    pub malformed: u64,
+}
+
+enum Wire {
+    Kernel(KernelBus),
+    Virtual(VirtualBus),
+}
+
+/// One participant's connection to a bus.
+pub struct Bus {
+    name: String,
+    wire: Wire,
+    stats: BusStats,
+    recorder: Option<Recorder>,
+}
+
+impl Bus {
+    /// Connects to the bus `name`. Must be called within a tokio runtime.
+    pub fn open(name: &str, options: &Options) -> Result<Bus, BusError> {
+        if !is_bus_name(name) {
+            return Err(BusError::Name { name: name.to_owned() });
+        }
+        let wire = match options.transport {
+            Transport::Virtual => Wire::Virtual(VirtualBus::open(name, options.dir.as_deref())?),
+            Transport::SocketCan => match KernelBus::open(name) {
+                Ok(bus) => Wire::Kernel(bus),
+                Err(error) if kernel::means_no_interface(&error) => {
+                    return Err(BusError::Missing { name: name.to_owned(), error });
+                }
+                Err(error) => return Err(BusError::Kernel { name: name.to_owned(), error }),
+            },
+            Transport::Auto => match KernelBus::open(name) {
+                Ok(bus) => Wire::Kernel(bus),
+                Err(error) if kernel::means_no_interface(&error) => {
+                    Wire::Virtual(VirtualBus::open(name, options.dir.as_deref())?)
+                }
+                // The interface is there and does not work: falling back would hide it.
+                Err(error) => return Err(BusError::Kernel { name: name.to_owned(), error }),
+            },
+        };
+        Ok(Bus { name: name.to_owned(), wire, stats: BusStats::default(), recorder: None })
+    }
+
+    /// The bus's name, as given.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Which wire this is, for a person.
+    pub fn describe(&self) -> String {
+        match &self.wire {
+            Wire::Kernel(_) => format!("SocketCAN {}", self.name),
+            Wire::Virtual(bus) if kernel::has_can() => {
+                format!("virtual bus '{}' in {} (no CAN interface of that name)", self.name, bus.dir().display())
+            }
+            Wire::Virtual(bus) => {
+                format!("virtual bus '{}' in {} (this kernel has no CAN)", self.name, bus.dir().display())
+            }
+        }
+    }
+
+    /// Whether it is the virtual bus.
+    pub fn is_virtual(&self) -> bool {
+        matches!(self.wire, Wire::Virtual(_))
+    }
+
+    /// A second way onto this bus, for another thread. None where the system gives no more sockets.
+    pub(crate) fn last_wire(&self) -> Option<LastWire> {
+        let opened = match &self.wire {
+            Wire::Kernel(_) => LastWire::kernel(&self.name),
+            Wire::Virtual(bus) => LastWire::of_directory(bus.dir().to_owned()),
+        };
+        opened.map_err(|error| tracing::warn!("{}: no way to let go of outputs when stuck: {error}", self.name)).ok()
+    }
+
+    /// Records every frame sent and received from here on.
+    pub fn record(&mut self, recorder: Recorder) {
+        self.recorder = Some(recorder);
+    }
+
+    /// Sends a frame to everyone else on the bus. Never waits: what cannot be sent now is counted, and lost as on a
+    /// wire unless the caller tries again. (The virtual bus holds a short backlog for members that are slow.)
+    ///
+    /// False if the interface's queue is full, and the frame was not sent.
+    pub fn send(&mut self, frame: &Frame) -> bool {
+        let taken = match &mut self.wire {
+            Wire::Kernel(bus) => bus.send(frame, &mut self.stats),
+            Wire::Virtual(bus) => {
+                bus.send(frame, &mut self.stats);
+                true
+            }
+        };
+        if taken {
+            self.note(frame);
+        }
+        taken
+    }
+
+    /// The next frame somebody else has sent. Cancel safe: a frame is either returned or still to come. Other failures of
+    /// the system are counted and waited out.
+    ///
+    /// # Errors
+    /// The CAN interface is down or gone. What was sent last may not have left, and nothing is heard any more: a node ends.
+    pub async fn recv(&mut self) -> Result<Frame, BusError> {
+        let frame = match &mut self.wire {
+            Wire::Kernel(bus) => {
+                bus.recv(&mut self.stats).await.map_err(|error| BusError::Gone { name: self.name.clone(), error })?
+            }
+            Wire::Virtual(bus) => bus.recv(&mut self.stats).await,
+        };
+        self.stats.received += 1;
+        self.note(&frame);
+        Ok(frame)
+    }
+
+    /// What went wrong so far, and what did not.
+    pub fn stats(&self) -> BusStats {
+        self.stats
+    }
+
+    fn note(&mut self, frame: &Frame) {
+        if let Some(recorder) = &mut self.recorder {
+            let since_epoch = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+            recorder.record(since_epoch, frame);
+        }
+    }
+}
+
+/// Where a bus is, without opening it: its interface's name, or the directory of a virtual one. Two programs that open
+/// buses of one place are on one bus.
+pub fn place(name: &str, options: &Options) -> String {
+    let is_interface = is_bus_name(name) && Path::new("/sys/class/net").join(name).exists();
+    if options.transport == Transport::SocketCan || (options.transport == Transport::Auto && is_interface) {
+        return name.to_owned();
+    }
+    let Ok(directory) = members::base(options.dir.as_deref()) else { return name.to_owned() };
+    let directory = std::fs::canonicalize(&directory).or_else(|_| std::path::absolute(&directory)).unwrap_or(directory);
+    directory.join(name).display().to_string()
+}
+
+/// What Linux takes as an interface name, narrowed to what is harmless as a directory name.
+fn is_bus_name(name: &str) -> bool {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'.' | b'_' | b'-');
+    (1..=15).contains(&name.len()) && !name.starts_with('.') && name.bytes().all(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn an_interface_that_is_missing_is_an_error_where_the_virtual_bus_was_not_asked_for() {
+        let options = Options { transport: Transport::SocketCan, ..Options::default() };
+        let error = Bus::open("lw-absent", &options).err().expect("there is no such interface");
+        assert!(matches!(&error, BusError::Missing { name, .. } if name == "lw-absent"), "{error:?}");
+        let text = error.to_string();
+        assert!(text.starts_with("there is no CAN interface lw-absent (") && text.contains("--virtual-bus"), "{text}");
+    }
+
+    #[test]
+    fn names_that_leave_the_directory_are_refused() {
+        for name in ["", ".", "..", "../x", "a/b", "sixteen-letters-", "né"] {
+            assert!(matches!(Bus::open(name, &Options::default()), Err(BusError::Name { .. })), "{name}");
+        }
+        assert!(is_bus_name("vcan0") && is_bus_name("can-drill.1"));
+    }
+}

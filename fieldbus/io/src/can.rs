@@ -1,0 +1,256 @@
+//! A CAN bus as a node sees it: a driver behind what every kind of field bus offers.
+
+use linewright_canopen::codec::NmtState;
+use linewright_canopen::manager::{Condition, PlainStatus, Status};
+use linewright_canopen::sdo::{Abort, ObjectId};
+use linewright_canopen::{Ask, AskError, Event, Manager, ManagerError, NodeId};
+use linewright_fieldbus_seam::{
+    Answer, BusLost, Diagnosis, Fieldbus, InputImage, LastOrders, Level, NOT_HEARD, News, NextNews, Object, Refusal,
+    Reply, Request, Target,
+};
+use linewright_line::{Canopen, Device, Owner, Timing};
+use thiserror::Error;
+
+use crate::bus::{Bus, BusError, Options};
+use crate::clock::Clock;
+use crate::driver::Driver;
+
+/// Why the bus of a node is not to be had.
+#[derive(Debug, Error)]
+pub enum OpenError {
+    /// There is no such interface.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// The devices cannot share a bus.
+    #[error(transparent)]
+    Manager(#[from] ManagerError),
+}
+
+/// The CAN bus of a node, with its manager at work.
+pub struct CanFieldbus {
+    driver: Driver,
+    devices: Vec<Device>,
+    pending: Vec<(u64, Target, Request)>,
+    /// How many requests were answered at once. Their numbers begin far above the manager's.
+    at_once: u64,
+    answers: Vec<(u64, Answer)>,
+}
+
+/// Above every number of a request to the manager.
+const AT_ONCE: u64 = 1 << 40;
+
+impl CanFieldbus {
+    /// Opens the bus of this name, with the manager of these devices. Nothing is sent yet.
+    ///
+    /// # Errors
+    /// When there is no such bus, or the devices cannot share one.
+    pub fn open(
+        interface: &str,
+        options: &Options,
+        devices: Vec<Device>,
+        timing: Timing,
+        clock: Clock,
+    ) -> Result<Self, OpenError> {
+        let manager = Manager::new(&devices, timing)?;
+        let driver = Driver::new(Bus::open(interface, options)?, manager, clock);
+        Ok(CanFieldbus { driver, devices, pending: Vec::new(), at_once: 0, answers: Vec::new() })
+    }
+
+    fn ask_at_once(&mut self, answer: Answer) -> u64 {
+        self.at_once += 1;
+        let number = AT_ONCE + self.at_once;
+        self.answers.push((number, answer));
+        number
+    }
+
+    fn device(&self, name: &str) -> Option<&Device> {
+        self.devices.iter().find(|device| device.name == name)
+    }
+
+    fn diagnosis(&self, status: &Status<'_>) -> Diagnosis {
+        let (manager, now) = (self.driver.manager(), self.driver.now());
+        let trouble = manager.trouble_of(now, status.node);
+        let emergency = status.emergency.map_or_else(
+            || "none".to_owned(),
+            |(at, emergency)| format!("{} ({} s ago)", emergency.text(status.profile), now.since(at).as_secs()),
+        );
+        let state = state_word(status.nmt);
+        Diagnosis {
+            device: status.name.to_owned(),
+            owner: status.owner,
+            level: level(status, trouble.is_some()),
+            message: trouble.or_else(|| manager.explain(now, status.node)).unwrap_or_default(),
+            hardware_id: self.device(status.name).map(hardware_id).unwrap_or_default(),
+            state: Some(state),
+            error: status.emergency.map(|(_, emergency)| emergency.code),
+            losses: status.losses,
+            values: vec![
+                ("node id", format!("{:02X}h", status.node.get())),
+                ("state", state.to_owned()),
+                ("last emergency", emergency),
+                ("losses", status.losses.to_string()),
+                ("frames ignored", status.ignored.to_string()),
+            ],
+        }
+    }
+
+    fn plain_diagnosis(&self, status: PlainStatus<'_>) -> Diagnosis {
+        let frames = self.device(status.name).and_then(Device::frames);
+        let file = frames.map(|frames| frames.file.name.clone()).unwrap_or_default();
+        Diagnosis {
+            device: status.name.to_owned(),
+            owner: status.owner,
+            level: match (status.live, status.heard) {
+                (true, _) => Level::Ok,
+                (false, true) => Level::Error,
+                (false, false) => Level::Stale,
+            },
+            message: status.is,
+            hardware_id: format!("frames of {file}"),
+            state: None,
+            error: None,
+            losses: status.losses,
+            values: vec![("losses", status.losses.to_string())],
+        }
+    }
+}
+
+impl Fieldbus for CanFieldbus {
+    fn describe(&self) -> String {
+        self.driver.bus().describe()
+    }
+
+    fn next(&mut self) -> NextNews<'_> {
+        Box::pin(async move {
+            let events = self.driver.next().await.map_err(BusLost::new)?;
+            Ok(events.into_iter().map(news).collect())
+        })
+    }
+
+    fn inputs(&self, owner: Owner) -> Option<InputImage> {
+        self.devices.iter().any(|device| device.owner == owner).then(|| self.driver.inputs(owner))
+    }
+
+    fn set_outputs(&mut self, owner: Owner, image: u128) {
+        self.driver.set_outputs(owner, image);
+    }
+
+    fn release_outputs(&mut self) {
+        self.driver.release_outputs();
+    }
+
+    fn last_orders(&self) -> LastOrders {
+        let last = self.driver.last_frames();
+        Box::new(move || _ = last.send())
+    }
+
+    fn trouble(&self, owner: Owner) -> Vec<String> {
+        self.driver.manager().trouble(self.driver.now(), owner).collect()
+    }
+
+    fn diagnoses(&self) -> Vec<Diagnosis> {
+        let manager = self.driver.manager();
+        let canopen = manager.statuses().map(|status| self.diagnosis(&status));
+        let plain = manager.plain_statuses(self.driver.now()).map(|status| self.plain_diagnosis(status));
+        canopen.chain(plain).collect()
+    }
+
+    fn states(&self, tell: &mut dyn FnMut(&str, &'static str)) {
+        self.driver.manager().statuses().for_each(|status| tell(status.name, state_word(status.nmt)));
+    }
+
+    fn ask(&mut self, target: &Target, request: Request) -> Option<u64> {
+        let node = match target {
+            Target::Node(node) => *node,
+            Target::Device(name) => match self.device(name)?.node_id() {
+                Some(node) => node,
+                None => return Some(self.ask_at_once(Err(no_canopen(target, request)))),
+            },
+        };
+        let described = self.devices.iter().any(|device| device.node_id() == Some(node));
+        let id = NodeId::new(node).filter(|_| described)?;
+        let ask = match request {
+            Request::Read(object) => Ask::Read(id_of(object)),
+            Request::Write { object, value, bytes } => Ask::Write { object: id_of(object), value, bytes },
+            Request::Reset => {
+                self.driver.reset_node(id);
+                let text = "ordered to reset".to_owned();
+                return Some(self.ask_at_once(Ok(Reply { value: Vec::new(), text })));
+            }
+            Request::Start => {
+                let started = self.driver.start_node(id);
+                let done = |text| Reply { value: Vec::new(), text };
+                let answer = started.map(done).map_err(|text| Refusal { text, code: Abort::DEVICE_STATE.0 });
+                return Some(self.ask_at_once(answer));
+            }
+        };
+        let number = self.driver.ask(node, ask);
+        self.pending.push((number, Target::Node(node), request));
+        Some(number)
+    }
+
+    fn take_answers(&mut self) -> Vec<(u64, Answer)> {
+        let mut answers = std::mem::take(&mut self.answers);
+        for (number, answer) in self.driver.take_answers() {
+            let Some(at) = self.pending.iter().position(|pending| pending.0 == number) else { continue };
+            let (_, target, request) = self.pending.swap_remove(at);
+            let answer = answer.map(|value| Reply { value, text: String::new() });
+            answers.push((number, answer.map_err(|error| refusal(&target, request, &error))));
+        }
+        answers
+    }
+}
+
+fn id_of(object: Object) -> ObjectId {
+    ObjectId::new(object.index, object.sub)
+}
+
+fn refusal(target: &Target, request: Request, error: &AskError) -> Refusal {
+    Refusal { text: format!("{target}, {request}: {error}"), code: error.abort().0 }
+}
+
+fn no_canopen(target: &Target, request: Request) -> Refusal {
+    let text = format!("{target}, {request}: it speaks plain CAN frames, and has no objects and no states");
+    Refusal { text, code: Abort::NO_CONNECTION.0 }
+}
+
+fn news(event: Event) -> News {
+    match event {
+        Event::InputsChanged { owner } => News::InputsChanged { owner },
+        Event::Answered { .. } => News::Answered,
+        Event::Ignored { reason, frame } => News::Ignored(format!("frame {frame}: {reason}")),
+        other => News::Noted(other.to_string()),
+    }
+}
+
+/// As `ros2_canopen` writes it. A device that is not heard has no state: its word for an unknown one.
+fn state_word(state: Option<NmtState>) -> &'static str {
+    match state {
+        Some(NmtState::BootUp) => "BOOTUP",
+        Some(NmtState::PreOperational) => "PREOP",
+        Some(NmtState::Operational) => "START",
+        Some(NmtState::Stopped) => "STOP",
+        Some(NmtState::Unknown(_)) | None => NOT_HEARD,
+    }
+}
+
+fn level(status: &Status<'_>, trouble: bool) -> Level {
+    let emergency = status.emergency.is_some_and(|(_, emergency)| emergency.code != 0);
+    match status.condition {
+        Condition::Absent => Level::Stale,
+        Condition::Refused | Condition::Stopped => Level::Error,
+        Condition::Booting => Level::Warn,
+        Condition::Operational if trouble => Level::Error,
+        Condition::Operational if emergency => Level::Warn,
+        Condition::Operational => Level::Ok,
+    }
+}
+
+/// Its identity as far as the description knows it, and where it hangs.
+fn hardware_id(device: &Device) -> String {
+    let Some(Canopen { node_id, setup }) = device.canopen() else { return String::new() };
+    let identity = &setup.identity;
+    let numbers = [("vendor", identity.vendor), ("product", identity.product), ("serial", identity.serial)];
+    let known = numbers.iter().filter_map(|(what, number)| Some(format!(", {what} {:08X}h", (*number)?)));
+    format!("CANopen node {node_id:02X}h{}", known.collect::<String>())
+}

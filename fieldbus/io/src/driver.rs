@@ -1,0 +1,206 @@
+//! The thin shell around a [`Manager`]: its bus, and the clock its node shares.
+//!
+//! Nothing is decided here. A frame that comes in goes to the manager, a deadline that comes up polls it, what it
+//! wants sent is sent at once.
+
+use std::sync::{Arc, Mutex};
+
+use linewright_canopen::Frame;
+use linewright_canopen::codec::NodeId;
+use linewright_canopen::manager::{Answer, Ask, Event, MANAGER_NODE, Manager, Outbox};
+use linewright_fieldbus_seam::InputImage;
+use linewright_line::{Owner, Tick};
+
+use thiserror::Error;
+
+use crate::bus::{Bus, BusError, LastWire};
+use crate::clock::Clock;
+
+/// A manager at work on its bus.
+pub struct Driver {
+    bus: Bus,
+    manager: Manager,
+    clock: Clock,
+    outbox: Outbox,
+    /// What would let go of outputs now, where a device needs that.
+    last: Arc<Mutex<Vec<Frame>>>,
+}
+
+/// Lets go of outputs from another thread, when the one that drives them is stuck.
+pub struct LastFrames {
+    frames: Arc<Mutex<Vec<Frame>>>,
+    wire: Option<LastWire>,
+}
+
+impl LastFrames {
+    /// Sends, without waiting for anything, what lets go of every output of devices that would keep it; gives how many frames
+    /// were taken. The process has to end after this: its driver does not know of it.
+    pub fn send(&self) -> usize {
+        match (&self.wire, self.frames.try_lock()) {
+            (Some(wire), Ok(frames)) => wire.send(&frames),
+            _ => 0,
+        }
+    }
+}
+
+/// Why a manager cannot go on. Its node lets go of its outputs and ends.
+#[derive(Debug, Error)]
+pub enum DriverError {
+    /// The interface is gone.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// Another manager drives this bus.
+    #[error(
+        "{bus}: another CANopen manager (node {MANAGER_NODE}) drives this bus: its heartbeat (77Fh) was heard {}; \
+         one bus has one manager: end that one, or give this one a bus of its own",
+        if *.has_sent { "just after this one had begun, which has let go of every output" }
+        else { "before this one had sent anything" }
+    )]
+    AnotherManager {
+        /// The bus, in words.
+        bus: String,
+        /// Whether this one had already sent something.
+        has_sent: bool,
+    },
+}
+
+/// How often, and how far apart, the last orders are offered: a tenth of a second in all.
+const RELEASE_TRIES: usize = 100;
+const RELEASE_PAUSE: std::time::Duration = std::time::Duration::from_millis(1);
+
+impl Driver {
+    /// Joins a manager and its bus. Nothing is sent before [`Driver::next`] or [`Driver::set_outputs`] is called.
+    pub fn new(bus: Bus, manager: Manager, clock: Clock) -> Self {
+        Driver { bus, manager, clock, outbox: Outbox::default(), last: Arc::default() }
+    }
+
+    /// What lets go of outputs when this driver gets no turn any more, for a watchdog.
+    pub fn last_frames(&self) -> LastFrames {
+        LastFrames { frames: self.last.clone(), wire: self.bus.last_wire() }
+    }
+
+    /// Runs the bus until there is something to report; never returns an empty list.
+    ///
+    /// It returns after the first frame or deadline that reports anything, so that a loss is seen before the recovery
+    /// that may follow in the very next frame. Must be called again without much delay: between two calls no
+    /// heartbeat is sent, and after [`heartbeat_timeout`](linewright_line::Timing::heartbeat_timeout) the devices let
+    /// go of their outputs. Cancel safe.
+    ///
+    /// # Errors
+    /// When the interface is gone, or another manager was on the bus first. The node then has to end.
+    pub async fn next(&mut self) -> Result<Vec<Event>, DriverError> {
+        loop {
+            // The clock first: under a flood of frames, and after this process was held up, silence still counts.
+            let now = self.clock.now();
+            if self.manager.next_deadline().is_none_or(|due| due <= now) {
+                self.manager.poll(now, &mut self.outbox);
+                self.flush();
+            }
+            if let Some(has_sent) = self.manager.yields() {
+                return Err(DriverError::AnotherManager { bus: self.bus.describe(), has_sent });
+            }
+            if !self.outbox.events.is_empty() {
+                return Ok(std::mem::take(&mut self.outbox.events));
+            }
+            tokio::select! {
+                biased;
+                frame = self.bus.recv() => {
+                    self.manager.handle(self.clock.now(), &frame?, &mut self.outbox);
+                    self.flush();
+                }
+                () = self.clock.sleep_until(self.manager.next_deadline()) => {}
+            }
+        }
+    }
+
+    /// Sets the output image of `owner`; see [`Manager::set_outputs`]. Sent before this returns.
+    ///
+    /// After a loss ([`InputImage::losses`] has grown) an image must be set again: the one from before is forgotten.
+    pub fn set_outputs(&mut self, owner: Owner, image: u128) {
+        self.manager.set_outputs(self.clock.now(), owner, image, &mut self.outbox);
+        self.flush();
+    }
+
+    /// Lets go of every output, for an orderly end. Nobody gives the bus another turn after that, so what the interface
+    /// has no room for is offered again for a while, and the program waits. One that came second on its bus sends nothing.
+    pub fn release_outputs(&mut self) {
+        self.manager.release_outputs(self.clock.now(), &mut self.outbox);
+        for _ in 0..RELEASE_TRIES {
+            let sent = self.outbox.frames.iter().take_while(|frame| self.bus.send(frame)).count();
+            self.outbox.frames.drain(..sent);
+            if self.outbox.frames.is_empty() {
+                return;
+            }
+            std::thread::sleep(RELEASE_PAUSE);
+        }
+        tracing::warn!(left = self.outbox.frames.len(), "the interface does not take the orders to let go");
+    }
+
+    /// Asks a device; see [`Manager::ask`]. [`Driver::next`] reports when it is answered.
+    pub fn ask(&mut self, node: u8, ask: Ask) -> u64 {
+        let number = self.manager.ask(self.clock.now(), node, ask, &mut self.outbox);
+        self.flush();
+        number
+    }
+
+    /// What requests have come to since this was last called.
+    pub fn take_answers(&mut self) -> Vec<(u64, Answer)> {
+        std::mem::take(&mut self.outbox.answers)
+    }
+
+    /// Resets a device; see [`Manager::reset_node`].
+    pub fn reset_node(&mut self, node: NodeId) {
+        self.manager.reset_node(self.clock.now(), node, &mut self.outbox);
+        self.flush();
+    }
+
+    /// Starts a device; see [`Manager::start_node`].
+    ///
+    /// # Errors
+    /// In words, why it is not started now.
+    pub fn start_node(&mut self, node: NodeId) -> Result<String, String> {
+        let result = self.manager.start_node(self.clock.now(), node, &mut self.outbox);
+        self.flush();
+        result
+    }
+
+    /// The inputs of `owner` now.
+    pub fn inputs(&self, owner: Owner) -> InputImage {
+        self.manager.inputs(self.clock.now(), owner)
+    }
+
+    /// The manager, for its counters and states.
+    pub fn manager(&self) -> &Manager {
+        &self.manager
+    }
+
+    /// The bus, for its description and counters.
+    pub fn bus(&self) -> &Bus {
+        &self.bus
+    }
+
+    /// The bus, to record it.
+    pub fn bus_mut(&mut self) -> &mut Bus {
+        &mut self.bus
+    }
+
+    /// The present moment of the clock it was given.
+    pub fn now(&self) -> Tick {
+        self.clock.now()
+    }
+
+    fn flush(&mut self) {
+        if !self.outbox.frames.is_empty()
+            && let Ok(mut frames) = self.last.lock()
+        {
+            frames.clear();
+            self.manager.release_frames(&mut frames);
+        }
+        let sent = self.outbox.frames.iter().take_while(|frame| self.bus.send(frame)).count();
+        let refused = self.outbox.frames.split_off(sent);
+        self.outbox.frames.clear();
+        if !refused.is_empty() {
+            self.manager.give_back(self.clock.now(), refused);
+        }
+    }
+}

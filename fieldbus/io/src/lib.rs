@@ -1,0 +1,20 @@
+//! The buses of this machine, and a manager at work on one.
+//!
+//! - [`Bus`]: the wire: SocketCAN where the kernel has it, else a virtual bus between processes;
+//! - [`Driver`]: the thin shell that joins a bus and a [`Manager`](linewright_canopen::Manager) for a node;
+//! - [`CanFieldbus`]: the same as a node sees it, behind `linewright_fieldbus_seam::Fieldbus`;
+//! - [`sdo_client`]: reading and writing objects from a tool;
+//! - [`Clock`]: what all of them go by.
+//!
+//! Nothing is decided here: what a frame means and which one is sent next, `linewright_canopen` knows.
+
+pub mod bus;
+mod can;
+mod clock;
+mod driver;
+pub mod sdo_client;
+
+pub use bus::{Bus, BusError, Found, Options, OwnBuses, Transport, find_bus, place};
+pub use can::{CanFieldbus, OpenError};
+pub use clock::Clock;
+pub use driver::{Driver, DriverError, LastFrames};

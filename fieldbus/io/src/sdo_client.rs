@@ -1,0 +1,73 @@
+//! Reading and writing one object of one device, for tools.
+//!
+//! A tool takes part in the bus like `cansend` does, beside the manager. It waits for its own answers and drops every
+//! other frame, so it wants a [`Bus`] of its own.
+
+use linewright_canopen::codec::{Message, NodeId};
+use linewright_canopen::sdo::wire::Raw;
+use linewright_canopen::sdo::{Client, ObjectId, Options, Progress, TransferError};
+use thiserror::Error;
+
+use crate::bus::{Bus, BusError};
+use crate::clock::Clock;
+
+/// Why an object was not read or written.
+#[derive(Debug, Error)]
+pub enum SdoError {
+    /// The transfer has failed.
+    #[error("node {node}, {error}")]
+    Transfer {
+        /// The device.
+        node: NodeId,
+        /// The object, and what went wrong with it.
+        error: TransferError,
+    },
+    /// The bus is gone.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+}
+
+/// Reads an object of `node`, of any length up to [`Options::len_max`].
+pub async fn read(bus: &mut Bus, node: NodeId, object: ObjectId, options: Options) -> Result<Vec<u8>, SdoError> {
+    transfer(bus, node, Client::upload(object, options)).await
+}
+
+/// Writes an object of `node`, with data of any length.
+pub async fn write(
+    bus: &mut Bus,
+    node: NodeId,
+    object: ObjectId,
+    data: &[u8],
+    options: Options,
+) -> Result<(), SdoError> {
+    transfer(bus, node, Client::download(object, data, options)).await.map(|_| ())
+}
+
+/// Carries out a transfer. Dropped in between, it leaves the device waiting, which ends the transfer by itself.
+async fn transfer(bus: &mut Bus, node: NodeId, mut client: Client) -> Result<Vec<u8>, SdoError> {
+    let clock = Clock::start();
+    let mut out: Vec<Raw> = Vec::new();
+    client.start(clock.now(), &mut out);
+    loop {
+        for raw in out.drain(..) {
+            bus.send(&Message::SdoRequest { node, raw }.encode());
+        }
+        let progress = tokio::select! {
+            biased;
+            frame = bus.recv() => match Message::decode(&frame?) {
+                Ok(Message::SdoResponse { node: from, raw }) if from == node => {
+                    client.handle(clock.now(), &raw, &mut out)
+                }
+                // A bus with much to say must not keep the transfer from giving up.
+                _ => client.poll(clock.now(), &mut out),
+            },
+            () = clock.sleep_until(client.next_deadline()) => client.poll(clock.now(), &mut out),
+        };
+        if let Progress::Done(result) = progress {
+            for raw in out.drain(..) {
+                bus.send(&Message::SdoRequest { node, raw }.encode());
+            }
+            return result.map_err(|error| SdoError::Transfer { node, error });
+        }
+    }
+}

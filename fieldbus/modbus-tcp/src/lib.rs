@@ -1,0 +1,153 @@
+//! Modbus TCP devices of a node: the manager of `linewright_modbus` at work, over connections of `tokio-modbus`.
+//!
+//! Each connection is a task: it is made, asks one thing at a time and brings the answers. What each has to do, and when an
+//! answer is too late, the manager decides.
+//!
+//! A last order (outputs off) does not wait for an answer under way: it is written to the connection's socket by itself.
+
+mod last;
+mod link;
+
+use linewright_fieldbus::Clock;
+use linewright_fieldbus_seam::{Answer, Diagnosis, Fieldbus, InputImage, LastOrders, News, NextNews, Request, Target};
+use linewright_line::{Device, Owner};
+use linewright_modbus::{Act, Manager, Outbox, Outcome, What};
+use tokio::sync::mpsc;
+
+use last::Last;
+use link::Link;
+
+/// What connections have brought: of which device, by which connection, what.
+type Brought = (usize, u32, Outcome);
+
+/// The Modbus devices of a node, with their manager at work.
+pub struct ModbusTcp {
+    manager: Manager,
+    clock: Clock,
+    out: Outbox,
+    /// Of each device, its connection.
+    links: Vec<Option<Link>>,
+    lasts: Vec<Last>,
+    to: mpsc::UnboundedSender<Brought>,
+    from: mpsc::UnboundedReceiver<Brought>,
+}
+
+impl ModbusTcp {
+    /// The bus of those of these devices that speak Modbus. Nothing is connected before [`Fieldbus::next`] is called, within
+    /// a tokio runtime.
+    pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>, clock: Clock) -> Self {
+        let manager = Manager::new(devices);
+        let lasts: Vec<Last> = manager.last_requests().map(|(unit, request)| Last::new(unit, request)).collect();
+        let (to, from) = mpsc::unbounded_channel();
+        let links = lasts.iter().map(|_| None).collect();
+        ModbusTcp { manager, clock, out: Outbox::default(), links, lasts, to, from }
+    }
+
+    /// Has the connections do what they have to.
+    fn flush(&mut self) {
+        for Act { device, link, what } in self.out.acts.drain(..) {
+            match what {
+                What::Connect => {
+                    let place = self.manager.addresses().nth(device);
+                    let Some((address, unit)) = place else { continue };
+                    let (last, to) = (self.lasts[device].clone(), self.to.clone());
+                    self.links[device] = Some(Link::open(address, unit, last, (device, link), to));
+                }
+                What::Ask(request) => {
+                    if let Some(link) = &self.links[device] {
+                        link.ask(request);
+                    }
+                }
+                What::Close { last } => {
+                    if last.is_some() {
+                        self.lasts[device].send();
+                    }
+                    self.links[device] = None;
+                    self.lasts[device].forget();
+                }
+            }
+        }
+    }
+}
+
+impl Fieldbus for ModbusTcp {
+    fn describe(&self) -> String {
+        let mut addresses: Vec<&str> = self.manager.addresses().map(|(address, _)| address).collect();
+        addresses.dedup();
+        format!("Modbus TCP {}", addresses.join(", "))
+    }
+
+    fn next(&mut self) -> NextNews<'_> {
+        Box::pin(async move {
+            loop {
+                let now = self.clock.now();
+                if self.manager.next_deadline() <= now {
+                    self.manager.poll(now, &mut self.out);
+                }
+                self.flush();
+                if !self.out.news.is_empty() {
+                    return Ok(std::mem::take(&mut self.out.news));
+                }
+                tokio::select! {
+                    biased;
+                    // The sender is this one's own: it never ends.
+                    Some((device, link, outcome)) = self.from.recv() => {
+                        self.manager.handle(self.clock.now(), device, link, outcome, &mut self.out);
+                    }
+                    () = self.clock.sleep_until(Some(self.manager.next_deadline())) => {}
+                }
+            }
+        })
+    }
+
+    fn inputs(&self, owner: Owner) -> Option<InputImage> {
+        self.manager.inputs(self.clock.now(), owner)
+    }
+
+    fn set_outputs(&mut self, owner: Owner, image: u128) {
+        self.manager.set_outputs(self.clock.now(), owner, image, &mut self.out);
+        self.flush();
+    }
+
+    fn release_outputs(&mut self) {
+        self.manager.release_outputs(&mut Outbox::default());
+        // Nobody else reads the answers then.
+        self.links.iter_mut().for_each(|link| *link = None);
+        let told: Vec<&Last> = self.lasts.iter().filter(|last| last.send()).collect();
+        last::wait_for(&told);
+        self.lasts.iter().for_each(Last::forget);
+    }
+
+    fn last_orders(&self) -> LastOrders {
+        let lasts = self.lasts.clone();
+        Box::new(move || {
+            for last in &lasts {
+                last.send();
+            }
+        })
+    }
+
+    fn trouble(&self, owner: Owner) -> Vec<String> {
+        self.manager.trouble(self.clock.now(), owner)
+    }
+
+    fn diagnoses(&self) -> Vec<Diagnosis> {
+        self.manager.diagnoses(self.clock.now())
+    }
+
+    fn states(&self, tell: &mut dyn FnMut(&str, &'static str)) {
+        self.manager.states().for_each(|(name, state)| tell(name, state));
+    }
+
+    fn ask(&mut self, target: &Target, request: Request) -> Option<u64> {
+        let number = self.manager.ask(self.clock.now(), target, request, &mut self.out);
+        self.flush();
+        number
+    }
+
+    fn take_answers(&mut self) -> Vec<(u64, Answer)> {
+        // Answered at once: whoever asked takes the answer, and needs not be woken for it.
+        self.out.news.retain(|news| *news != News::Answered);
+        std::mem::take(&mut self.out.answers)
+    }
+}

@@ -1,0 +1,251 @@
+//! The manager of a node's Modbus devices.
+//!
+//! Each device has a connection of its own and is asked one thing at a time. There is no heartbeat in Modbus: the device is
+//! alive because it answers, and it lets go of its outputs by itself only if it has a watchdog register, which is written
+//! with another number in each cycle.
+
+mod peer;
+mod words;
+
+use linewright_fieldbus_seam::{Answer, InputImage, News, Refusal, Reply, Target, abort};
+use linewright_line::{Device, DeviceKind, Owner, Tick};
+
+use crate::message::{Failure, Request};
+use peer::Peer;
+
+/// What a connection has to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Act {
+    /// Whose, by its place among the devices.
+    pub device: usize,
+    /// Which connection of that device: what an older one still brings is ignored.
+    pub link: u32,
+    /// What.
+    pub what: What,
+}
+
+/// What a connection has to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// To be made.
+    Connect,
+    /// To ask this and bring the answer.
+    Ask(Request),
+    /// To be closed, whatever it is doing; before that, to send this without waiting for the answer.
+    Close {
+        /// What turns the outputs off.
+        last: Option<Request>,
+    },
+}
+
+/// What a connection has brought.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It is made.
+    Connected,
+    /// What was read.
+    Read(u64),
+    /// What was written has been taken.
+    Written,
+    /// None of it.
+    Failed(Failure),
+}
+
+/// What connections have to do, in order, and what to report.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outbox {
+    /// To be done.
+    pub acts: Vec<Act>,
+    /// To be reported.
+    pub news: Vec<News>,
+    /// What requests have come to.
+    pub answers: Vec<(u64, Answer)>,
+}
+
+struct Image {
+    owner: Owner,
+    /// What the owner last set; zero from the start and after every loss.
+    outputs: u128,
+    inputs: InputImage,
+}
+
+/// The manager of a node's Modbus devices.
+pub struct Manager {
+    peers: Vec<Peer>,
+    images: Vec<Image>,
+    requests: u64,
+    has_ended: bool,
+}
+
+/// What became of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Change {
+    Nothing,
+    /// It has sent its inputs, or has come up.
+    Inputs,
+    /// It was operational and is not.
+    Lost,
+}
+
+impl Manager {
+    /// The manager of those of these devices that speak Modbus. Nothing is done before the first [`Manager::poll`].
+    pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>) -> Self {
+        let mut peers = Vec::new();
+        let mut images: Vec<Image> = Vec::new();
+        for device in devices {
+            let DeviceKind::Modbus(modbus) = &device.kind else { continue };
+            if !images.iter().any(|image| image.owner == device.owner) {
+                images.push(Image { owner: device.owner, outputs: 0, inputs: InputImage::NEVER });
+            }
+            peers.push(Peer::new(peers.len(), &device.name, device.owner, modbus));
+        }
+        Manager { peers, images, requests: 0, has_ended: false }
+    }
+
+    /// Takes what a connection has brought at `now`.
+    pub fn handle(&mut self, now: Tick, device: usize, link: u32, outcome: Outcome, out: &mut Outbox) {
+        let Some(peer) = self.peers.get_mut(device).filter(|peer| peer.link == link) else { return };
+        let change = peer.take(now, outcome, out);
+        self.settle(now, device, change, out);
+        self.peers[device].go_on(now, out);
+    }
+
+    /// Does what is due at `now`: connecting, asking, noticing that no answer comes.
+    pub fn poll(&mut self, now: Tick, out: &mut Outbox) {
+        if self.has_ended {
+            return;
+        }
+        for at in 0..self.peers.len() {
+            let change = self.peers[at].poll(now, out);
+            self.settle(now, at, change, out);
+            self.peers[at].go_on(now, out);
+        }
+    }
+
+    /// When [`Manager::poll`] has something to do next; [`Tick::NEVER`] without devices.
+    pub fn next_deadline(&self) -> Tick {
+        if self.has_ended {
+            return Tick::NEVER;
+        }
+        self.peers.iter().map(Peer::deadline).min().unwrap_or(Tick::NEVER)
+    }
+
+    /// Sets the output image of `owner`: bit `i` is its output `i`. What changes is written with the next request, and all of
+    /// it again in each cycle.
+    ///
+    /// A device that is not operational gets nothing, and once it is operational again the image set *since*.
+    pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128, out: &mut Outbox) {
+        let Some(own) = self.images.iter_mut().find(|own| own.owner == owner) else { return };
+        if self.has_ended {
+            return;
+        }
+        own.outputs = image;
+        for peer in self.peers.iter_mut().filter(|peer| peer.owner == owner) {
+            peer.want(image);
+            peer.go_on(now, out);
+        }
+    }
+
+    /// Lets go of every output and closes every connection, for an orderly end. Nothing is done after it.
+    pub fn release_outputs(&mut self, out: &mut Outbox) {
+        self.has_ended = true;
+        for image in &mut self.images {
+            image.outputs = 0;
+            image.inputs.valid = false;
+        }
+        for peer in &mut self.peers {
+            peer.close(out);
+        }
+    }
+
+    /// For each device, its unit and what turns its outputs off.
+    pub fn last_requests(&self) -> impl Iterator<Item = (u8, Option<Request>)> {
+        self.peers.iter().map(|peer| (peer.modbus.unit, peer.rest()))
+    }
+
+    /// For each device, where it is.
+    pub fn addresses(&self) -> impl Iterator<Item = (&str, u8)> {
+        self.peers.iter().map(|peer| (peer.modbus.address.as_str(), peer.modbus.unit))
+    }
+
+    /// The inputs of `owner` as they stand at `now`; `None` if none of its devices is here.
+    pub fn inputs(&self, now: Tick, owner: Owner) -> Option<InputImage> {
+        let image = self.images.iter().find(|image| image.owner == owner)?.inputs;
+        // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
+        Some(InputImage { valid: image.valid && self.are_trusted(now, owner), ..image })
+    }
+
+    fn are_trusted(&self, now: Tick, owner: Owner) -> bool {
+        self.peers.iter().filter(|peer| peer.owner == owner).all(|peer| peer.is_trusted(now))
+    }
+
+    /// What a change of one device means for its owner's images.
+    fn settle(&mut self, now: Tick, at: usize, change: Change, out: &mut Outbox) {
+        let owner = self.peers[at].owner;
+        let Some(image) = self.images.iter_mut().find(|image| image.owner == owner) else { return };
+        match change {
+            Change::Nothing => return,
+            Change::Inputs => self.peers[at].want(image.outputs),
+            Change::Lost => {
+                // Its controller decided without knowing: none of its outputs is vouched for.
+                image.outputs = 0;
+                for peer in self.peers.iter_mut().filter(|peer| peer.owner == owner) {
+                    peer.want(0);
+                    peer.go_on(now, out);
+                }
+            }
+        }
+        self.gather(now, owner, out);
+    }
+
+    /// Recomputes an owner's input image, and reports a change.
+    fn gather(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
+        let valid = self.are_trusted(now, owner);
+        let peers = || self.peers.iter().filter(|peer| peer.owner == owner);
+        let bits = peers().map(Peer::input_bits).fold(0, |all, bits| all | bits);
+        let updated = peers().filter_map(|peer| peer.updated).max();
+        let Some(image) = self.images.iter_mut().find(|image| image.owner == owner) else { return };
+        let before = image.inputs;
+        image.inputs = before.followed_by(now, bits, valid, updated);
+        if (before.bits, before.valid) != (bits, valid) {
+            out.news.push(News::InputsChanged { owner });
+        }
+    }
+
+    /// Asks a device; the answer is in the outbox at once. `None` if it is not one of these.
+    pub fn ask(
+        &mut self,
+        now: Tick,
+        target: &Target,
+        request: linewright_fieldbus_seam::Request,
+        out: &mut Outbox,
+    ) -> Option<u64> {
+        use linewright_fieldbus_seam::Request as Asked;
+        let Target::Device(name) = target else { return None };
+        let at = self.peers.iter().position(|peer| peer.name == *name)?;
+        self.requests += 1;
+        let done = |text: &str| Ok(Reply { value: Vec::new(), text: text.to_owned() });
+        let answer = match request {
+            Asked::Reset => {
+                let change = self.peers[at].reset(now, out);
+                self.settle(now, at, change, out);
+                done("its outputs are let go, and it is connected to anew")
+            }
+            Asked::Start if self.peers[at].is_operational() => done("operational"),
+            Asked::Start => {
+                self.peers[at].retry_now(now);
+                done("it is being looked at again")
+            }
+            Asked::Read(_) | Asked::Write { .. } => Err(Refusal {
+                text: format!("{target}, {request}: it speaks Modbus, and has no objects"),
+                code: abort::UNSUPPORTED,
+            }),
+        };
+        out.answers.push((self.requests, answer));
+        out.news.push(News::Answered);
+        Some(self.requests)
+    }
+}
+
+#[cfg(test)]
+mod tests;

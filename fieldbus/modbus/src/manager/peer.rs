@@ -1,0 +1,435 @@
+//! One device, and where its connection stands.
+//!
+//! ```text
+//!  Down ──after a while──▶ Connecting ──▶ Preparing ──▶ Operational
+//!   ▲                          │              │              │
+//!   └── no connection, no answer in time, an exception, a wrong register ──┘
+//! ```
+//!
+//! Preparing: it is compared, its outputs are turned off, it is set up, its inputs are read. From then on it is told its
+//! outputs and asked for its inputs in each cycle, and what changes goes out of turn.
+
+use std::time::Duration;
+
+use linewright_fieldbus_seam::{News, gather, scatter};
+use linewright_line::{Modbus, Owner, RegisterValue, Table, Tick};
+
+use super::{Act, Change, Outbox, Outcome, What};
+use crate::message::{Failure, Request, exception_text, kept_bits};
+
+/// How long a device has to take a connection.
+const CONNECT: Duration = Duration::from_secs(1);
+/// How soon a device that was lost is tried again the first time; then twice as late each time.
+const RETRY_FIRST: Duration = Duration::from_millis(100);
+/// And at the latest.
+const RETRY_MAX: Duration = Duration::from_secs(2);
+/// One that was operational for so long is tried as soon as at first.
+const PROVEN: Duration = Duration::from_secs(1);
+/// So many answers in a row in time, and it is not called slow any more: ten seconds of the usual cycle.
+const CALM: u32 = 1500;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Down {
+        retry: Tick,
+    },
+    Connecting {
+        until: Tick,
+    },
+    /// The step of its preparation that it has to answer.
+    Preparing(usize),
+    Operational,
+}
+
+/// A step of a preparation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    Expect(RegisterValue),
+    Release,
+    Set(RegisterValue),
+    Feed,
+    Inputs,
+}
+
+/// A part of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Outputs,
+    Feed,
+    Inputs,
+}
+
+/// Why it is not operational.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Why {
+    pub text: String,
+    /// It answers, but not what it should.
+    pub is_refusal: bool,
+}
+
+/// A device.
+pub(super) struct Peer {
+    at: usize,
+    pub name: String,
+    pub owner: Owner,
+    pub modbus: Modbus,
+    pub link: u32,
+    phase: Phase,
+    steps: Vec<Step>,
+    parts: Vec<Part>,
+    /// What it was asked and when; it has not answered yet.
+    asked: Option<(Request, Tick)>,
+    /// The part of the cycle that comes next.
+    part: usize,
+    next_cycle: Tick,
+    /// When it last answered.
+    answered: Tick,
+    wanted: u64,
+    /// What it was last told; `None` since it was last lost.
+    sent: Option<u64>,
+    feed: u16,
+    heard: u64,
+    /// When its inputs last came; `None` since it was last lost.
+    pub updated: Option<Tick>,
+    pub why: Option<Why>,
+    failures: u32,
+    up_since: Tick,
+    pub losses: u32,
+    /// How long its last answer took.
+    pub took: Duration,
+    pub is_slow: bool,
+    calm: u32,
+}
+
+impl Peer {
+    pub fn new(at: usize, name: &str, owner: Owner, modbus: &Modbus) -> Self {
+        let (has_inputs, has_outputs) = (!modbus.inputs.is_empty(), !modbus.outputs.is_empty());
+        let expected = modbus.expect.iter().copied().map(Step::Expect);
+        let set = modbus.settings.iter().copied().map(Step::Set);
+        let steps = expected
+            .chain(has_outputs.then_some(Step::Release))
+            .chain(set)
+            .chain(modbus.watchdog.map(|_| Step::Feed))
+            .chain(has_inputs.then_some(Step::Inputs));
+        let parts = has_outputs.then_some(Part::Outputs).into_iter();
+        let parts = parts.chain(modbus.watchdog.map(|_| Part::Feed)).chain(has_inputs.then_some(Part::Inputs));
+        Peer {
+            at,
+            name: name.to_owned(),
+            owner,
+            link: 0,
+            phase: Phase::Down { retry: Tick::ZERO },
+            steps: steps.collect(),
+            parts: parts.collect(),
+            asked: None,
+            part: 0,
+            next_cycle: Tick::ZERO,
+            answered: Tick::ZERO,
+            wanted: 0,
+            sent: None,
+            feed: 0,
+            heard: 0,
+            updated: None,
+            why: None,
+            failures: 0,
+            up_since: Tick::ZERO,
+            losses: 0,
+            took: Duration::ZERO,
+            is_slow: false,
+            calm: 0,
+            modbus: modbus.clone(),
+        }
+    }
+
+    pub fn is_operational(&self) -> bool {
+        self.phase == Phase::Operational
+    }
+
+    pub fn is_preparing(&self) -> bool {
+        matches!(self.phase, Phase::Preparing(_))
+    }
+
+    /// When it is tried again, if it is not connected to.
+    pub fn retry(&self) -> Option<Tick> {
+        match self.phase {
+            Phase::Down { retry } => Some(retry),
+            _ => None,
+        }
+    }
+
+    /// What it was asked and has not answered yet.
+    pub fn pending(&self) -> Option<Request> {
+        self.asked.map(|(request, _)| request)
+    }
+
+    /// Its inputs may be acted upon: it is operational, and neither an answer nor the next question is overdue.
+    pub fn is_trusted(&self, now: Tick) -> bool {
+        let overdue = match self.asked {
+            Some((_, since)) => since + self.modbus.timeout,
+            None => self.next_cycle.max(self.answered) + self.modbus.timeout,
+        };
+        self.is_operational() && now < overdue
+    }
+
+    pub fn input_bits(&self) -> u128 {
+        gather(self.heard, &self.modbus.inputs)
+    }
+
+    /// What turns its outputs off, if it has any.
+    pub fn rest(&self) -> Option<Request> {
+        (!self.modbus.outputs.is_empty()).then(|| self.write(0))
+    }
+
+    fn write(&self, bits: u64) -> Request {
+        Request::write_bits(self.modbus.outputs_at, self.modbus.outputs.len(), bits)
+    }
+
+    /// Takes its share of the image its owner has set. One that is not operational gets none of it.
+    pub fn want(&mut self, image: u128) {
+        self.wanted = if self.is_operational() { scatter(image, &self.modbus.outputs) } else { 0 };
+    }
+
+    pub fn deadline(&self) -> Tick {
+        match (self.phase, self.asked) {
+            (Phase::Down { retry }, _) => retry,
+            (Phase::Connecting { until }, _) => until,
+            (_, Some((_, since))) => since + self.modbus.timeout,
+            (_, None) => self.next_cycle,
+        }
+    }
+
+    pub fn poll(&mut self, now: Tick, out: &mut Outbox) -> Change {
+        match self.phase {
+            Phase::Down { retry } if retry <= now => {
+                self.link += 1;
+                self.phase = Phase::Connecting { until: now + CONNECT };
+                self.act(What::Connect, out);
+            }
+            Phase::Connecting { until } if until <= now => {
+                let text = format!("it does not take a connection within {} ms", CONNECT.as_millis());
+                return self.lose(now, Why { text, is_refusal: false }, out);
+            }
+            _ => {}
+        }
+        match self.asked {
+            Some((request, since)) if since + self.modbus.timeout <= now => {
+                let text = format!("no answer within {} ms ({request})", self.modbus.timeout.as_millis());
+                self.lose(now, Why { text, is_refusal: false }, out)
+            }
+            _ => Change::Nothing,
+        }
+    }
+
+    /// Takes what its connection has brought.
+    pub fn take(&mut self, now: Tick, outcome: Outcome, out: &mut Outbox) -> Change {
+        if let Outcome::Connected = outcome {
+            return if matches!(self.phase, Phase::Connecting { .. }) {
+                self.prepare(now, 0, out)
+            } else {
+                Change::Nothing
+            };
+        }
+        let asked = self.asked.take();
+        let value = match outcome {
+            Outcome::Failed(failure) => return self.lose(now, why(asked.map(|asked| asked.0), failure), out),
+            Outcome::Read(value) => Some(value),
+            Outcome::Written | Outcome::Connected => None,
+        };
+        if let Some((_, since)) = asked {
+            (self.took, self.answered) = (now.since(since), now);
+            self.judge_pace(out);
+        }
+        match self.phase {
+            Phase::Preparing(step) => self.prepared(now, step, value, out),
+            Phase::Operational => match (asked, value) {
+                (Some((Request::Read { .. }, _)), Some(value)) => self.hear(now, value),
+                _ => Change::Nothing,
+            },
+            Phase::Down { .. } | Phase::Connecting { .. } => Change::Nothing,
+        }
+    }
+
+    fn hear(&mut self, now: Tick, value: u64) -> Change {
+        self.heard = kept_bits(value, self.modbus.inputs.len());
+        self.updated = Some(now);
+        Change::Inputs
+    }
+
+    /// A step of its preparation is answered.
+    fn prepared(&mut self, now: Tick, step: usize, value: Option<u64>, out: &mut Outbox) -> Change {
+        match (self.steps.get(step), value) {
+            (Some(Step::Expect(expected)), Some(value)) if value != u64::from(expected.value) => {
+                let RegisterValue { register, value: wanted } = expected;
+                let text = format!("another device: holding register {register} is {value}, expected {wanted}");
+                return self.lose(now, Why { text, is_refusal: true }, out);
+            }
+            (Some(Step::Inputs), Some(value)) => {
+                self.hear(now, value);
+            }
+            _ => {}
+        }
+        self.prepare(now, step + 1, out)
+    }
+
+    /// Asks the next step of its preparation, or is operational after the last one.
+    fn prepare(&mut self, now: Tick, step: usize, out: &mut Outbox) -> Change {
+        self.phase = Phase::Preparing(step);
+        let request = match self.steps.get(step) {
+            Some(Step::Expect(RegisterValue { register, .. })) => {
+                Request::Read { table: Table::HoldingRegisters, first: *register, count: 1 }
+            }
+            Some(Step::Release) => self.write(0),
+            Some(Step::Set(RegisterValue { register, value })) => Request::write_register(*register, *value),
+            Some(Step::Feed) => self.next_feed(),
+            Some(Step::Inputs) => Request::read_bits(self.modbus.inputs_at, self.modbus.inputs.len()),
+            None => {
+                self.phase = Phase::Operational;
+                (self.why, self.up_since, self.wanted, self.sent) = (None, now, 0, Some(0));
+                (self.part, self.next_cycle) = (self.parts.len(), now + self.modbus.cycle);
+                out.news.push(News::Noted(format!("{} is operational", self.name)));
+                return Change::Inputs;
+            }
+        };
+        self.ask(now, request, out);
+        Change::Nothing
+    }
+
+    fn next_feed(&mut self) -> Request {
+        self.feed = self.feed.wrapping_add(1);
+        Request::write_register(self.modbus.watchdog.map_or(0, |watchdog| watchdog.register), self.feed)
+    }
+
+    /// Asks what is due next, unless an answer is awaited.
+    pub fn go_on(&mut self, now: Tick, out: &mut Outbox) {
+        if !self.is_operational() || self.asked.is_some() {
+            return;
+        }
+        // What changes goes first, whatever else is due.
+        if !self.modbus.outputs.is_empty() && self.sent != Some(self.wanted) {
+            return self.send_outputs(now, out);
+        }
+        if self.part == self.parts.len() {
+            if now < self.next_cycle {
+                return;
+            }
+            // A cycle missed by a late caller is not made up for: the next one counts from now.
+            (self.part, self.next_cycle) = (0, now + self.modbus.cycle);
+        }
+        let Some(part) = self.parts.get(self.part).copied() else { return };
+        self.part += 1;
+        match part {
+            Part::Outputs => self.send_outputs(now, out),
+            Part::Feed => {
+                let request = self.next_feed();
+                self.ask(now, request, out);
+            }
+            Part::Inputs => {
+                self.ask(now, Request::read_bits(self.modbus.inputs_at, self.modbus.inputs.len()), out);
+            }
+        }
+    }
+
+    fn send_outputs(&mut self, now: Tick, out: &mut Outbox) {
+        self.sent = Some(self.wanted);
+        self.ask(now, self.write(self.wanted), out);
+    }
+
+    fn ask(&mut self, now: Tick, request: Request, out: &mut Outbox) {
+        self.asked = Some((request, now));
+        self.act(What::Ask(request), out);
+    }
+
+    fn act(&self, what: What, out: &mut Outbox) {
+        out.acts.push(Act { device: self.at, link: self.link, what });
+    }
+
+    fn judge_pace(&mut self, out: &mut Outbox) {
+        if self.took > self.modbus.cycle {
+            self.calm = 0;
+            if !self.is_slow {
+                self.is_slow = true;
+                out.news.push(News::Noted(format!("{} is slow: {}", self.name, self.pace())));
+            }
+        } else if self.is_slow {
+            self.calm += 1;
+            if self.calm >= CALM {
+                self.is_slow = false;
+                out.news.push(News::Noted(format!("{} is slow no longer", self.name)));
+            }
+        }
+    }
+
+    /// That it is slow, in words.
+    pub fn pace(&self) -> String {
+        format!("an answer took {} ms, in a cycle of {} ms", self.took.as_millis(), self.modbus.cycle.as_millis())
+    }
+
+    /// It cannot be used, or not any more.
+    fn lose(&mut self, now: Tick, why: Why, out: &mut Outbox) -> Change {
+        let was_up = self.is_operational();
+        if was_up && self.up_since + PROVEN <= now {
+            self.failures = 0;
+        }
+        let word = if was_up { "lost" } else { "not started" };
+        if was_up || self.why.as_ref() != Some(&why) {
+            out.news.push(News::Noted(format!("{} is {word}: {}", self.name, why.text)));
+        }
+        let wait = if why.is_refusal { RETRY_MAX } else { RETRY_FIRST * 2u32.pow(self.failures.min(5)) };
+        self.failures += 1;
+        self.why = Some(why);
+        self.losses += u32::from(was_up);
+        self.hang_up(out);
+        self.phase = Phase::Down { retry: now + wait.min(RETRY_MAX) };
+        if was_up { Change::Lost } else { Change::Nothing }
+    }
+
+    /// Lets go of its outputs and closes its connection.
+    fn hang_up(&mut self, out: &mut Outbox) {
+        if !matches!(self.phase, Phase::Down { .. }) {
+            let is_connected = !matches!(self.phase, Phase::Connecting { .. });
+            // One that may be another device is told nothing.
+            let is_known = match self.phase {
+                Phase::Preparing(step) => !matches!(self.steps.get(step), Some(Step::Expect(_))),
+                _ => true,
+            };
+            self.act(What::Close { last: self.rest().filter(|_| is_connected && is_known) }, out);
+        }
+        self.link += 1;
+        (self.asked, self.sent, self.wanted, self.updated) = (None, None, 0, None);
+    }
+
+    /// For an orderly end.
+    pub fn close(&mut self, out: &mut Outbox) {
+        self.hang_up(out);
+        self.phase = Phase::Down { retry: Tick::NEVER };
+    }
+
+    /// Starts anew at somebody's request.
+    pub fn reset(&mut self, now: Tick, out: &mut Outbox) -> Change {
+        let change = self.lose(now, Why { text: "reset by request".to_owned(), is_refusal: false }, out);
+        self.retry_now(now);
+        change
+    }
+
+    /// Is tried again now, if it is waited with.
+    pub fn retry_now(&mut self, now: Tick) {
+        self.failures = 0;
+        if let Phase::Down { retry } = &mut self.phase {
+            *retry = now;
+        }
+    }
+}
+
+fn why(asked: Option<Request>, failure: Failure) -> Why {
+    let doing = asked.map_or_else(|| "connecting".to_owned(), |request| request.to_string());
+    match failure {
+        Failure::Gone(text) => Why { text: format!("no connection: {text}"), is_refusal: false },
+        Failure::Exception(code) => {
+            // The two by which a device says that there is nothing at an address, or not so much.
+            let map = if matches!(code, 2 | 3) { "wrong register map: " } else { "" };
+            let text = format!("{map}{doing} is refused: {} (exception {code})", exception_text(code));
+            Why { text, is_refusal: true }
+        }
+        Failure::Malformed(text) => Why { text: format!("{doing}: {text}"), is_refusal: true },
+    }
+}

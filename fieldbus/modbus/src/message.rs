@@ -1,0 +1,173 @@
+//! Requests and answers, and the few of them that are encoded here.
+
+use std::fmt;
+
+use linewright_line::{REGISTER_BITS, Table};
+
+/// What is asked of a device. Bits and registers are numbers: bit `i` is the one at `first + i`, and of registers each has
+/// sixteen bits, the first one the lowest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// To read so many bits or registers (functions 01h to 04h).
+    Read {
+        /// Where.
+        table: Table,
+        /// From which address.
+        first: u16,
+        /// How many addresses.
+        count: u16,
+    },
+    /// To write coils (function 0Fh).
+    WriteCoils {
+        /// From which address.
+        first: u16,
+        /// How many.
+        count: u16,
+        /// Which are on.
+        bits: u64,
+    },
+    /// To write holding registers (function 10h).
+    WriteRegisters {
+        /// From which address.
+        first: u16,
+        /// How many, at most four.
+        count: u16,
+        /// What.
+        words: u64,
+    },
+}
+
+/// Why there is no answer, or none that can be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// There is no connection, or none any more.
+    Gone(String),
+    /// The device refuses, with this code.
+    Exception(u8),
+    /// The answer does not fit the question.
+    Malformed(String),
+}
+
+/// What an exception code means (§7).
+pub fn exception_text(code: u8) -> &'static str {
+    match code {
+        1 => "illegal function",
+        2 => "illegal data address",
+        3 => "illegal data value",
+        4 => "device failure",
+        5 => "acknowledge",
+        6 => "device busy",
+        8 => "memory parity error",
+        10 => "gateway path unavailable",
+        11 => "gateway target does not respond",
+        _ => "unknown",
+    }
+}
+
+/// Of a number, so many low bits.
+pub fn kept_bits(value: u64, count: usize) -> u64 {
+    if count >= 64 { value } else { value & ((1 << count) - 1) }
+}
+
+impl Request {
+    /// To write one holding register.
+    pub fn write_register(register: u16, value: u16) -> Self {
+        Request::WriteRegisters { first: register, count: 1, words: value.into() }
+    }
+
+    /// To write these bits into coils or registers.
+    pub fn write_bits((table, first): (Table, u16), bits: usize, value: u64) -> Self {
+        let count = u16::try_from(table.addresses(bits)).unwrap_or(u16::MAX);
+        if table.has_registers() {
+            Request::WriteRegisters { first, count, words: kept_bits(value, bits) }
+        } else {
+            Request::WriteCoils { first, count, bits: kept_bits(value, bits) }
+        }
+    }
+
+    /// To read so many bits.
+    pub fn read_bits((table, first): (Table, u16), bits: usize) -> Self {
+        Request::Read { table, first, count: u16::try_from(table.addresses(bits)).unwrap_or(u16::MAX) }
+    }
+
+    /// Its bytes on a TCP connection (MBAP header, function, data), for a last order that has nobody to wait for it.
+    pub fn adu(&self, transaction: u16, unit: u8) -> Vec<u8> {
+        let mut pdu = Vec::with_capacity(16);
+        let head = |pdu: &mut Vec<u8>, function: u8, first: u16, count: u16| {
+            pdu.push(function);
+            pdu.extend(first.to_be_bytes());
+            pdu.extend(count.to_be_bytes());
+        };
+        match *self {
+            Request::Read { table, first, count } => head(&mut pdu, function_of(table), first, count),
+            Request::WriteCoils { first, count, bits } => {
+                head(&mut pdu, 0x0F, first, count);
+                let bytes = usize::from(count).div_ceil(8).min(8);
+                pdu.push(bytes as u8);
+                pdu.extend(&bits.to_le_bytes()[..bytes]);
+            }
+            Request::WriteRegisters { first, count, words } => {
+                let count = count.min(4);
+                head(&mut pdu, 0x10, first, count);
+                pdu.push(count as u8 * 2);
+                for at in 0..usize::from(count) {
+                    pdu.extend(((words >> (REGISTER_BITS * at)) as u16).to_be_bytes());
+                }
+            }
+        }
+        let mut adu = Vec::with_capacity(7 + pdu.len());
+        adu.extend(transaction.to_be_bytes());
+        adu.extend([0, 0]);
+        adu.extend((pdu.len() as u16 + 1).to_be_bytes());
+        adu.push(unit);
+        adu.extend(pdu);
+        adu
+    }
+}
+
+fn function_of(table: Table) -> u8 {
+    match table {
+        Table::Coils => 1,
+        Table::DiscreteInputs => 2,
+        Table::HoldingRegisters => 3,
+        Table::InputRegisters => 4,
+    }
+}
+
+impl fmt::Display for Request {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (what, count, table, first) = match self {
+            Request::Read { table, first, count } => ("reading", count, *table, first),
+            Request::WriteCoils { first, count, .. } => ("writing", count, Table::Coils, first),
+            Request::WriteRegisters { first, count, .. } => ("writing", count, Table::HoldingRegisters, first),
+        };
+        write!(f, "{what} {count} {table} from {first}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn requests_are_encoded_as_the_specification_shows() {
+        // §6.11: coils 20 to 29 (address 13h), CDh 01h.
+        let coils = Request::WriteCoils { first: 0x13, count: 10, bits: 0x01CD };
+        assert_eq!(coils.adu(1, 0xFF), [0, 1, 0, 0, 0, 9, 0xFF, 0x0F, 0, 0x13, 0, 0x0A, 2, 0xCD, 0x01]);
+        // §6.12: two registers from 2 (address 1): 000Ah and 0102h.
+        let registers = Request::WriteRegisters { first: 1, count: 2, words: 0x0102_000A };
+        assert_eq!(registers.adu(2, 1), [0, 2, 0, 0, 0, 11, 1, 0x10, 0, 1, 0, 2, 4, 0, 0x0A, 0x01, 0x02]);
+        // §6.2: discrete inputs 197 to 218.
+        let read = Request::Read { table: Table::DiscreteInputs, first: 0xC4, count: 0x16 };
+        assert_eq!(read.adu(3, 1), [0, 3, 0, 0, 0, 6, 1, 2, 0, 0xC4, 0, 0x16]);
+    }
+
+    #[test]
+    fn bits_fill_coils_one_by_one_and_registers_sixteen_by_sixteen() {
+        let coils = Request::write_bits((Table::Coils, 5), 3, 0xFF);
+        assert_eq!(coils, Request::WriteCoils { first: 5, count: 3, bits: 0b111 });
+        let registers = Request::write_bits((Table::HoldingRegisters, 5), 17, u64::MAX);
+        assert_eq!(registers, Request::WriteRegisters { first: 5, count: 2, words: 0x1_FFFF });
+        assert_eq!(kept_bits(u64::MAX, 64), u64::MAX);
+    }
+}

@@ -1,0 +1,31 @@
+//! The CAN field bus: a process image at one end, CANopen frames at the other.
+//!
+//! From the inside out:
+//! - [`Frame`]: one classic CAN frame, as the kernel lays it out, and its [`candump`] text;
+//! - [`codec`]: frame ↔ CANopen [`Message`], total and pure;
+//! - [`sdo`]: reading and writing objects, client and server, pure;
+//! - [`Manager`]: the CANopen manager of one bus, pure: it is called with the time and a frame, and answers with
+//!   frames to send and events to report;
+//! - [`profile`]: what the process data of a device mean that has to be talked to first: drives.
+//!
+//! Buses of a machine, and a manager at work on one, are in `linewright_fieldbus`.
+//!
+//! Only this crate knows COB-IDs and byte layouts. It does not know what a signal means, when a motion may start or
+//! which mode a line is in; it moves bits between devices and images, says whether they can be trusted, and lets go
+//! of every output it cannot vouch for.
+//!
+//! Clauses cited as "CiA 301" are those of the CANopen application layer, version 4.2.0; "CiA 401" is the profile of
+//! generic I/O devices, version 3.0; "CiA 402" that of drives, which is IEC 61800-7-201 as well.
+
+pub mod candump;
+pub mod codec;
+mod frame;
+pub mod manager;
+pub mod profile;
+pub mod sdo;
+pub mod survey;
+pub mod tell;
+
+pub use codec::{DecodeError, Message, NodeId};
+pub use frame::{FRAME_BYTES, Frame, FrameError, Kind};
+pub use manager::{Answer, Ask, AskError, Event, IgnoreReason, MANAGER_NODE, Manager, ManagerError, Outbox};

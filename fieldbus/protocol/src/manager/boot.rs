@@ -1,0 +1,387 @@
+//! Bringing one device up: who it is, and what it is to be told, before it may be started.
+//!
+//! As in the boot process of CiA 302-2: the device type and the identity are read and compared with what is expected;
+//! only then are objects written, in the order given, and those read back on which safety rests (`on_error.rs`); only
+//! when all are as required may the device be started. Last, object 1001h is read: the owner must know of a standing
+//! error before it relies on the device. A device with another identity than described is not written to.
+//!
+//! Every step is one SDO transfer, so what a boot waits for is always one object. Nothing here knows of heartbeats or
+//! of the other devices: all of them boot side by side, and one that does not answer holds up nobody.
+
+use std::fmt;
+use std::time::Duration;
+
+use linewright_line::{Identity, Setup, Tick, Timing};
+
+use super::errors::ERROR_REGISTER;
+use super::event::{Event, Outbox};
+use super::on_error::{is_one, judged};
+use super::peer::{Peer, Phase};
+use super::process::Process;
+use super::transfer::Transfer;
+use super::{MANAGER_NODE, RETRY};
+use crate::codec::{NmtCommand, NodeId};
+use crate::frame::Frame;
+use crate::sdo::wire::Raw;
+use crate::sdo::{Abort, Cause, ObjectId, Progress, Setting, TransferError};
+
+/// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
+/// that whoever has mended it need not do anything else.
+pub(super) const REFUSED_RETRY: Duration = Duration::from_secs(5);
+
+/// What a device is to be before it is started.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Plan {
+    /// Who it has to be.
+    pub identity: Identity,
+    /// What is written, in this order.
+    pub settings: Vec<Setting>,
+}
+
+/// Why a device is not started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BootError {
+    /// It is another device.
+    Identity {
+        /// The object that says so.
+        object: ObjectId,
+        /// What it should be.
+        expected: u32,
+        /// Value that the device reports.
+        found: u32,
+    },
+    /// An object that identifies it has another length.
+    NotANumber {
+        /// The object.
+        object: ObjectId,
+        /// Its bytes; a number has four.
+        bytes: usize,
+    },
+    /// It has taken a setting, and gives back something else.
+    NotKept {
+        /// The object.
+        object: ObjectId,
+        /// What was written, as a number.
+        written: u32,
+        /// What was read back.
+        found: u32,
+    },
+    /// It does not say whether it has kept a setting.
+    NotReadBack(TransferError),
+    /// It is who it should be, but loses SYNC, which its outputs wait for.
+    NoSync {
+        /// How often in a row.
+        times: u32,
+    },
+    /// A transfer failed.
+    Transfer {
+        /// It was to be written; otherwise read.
+        writing: bool,
+        /// Which, and why.
+        error: TransferError,
+    },
+}
+
+impl fmt::Display for BootError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BootError::Identity { object, expected, found } => {
+                let what = what(*object);
+                write!(f, "it is another device: its {what} (object {object}) is {found:08X}h, not {expected:08X}h")
+            }
+            BootError::NotANumber { object, bytes } => {
+                write!(f, "its {} (object {object}) has {bytes} bytes, not 4", what(*object))
+            }
+            BootError::NotKept { object, written, found } => {
+                write!(f, "object {object}{} is {found:02X}h, not {written:02X}h as written", remedied(object.index))
+            }
+            BootError::NotReadBack(error) => {
+                write!(
+                    f,
+                    "object {}{} cannot be read back: {}",
+                    error.object,
+                    remedied(error.object.index),
+                    error.cause
+                )
+            }
+            BootError::NoSync { times } => write!(f, "it has lost SYNC (080h) {times} times in a row"),
+            BootError::Transfer { writing: true, error } => {
+                write!(f, "it cannot be configured: {error}{}", remedied(error.object.index))
+            }
+            BootError::Transfer { writing: false, error } if error.object == ERROR_REGISTER => {
+                write!(f, "it does not say whether an error stands: {error}")
+            }
+            BootError::Transfer { writing: false, error } => write!(f, "it cannot be identified: {error}"),
+        }
+    }
+}
+
+/// For objects by which outputs go off without a manager: what they are for, and what to do if a device lacks one.
+fn remedied(index: u16) -> &'static str {
+    if is_one(index) {
+        " (it turns the outputs off when the manager is gone; without it they may stay on. Use or set up a device that \
+         keeps it, or give the reason in `without_error_values` why that is safe)"
+    } else {
+        ""
+    }
+}
+
+fn what(object: ObjectId) -> &'static str {
+    match (object.index, object.sub) {
+        (0x1000, _) => "device type",
+        (_, 1) => "vendor id",
+        (_, 2) => "product code",
+        (_, 3) => "revision number",
+        _ => "serial number",
+    }
+}
+
+/// How far a boot is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// Under way.
+    Busy,
+    /// Everything is as it has to be. With the error register, from a device that has one.
+    Done(Option<u8>),
+    /// It must not be started.
+    Failed(BootError),
+}
+
+/// One device being brought up.
+#[derive(Debug)]
+pub(super) struct Boot {
+    node: NodeId,
+    /// Transfers done: first what is read, then what is written.
+    at: usize,
+    /// The last setting is being read back.
+    reads_back: bool,
+    transfer: Transfer,
+}
+
+/// The object every device has, and that is read first: it also tells whether somebody is there.
+pub(super) const DEVICE_TYPE: ObjectId = ObjectId::new(0x1000, 0);
+
+/// What is read, in order; of what follows the device type, only what is compared.
+const READ: [ObjectId; 5] = [
+    DEVICE_TYPE,
+    ObjectId::new(0x1018, 1),
+    ObjectId::new(0x1018, 2),
+    ObjectId::new(0x1018, 3),
+    ObjectId::new(0x1018, 4),
+];
+
+fn expected(identity: &Identity, nth: usize) -> Option<u32> {
+    let Identity { device_type, vendor, product, revision, serial } = *identity;
+    [device_type, vendor, product, revision, serial][nth]
+}
+
+fn compare(identity: &Identity, nth: usize, bytes: &[u8]) -> Result<(), BootError> {
+    let object = READ[nth];
+    let Some(expected) = expected(identity, nth) else { return Ok(()) };
+    let number = bytes.try_into().map_err(|_| BootError::NotANumber { object, bytes: bytes.len() })?;
+    let found = u32::from_le_bytes(number);
+    let same = match nth {
+        // The major revision must be the same, the minor one at least what is expected.
+        3 => found >> 16 == expected >> 16 && found & 0xFFFF >= expected & 0xFFFF,
+        _ => found == expected,
+    };
+    if same { Ok(()) } else { Err(BootError::Identity { object, expected, found }) }
+}
+
+/// What has come of reading a setting back.
+fn read_back(setting: &Setting, result: Result<Vec<u8>, TransferError>) -> Result<(), BootError> {
+    let number = |bytes: &[u8]| bytes.iter().take(4).rev().fold(0, |all, byte| all << 8 | u32::from(*byte));
+    match result {
+        Ok(bytes) if setting.excused || setting.is_kept(&bytes) => Ok(()),
+        Ok(bytes) => {
+            let (written, found) = (number(&setting.data), number(&bytes));
+            Err(BootError::NotKept { object: setting.object, written, found })
+        }
+        Err(TransferError { cause: Cause::Refused(code), .. }) if setting.may_be_refused(code) => Ok(()),
+        Err(error) => Err(BootError::NotReadBack(error)),
+    }
+}
+
+impl Boot {
+    /// Begins: asks for the device type.
+    pub fn start(now: Tick, node: NodeId, out: &mut Vec<Frame>) -> Self {
+        Boot { node, at: 0, reads_back: false, transfer: Transfer::read(now, node, DEVICE_TYPE, out) }
+    }
+
+    /// Takes eight bytes of the device's SDO server.
+    pub fn handle(&mut self, now: Tick, plan: &Plan, raw: &Raw, out: &mut Vec<Frame>) -> Step {
+        let progress = self.transfer.handle(now, raw, out);
+        self.go_on(now, plan, progress, out)
+    }
+
+    /// Does what is due.
+    pub fn poll(&mut self, now: Tick, plan: &Plan, out: &mut Vec<Frame>) -> Step {
+        let progress = self.transfer.poll(now, out);
+        self.go_on(now, plan, progress, out)
+    }
+
+    /// The transfer under way.
+    pub fn transfer(&self) -> &Transfer {
+        &self.transfer
+    }
+
+    /// The same, to go on with it.
+    pub fn transfer_mut(&mut self) -> &mut Transfer {
+        &mut self.transfer
+    }
+
+    /// When [`Boot::poll`] has something to do next.
+    pub fn deadline(&self) -> Tick {
+        self.transfer.deadline()
+    }
+
+    /// What it waits for, in words.
+    pub fn explain(&self, plan: &Plan) -> String {
+        let object = self.transfer.object();
+        match self.at.checked_sub(READ.len()) {
+            None => format!("being identified: waits for its {} (object {object})", what(object)),
+            Some(nth) if nth == plan.settings.len() => {
+                format!("configured, and asked whether an error stands (object {object})")
+            }
+            Some(nth) => {
+                let does = if self.reads_back { "read back" } else { "written" };
+                format!("being configured: object {object} is {does}, {} of {}", nth + 1, plan.settings.len())
+            }
+        }
+    }
+
+    fn go_on(&mut self, now: Tick, plan: &Plan, progress: Progress, out: &mut Vec<Frame>) -> Step {
+        match progress {
+            Progress::Busy => Step::Busy,
+            Progress::Done(result) if self.at == READ.len() + plan.settings.len() => match result {
+                Ok(bytes) => Step::Done(bytes.first().copied()),
+                // Every device should have one (CiA 301 §7.5.2.2); what it does not have it cannot report.
+                Err(TransferError { cause: Cause::Refused(_), .. }) => Step::Done(None),
+                Err(error) => Step::Failed(BootError::Transfer { writing: false, error }),
+            },
+            Progress::Done(result) => match self.setting(plan) {
+                None => match result {
+                    Ok(bytes) => self.done(now, plan, &bytes, out),
+                    Err(error) => Step::Failed(BootError::Transfer { writing: false, error }),
+                },
+                Some(setting) if self.reads_back => match read_back(setting, result) {
+                    Ok(()) => self.done(now, plan, &[], out),
+                    Err(why) => Step::Failed(why),
+                },
+                Some(setting) => self.written(now, plan, setting, result.err(), out),
+            },
+        }
+    }
+
+    /// The setting that is being written or read back.
+    fn setting<'a>(&self, plan: &'a Plan) -> Option<&'a Setting> {
+        self.at.checked_sub(READ.len()).and_then(|nth| plan.settings.get(nth))
+    }
+
+    /// A setting is written, or not.
+    fn written(
+        &mut self,
+        now: Tick,
+        plan: &Plan,
+        setting: &Setting,
+        error: Option<TransferError>,
+        out: &mut Vec<Frame>,
+    ) -> Step {
+        match error.map(|error| (error, error.cause)) {
+            // One that cannot be changed may be as it has to be.
+            None | Some((_, Cause::Refused(Abort::READ_ONLY))) if setting.compared.is_some() => {
+                self.reads_back = true;
+                self.transfer = Transfer::read(now, self.node, setting.object, out);
+                Step::Busy
+            }
+            None => self.done(now, plan, &[], out),
+            Some((_, Cause::Refused(code))) if setting.may_be_refused(code) => self.done(now, plan, &[], out),
+            Some((error, _)) => Step::Failed(BootError::Transfer { writing: true, error }),
+        }
+    }
+
+    /// One transfer is done; the next begins.
+    fn done(&mut self, now: Tick, plan: &Plan, bytes: &[u8], out: &mut Vec<Frame>) -> Step {
+        if self.at < READ.len()
+            && let Err(error) = compare(&plan.identity, self.at, bytes)
+        {
+            return Step::Failed(error);
+        }
+        self.at += 1;
+        self.reads_back = false;
+        // What is not compared need not be there.
+        while self.at < READ.len() && expected(&plan.identity, self.at).is_none() {
+            self.at += 1;
+        }
+        self.transfer = match (READ.get(self.at), plan.settings.get(self.at.saturating_sub(READ.len()))) {
+            (Some(object), _) => Transfer::read(now, self.node, *object, out),
+            (None, Some(setting)) => Transfer::write(now, self.node, setting, out),
+            (None, None) => Transfer::read(now, self.node, ERROR_REGISTER, out),
+        };
+        Step::Busy
+    }
+}
+
+impl Peer {
+    pub(super) fn order_start(&mut self, now: Tick, out: &mut Outbox) {
+        self.phase = Phase::Starting { retry: now + RETRY };
+        if self.orders.take(now) {
+            self.order(NmtCommand::Start, out);
+        }
+    }
+
+    /// Begins, or begins again, to bring it up.
+    pub(super) fn boot(&mut self, now: Tick, out: &mut Outbox) {
+        self.process.lost(now);
+        self.lent = false;
+        self.held = false;
+        if !self.orders.take(now) {
+            // It boots again and again: it is asked for after a while, like one that is absent.
+            self.phase = Phase::Absent { probe: now + RETRY };
+            return;
+        }
+        self.phase = Phase::Booting(Boot::start(now, self.node, &mut out.frames));
+    }
+
+    /// What a step of its boot leads to.
+    pub(super) fn booted(&mut self, now: Tick, step: Step, out: &mut Outbox) {
+        let why = match step {
+            Step::Busy => return,
+            Step::Done(register) => {
+                self.refusal = None;
+                self.register_read(now, register, out);
+                return self.order_start(now, out);
+            }
+            Step::Failed(why) => why,
+        };
+        if self.refusal != Some(why) {
+            self.refusal = Some(why);
+            out.events.push(Event::BootFailed { node: self.node, why });
+        }
+        let silent = matches!(
+            why,
+            BootError::Transfer { error, .. } | BootError::NotReadBack(error) if matches!(error.cause, Cause::Silent { .. })
+        );
+        self.phase = if silent && self.heard + self.timeout <= now {
+            Phase::Absent { probe: now + RETRY }
+        } else {
+            Phase::Refused { why, retry: now + if silent { RETRY } else { REFUSED_RETRY } }
+        };
+    }
+}
+
+/// What every device has to be, and what it is told before it is started.
+pub(super) fn plan(node: NodeId, setup: &Setup, process: &Process, timing: &Timing) -> Plan {
+    let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
+    // Object 1017h, producer heartbeat time in ms.
+    let produce = Setting::new(0x1017, 0, millis(timing.heartbeat).to_le_bytes());
+    // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. What makes outputs safe when
+    // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
+    let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
+    let consume = process.has_outputs().then(|| Setting::new(0x1016, 1, watched.to_le_bytes()));
+    // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
+    let described = setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
+    let described = described.chain(super::sync::settings(setup, timing));
+    let settings = described.chain([produce]).chain(consume).chain(process.settings(node, &setup.settings));
+    Plan { identity: setup.identity, settings: judged(setup, settings) }
+}

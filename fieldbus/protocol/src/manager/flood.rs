@@ -1,0 +1,99 @@
+//! How much of one node's traffic is worth an answer, a report, or a look.
+//!
+//! A node that babbles, broken or badly configured, may fill the bus. What it says is then worth nothing, and what it
+//! costs must be bounded: the frames looked at, the orders sent in return, the events reported. The other devices pay
+//! with the bus's time, which is the bus's business, and with nothing else.
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::RETRY;
+use super::event::{Event, IgnoreReason, Outbox};
+use super::peer::{Outcome, Peer, Phase};
+use super::trouble::Why;
+
+/// A node may say this much of itself within one [`WINDOW`]: process data, heartbeats and emergencies together. A drive
+/// that moves sends some forty; two thousand a second is a third of what 500 kbit/s carry.
+pub(super) const FRAMES_MAX: u32 = 200;
+/// In which they are counted.
+pub(super) const WINDOW: Duration = Duration::from_millis(100);
+/// How long a node has to keep within that to be listened to again.
+const CALM: Duration = Duration::from_secs(1);
+
+/// How much a node says.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Flood {
+    begun: Tick,
+    frames: u32,
+    /// It counts as babbling until then.
+    until: Option<Tick>,
+}
+
+/// What one more frame is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// To be looked at.
+    Fine,
+    /// The one with which the node begins to babble; not to be looked at.
+    Begins,
+    /// Not to be looked at.
+    TooMuch,
+}
+
+impl Flood {
+    /// Counts a frame.
+    pub fn hear(&mut self, now: Tick) -> Verdict {
+        if self.begun + WINDOW <= now {
+            (self.begun, self.frames) = (now, 0);
+        }
+        self.frames = self.frames.saturating_add(1);
+        if self.frames <= FRAMES_MAX {
+            return if self.is_on() { Verdict::TooMuch } else { Verdict::Fine };
+        }
+        let before = self.until.replace(now + CALM);
+        if before.is_none() { Verdict::Begins } else { Verdict::TooMuch }
+    }
+
+    /// Whether it babbles.
+    pub fn is_on(&self) -> bool {
+        self.until.is_some()
+    }
+
+    /// Lets time pass: it may have ceased to.
+    pub fn ends(&mut self, now: Tick) {
+        self.until = self.until.filter(|until| *until > now);
+    }
+
+    /// When it may have ceased to.
+    pub fn deadline(&self) -> Tick {
+        self.until.unwrap_or(Tick::NEVER)
+    }
+}
+
+impl Peer {
+    /// Takes a frame with which the device speaks by itself, unless there are too many of them.
+    pub(super) fn unless_babbling(
+        &mut self,
+        now: Tick,
+        out: &mut Outbox,
+        act: impl FnOnce(&mut Peer, &mut Outbox) -> Outcome,
+    ) -> Outcome {
+        match self.flood.hear(now) {
+            Verdict::Fine => act(self, out),
+            Verdict::Begins => {
+                out.events.push(Event::Babbles { node: self.node });
+                self.send_rest(out);
+                self.leave(now, Phase::Absent { probe: now + RETRY }, Why::Babbled)
+            }
+            Verdict::TooMuch => Outcome::Ignored(IgnoreReason::Babbling),
+        }
+    }
+
+    /// Reports something, unless there was too much of it.
+    pub(super) fn tell(&mut self, now: Tick, event: Event, out: &mut Outbox) {
+        if self.told.take(now) {
+            out.events.push(event);
+        }
+    }
+}

@@ -1,0 +1,440 @@
+//! The CANopen manager of one bus.
+//!
+//! Pure: it is called with the time and a frame, and fills an [`Outbox`] with frames to send and events to report. It
+//! brings every device of the description up (configure, start), watches its heartbeat, and moves bits between the
+//! devices' PDOs and their owners' process images. It does not know what a bit means or whether a motion is allowed;
+//! it knows which bits can be trusted.
+//!
+//! One rule stands above the others: **an output is energised only by an image that its owner set after the last time
+//! one of the owner's devices was lost.** When a device is lost, reboots or leaves the operational state, the image is
+//! forgotten and the owner's other devices get zero at once; what is then set again is set by a controller that could
+//! know.
+
+mod boot;
+mod build;
+mod bus_off;
+mod channels;
+mod errors;
+mod event;
+mod flood;
+mod guard;
+mod on_error;
+mod pace;
+mod peer;
+mod plain;
+mod process;
+mod request;
+mod rival;
+mod status;
+mod sync;
+mod transfer;
+mod trouble;
+
+use std::time::Duration;
+
+use linewright_fieldbus_seam::{Budget, InputImage};
+use linewright_line::{Owner, Tick, Timing};
+
+pub use boot::BootError;
+pub use build::ManagerError;
+pub use channels::ChannelFault;
+pub use event::{Event, IgnoreReason, Outbox};
+pub use plain::{FrameFault, PlainStatus};
+pub use request::{Answer, Ask, AskError};
+pub use status::{Condition, Status};
+
+use crate::codec::{DecodeError, Message, NmtState, NodeId};
+use crate::frame::{Frame, Kind};
+use event::IGNORE_REASONS;
+use pace::Pace;
+use peer::{Outcome, Peer};
+use plain::Plain;
+use request::Requests;
+use rival::Rival;
+use status::Record;
+
+/// The manager's own node id: the highest one, so that every device's traffic wins arbitration against it except its
+/// network management orders, which have COB-ID 0.
+pub const MANAGER_NODE: NodeId = match NodeId::new(127) {
+    Some(node) => node,
+    None => panic!("127 is a node id"),
+};
+
+struct Image {
+    owner: Owner,
+    /// What the owner last set; zero from the start and after every loss.
+    outputs: u128,
+    inputs: InputImage,
+}
+
+/// The manager of one bus.
+pub struct Manager {
+    timing: Timing,
+    peers: Vec<Peer>,
+    /// Devices that speak no CANopen.
+    plains: Vec<Plain>,
+    /// What is remembered of each, in the same order.
+    records: Vec<Record>,
+    requests: Requests,
+    images: Vec<Image>,
+    /// `None` until the first poll: nothing has been sent yet.
+    next_heartbeat: Option<Tick>,
+    next_sync: Option<Tick>,
+    /// Since when the interface is off the bus.
+    off: Option<Tick>,
+    ignored: [u64; IGNORE_REASONS],
+    pace: Pace,
+    /// Whose turn it is to send a segment of a block.
+    turn: usize,
+    /// How much is said of ignored frames, by reason, and at the end of errors of the bus.
+    told: [Budget; IGNORE_REASONS + 1],
+    rival: Rival,
+}
+
+impl Manager {
+    /// Takes one frame heard on the bus at `now`.
+    pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
+        let (start, told) = (out.frames.len(), out.events.len());
+        self.pace.heard(now);
+        if self.rival.is_mute() {
+            self.listen(now, frame, out);
+            return self.pass(now, start, out);
+        }
+        self.take(now, frame, out);
+        self.requests.poll(now, &mut self.peers, out);
+        self.record(now, &out.events[told..]);
+        self.pass(now, start, out);
+    }
+
+    fn take(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
+        if !matches!(frame.kind(), Kind::Error(_)) {
+            self.back_on_the_bus(now, out);
+        }
+        if self.take_plain(now, frame, out) {
+            return;
+        }
+        let message = match Message::decode(frame) {
+            Ok(message) => message,
+            Err(error) => return self.undecodable(now, error, *frame, out),
+        };
+        match message {
+            Message::Heartbeat { node, .. } if node == MANAGER_NODE => self.hear_rival(now, out),
+            // It may be what the other has brought about: nothing follows from it until this one is alone.
+            _ if self.rival.since().is_some() => self.ignored[IgnoreReason::NotForManager as usize] += 1,
+            Message::Heartbeat { node, state } => {
+                if let Some(record) = self.record_of(node.get()) {
+                    record.nmt = Some(state);
+                }
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.heartbeat(now, state, out));
+            }
+            Message::Tpdo1 { node, payload } => {
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.inputs_heard(now, 1, payload, out));
+            }
+            Message::Tpdo { node, number, payload } => {
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.inputs_heard(now, number, payload, out));
+            }
+            Message::Emergency { node, emergency } => {
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.emergency(now, emergency, out));
+            }
+            Message::SdoResponse { node, raw } => {
+                let asked = self.peers.iter_mut().find(|peer| peer.node == node);
+                if asked.is_some_and(|peer| self.requests.answered(now, peer, &raw, out)) {
+                    return;
+                }
+                self.with_peer(now, node, frame, out, |peer, out| peer.sdo_answer(now, &raw, out));
+            }
+            // Orders and outputs from a technician's tool or another client; the devices answer for themselves.
+            Message::Nmt { .. }
+            | Message::Sync { .. }
+            | Message::Rpdo1 { .. }
+            | Message::Rpdo { .. }
+            | Message::SdoRequest { .. } => {
+                self.ignored[IgnoreReason::NotForManager as usize] += 1;
+            }
+        }
+    }
+
+    /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, noticing silence. For the first
+    /// four periods of its heartbeat that is listening alone.
+    pub fn poll(&mut self, now: Tick, out: &mut Outbox) {
+        let (start, told) = (out.frames.len(), out.events.len());
+        if !self.may_send(now, out) {
+            return;
+        }
+        if self.next_heartbeat.is_none() {
+            self.first_poll(out);
+        }
+        // A beat missed by a late caller is not made up for: the next one counts from now.
+        if self.next_heartbeat.is_none_or(|due| due <= now) {
+            let state = NmtState::Operational;
+            out.frames.push(Message::Heartbeat { node: MANAGER_NODE, state }.encode());
+            self.next_heartbeat = Some(now + self.timing.heartbeat);
+        }
+        self.send_sync(now, out);
+        if self.rival.since().is_none() {
+            for at in 0..self.peers.len() {
+                let outcome = self.peers[at].poll(now, out);
+                self.settle(now, at, outcome, out);
+            }
+        }
+        self.poll_plain(now, out);
+        self.requests.poll(now, &mut self.peers, out);
+        self.record(now, &out.events[told..]);
+        self.forget_states(now);
+        self.pass(now, start, out);
+    }
+
+    /// When [`Manager::poll`] has something to do next. `None` before the first poll, which is due at once.
+    pub fn next_deadline(&self) -> Option<Tick> {
+        let rival = self.rival.deadline()?;
+        if self.rival.is_mute() {
+            return Some(rival);
+        }
+        let heartbeat = self.next_heartbeat?;
+        let pace = self.pace.deadline(self.peers.iter().any(Peer::streams) || self.requests.streaming(0).is_some());
+        let first = heartbeat.min(pace).min(self.requests.deadline());
+        let first = first.min(self.next_sync.unwrap_or(Tick::NEVER)).min(self.plain_deadline()).min(rival);
+        if self.rival.since().is_some() {
+            return Some(first);
+        }
+        Some(self.peers.iter().map(Peer::deadline).fold(first, Tick::min))
+    }
+
+    /// Sets the output image of `owner`: bit `i` is its output `i`. Sent at once where it differs from what a device
+    /// has, and repeated every [`Timing::refresh`].
+    ///
+    /// A device that is not operational gets nothing, and once it is operational again the image set *since*. An
+    /// owner unknown on this bus is ignored.
+    pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128, out: &mut Outbox) {
+        let start = out.frames.len();
+        self.give_image(now, owner, image, out);
+        self.pass(now, start, out);
+    }
+
+    fn give_image(&mut self, now: Tick, owner: Owner, outputs: u128, out: &mut Outbox) {
+        let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
+        // With another manager on the bus nothing is energised, also later: what is set then is set anew.
+        let outputs = if self.rival.since().is_some() { 0 } else { outputs };
+        image.outputs = outputs;
+        for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
+            peer.set_image(now, outputs, out);
+        }
+        for plain in self.plains.iter_mut().filter(|p| p.owner == owner) {
+            plain.set_image(now, outputs, out);
+        }
+    }
+
+    /// Takes frames back that the interface had no room for, in the order in which they were to be sent. They go as
+    /// soon as there may be room, unless newer ones have taken their place.
+    pub fn give_back(&mut self, now: Tick, frames: Vec<Frame>) {
+        self.pace.give_back(now, frames);
+    }
+
+    /// Lets go of every output of every device: for an orderly end, so nothing waits, and what waited is not sent. (After
+    /// any other end the devices' own heartbeat consumers do it; those that speak no CANopen have none and come first.)
+    ///
+    /// A manager that has never sent anything, because another one was there first, disturbs nothing by ending either.
+    pub fn release_outputs(&mut self, now: Tick, out: &mut Outbox) {
+        if !self.rival.has_sent() {
+            return;
+        }
+        self.pace.forget_all();
+        for image in &mut self.images {
+            image.outputs = 0;
+        }
+        for plain in &mut self.plains {
+            plain.release(now, out);
+        }
+        // What they were sent last may still have waited: each is told, whatever it is thought to have.
+        let mut differing = Outbox::default();
+        for peer in &mut self.peers {
+            peer.set_image(now, 0, &mut differing);
+            peer.send_rest(out);
+        }
+    }
+
+    /// The inputs of `owner` as they stand at `now`.
+    pub fn inputs(&self, now: Tick, owner: Owner) -> InputImage {
+        let image = self.images.iter().find(|i| i.owner == owner).map_or(InputImage::NEVER, |i| i.inputs);
+        // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
+        InputImage { valid: image.valid && self.are_trusted(now, owner), ..image }
+    }
+
+    /// Whether every device of an owner that may not be lost can be acted upon.
+    fn are_trusted(&self, now: Tick, owner: Owner) -> bool {
+        self.rival.since().is_none()
+            && self.peers.iter().filter(|p| p.owner == owner && p.is_vital).all(|p| p.trusted(now))
+            && self.plains.iter().filter(|p| p.owner == owner).all(|p| p.trusted(now))
+    }
+
+    /// Every device: its node id, its name, and whether it is operational.
+    pub fn devices(&self) -> impl Iterator<Item = (NodeId, &str, bool)> {
+        self.peers.iter().map(|peer| (peer.node, peer.name.as_str(), peer.is_operational()))
+    }
+
+    /// How many frames were ignored for `reason`.
+    pub fn ignored(&self, reason: IgnoreReason) -> u64 {
+        self.ignored[reason as usize]
+    }
+
+    /// The owners whose images this bus carries.
+    pub fn owners(&self) -> impl Iterator<Item = Owner> {
+        self.images.iter().map(|i| i.owner)
+    }
+
+    /// Before anything else every output is let go: a manager that ended a moment ago may have left some energised
+    /// that this one knows nothing of. Zero (for a drive: quick stop) is safe in every state of the device.
+    fn first_poll(&mut self, out: &mut Outbox) {
+        out.frames.push(Message::Heartbeat { node: MANAGER_NODE, state: NmtState::BootUp }.encode());
+        for peer in &self.peers {
+            peer.send_rest(out);
+        }
+    }
+
+    /// Of the frames from `start` on, those go that may go now, and of those that wait the ones whose turn it is.
+    fn pass(&mut self, now: Tick, start: usize, out: &mut Outbox) {
+        self.pace.pass(now, start, &mut out.frames);
+        while self.pace.may_stream(now) {
+            // One after the other, and then somebody's request.
+            let next = |from: usize| (from..self.peers.len()).find(|at| self.peers[*at].streams());
+            match next(self.turn) {
+                Some(at) => {
+                    self.peers[at].stream(now, out);
+                    self.turn = at + 1;
+                }
+                None => {
+                    let first = next(0).is_some();
+                    let streamed = self.requests.stream(now, out);
+                    if !first && !streamed {
+                        return;
+                    }
+                    self.turn = 0;
+                    if !streamed {
+                        continue;
+                    }
+                }
+            }
+            self.pace.streamed(now);
+        }
+    }
+
+    /// What a device sends of its own accord: one that babbles is not listened to.
+    fn unless_babbling(
+        &mut self,
+        now: Tick,
+        node: NodeId,
+        frame: &Frame,
+        out: &mut Outbox,
+        act: impl FnOnce(&mut Peer, &mut Outbox) -> Outcome,
+    ) {
+        self.with_peer(now, node, frame, out, |peer, out| peer.unless_babbling(now, out, act));
+    }
+
+    fn with_peer(
+        &mut self,
+        now: Tick,
+        node: NodeId,
+        frame: &Frame,
+        out: &mut Outbox,
+        act: impl FnOnce(&mut Peer, &mut Outbox) -> Outcome,
+    ) {
+        match self.peers.iter().position(|p| p.node == node) {
+            Some(at) => match act(&mut self.peers[at], out) {
+                Outcome::Ignored(reason) => self.ignore(now, reason, *frame, out),
+                outcome => self.settle(now, at, outcome, out),
+            },
+            None => self.ignore(now, IgnoreReason::UnknownNode, *frame, out),
+        }
+    }
+
+    /// What a change of one device means for its owner's images.
+    fn settle(&mut self, now: Tick, at: usize, outcome: Outcome, out: &mut Outbox) {
+        let owner = self.peers[at].owner;
+        match outcome {
+            Outcome::Unchanged | Outcome::Ignored(_) => return,
+            Outcome::Inputs => {}
+            Outcome::Up => {
+                // Operational at last: it starts from zero and gets what the owner has set since its last loss.
+                self.peers[at].send_outputs(now, out);
+            }
+            Outcome::Lost => {
+                self.forget_what_waits(at);
+                self.records[at].losses += 1;
+                // On one that may be lost nothing depends.
+                if self.peers[at].is_vital {
+                    self.let_go(now, owner, out);
+                }
+            }
+        }
+        self.gather(now, owner, out);
+    }
+
+    /// What waits for a device that is gone was decided before. One that is only not trusted is still told: what waits
+    /// may be the order to let go, and is replaced by a newer one.
+    fn forget_what_waits(&mut self, at: usize) {
+        if !self.peers[at].is_operational() {
+            self.pace.forget(self.peers[at].node);
+        }
+    }
+
+    /// One of an owner's devices is lost. Its controller decided without knowing: none of its outputs is vouched for.
+    pub(super) fn let_go(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
+        self.give_image(now, owner, 0, out);
+    }
+
+    /// Recomputes an owner's input image, and reports a change. However it came to be invalid, outputs are let go.
+    fn gather(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
+        let peers = || self.peers.iter().filter(|p| p.owner == owner);
+        let plains = || self.plains.iter().filter(|p| p.owner == owner);
+        let own = peers().map(|peer| peer.input_bits(now)).chain(plains().map(Plain::input_bits));
+        let bits = own.fold(0, |all, bits| all | bits);
+        let valid = self.are_trusted(now, owner);
+        let updated = peers().filter_map(Peer::updated).chain(plains().filter_map(Plain::updated)).max();
+        let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
+        let before = image.inputs;
+        image.inputs = before.followed_by(now, bits, valid, updated);
+        if (before.bits, before.valid) != (bits, valid) {
+            out.events.push(Event::InputsChanged { owner });
+        }
+        if before.valid && !valid {
+            self.let_go(now, owner, out);
+        }
+    }
+
+    fn undecodable(&mut self, now: Tick, error: DecodeError, frame: Frame, out: &mut Outbox) {
+        let reason = match error {
+            DecodeError::Extended { .. } => IgnoreReason::Extended,
+            DecodeError::Remote { .. } => IgnoreReason::Remote,
+            DecodeError::ErrorFrame { class } => {
+                self.ignored[IgnoreReason::ErrorFrame as usize] += 1;
+                if self.told[IGNORE_REASONS].take(now) {
+                    out.events.push(Event::BusError { class });
+                }
+                return self.bus_error(now, class, out);
+            }
+            DecodeError::UnknownCobId { .. } => IgnoreReason::UnknownCobId,
+            DecodeError::Length { .. } | DecodeError::Field { .. } => IgnoreReason::Malformed,
+        };
+        self.ignore(now, reason, frame, out);
+    }
+
+    fn ignore(&mut self, now: Tick, reason: IgnoreReason, frame: Frame, out: &mut Outbox) {
+        self.ignored[reason as usize] += 1;
+        // An answer to somebody else's question is everyday traffic, not worth an event. Of the rest, enough is told to
+        // understand it; the counters have all of it.
+        let everyday = matches!(reason, IgnoreReason::NotForManager | IgnoreReason::Babbling);
+        if !everyday && self.told[reason as usize].take(now) {
+            out.events.push(Event::Ignored { reason, frame });
+        }
+    }
+}
+
+/// How much is told of what comes again and again.
+const TOLD: Budget = Budget::new(20, Duration::from_millis(100));
+
+/// How long an unanswered order waits before it is repeated, and how often an absent device is asked for. Twice a
+/// second is soon enough for a person who plugs it in, and no load for the bus.
+const RETRY: Duration = Duration::from_millis(500);
+
+#[cfg(test)]
+mod tests;

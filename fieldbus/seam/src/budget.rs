@@ -1,0 +1,52 @@
+//! How much is said of what comes again and again.
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+/// Lets a few through at once, and after that one every so often.
+#[derive(Clone, Copy, Debug)]
+pub struct Budget {
+    burst: u32,
+    every: Duration,
+    left: u32,
+    since: Tick,
+}
+
+impl Budget {
+    /// So many at once, and one every so often.
+    pub const fn new(burst: u32, every: Duration) -> Self {
+        Budget { burst, every, left: burst, since: Tick::ZERO }
+    }
+
+    /// Whether one more is let through at `now`.
+    pub fn take(&mut self, now: Tick) -> bool {
+        let earned = now.since(self.since).as_micros() / self.every.as_micros().max(1);
+        if earned > 0 {
+            self.left = self.left.saturating_add(u32::try_from(earned).unwrap_or(u32::MAX)).min(self.burst);
+            self.since = now;
+        }
+        self.left > 0 && {
+            self.left -= 1;
+            true
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_budget_lets_a_few_through_and_then_one_every_so_often() {
+        let mut budget = Budget::new(3, Duration::from_millis(100));
+        let at = Tick::from_millis;
+        let through = |budget: &mut Budget, now: u64| (0..10).filter(|_| budget.take(at(now))).count();
+        assert_eq!(through(&mut budget, 1000), 3);
+        assert_eq!(through(&mut budget, 1050), 0);
+        assert_eq!(through(&mut budget, 1150), 1);
+        assert_eq!(through(&mut budget, 9000), 3);
+        // Asked all the time, it gives no more than it earns.
+        assert_eq!((9001..10001).map(|now| through(&mut budget, now)).sum::<usize>(), 10);
+    }
+}

@@ -1,0 +1,49 @@
+//! How a device is, for `/diagnostics`.
+
+use linewright_line::Owner;
+
+/// The state of a device that is not heard, in the words of `ros2_canopen`.
+pub const NOT_HEARD: &str = "ERROR";
+
+/// How well it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// It works.
+    Ok,
+    /// It works, or is about to, but something is to be looked at.
+    Warn,
+    /// It does not work.
+    Error,
+    /// Nothing is heard of it.
+    Stale,
+}
+
+/// How one device is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnosis {
+    /// Its name.
+    pub device: String,
+    /// Whose image it carries.
+    pub owner: Owner,
+    /// How well it is.
+    pub level: Level,
+    /// How it is, in one sentence.
+    pub message: String,
+    /// What it is and where it hangs.
+    pub hardware_id: String,
+    /// Its state in the words of `ros2_canopen`, of a kind that has one.
+    pub state: Option<&'static str>,
+    /// The code of its last error report, of a kind that has such.
+    pub error: Option<u16>,
+    /// How often it was operational and then was not.
+    pub losses: u32,
+    /// More, by name.
+    pub values: Vec<(&'static str, String)>,
+}
+
+impl Diagnosis {
+    /// What makes a diagnosis news: sentences count milliseconds, and differ each time.
+    pub fn key(&self) -> (Level, Option<&'static str>, Option<u16>, u32) {
+        (self.level, self.state, self.error, self.losses)
+    }
+}

@@ -1,0 +1,98 @@
+//! What people and programs ask of a device beside its process image.
+
+use std::fmt;
+
+/// Codes for answers that have room for a number only: SDO abort codes (CiA 301 §7.2.4.3.17).
+pub mod abort {
+    /// There is no such device, or it does not answer.
+    pub const NO_CONNECTION: u32 = 0x060A_0023;
+    /// The value is too long for the answer.
+    pub const TOO_LONG: u32 = 0x0607_0012;
+    /// The device has no such thing.
+    pub const UNSUPPORTED: u32 = 0x0601_0000;
+}
+
+/// Which device is asked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// By its CANopen node id.
+    Node(u8),
+    /// By its name.
+    Device(String),
+}
+
+/// An object of a CANopen device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Object {
+    /// Index.
+    pub index: u16,
+    /// Subindex.
+    pub sub: u8,
+}
+
+/// What is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// To start anew.
+    Reset,
+    /// To be brought up now.
+    Start,
+    /// An object's value.
+    Read(Object),
+    /// To write a number.
+    Write {
+        /// Where.
+        object: Object,
+        /// What; a negative one in two's complement of the object's length.
+        value: u32,
+        /// In how many bytes, 1 to 4; `None`: in as many as the object has.
+        bytes: Option<usize>,
+    },
+}
+
+/// What a request has come to.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Reply {
+    /// The bytes read; none for anything else.
+    pub value: Vec<u8>,
+    /// What is done, in words.
+    pub text: String,
+}
+
+/// Why it was not fulfilled.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// In words, with the device.
+    pub text: String,
+    /// For answers that have room for a number only, see [`abort`].
+    pub code: u32,
+}
+
+/// What a request has come to, or why not.
+pub type Answer = Result<Reply, Refusal>;
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Target::Node(node) => write!(f, "node {node:02X}h"),
+            Target::Device(name) => f.write_str(name),
+        }
+    }
+}
+
+impl fmt::Display for Object {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:04X}h:{:02X}", self.index, self.sub)
+    }
+}
+
+impl fmt::Display for Request {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Request::Reset => f.write_str("reset"),
+            Request::Start => f.write_str("start"),
+            Request::Read(object) => write!(f, "read object {object}"),
+            Request::Write { object, value, .. } => write!(f, "write {value} ({value:X}h) to object {object}"),
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Devices in Modbus: what is read, and every rule about them broken once.
+
+use std::time::Duration;
+
+use linewright_line::{
+    InputId, Modbus, OutputId, Owner, RegisterValue, StationId, Table, TransferLine, Watchdog, parse,
+};
+
+const DEVICE: &str = r#"[[device]]
+name = "clamp 1 io"
+kind = "modbus"
+station = "clamp_1"
+inputs = ["LS_open", "LS_closed", "low_pressure", "", "", "SS_manual", "PB_advance", "PB_return"]
+outputs = ["open", "close", "lamp_clamp"]
+
+[device.modbus]
+address = "10.0.0.5:502"
+unit = 7
+cycle_ms = 10
+timeout_ms = 80
+inputs = { table = "input_registers", first = 20 }
+outputs = { table = "holding_registers", first = 30 }
+watchdog = { register = 40, timeout_ms = 200 }
+expect = [{ register = 0, value = 1025 }]
+settings = [{ register = 41, value = 200 }]
+"#;
+
+/// The shipped line with this device for its clamp.
+fn line(device: &str) -> String {
+    let text = TransferLine::default().text();
+    let start = text.find("[[device]]\nname = \"clamp 1 io\"").expect("the clamp's device");
+    let end = start + 1 + text[start + 1..].find("[[device]]").expect("another one");
+    format!("{}{device}\n{}", &text[..start], &text[end..])
+}
+
+fn modbus(device: &str) -> Modbus {
+    match parse("line.toml", &line(device)) {
+        Ok(parsed) => parsed.line.devices.iter().find_map(|device| device.modbus().cloned()).expect("one in Modbus"),
+        Err(problems) => panic!("{problems:#}"),
+    }
+}
+
+/// What an edit raises: errors, or warnings where there are none.
+fn problem(old: &str, new: &str) -> String {
+    assert!(DEVICE.contains(old), "{old}");
+    match parse("line.toml", &line(&DEVICE.replacen(old, new, 1))) {
+        Ok(parsed) => parsed.warnings.iter().map(|problem| problem.message.clone()).collect::<Vec<_>>().join("; "),
+        Err(problems) => problems.iter().map(|problem| problem.message.clone()).collect::<Vec<_>>().join("; "),
+    }
+}
+
+#[test]
+fn a_device_in_modbus_is_read_with_all_it_says() {
+    let expected = Modbus {
+        address: "10.0.0.5:502".to_owned(),
+        unit: 7,
+        cycle: Duration::from_millis(10),
+        timeout: Duration::from_millis(80),
+        inputs: [Some(0), Some(1), Some(2), None, None, Some(3), Some(4), Some(5)].map(|i| i.map(InputId)).to_vec(),
+        inputs_at: (Table::InputRegisters, 20),
+        outputs: (0..3).map(|output| Some(OutputId(output))).collect(),
+        outputs_at: (Table::HoldingRegisters, 30),
+        watchdog: Some(Watchdog { register: 40, timeout: Duration::from_millis(200) }),
+        without_watchdog: None,
+        expect: vec![RegisterValue { register: 0, value: 1025 }],
+        settings: vec![RegisterValue { register: 41, value: 200 }],
+    };
+    assert_eq!(modbus(DEVICE), expected);
+    let end = DEVICE.find("unit").expect("its unit");
+    let short = modbus(&format!("{}without_watchdog = \"a relay\"\n", &DEVICE[..end]));
+    assert_eq!((short.unit, short.cycle.as_millis(), short.timeout.as_millis()), (1, 20, 100));
+    assert_eq!((short.inputs_at, short.outputs_at), ((Table::DiscreteInputs, 0), (Table::Coils, 0)));
+    let line = parse("line.toml", &line(DEVICE)).expect("parses").line;
+    let clamp = line.station_named("clamp_1").expect("it is there");
+    assert_ne!(clamp, StationId(0));
+    assert_eq!(
+        line.input_text(Owner::Station(clamp), InputId(1)),
+        "LS_closed (clamp 1 io, 10.0.0.5:502 unit 7, input register 20 bit 1)"
+    );
+}
+
+#[test]
+fn each_rule_says_what_is_wrong() {
+    for (old, new, message) in [
+        ("kind = \"modbus\"\n", "", "a `modbus` table in a device of another kind"),
+        ("station = ", "node = 5\nstation = ", "a device with a `modbus` table has no `node`"),
+        ("station = ", "file = \"a.eds\"\nstation = ", "a device with a `modbus` table has no `file`"),
+        ("station = ", "when_lost = \"report\"\nstation = ", "a device with a `modbus` table has no `when_lost`"),
+        ("address = \"10.0.0.5:502\"\n", "", "`modbus` needs `address`"),
+        ("10.0.0.5:502", "10.0.0.5", "`10.0.0.5` is no address"),
+        ("unit = 7", "unit = 256", "`unit` is 256"),
+        ("cycle_ms = 10", "cycle_ms = 0", "`cycle_ms` is 0"),
+        ("timeout_ms = 80", "timeout_ms = 190", "this device turns its outputs off before the next write comes"),
+        ("first = 20", "first = 65536", "`first` is 65536"),
+        (
+            "table = \"input_registers\", first = 20",
+            "table = \"coils\", first = 65530",
+            "8 bits from 65530 go beyond address 65535",
+        ),
+        ("table = \"holding_registers\"", "table = \"input_registers\"", "unknown table `input_registers`"),
+        ("register = 40", "register = 30", "register 30 holds outputs"),
+        ("register = 40", "register = -1", "`register` is -1"),
+        ("register = 41", "register = 40", "register 40 is the watchdog's"),
+        (
+            "watchdog = {",
+            "without_watchdog = \"a relay\"\nwatchdog = {",
+            "a reason to be without a watchdog, and a watchdog",
+        ),
+        ("watchdog = { register = 40, timeout_ms = 200 }", "without_watchdog = \" \"", "no reason is given"),
+        ("watchdog = { register = 40, timeout_ms = 200 }", "", "`open` may stay on when the manager is gone"),
+        ("value = 1025", "value = 65536", "`value` is 65536"),
+    ] {
+        let said = problem(old, new);
+        assert!(said.contains(message), "{new}: {said}");
+    }
+    let head = &DEVICE[..DEVICE.find("\n[device.modbus]").expect("its table") + 1];
+    let problems = parse("line.toml", &line(head)).expect_err("its table is missing");
+    let said: Vec<&str> = problems.iter().map(|problem| problem.message.as_str()).collect();
+    assert!(said.contains(&"a device of kind `modbus` needs a `modbus` table"), "{said:?}");
+}
+
+#[test]
+fn two_devices_do_not_write_the_same_outputs() {
+    let other =
+        DEVICE.replace("clamp 1 io", "other").replace("clamp_1", "mill_1").replace("inputs = [", "inputs = []\n# [");
+    let other = other.replace("outputs = [\"open\", \"close\", \"lamp_clamp\"]", "outputs = [\"extra\"]");
+    let text = line(&format!("{DEVICE}\n{other}"));
+    let problems = parse("line.toml", &text).expect_err("they overlap");
+    let said: Vec<&str> = problems.iter().map(|problem| problem.message.as_str()).collect();
+    assert!(said.contains(&"two devices write the same holding registers there"), "{said:?}");
+    let apart = text.replacen("first = 30", "first = 31", 1);
+    if let Err(problems) = parse("line.toml", &apart) {
+        assert!(problems.iter().all(|problem| !problem.message.contains("two devices")), "{problems:#}");
+    }
+}

@@ -1,0 +1,268 @@
+//! Between the controller's report and the message that carries it.
+//!
+//! The two are kept apart on purpose: the wire format can grow without touching the core. A message that does not
+//! fit the description is an error with the field that does not, never a guess.
+
+use std::time::Duration;
+
+use linewright_line::net::{Block, ControlMode};
+use linewright_line::{InputId, Line, OpId, StationId};
+use linewright_msgs::{Answer as AnswerMessage, ModeOrder, StationEvent, StationState};
+use linewright_station_logic::{
+    Controller, Founding, HappeningKind, ModeOrder as Order, StationHappening, StationReport, WithdrawalAnswer,
+    WithdrawalRequest,
+};
+use thiserror::Error;
+
+use crate::foreign::quoted;
+
+/// Why a message does not fit the description.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ConvertError {
+    /// No such station.
+    #[error("station '{}' is not in the description", quoted(.0))]
+    Station(String),
+    /// A list has another length than the station has operations.
+    #[error("{field} has {has} entries; {station} has {needs} operations")]
+    Length {
+        /// Which list.
+        field: &'static str,
+        /// Station of the message.
+        station: String,
+        /// Its length.
+        has: usize,
+        /// The operations.
+        needs: usize,
+    },
+    /// An operation's index is out of range.
+    #[error("{field} names operation {index}; {station} has {needs}")]
+    Operation {
+        /// Which field.
+        field: &'static str,
+        /// Station of the message.
+        station: String,
+        /// The index.
+        index: u16,
+        /// The operations.
+        needs: usize,
+    },
+    /// A mode with an unknown number.
+    #[error("mode {0} is not known")]
+    Mode(u8),
+}
+
+/// The number of a mode on the wire (1 to 3 as in seed 002 §5.4).
+pub const fn mode_to_code(mode: ControlMode) -> u8 {
+    match mode {
+        ControlMode::Home => StationState::MODE_HOME,
+        ControlMode::StandBy => StationState::MODE_STANDBY,
+        ControlMode::Auto => StationState::MODE_AUTO,
+        ControlMode::Hand => StationState::MODE_HAND,
+        ControlMode::Manual => StationState::MODE_MANUAL,
+        ControlMode::EStop => StationState::MODE_ESTOP,
+    }
+}
+
+/// The mode with this number on the wire.
+///
+/// # Errors
+/// When the number is not one of the six.
+pub fn mode_from_code(code: u8) -> Result<ControlMode, ConvertError> {
+    ControlMode::ALL.into_iter().find(|mode| mode_to_code(*mode) == code).ok_or(ConvertError::Mode(code))
+}
+
+/// Writes the controller's state into a message, all but header, boot id and sequence.
+pub fn report_to_message(line: &Line, controller: &Controller, now: linewright_line::Tick, message: &mut StationState) {
+    let report = controller.report();
+    let station = controller.station();
+    let described = line.station(station);
+    message.station.clone_from(&described.name);
+    message.mode_epoch = report.mode_epoch;
+    message.coordinator_boot_id = controller.followed();
+    message.mode = report.mode.map_or(StationState::MODE_STANDBY, mode_to_code);
+    message.generation = report.generation;
+    message.set_measured(report.measured);
+    // A slow record may lie between the step and this.
+    let age = report.measured_age + now.since(controller.stepped());
+    message.measured_age_ms = u32::try_from(age.as_micros().div_ceil(1000)).unwrap_or(u32::MAX);
+    message.position_lost = report.position_lost.is_some();
+    message.cycle = report.cycle;
+    message.done = report.done;
+    message.started = report.started;
+    message.places = report.places;
+    message.recovering_home = report.recovering_home;
+    message.at_home = report.at_home;
+    message.round = report.round;
+    message.stopped = report.stopped;
+    message.selector_manual = report.selector_manual;
+    message.devices_valid = report.devices_valid;
+    message.incomplete = report.incomplete.iter().map(|(op, _)| op.0).collect();
+    message.operation = controller.operation_text(line);
+    message.fault = controller.fault_text(line);
+    message.blocked_by = controller.blocked_by(line, now);
+    message.request_number = report.request.map_or(0, |request| request.number);
+    message.request_operations = report.request.map_or(Vec::new(), |request| operations_of(request.ops));
+    message.answers = report.answers.iter().map(|answer| answer_to_message(line, station, answer)).collect();
+}
+
+fn operations_of(ops: u64) -> Vec<u16> {
+    (0..64).filter(|op| ops & (1 << op) != 0).collect()
+}
+
+fn answer_to_message(line: &Line, own: StationId, answer: &WithdrawalAnswer) -> AnswerMessage {
+    AnswerMessage {
+        station: line.station(answer.to).name.clone(),
+        boot_id: answer.boot_id,
+        request_number: answer.number,
+        agreed: answer.in_the_way.is_none(),
+        in_the_way: answer.in_the_way.map(|op| line.operation((own, op)).name.clone()).unwrap_or_default(),
+    }
+}
+
+/// Reads what one station says into the form the controller and the coordinator use.
+///
+/// # Errors
+/// When the message does not fit the description.
+pub fn report_from_message(line: &Line, message: &StationState) -> Result<(StationId, StationReport), ConvertError> {
+    let station = line.station_named(&message.station).ok_or_else(|| ConvertError::Station(message.station.clone()))?;
+    let described = line.station(station);
+    let needs = described.operations.len();
+    for (field, has) in
+        [("done", message.done.len()), ("started", message.started.len()), ("places", message.places.len())]
+    {
+        if has != needs {
+            return Err(ConvertError::Length { field, station: described.name.clone(), has, needs });
+        }
+    }
+    let operation = |field: &'static str, index: u16| {
+        let error = || ConvertError::Operation { field, station: described.name.clone(), index, needs };
+        if usize::from(index) < needs { Ok(OpId(index)) } else { Err(error()) }
+    };
+    let mut ops = 0u64;
+    for &index in &message.request_operations {
+        ops |= 1 << operation("request_operations", index)?.0;
+    }
+    let mut incomplete = Vec::with_capacity(message.incomplete.len());
+    for &index in &message.incomplete {
+        incomplete.push((operation("incomplete", index)?, linewright_station_logic::StopCause::Signal));
+    }
+    let answers = message.answers.iter().filter_map(|a| answer_from_message(line, station, a)).collect();
+    let report = StationReport {
+        boot_id: message.boot_id,
+        mode_epoch: message.mode_epoch,
+        mode: Some(mode_from_code(message.mode)?),
+        generation: message.generation,
+        measured: message.measured_word(),
+        measured_age: Duration::from_millis(message.measured_age_ms.into()),
+        // Which of its switches is off is in its own fault text; here it matters that one is.
+        position_lost: message.position_lost.then_some((OpId(0), InputId(0))),
+        cycle: message.cycle,
+        done: message.done.clone(),
+        started: message.started.clone(),
+        places: message.places.clone(),
+        recovering_home: message.recovering_home,
+        at_home: message.at_home,
+        round: message.round,
+        stopped: message.stopped,
+        selector_manual: message.selector_manual,
+        devices_valid: message.devices_valid,
+        incomplete,
+        request: (message.request_number != 0).then_some(WithdrawalRequest { number: message.request_number, ops }),
+        answers,
+        // What a station says of its orders is not in this message.
+        order: None,
+    };
+    Ok((station, report))
+}
+
+/// An answer about a station or an operation that is not described counts as none: it can only delay.
+fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) -> Option<WithdrawalAnswer> {
+    let in_the_way = if message.agreed { None } else { Some(line.station(from).operation_named(&message.in_the_way)?) };
+    Some(WithdrawalAnswer {
+        to: line.station_named(&message.station)?,
+        boot_id: message.boot_id,
+        number: message.request_number,
+        in_the_way,
+    })
+}
+
+/// What kind of event it is in a message, and of which operation.
+pub fn kind_of(event: &StationHappening) -> (u8, Option<OpId>) {
+    match event.what {
+        HappeningKind::Started(op, Block::Normal) => (StationEvent::KIND_STARTED, Some(op)),
+        HappeningKind::Started(op, Block::Recovery) => (StationEvent::KIND_UNDO_STARTED, Some(op)),
+        HappeningKind::Completed(op, Block::Normal) => (StationEvent::KIND_COMPLETED, Some(op)),
+        HappeningKind::Completed(op, Block::Recovery) => (StationEvent::KIND_UNDONE, Some(op)),
+        HappeningKind::Stopped(op, _, cause) if cause.is_fault() => (StationEvent::KIND_FAULT, Some(op)),
+        HappeningKind::Stopped(op, _, _) => (StationEvent::KIND_STOPPED, Some(op)),
+        HappeningKind::Withdrawn(_) | HappeningKind::HomeAgain | HappeningKind::Asked(_) => {
+            (StationEvent::KIND_WITHDRAWN, None)
+        }
+        HappeningKind::NotAgreed { .. } | HappeningKind::Refused => (StationEvent::KIND_REFUSED, None),
+        HappeningKind::Founded | HappeningKind::Rejoined | HappeningKind::PositionFound => {
+            (StationEvent::KIND_COMPLETED, None)
+        }
+        HappeningKind::PositionLost(op, _) => (StationEvent::KIND_FAULT, Some(op)),
+        HappeningKind::Mode(_) => (StationEvent::KIND_MODE, None),
+        HappeningKind::Devices(_) => (StationEvent::KIND_DEVICES, None),
+        HappeningKind::Ordered(_) | HappeningKind::Securing(_) => (StationEvent::KIND_STARTED, None),
+        HappeningKind::OrderDone(_) => (StationEvent::KIND_COMPLETED, None),
+        HappeningKind::OrderFailed(..) => (StationEvent::KIND_STOPPED, None),
+        HappeningKind::OrderRefused(_) => (StationEvent::KIND_REFUSED, None),
+    }
+}
+
+/// The coordinator's order, as it is for a station of this name.
+///
+/// # Errors
+/// When its mode is none.
+pub fn order_from_message(message: &ModeOrder, (own, name): (StationId, &str)) -> Result<Order, ConvertError> {
+    let life = message.found_lives.get(own.index()).copied().filter(|_| message.found_generation != 0);
+    let is_stopped = message.stopped.iter().any(|stopped| stopped == name);
+    let mode = mode_from_code(message.mode)?;
+    Ok(Order {
+        boot_id: message.boot_id,
+        epoch: message.epoch,
+        mode: if is_stopped { ControlMode::EStop } else { mode },
+        enabled: message.enabled,
+        master_stop: message.master_stop.then_some(message.stop_round),
+        manual_all: message.manual_all,
+        buttons: message.buttons,
+        lease: Duration::from_millis(message.lease_ms.into()),
+        found: life.map(|boot_id| Founding { generation: message.found_generation, boot_id }),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_line::{Tick, parse};
+    use linewright_station_logic::{Restore, StationInput, StationOutbox};
+
+    use super::*;
+
+    #[test]
+    fn a_station_that_is_named_is_in_emergency_stop() {
+        let mode = mode_to_code(ControlMode::Auto);
+        let message = ModeOrder { boot_id: 1, epoch: 2, mode, stopped: vec!["robot".into()], ..ModeOrder::default() };
+        let order = |name| order_from_message(&message, (StationId(0), name)).map(|order| (order.epoch, order.mode));
+        assert_eq!(order("robot"), Ok((2, ControlMode::EStop)));
+        assert_eq!(order("robo"), Ok((2, ControlMode::Auto)));
+        let unknown = ModeOrder { mode: 200, ..message.clone() };
+        assert_eq!(order_from_message(&unknown, (StationId(0), "robot")), Err(ConvertError::Mode(200)));
+    }
+
+    #[test]
+    fn the_age_of_an_image_counts_the_time_since_the_step() {
+        let line = parse("line.toml", include_str!("../../model/line/tests/descriptions/cell.toml"));
+        let line = line.unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        let mut controller = Controller::new(&line, StationId(0), 7, Restore::Fresh).expect("it compiles");
+        let (now, mut message) = (Tick::from_millis(1000), StationState::default());
+        let (until, under) = (now + line.timing.stale, 0);
+        controller.handle(now, StationInput::Inputs { bits: 0, valid: true, until, under });
+        controller.step(now, &mut StationOutbox::default());
+        for waited in [0, 400] {
+            report_to_message(&line, &controller, now + Duration::from_millis(waited), &mut message);
+            assert_eq!(u64::from(message.measured_age_ms), waited);
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The devices of a node as ROS 2 sees them: services and states named like those of `ros2_canopen`, and diagnostics.
+//!
+//! Whoever runs a field bus has one of these beside it: the coordinator's node, and a station's with a bus of its own. It
+//! passes on what is asked and what is answered. Whether and when a device is asked, the bus decides.
+
+mod diagnostics;
+mod names;
+mod services;
+mod trouble;
+
+use std::time::Duration;
+
+use linewright_fieldbus_seam::{Diagnosis, Joined, Level, News, Target};
+use linewright_line::{Device, DeviceKind, Line, Owner, Tick};
+use linewright_msgs::{DiagnosticArray, Text};
+use linewright_node_shell::{Forward, Publisher, RosNode, TopicError, qos, stamp};
+use tokio::sync::mpsc;
+
+pub use names::device_names;
+pub use services::Asked;
+use services::Pending;
+pub use trouble::{TROUBLE_BYTES_MAX, Trouble, in_words};
+
+/// How often everything is told when nothing changes.
+const EVERY: Duration = Duration::from_secs(1);
+/// How soon news may follow news: a device that comes and goes must not flood a reliable topic.
+const NEWS_EVERY: Duration = Duration::from_millis(50);
+/// How many states of one device are told at once within a second; after that, only the newest every [`NEWS_EVERY`].
+const STATES_MAX: u32 = 20;
+/// Requests that wait for this node; more wait in the middleware, ten for each service.
+const QUEUE: usize = 64;
+
+/// One device with services and a state, and what was last told of it.
+struct Told {
+    name: String,
+    target: Target,
+    state: Publisher<Text>,
+    word: &'static str,
+    /// States told at once since the last regular diagnosis.
+    at_once: u32,
+    /// What its last request has come to, if it failed.
+    failed: String,
+}
+
+/// What makes a diagnosis news, device by device.
+type Key = Vec<(Level, Option<&'static str>, Option<u16>, u32)>;
+
+/// The devices of one node.
+pub struct Devices {
+    node: String,
+    told: Vec<Told>,
+    owners: Vec<(Owner, String)>,
+    diagnostics: Publisher<DiagnosticArray>,
+    key: Key,
+    due: Tick,
+    last: Tick,
+    from: mpsc::Receiver<Asked>,
+    pending: Vec<Pending>,
+    tasks: Vec<Forward>,
+}
+
+impl Devices {
+    /// Opens the services and topics of these devices, and of the buses they are on, as part of `node`.
+    pub fn open<'a>(
+        node: &mut RosNode,
+        line: &Line,
+        devices: impl IntoIterator<Item = &'a Device>,
+    ) -> Result<Self, TopicError> {
+        let devices: Vec<&Device> = devices.into_iter().collect();
+        let mut owners: Vec<(Owner, String)> = Vec::new();
+        for device in &devices {
+            if !owners.iter().any(|(owner, _)| *owner == device.owner) {
+                owners.push((device.owner, line.owner_name(device.owner).to_owned()));
+            }
+        }
+        // Plain frames have nothing that could be asked for.
+        let with_services = devices.into_iter().filter(|device| !matches!(device.kind, DeviceKind::Frames(_)));
+        let with_services: Vec<&Device> = with_services.collect();
+        let (to, from) = mpsc::channel(QUEUE);
+        let mut tasks = services::open_bus(node, &to)?;
+        let mut told = Vec::with_capacity(with_services.len());
+        for (device, name) in with_services.iter().zip(device_names(line, &with_services)) {
+            let target = device.node_id().map_or_else(|| Target::Device(device.name.clone()), Target::Node);
+            tasks.extend(services::open_device(node, &name, &target, &to)?);
+            let state = node.publisher(&format!("{name}/nmt_state"), qos::latched_state())?;
+            told.push(Told { name: device.name.clone(), target, state, word: "", at_once: 0, failed: String::new() });
+        }
+        Ok(Devices {
+            node: node.name().to_owned(),
+            told,
+            owners,
+            diagnostics: node.publisher("/diagnostics", qos::event())?,
+            key: Key::default(),
+            due: Tick::ZERO,
+            last: Tick::ZERO,
+            from,
+            pending: Vec::new(),
+            tasks,
+        })
+    }
+
+    /// Waits for a request; hand it to [`Devices::ask`]. Cancel safe.
+    pub async fn next(&mut self) -> Asked {
+        match self.from.recv().await {
+            Some(asked) => asked,
+            // Every service has failed; `is_failed` says so.
+            None => std::future::pending().await,
+        }
+    }
+
+    /// A service has ended; the middleware has failed.
+    pub fn is_failed(&self) -> bool {
+        self.tasks.iter().any(Forward::is_finished)
+    }
+
+    /// When [`Devices::act`] has something to do next.
+    pub fn deadline(&self) -> Tick {
+        self.due
+    }
+
+    /// Takes what the buses report: news are told at once, answers passed on.
+    pub fn bus_news(&mut self, news: &[News], buses: &mut Joined) {
+        let quiet = |news: &News| matches!(news, News::InputsChanged { .. } | News::Answered);
+        if !news.iter().all(quiet) {
+            self.due = self.due.min(self.last + NEWS_EVERY);
+        }
+        // A device that boots is up again in a millisecond; whoever waits for it to boot wants to see that it did.
+        self.states(buses, STATES_MAX);
+        self.answer(buses);
+    }
+
+    /// Tells the states that have changed, of devices that have not done so too often.
+    fn states(&mut self, buses: &Joined, most: u32) {
+        let mut at = 0;
+        buses.states(&mut |name, word| {
+            // They mostly come in the same order.
+            let found = match self.told.get(at) {
+                Some(told) if told.name == name => Some(at),
+                _ => self.told.iter().position(|told| told.name == name),
+            };
+            let Some(found) = found else { return };
+            at = found + 1;
+            let told = &mut self.told[found];
+            if told.word != word && told.at_once < most {
+                told.word = word;
+                told.at_once = told.at_once.saturating_add(1);
+                told.state.send(Text::from(word));
+            }
+        });
+    }
+
+    /// Tells what is due.
+    pub fn act(&mut self, now: Tick, buses: &Joined) {
+        if now < self.due {
+            return;
+        }
+        self.states(buses, u32::MAX);
+        let diagnoses = buses.diagnoses();
+        let key: Key = diagnoses.iter().map(Diagnosis::key).collect();
+        if self.key != key || self.last + EVERY <= now {
+            if self.last + EVERY <= now {
+                self.told.iter_mut().for_each(|told| told.at_once = 0);
+            }
+            self.key = key;
+            self.last = now;
+            let status = diagnoses.into_iter().map(|diagnosis| self.message(diagnosis)).collect();
+            self.diagnostics.send(DiagnosticArray { header: stamp(), status });
+        }
+        self.due = self.last + EVERY;
+    }
+}

@@ -1,0 +1,193 @@
+//! The services: what is asked of a device, and what is answered.
+//!
+//! The types of `ros2_canopen` have room for "no" and for a number, not for words. So where something was to be read, the
+//! number is the abort code that says why it was not; the words are in the log and in the device's diagnostics.
+
+use linewright_fieldbus_seam::{Answer, Joined, Object, Reply as Read, Request, Target, abort};
+use linewright_msgs::{
+    CORead, COReadID, COWrite, COWriteID, CoReadIdRequest, CoReadIdResponse, CoReadRequest, CoReadResponse,
+    CoWriteIdRequest, CoWriteIdResponse, CoWriteRequest, CoWriteResponse, Trigger, TriggerResponse,
+};
+use linewright_node_shell::{Forward, Reply, RosNode, TopicError, serve};
+use tokio::sync::mpsc;
+
+use super::Devices;
+
+/// Something a service was asked.
+#[derive(Debug)]
+pub struct Asked {
+    target: Target,
+    request: Request,
+    answerer: Answerer,
+}
+
+/// Where the answer goes.
+#[derive(Debug)]
+enum Answerer {
+    Trigger(Reply<Trigger>),
+    Read(Reply<CORead>),
+    Write(Reply<COWrite>),
+    ReadId(Reply<COReadID>),
+    WriteId(Reply<COWriteID>),
+}
+
+/// A request that the bus has not answered yet.
+pub struct Pending {
+    number: u64,
+    target: Target,
+    answerer: Answerer,
+}
+
+/// The services of a bus, by node id: `~/sdo_read`, `~/sdo_write`.
+pub fn open_bus(node: &mut RosNode, to: &mpsc::Sender<Asked>) -> Result<Vec<Forward>, TopicError> {
+    let read = serve(node.service::<COReadID>("~/sdo_read")?, to.clone(), |asked: CoReadIdRequest, reply| {
+        let request = Request::Read(Object { index: asked.index, sub: asked.subindex });
+        Asked { target: Target::Node(asked.nodeid), request, answerer: Answerer::ReadId(reply) }
+    });
+    let write = serve(node.service::<COWriteID>("~/sdo_write")?, to.clone(), |asked: CoWriteIdRequest, reply| {
+        let bytes = bytes_of(asked.canopen_datatype);
+        // A negative number of a short type comes with its sign in the bytes above it.
+        let value = if is_signed(asked.canopen_datatype) { low_bytes(asked.data, bytes) } else { asked.data };
+        let object = Object { index: asked.index, sub: asked.subindex };
+        let target = Target::Node(asked.nodeid.cast_unsigned());
+        Asked { target, request: Request::Write { object, value, bytes }, answerer: Answerer::WriteId(reply) }
+    });
+    Ok(vec![read, write])
+}
+
+/// The services of one device: `<device>/nmt_reset_node`, `nmt_start_node`, `sdo_read`, `sdo_write`.
+pub fn open_device(
+    node: &mut RosNode,
+    name: &str,
+    target: &Target,
+    to: &mpsc::Sender<Asked>,
+) -> Result<Vec<Forward>, TopicError> {
+    let asked = {
+        let target = target.clone();
+        move |request, answerer| Asked { target: target.clone(), request, answerer }
+    };
+    let reset = node.service::<Trigger>(&format!("{name}/nmt_reset_node"))?;
+    let start = node.service::<Trigger>(&format!("{name}/nmt_start_node"))?;
+    let read = node.service::<CORead>(&format!("{name}/sdo_read"))?;
+    let write = node.service::<COWrite>(&format!("{name}/sdo_write"))?;
+    let [of_reset, of_start, of_read, of_write] = [asked.clone(), asked.clone(), asked.clone(), asked];
+    Ok(vec![
+        serve(reset, to.clone(), move |_, reply| of_reset(Request::Reset, Answerer::Trigger(reply))),
+        serve(start, to.clone(), move |_, reply| of_start(Request::Start, Answerer::Trigger(reply))),
+        serve(read, to.clone(), move |request: CoReadRequest, reply| {
+            let object = Object { index: request.index, sub: request.subindex };
+            of_read(Request::Read(object), Answerer::Read(reply))
+        }),
+        serve(write, to.clone(), move |request: CoWriteRequest, reply| {
+            let object = Object { index: request.index, sub: request.subindex };
+            of_write(Request::Write { object, value: request.data, bytes: None }, Answerer::Write(reply))
+        }),
+    ])
+}
+
+/// How long an object of this type (CiA 301 table 44) is; `None` for one the service does not know.
+fn bytes_of(datatype: u8) -> Option<usize> {
+    match datatype {
+        CoReadIdRequest::CANOPEN_DATATYPE_INT8 | CoReadIdRequest::CANOPEN_DATATYPE_UINT8 => Some(1),
+        CoReadIdRequest::CANOPEN_DATATYPE_INT16 | CoReadIdRequest::CANOPEN_DATATYPE_UINT16 => Some(2),
+        CoReadIdRequest::CANOPEN_DATATYPE_INT32 | CoReadIdRequest::CANOPEN_DATATYPE_UINT32 => Some(4),
+        _ => None,
+    }
+}
+
+fn is_signed(datatype: u8) -> bool {
+    (CoReadIdRequest::CANOPEN_DATATYPE_INT8..=CoReadIdRequest::CANOPEN_DATATYPE_INT32).contains(&datatype)
+}
+
+fn low_bytes(value: u32, bytes: Option<usize>) -> u32 {
+    match bytes {
+        Some(bytes @ 1..=3) if value >> (8 * bytes - 1) == u32::MAX >> (8 * bytes - 1) => {
+            value & ((1 << (8 * bytes)) - 1)
+        }
+        _ => value,
+    }
+}
+
+/// A value that has been read, as a number.
+fn number(bytes: &[u8]) -> Option<u32> {
+    let mut all = [0; 4];
+    all.get_mut(..bytes.len())?.copy_from_slice(bytes);
+    Some(u32::from_le_bytes(all))
+}
+
+impl Answerer {
+    fn send(self, answer: &Answer) {
+        let success = answer.is_ok();
+        // What is longer than a number (a name, say) is not read by these services.
+        let value = match answer {
+            Ok(Read { value, .. }) => number(value).ok_or(abort::TOO_LONG),
+            Err(refusal) => Err(refusal.code),
+        };
+        let (read, data) = match value {
+            Ok(data) => (true, data),
+            Err(code) => (false, code),
+        };
+        match self {
+            Answerer::Read(reply) => reply.send(CoReadResponse { success: read, data }),
+            Answerer::ReadId(reply) => reply.send(CoReadIdResponse { success: read, data }),
+            Answerer::Write(reply) => reply.send(CoWriteResponse { success }),
+            Answerer::WriteId(reply) => reply.send(CoWriteIdResponse { success }),
+            Answerer::Trigger(reply) => {
+                let message = match answer {
+                    Ok(Read { text, .. }) => text.clone(),
+                    Err(refusal) => refusal.text.clone(),
+                };
+                reply.send(TriggerResponse { success, message });
+            }
+        }
+    }
+}
+
+impl Devices {
+    /// Passes a request on to the buses.
+    pub fn ask(&mut self, asked: Asked, buses: &mut Joined) {
+        let Asked { target, request, answerer } = asked;
+        tracing::info!("asked: {target}, {request}");
+        let number = buses.ask(&target, request);
+        self.pending.push(Pending { number, target, answerer });
+        self.answer(buses);
+    }
+
+    /// Sends the answers the buses have.
+    pub(super) fn answer(&mut self, buses: &mut Joined) {
+        for (number, answer) in buses.take_answers() {
+            let Some(at) = self.pending.iter().position(|pending| pending.number == number) else { continue };
+            let Pending { target, answerer, .. } = self.pending.swap_remove(at);
+            let failed = answer.as_ref().err().map_or(String::new(), |refusal| refusal.text.clone());
+            if !failed.is_empty() {
+                tracing::warn!("{failed}");
+            }
+            // Why it is not started is said in the answer.
+            let is_told = !matches!(answerer, Answerer::Trigger(_));
+            if let Some(told) = self.told.iter_mut().find(|told| told.target == target && is_told) {
+                told.failed = failed;
+            }
+            answerer.send(&answer);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_as_long_as_their_type() {
+        assert_eq!(number(&[0x34, 0x12]), Some(0x1234));
+        assert_eq!(number(&[]), Some(0));
+        assert_eq!(number(&[0; 5]), None);
+        assert_eq!((bytes_of(2), bytes_of(6), bytes_of(7), bytes_of(8)), (Some(1), Some(2), Some(4), None));
+        // −1 as one byte, whether its sign was extended or not; 300 stays too large for one.
+        assert_eq!(low_bytes(u32::MAX, Some(1)), 0xFF);
+        assert_eq!(low_bytes(0xFF, Some(1)), 0xFF);
+        assert_eq!(low_bytes(0xFFFF_8000, Some(2)), 0x8000);
+        assert_eq!(low_bytes(0xFFFF_0000, Some(2)), 0xFFFF_0000, "not a negative number of two bytes");
+        assert_eq!(low_bytes(300, Some(1)), 300);
+        assert_eq!(low_bytes(u32::MAX, Some(4)), u32::MAX);
+    }
+}

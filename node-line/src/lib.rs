@@ -1,0 +1,23 @@
+//! What a station's and the coordinator's node share of a line.
+//!
+//! - [`report_to_message`], [`report_from_message`], [`order_from_message`]: between the controller's words and the messages
+//!   that carry them;
+//! - [`open_buses`]: the field buses of a node, whichever kinds;
+//! - [`devices`]: devices on their buses as ROS 2 sees them;
+//! - [`Waiting`]: what arrives while a record is being written;
+//! - [`quoted`]: foreign words, made fit for an answer.
+//!
+//! It decides nothing.
+
+mod buses;
+mod convert;
+pub mod devices;
+mod foreign;
+mod waiting;
+
+pub use buses::open_buses;
+pub use convert::{
+    ConvertError, kind_of, mode_from_code, mode_to_code, order_from_message, report_from_message, report_to_message,
+};
+pub use foreign::quoted;
+pub use waiting::Waiting;

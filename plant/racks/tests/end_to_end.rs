@@ -1,0 +1,126 @@
+//! A manager drives the plant over a virtual bus, in real time.
+
+use std::time::Duration;
+
+use crate::common::*;
+use linewright_canopen::sdo::{self, ObjectId};
+use linewright_canopen::{Event, Manager, NodeId};
+use linewright_fieldbus::bus::{self, Transport};
+use linewright_fieldbus::{Bus, Clock, Driver, sdo_client};
+use linewright_fieldbus_seam::InputImage;
+use linewright_line::{Bus as BusName, Line, Owner};
+use linewright_plant::{FAULT_INDEX, PRESS_INDEX, PlantOptions};
+use linewright_racks::{Options, run_plant};
+
+const LINE_BUS: &str = "vcan-line";
+const WAIT: Duration = Duration::from_secs(20);
+
+struct Bench {
+    _dir: tempfile::TempDir,
+    bus: bus::Options,
+    line: Line,
+    clock: Clock,
+    plant: tokio::task::JoinHandle<()>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let dir = tempfile::tempdir().unwrap();
+        let bus = bus::Options { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
+        let clock = Clock::start();
+        let plant = PlantOptions::default();
+        let options = Options { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant, clock };
+        let plant = tokio::spawn(async move { run_plant(&line(), &options).await.unwrap() });
+        Bench { _dir: dir, bus, line: line(), clock, plant }
+    }
+
+    fn driver(&self, on: BusName, interface: &str) -> Driver {
+        let devices = self.line.devices.iter().filter(|d| d.bus == on);
+        let manager = Manager::new(devices, self.line.timing).unwrap();
+        Driver::new(Bus::open(interface, &self.bus).unwrap(), manager, self.clock)
+    }
+}
+
+/// Runs the driver until the inputs are as wanted; returns the events on the way.
+async fn until(driver: &mut Driver, owner: Owner, wanted: impl Fn(InputImage) -> bool) -> Vec<Event> {
+    let mut seen = Vec::new();
+    let reached = tokio::time::timeout(WAIT, async {
+        while !wanted(driver.inputs(owner)) {
+            seen.extend(driver.next().await.expect("nobody else is there"));
+        }
+    });
+    if reached.await.is_err() {
+        panic!("never reached; inputs {:?}, events {seen:?}", driver.inputs(owner));
+    }
+    seen
+}
+
+fn valid(bits: u128) -> impl Fn(InputImage) -> bool {
+    move |inputs| inputs.valid && inputs.bits == bits
+}
+
+#[tokio::test]
+async fn a_manager_drives_a_motion_and_sees_the_limit_switch() {
+    let bench = Bench::new();
+    // Both buses at once: the coordinator's, with the first press and the console, and the second press's own.
+    let mut line = bench.driver(BusName::Line, LINE_BUS);
+    let mut own = bench.driver(BusName::Own("press2".to_owned()), "press2");
+    for (driver, station) in [(&mut line, PRESS), (&mut own, OTHER)] {
+        let owner = Owner::Station(station);
+        until(driver, owner, valid(BACK)).await;
+        let start = bench.clock.now();
+        driver.set_outputs(owner, FORWARD);
+        until(driver, owner, valid(FRONT)).await;
+        let took = bench.clock.now().since(start);
+        assert!(took >= FORWARD_TIME.mul_f64(0.99), "{took:?}");
+        driver.set_outputs(owner, RETURN);
+        until(driver, owner, valid(BACK)).await;
+        driver.release_outputs();
+    }
+    bench.plant.abort();
+}
+
+#[tokio::test]
+async fn a_lost_device_is_noticed_and_comes_back_with_its_outputs_off() {
+    let bench = Bench::new();
+    let owner = Owner::Station(PRESS);
+    let mut driver = bench.driver(BusName::Line, LINE_BUS);
+    until(&mut driver, owner, valid(BACK)).await;
+    driver.set_outputs(owner, FORWARD);
+    until(&mut driver, owner, valid(0)).await;
+    let mut tool = Bus::open(LINE_BUS, &bench.bus).unwrap();
+    let node = NodeId::new(4).unwrap();
+    let fault = ObjectId::new(FAULT_INDEX, 0);
+    let options = sdo::Options::default();
+    sdo_client::write(&mut tool, node, fault, &[1], options).await.unwrap();
+    let events = until(&mut driver, owner, |inputs| !inputs.valid).await;
+    assert!(events.iter().any(|e| matches!(e, Event::DeviceLost { .. })), "{events:?}");
+    tokio::time::timeout(Duration::from_millis(300), until(&mut driver, owner, |_| false)).await.ok();
+    sdo_client::write(&mut tool, node, fault, &[0], options).await.unwrap();
+    until(&mut driver, owner, |inputs| inputs.valid).await;
+    let outputs = tool_read(&mut tool, &mut driver, node).await;
+    assert_eq!(outputs, [0], "the image from before the loss is forgotten");
+    assert_eq!(driver.inputs(owner).losses, 1);
+    bench.plant.abort();
+}
+
+/// Reads the outputs of a device while the manager goes on.
+async fn tool_read(tool: &mut Bus, driver: &mut Driver, node: NodeId) -> Vec<u8> {
+    let outputs = ObjectId::new(0x6200, 1);
+    tokio::select! {
+        read = sdo_client::read(tool, node, outputs, sdo::Options::default()) => read.unwrap(),
+        () = async { loop { driver.next().await.expect("nobody else is there"); } } => unreachable!(),
+    }
+}
+
+#[tokio::test]
+async fn a_finger_on_the_console_reaches_the_manager() {
+    let bench = Bench::new();
+    let mut driver = bench.driver(BusName::Line, LINE_BUS);
+    until(&mut driver, Owner::Console, valid(0)).await;
+    let mut tool = Bus::open(LINE_BUS, &bench.bus).unwrap();
+    let node = NodeId::new(10).unwrap();
+    sdo_client::write(&mut tool, node, ObjectId::new(PRESS_INDEX, 1), &[1], sdo::Options::default()).await.unwrap();
+    until(&mut driver, Owner::Console, valid(1)).await;
+    bench.plant.abort();
+}

@@ -1,0 +1,195 @@
+//! A Modbus manager drives the simulated plant over TCP, in real time; and a foreign client does.
+
+use std::process::Command;
+use std::time::Duration;
+
+use crate::common::*;
+use linewright_fieldbus::Clock;
+use linewright_fieldbus::bus::{self, Transport};
+use linewright_fieldbus_seam::{Fieldbus, InputImage};
+use linewright_line::{Bus as BusName, Device, DeviceKind, Line, Modbus, Owner, RegisterValue, Table, Watchdog};
+use linewright_modbus_tcp::ModbusTcp;
+use linewright_plant::PlantOptions;
+use linewright_racks::{Options, run_plant};
+use tokio_modbus::client::{Context, Reader, tcp};
+use tokio_modbus::{ExceptionCode, Slave};
+
+const WAIT: Duration = Duration::from_secs(20);
+const OWNER: Owner = Owner::Station(PRESS);
+
+/// The line with its first press in Modbus, on a port of this machine; the others are left out.
+fn line_on(port: u16, registers: bool) -> Line {
+    let mut line = line();
+    line.devices.retain(|device| device.owner == OWNER);
+    let device = &mut line.devices[0];
+    let table = |bits, words| if registers { words } else { bits };
+    device.bus = BusName::Line;
+    device.kind = DeviceKind::Modbus(Modbus {
+        address: format!("127.0.0.1:{port}"),
+        unit: 3,
+        cycle: Duration::from_millis(10),
+        timeout: Duration::from_millis(1000),
+        inputs: device.input_bits().to_vec(),
+        inputs_at: (table(Table::DiscreteInputs, Table::InputRegisters), 8),
+        outputs: device.output_bits().to_vec(),
+        outputs_at: (table(Table::Coils, Table::HoldingRegisters), 4),
+        watchdog: Some(Watchdog { register: 100, timeout: Duration::from_millis(1500) }),
+        without_watchdog: None,
+        expect: vec![RegisterValue { register: 0, value: 0x401 }],
+        settings: vec![RegisterValue { register: 101, value: 1500 }],
+    });
+    line
+}
+
+fn free_port() -> u16 {
+    let socket = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    socket.local_addr().unwrap().port()
+}
+
+struct Bench {
+    _dir: tempfile::TempDir,
+    clock: Clock,
+    port: u16,
+    devices: Vec<Device>,
+    plant: tokio::task::JoinHandle<()>,
+}
+
+impl Bench {
+    fn new(registers: bool) -> Self {
+        let (dir, port) = (tempfile::tempdir().unwrap(), free_port());
+        let bus = bus::Options { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
+        let clock = Clock::start();
+        let options = Options { line_bus: "no-can".to_owned(), bus, plant: PlantOptions::default(), clock };
+        let line = line_on(port, registers);
+        let devices = line.devices.clone();
+        let plant = tokio::spawn(async move { run_plant(&line, &options).await.unwrap() });
+        Bench { _dir: dir, clock, port, devices, plant }
+    }
+
+    fn manager(&self) -> ModbusTcp {
+        ModbusTcp::new(&self.devices, self.clock)
+    }
+
+    async fn client(&self) -> Context {
+        for _ in 0..100 {
+            if let Ok(client) = tcp::connect_slave(([127, 0, 0, 1], self.port).into(), Slave(3)).await {
+                return client;
+            }
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+        panic!("the plant is not there");
+    }
+}
+
+async fn until(bus: &mut ModbusTcp, wanted: impl Fn(InputImage) -> bool) {
+    let reached = async {
+        while !bus.inputs(OWNER).is_some_and(&wanted) {
+            bus.next().await.expect("the bus is there");
+        }
+    };
+    let reached = tokio::time::timeout(WAIT, reached).await;
+    assert!(reached.is_ok(), "{:?}, {:?}", bus.inputs(OWNER), bus.trouble(OWNER));
+}
+
+fn valid(bits: u128) -> impl Fn(InputImage) -> bool {
+    move |inputs| inputs.valid && inputs.bits == bits
+}
+
+#[tokio::test]
+async fn a_motion_is_driven_in_coils_and_in_registers() {
+    for registers in [false, true] {
+        let bench = Bench::new(registers);
+        let mut bus = bench.manager();
+        until(&mut bus, valid(BACK)).await;
+        let start = bench.clock.now();
+        bus.set_outputs(OWNER, FORWARD);
+        until(&mut bus, valid(FRONT)).await;
+        let took = bench.clock.now().since(start);
+        assert!(took >= FORWARD_TIME.mul_f64(0.99), "{took:?}");
+        bus.set_outputs(OWNER, RETURN);
+        until(&mut bus, valid(BACK)).await;
+        bench.plant.abort();
+    }
+}
+
+#[tokio::test]
+async fn outputs_go_off_by_the_watchdog_when_the_manager_is_gone_and_at_once_at_its_end() {
+    let bench = Bench::new(false);
+    let mut client = bench.client().await;
+    let mut bus = bench.manager();
+    until(&mut bus, valid(BACK)).await;
+    bus.set_outputs(OWNER, RETURN);
+    let on = async {
+        while client.read_coils(4, 2).await.unwrap().unwrap() != [false, true] {
+            let _ = tokio::time::timeout(Duration::from_millis(20), bus.next()).await;
+        }
+    };
+    tokio::time::timeout(WAIT, on).await.expect("the output is on");
+    // Its connection closes without a word.
+    drop(bus);
+    assert_eq!(client.read_coils(4, 2).await.unwrap().unwrap(), [false, true], "most devices keep it");
+    tokio::time::sleep(Duration::from_millis(2000)).await;
+    assert_eq!(client.read_coils(4, 2).await.unwrap().unwrap(), [false, false]);
+
+    let mut bus = bench.manager();
+    until(&mut bus, valid(BACK)).await;
+    bus.set_outputs(OWNER, RETURN);
+    let on = async {
+        while client.read_coils(4, 2).await.unwrap().unwrap() != [false, true] {
+            let _ = tokio::time::timeout(Duration::from_millis(20), bus.next()).await;
+        }
+    };
+    tokio::time::timeout(WAIT, on).await.expect("the output is on");
+    let releases = tokio::task::spawn_blocking(move || bus.release_outputs());
+    releases.await.unwrap();
+    assert_eq!(client.read_coils(4, 2).await.unwrap().unwrap(), [false, false]);
+    bench.plant.abort();
+}
+
+#[tokio::test]
+async fn a_simulated_device_has_the_registers_of_its_description_and_no_others() {
+    let bench = Bench::new(true);
+    let mut client = bench.client().await;
+    assert_eq!(client.read_holding_registers(0, 1).await.unwrap(), Ok(vec![0x401]));
+    assert_eq!(client.read_input_registers(8, 1).await.unwrap(), Ok(vec![BACK as u16]));
+    let nothing = Err(ExceptionCode::IllegalDataAddress);
+    assert_eq!(client.read_holding_registers(1, 1).await.unwrap(), nothing);
+    assert_eq!(client.read_input_registers(8, 2).await.unwrap(), nothing);
+    assert_eq!(client.read_coils(0, 1).await.unwrap(), Err(ExceptionCode::IllegalDataAddress));
+    bench.plant.abort();
+}
+
+/// Reads what is compared, turns the press's output on and off again.
+const CLIENT: &str = "
+import sys
+from pymodbus.client import ModbusTcpClient
+client = ModbusTcpClient('127.0.0.1', port=int(sys.argv[1]))
+assert client.connect()
+assert client.read_holding_registers(0, count=1, device_id=3).registers == [0x401]
+assert client.read_discrete_inputs(8, count=3, device_id=3).bits[:3] == [False, True, False]
+assert not client.write_coils(4, [True, False], device_id=3).isError()
+assert not client.write_coil(5, False, device_id=3).isError()
+assert client.read_coils(4, count=2, device_id=3).bits[:2] == [True, False]
+assert not client.write_registers(100, [7], device_id=3).isError()
+assert client.read_coils(0, count=1, device_id=3).exception_code == 2
+";
+
+#[tokio::test]
+async fn a_foreign_client_reads_and_writes_the_simulated_device() {
+    let Ok(python) = std::env::var("LINEWRIGHT_PYTHON") else {
+        println!("SKIPPED: no LINEWRIGHT_PYTHON; the comparison with pymodbus needs one that has it");
+        return;
+    };
+    let found = Command::new(&python).args(["-c", "import pymodbus.simulator"]).output();
+    if !found.is_ok_and(|output| output.status.success()) {
+        println!("SKIPPED: the Python named by LINEWRIGHT_PYTHON has no pymodbus (pip install pymodbus)");
+        return;
+    }
+    let bench = Bench::new(false);
+    drop(bench.client().await);
+    let port = bench.port.to_string();
+    let client = tokio::task::spawn_blocking(move || Command::new(python).args(["-c", CLIENT, &port]).output());
+    let output = client.await.unwrap().expect("Python starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    bench.plant.abort();
+}
