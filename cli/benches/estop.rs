@@ -18,9 +18,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use linewright_canopen::{Frame, Message};
-use linewright_fieldbus::{Bus as CanBus, Options};
-use linewright_line::{Bus, Owner, StationId};
+use linewright_canopen::{CanopenMessage, Frame};
+use linewright_fieldbus::{Bus as CanBus, BusOptions};
+use linewright_line::{DeviceBus, Owner, StationId};
 use linewright_msgs::{Flag, Text};
 use linewright_node_shell::{Participant, Publisher, RosArgs, RosNode, qos};
 
@@ -100,11 +100,11 @@ impl Bench {
         let line = &running.line;
         let args = RosArgs { domain_id: running.domain, ..RosArgs::default() };
         let mut node = Participant::open(&args)?.node(&format!("/{}", line.name), "bench")?;
-        let options = Options { dir: Some(running.buses_dir.clone()), ..Options::default() };
+        let options = BusOptions { dir: Some(running.buses_dir.clone()), ..BusOptions::default() };
         let of_bar = || line.devices.iter().filter(|device| device.owner == Owner::Station(BAR));
         let bar_bus = match &of_bar().next().ok_or("the bar has a device")?.bus {
-            Bus::Line => LINE_BUS.to_owned(),
-            Bus::Own(interface) => interface.clone(),
+            DeviceBus::Line => LINE_BUS.to_owned(),
+            DeviceBus::Own(interface) => interface.clone(),
         };
         let console = line.devices.iter().find(|device| device.owner == Owner::Console).ok_or("there is a console")?;
         let pressed = line.console.inputs.iter().position(|name| name == "ES_pressed").ok_or("it has the button")?;
@@ -190,7 +190,7 @@ impl Bench {
         loop {
             let Ok(Ok(frame)) = tokio::time::timeout_at(until, self.bar_bus.recv()).await else { return None };
             let at = Instant::now();
-            if let Ok(Message::Rpdo1 { node, payload }) = Message::decode(&frame)
+            if let Ok(CanopenMessage::Rpdo1 { node, payload }) = CanopenMessage::decode(&frame)
                 && self.bar_nodes.contains(&node.get())
             {
                 self.outputs = payload.bits() & ACTUATORS;

@@ -15,9 +15,9 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use linewright_canopen::Message;
-use linewright_fieldbus::{Bus as CanBus, Options};
-use linewright_line::{Bus, InputId, Line, OutputId, Owner, StationId};
+use linewright_canopen::CanopenMessage;
+use linewright_fieldbus::{Bus as CanBus, BusOptions};
+use linewright_line::{DeviceBus, InputId, Line, OutputId, Owner, StationId};
 
 #[path = "common/running.rs"]
 mod running;
@@ -111,7 +111,7 @@ struct Arrow {
 
 struct Listener {
     line: Line,
-    buses: Vec<(Bus, CanBus)>,
+    buses: Vec<(DeviceBus, CanBus)>,
     arrows: Vec<Arrow>,
     inputs: HashMap<StationId, u128>,
     outputs: HashMap<StationId, u128>,
@@ -119,14 +119,14 @@ struct Listener {
 
 impl Listener {
     fn open(line: &Line, dir: &Path) -> Result<Self> {
-        let mut buses: Vec<(Bus, CanBus)> = Vec::new();
+        let mut buses: Vec<(DeviceBus, CanBus)> = Vec::new();
         for device in &line.devices {
             if buses.iter().all(|(bus, _)| *bus != device.bus) {
                 let interface = match &device.bus {
-                    Bus::Line => LINE_BUS,
-                    Bus::Own(interface) => interface,
+                    DeviceBus::Line => LINE_BUS,
+                    DeviceBus::Own(interface) => interface,
                 };
-                let options = Options { dir: Some(dir.to_owned()), ..Options::default() };
+                let options = BusOptions { dir: Some(dir.to_owned()), ..BusOptions::default() };
                 buses.push((device.bus.clone(), CanBus::open(interface, &options)?));
             }
         }
@@ -154,15 +154,15 @@ impl Listener {
             let next = futures::future::select_all(receivers);
             let Ok(((bus, Ok(frame)), _, _)) = tokio::time::timeout_at(until, next).await else { return };
             let at = Instant::now();
-            match Message::decode(&frame) {
-                Ok(Message::Tpdo1 { node, payload }) => self.switches(&bus, node.get(), payload.bits(), at),
-                Ok(Message::Rpdo1 { node, payload }) => self.actuators(&bus, node.get(), payload.bits(), at),
+            match CanopenMessage::decode(&frame) {
+                Ok(CanopenMessage::Tpdo1 { node, payload }) => self.switches(&bus, node.get(), payload.bits(), at),
+                Ok(CanopenMessage::Rpdo1 { node, payload }) => self.actuators(&bus, node.get(), payload.bits(), at),
                 _ => {}
             }
         }
     }
 
-    fn switches(&mut self, bus: &Bus, node: u8, bits: u64, at: Instant) {
+    fn switches(&mut self, bus: &DeviceBus, node: u8, bits: u64, at: Instant) {
         let Some((station, image)) = self.image(bus, node, bits, true) else { return };
         let risen = image & !self.inputs.insert(station, image).unwrap_or(!0);
         for arrow in self.arrows.iter_mut().filter(|arrow| arrow.switch.0 == station) {
@@ -172,7 +172,7 @@ impl Listener {
         }
     }
 
-    fn actuators(&mut self, bus: &Bus, node: u8, bits: u64, at: Instant) {
+    fn actuators(&mut self, bus: &DeviceBus, node: u8, bits: u64, at: Instant) {
         let Some((station, image)) = self.image(bus, node, bits, false) else { return };
         let risen = image & !self.outputs.insert(station, image).unwrap_or(!0);
         for arrow in self.arrows.iter_mut().filter(|arrow| arrow.actuator.0 == station) {
@@ -185,7 +185,7 @@ impl Listener {
     }
 
     /// The station a node belongs to, and its image from the bits of the frame. Every station of this line has one.
-    fn image(&self, bus: &Bus, node: u8, bits: u64, inputs: bool) -> Option<(StationId, u128)> {
+    fn image(&self, bus: &DeviceBus, node: u8, bits: u64, inputs: bool) -> Option<(StationId, u128)> {
         let device = self.line.devices.iter().find(|d| d.bus == *bus && d.node_id() == Some(node))?;
         let Owner::Station(station) = device.owner else { return None };
         let places: Vec<Option<u16>> = if inputs {

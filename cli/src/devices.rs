@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use linewright_eds::{DownloadContent, Eds, NodeId, limits, read};
-use linewright_line::{Canopen, Device, DeviceKind, Line, Setting, is_the_managers, keeps_an_output};
+use linewright_line::{Canopen, Device, DeviceKind, Line, ObjectWrite, is_the_managers, keeps_an_output};
 use miette::{WrapErr, miette};
 
 use crate::load;
@@ -64,7 +64,7 @@ fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
             return Err(format!("line {}: a DownloadFile is not sent to devices here", download.line));
         };
         if !is_the_managers(download.index) {
-            settings.push(Setting { index: download.index, sub: download.sub, data });
+            settings.push(ObjectWrite { index: download.index, sub: download.sub, data });
         }
     }
     // What the description says itself comes last, and so stays.
@@ -86,7 +86,7 @@ fn lets_go(device: &Device, eds: &Eds) -> Result<(), String> {
     let last =
         |nth: usize| !settings[nth + 1..].iter().any(|l| (l.index, l.sub) == (settings[nth].index, settings[nth].sub));
     let mut keeps = settings.iter().enumerate().filter(|(nth, own)| last(*nth) && keeps_an_output(&io.outputs, own));
-    if let Some((_, Setting { index, sub, .. })) = keeps.next() {
+    if let Some((_, ObjectWrite { index, sub, .. })) = keeps.next() {
         return Err(format!("by object {index:04X}h:{sub:02X} an output stays on when the manager is gone: {remedy}"));
     }
     for (sub, _) in (1..).zip(io.outputs.chunks(8)).filter(|(_, byte)| byte.iter().any(Option::is_some)) {
@@ -100,8 +100,8 @@ fn lets_go(device: &Device, eds: &Eds) -> Result<(), String> {
 }
 
 /// Whether the device has an object like this, that can be written with so many bytes.
-fn fits(setting: &Setting, eds: &Eds, node: NodeId) -> Result<(), String> {
-    let Setting { index, sub, data } = setting;
+fn fits(setting: &ObjectWrite, eds: &Eds, node: NodeId) -> Result<(), String> {
+    let ObjectWrite { index, sub, data } = setting;
     let entry = eds.entry(*index, *sub).ok_or_else(|| format!("there is no object {index:04X}h:{sub:02X}"))?;
     let what = format!("object {index:04X}h:{sub:02X} ({}, line {})", entry.name, entry.line);
     if !entry.access.is_writable() {
@@ -116,7 +116,7 @@ fn fits(setting: &Setting, eds: &Eds, node: NodeId) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use linewright_line::{Bus, Identity, Owner};
+    use linewright_line::{DeviceBus, DeviceIdentity, Owner};
 
     use super::*;
 
@@ -126,7 +126,7 @@ mod tests {
         Device {
             name: "io".to_owned(),
             owner: Owner::Console,
-            bus: Bus::Line,
+            bus: DeviceBus::Line,
             kind: DeviceKind::io(4, Vec::new(), Vec::new()),
         }
     }
@@ -147,15 +147,15 @@ mod tests {
     fn a_description_that_contradicts_the_file_is_refused() {
         let mut device = device();
         device.canopen_mut().expect("CANopen").setup.identity =
-            Identity { device_type: Some(0x192), ..Identity::default() };
+            DeviceIdentity { device_type: Some(0x192), ..DeviceIdentity::default() };
         let why = apply(&mut device, &eds()).expect_err("a drive is no I/O device");
         assert!(why.starts_with("type is 0x"), "{why}");
     }
 
     #[test]
     fn settings_are_checked_against_the_file() {
-        let setting = |index, sub, data: &[u8]| Setting { index, sub, data: data.to_vec() };
-        let refused = |setting: Setting| {
+        let setting = |index, sub, data: &[u8]| ObjectWrite { index, sub, data: data.to_vec() };
+        let refused = |setting: ObjectWrite| {
             let mut device = device();
             device.canopen_mut().expect("CANopen").setup.settings = vec![setting];
             apply(&mut device, &eds()).expect_err("it must not be sent")
@@ -181,7 +181,7 @@ mod tests {
         let without = read("io.eds", without.as_bytes());
         let keeps = |device: &mut Device| {
             device.canopen_mut().expect("CANopen").setup.settings =
-                vec![Setting { index: 0x6206, sub: 1, data: vec![0] }];
+                vec![ObjectWrite { index: 0x6206, sub: 1, data: vec![0] }];
         };
         let why = tried(&keeps, &eds()).expect_err("it stays as it is");
         assert!(why.starts_with("by object 6206h:01 an output stays on when the manager is gone"), "{why}");
@@ -210,7 +210,8 @@ mod tests {
             read("io.eds", text.replace(entry, &other).as_bytes()).expect("sound")
         };
         let node = NodeId::new(4).expect("a node");
-        let tried = |eds: &Eds, data: &[u8]| fits(&Setting { index: 0x1029, sub: 1, data: data.to_vec() }, eds, node);
+        let tried =
+            |eds: &Eds, data: &[u8]| fits(&ObjectWrite { index: 0x1029, sub: 1, data: data.to_vec() }, eds, node);
         let signed = of("0x0002", "-2", "5");
         for (value, is_allowed) in [(-3i8, false), (-2, true), (5, true), (6, false)] {
             assert_eq!(tried(&signed, &value.to_le_bytes()).is_ok(), is_allowed, "{value}");

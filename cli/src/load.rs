@@ -91,7 +91,7 @@ pub fn with_device_files(line: &mut Line, path: &Path, quiet: bool) -> miette::R
 }
 
 /// Reads and parses a description, keeping its warnings.
-pub fn parsed(path: &Path) -> miette::Result<linewright_line::Parsed> {
+pub fn parsed(path: &Path) -> miette::Result<linewright_line::ParsedLine> {
     let file = file_of(path);
     let text = description(&file)?;
     linewright_line::parse(&file.display().to_string(), &text).map_err(miette::Report::new)

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use linewright_fieldbus::{Clock, Options as BusOptions, Transport, place};
-use linewright_line::{Bus, Line, StationId};
+use linewright_fieldbus::{BusOptions, Clock, Transport, place};
+use linewright_line::{DeviceBus, Line, StationId};
 use linewright_node_shell::{Claim, ClaimError, Participant, RosArgs};
 use miette::{IntoDiagnostic, WrapErr, miette};
 use tokio::sync::watch;
@@ -101,8 +101,8 @@ pub fn claim_station(
 ) -> miette::Result<Vec<Claim>> {
     let station = line.station(station);
     let interface = match &station.bus {
-        Bus::Line => None,
-        Bus::Own(interface) => Some(interface.as_str()),
+        DeviceBus::Line => None,
+        DeviceBus::Own(interface) => Some(interface.as_str()),
     };
     claim(line, ros, &station.name, interface, state_dir, bus)
 }
@@ -180,7 +180,7 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         let open = |_: &StationId| Participant::open(ros).map_err(|error| miette!("{error}"));
         let participants = stations.iter().map(open).collect::<miette::Result<Vec<_>>>()?;
         let nodes = stations.into_iter().zip(&participants).map(|(station, participant)| {
-            let options = linewright_station_node::Options {
+            let options = linewright_station_node::StationOptions {
                 line: line.clone(),
                 station,
                 state_dir: args.common.state_dir.clone(),
@@ -209,7 +209,7 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
     runtime()?.block_on(async {
         let stop = stop_signal(args.common.end_with_stdin);
         let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
-        let options = linewright_coordinator_node::Options {
+        let options = linewright_coordinator_node::CoordinatorOptions {
             line,
             cell,
             interface,
@@ -227,7 +227,7 @@ pub fn plant(args: PlantArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.common.line, true)?;
     runtime()?.block_on(async {
         let mut stop = stop_signal(args.common.end_with_stdin);
-        let options = linewright_racks::Options {
+        let options = linewright_racks::RackOptions {
             line_bus: args.bus.clone(),
             bus: args.common.bus(),
             plant: linewright_plant::PlantOptions { people: true, ..Default::default() },

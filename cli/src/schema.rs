@@ -6,7 +6,7 @@
 
 use std::process::ExitCode;
 
-use linewright_text::{Presence, Property, Shape, TEXT_MAX, Usual, sentences};
+use linewright_text::{KeyPresence, Property, Shape, TEXT_MAX, Usual, sentences};
 use miette::IntoDiagnostic;
 use serde_json::{Map, Value, json};
 
@@ -84,7 +84,8 @@ fn table(doc: &[&str], keys: &[Property]) -> Value {
     if !doc.is_empty() {
         schema["description"] = json!(sentences(doc));
     }
-    let required: Vec<&str> = keys.iter().filter(|key| key.presence == Presence::Required).map(|key| key.key).collect();
+    let required: Vec<&str> =
+        keys.iter().filter(|key| key.presence == KeyPresence::Required).map(|key| key.key).collect();
     if !required.is_empty() {
         schema["required"] = json!(required);
     }
@@ -96,13 +97,13 @@ fn table(doc: &[&str], keys: &[Property]) -> Value {
 }
 
 /// One of two keys, where the one may be left out for the other.
-fn either(key: &str, presence: Presence) -> Option<Value> {
+fn either(key: &str, presence: KeyPresence) -> Option<Value> {
     match presence {
-        Presence::Unless(others) => {
+        KeyPresence::Unless(others) => {
             let one = std::iter::once(key).chain(others.iter().copied()).map(|key| json!({ "required": [key] }));
             Some(json!({ "anyOf": one.collect::<Vec<_>>() }))
         }
-        Presence::Optional | Presence::Required => None,
+        KeyPresence::Optional | KeyPresence::Required => None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! The field buses of a node: each kind is opened by its own crate. Another kind gets a line here.
 
-use linewright_fieldbus::{CanFieldbus, Clock, OpenError, Options};
+use linewright_fieldbus::{BusOpenError, BusOptions, CanFieldbus, Clock};
 use linewright_fieldbus_seam::{Fieldbus, Joined};
 use linewright_line::{Device, Timing};
 use linewright_modbus_tcp::ModbusTcp;
@@ -12,10 +12,10 @@ use linewright_modbus_tcp::ModbusTcp;
 pub fn open_buses<'a>(
     devices: impl IntoIterator<Item = &'a Device>,
     interface: &str,
-    options: &Options,
+    options: &BusOptions,
     timing: Timing,
     clock: Clock,
-) -> Result<Joined, OpenError> {
+) -> Result<Joined, BusOpenError> {
     let devices: Vec<Device> = devices.into_iter().cloned().collect();
     let owners: Vec<_> = devices.iter().map(|device| device.owner).collect();
     let modbus = ModbusTcp::new(&devices, clock);

@@ -32,7 +32,7 @@ mod threads;
 mod watchdog;
 
 pub use action::{
-    ActionCaller, ActionOffer, ActionOwner, GoalEnd, GoalError, GoalHandle, GoalRequest, Outcome, serve_action,
+    ActionCaller, ActionOffer, ActionOwner, GoalEnd, GoalError, GoalHandle, GoalOutcome, GoalRequest, serve_action,
 };
 pub use args::{ArgsError, LogLevel, ParamValue, RosArgs};
 pub use caller::{CallError, Caller, Mapping};
@@ -44,7 +44,7 @@ pub use logging::{LoggingError, flush_stderr, init as init_logging, stderr_line}
 pub use participant::{OpenError, Participant, RosNode, TopicError};
 pub use publisher::{Publisher, SendError};
 pub use recorder::JournalWriter;
-pub use service::{Reply, Service, serve};
+pub use service::{Service, ServiceReply, serve};
 pub use subscription::{Forward, MessageSource, RecvError, Subscription, forward};
 pub use threads::watch_middleware;
 pub use watchdog::Watchdog;

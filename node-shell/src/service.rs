@@ -100,7 +100,7 @@ pub struct Service<S: RosService> {
 }
 
 /// Answers one request, once.
-pub struct Reply<S: RosService> {
+pub struct ServiceReply<S: RosService> {
     server: Arc<RawServer<S>>,
     to: RmwRequestId,
     header: Option<[u8; HEADER]>,
@@ -108,16 +108,16 @@ pub struct Reply<S: RosService> {
     service: PhantomData<S>,
 }
 
-impl<S: RosService> fmt::Debug for Reply<S> {
+impl<S: RosService> fmt::Debug for ServiceReply<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Reply to {:?}", self.to)
     }
 }
 
-impl<S: RosService> Reply<S> {
+impl<S: RosService> ServiceReply<S> {
     /// Sends the answer. Never waits; a client that has gone meanwhile gets none.
     pub fn send(self, response: S::Response) {
-        let Reply { server, to, header, held, .. } = self;
+        let ServiceReply { server, to, header, held, .. } = self;
         let send = move || {
             if let Err(error) = server.send_response(to, RawResponse { header, body: response }) {
                 tracing::warn!("{}/{}: answer not sent: {error}", S::PACKAGE, S::NAME);
@@ -140,7 +140,7 @@ impl<S: RosService> Reply<S> {
 pub fn serve<S, U>(
     service: Service<S>,
     to: mpsc::Sender<U>,
-    mut map: impl FnMut(S::Request, Reply<S>) -> U + Send + 'static,
+    mut map: impl FnMut(S::Request, ServiceReply<S>) -> U + Send + 'static,
 ) -> Forward
 where
     S: RosService,
@@ -166,7 +166,7 @@ where
             match asked {
                 Some((id, (header, request))) => {
                     let held = known.meets(id.writer_gid);
-                    let reply = Reply { server: server.clone(), to: id, header, held, service: PhantomData };
+                    let reply = ServiceReply { server: server.clone(), to: id, header, held, service: PhantomData };
                     if to.send(map(request, reply)).await.is_err() {
                         return;
                     }

@@ -20,12 +20,12 @@ const STANDS_STILL: i32 = 70;
 /// How many pieces of the limit have to pass without a word.
 const PIECES: u32 = 10;
 
-type Last = Mutex<Vec<Box<dyn FnOnce() + Send>>>;
+type LastFeed = Mutex<Vec<Box<dyn FnOnce() + Send>>>;
 
 /// Ends the process when it is not fed. Dropping it ends the watch, and not the process.
 pub struct Watchdog {
     fed: Arc<AtomicBool>,
-    last: Arc<Last>,
+    last: Arc<LastFeed>,
 }
 
 impl Watchdog {
@@ -38,7 +38,7 @@ impl Watchdog {
     /// says so, and nobody is ended.
     pub fn start(name: &str, limit: Duration) -> Self {
         let fed = Arc::new(AtomicBool::new(true));
-        let last: Arc<Last> = Arc::default();
+        let last: Arc<LastFeed> = Arc::default();
         let (seen, at_the_end, name) = (Arc::downgrade(&fed), last.clone(), name.to_owned());
         let spawned = thread::Builder::new().name("watchdog".to_owned()).spawn(move || {
             if stands_still(&seen, limit / PIECES) {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_msgs::{RunTask, RunTaskFeedback, RunTaskGoal, RunTaskResult};
 use linewright_node_shell::{
-    ActionCaller, ActionOwner, GoalEnd, GoalHandle, GoalRequest, Mapping, Outcome, Participant, RosArgs, RosNode,
+    ActionCaller, ActionOwner, GoalEnd, GoalHandle, GoalOutcome, GoalRequest, Mapping, Participant, RosArgs, RosNode,
     serve_action,
 };
 use tokio::sync::mpsc;
@@ -86,15 +86,15 @@ async fn goals_are_answered(caller: &ActionCaller<RunTask>, mapping: Mapping) {
     let clamp = order(1, "clamp");
     let goal = begin(caller, &clamp).await;
     let (outcome, result) = caller.result(goal, PATIENT).await.expect("a result");
-    assert_eq!((outcome, &result), (Outcome::Succeeded, &ended(&clamp, RunTaskResult::END_DONE, 0)), "{mapping:?}");
+    assert_eq!((outcome, &result), (GoalOutcome::Succeeded, &ended(&clamp, RunTaskResult::END_DONE, 0)), "{mapping:?}");
     assert_eq!(caller.feedback(goal).map(|feedback| feedback.operation), Some("close".to_owned()), "{mapping:?}");
     let (again, _) = caller.result(goal, PATIENT).await.expect("still known");
-    assert_eq!(again, Outcome::Succeeded);
+    assert_eq!(again, GoalOutcome::Succeeded);
     assert!(!caller.cancel(goal, PATIENT).await.expect("answered"), "it has ended");
 
     let goal = begin(caller, &order(2, "dance")).await;
     let (outcome, result) = caller.result(goal, PATIENT).await.expect("a result");
-    assert_eq!((outcome, result.code), (Outcome::Aborted, RunTaskResult::REFUSED_UNKNOWN), "{mapping:?}");
+    assert_eq!((outcome, result.code), (GoalOutcome::Aborted, RunTaskResult::REFUSED_UNKNOWN), "{mapping:?}");
 
     let hold = order(3, "hold");
     let goal = begin(caller, &hold).await;
@@ -103,5 +103,5 @@ async fn goals_are_answered(caller: &ActionCaller<RunTask>, mapping: Mapping) {
     let (result, cancelled) = tokio::join!(caller.result(goal, PATIENT), caller.cancel(goal, PATIENT));
     assert!(cancelled.expect("answered"), "{mapping:?}");
     let (outcome, result) = result.expect("a result");
-    assert_eq!((outcome, result), (Outcome::Canceled, ended(&hold, RunTaskResult::END_SECURED, 0)), "{mapping:?}");
+    assert_eq!((outcome, result), (GoalOutcome::Canceled, ended(&hold, RunTaskResult::END_SECURED, 0)), "{mapping:?}");
 }

@@ -20,7 +20,7 @@ pub const HOLD_INDEX: u16 = 0x5F04;
 
 /// What goes wrong with one motion. Lasts until it is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Fault {
+pub enum MotionFault {
     /// 1: it does not move.
     Stick,
     /// 2: it moves at a quarter of its speed.
@@ -36,36 +36,36 @@ pub enum Fault {
 }
 
 /// What is written to a simulated device: index and subindex, and a number. The order matters.
-pub type Orders = Vec<((u16, u8), u32)>;
+pub type ObjectWrites = Vec<((u16, u8), u32)>;
 
 /// What clears everything that a device was made to suffer.
 pub const CLEAR: ((u16, u8), u32) = ((FAULT_INDEX, 0), 0);
 
-impl Fault {
+impl MotionFault {
     /// The number it has in 5F00h.
     pub fn code(self) -> u32 {
         match self {
-            Fault::Stick => 1,
-            Fault::Slip => 2,
-            Fault::Break => 3,
-            Fault::SlipBack => 4,
-            Fault::Miss => 5,
-            Fault::Drop => 6,
+            MotionFault::Stick => 1,
+            MotionFault::Slip => 2,
+            MotionFault::Break => 3,
+            MotionFault::SlipBack => 4,
+            MotionFault::Miss => 5,
+            MotionFault::Drop => 6,
         }
     }
 }
 
-impl Fault {
+impl MotionFault {
     /// The fault a number stands for; 0 clears (`Ok(None)`).
     pub fn from_code(code: u32) -> Result<Option<Self>, Abort> {
         match code {
             0 => Ok(None),
-            1 => Ok(Some(Fault::Stick)),
-            2 => Ok(Some(Fault::Slip)),
-            3 => Ok(Some(Fault::Break)),
-            4 => Ok(Some(Fault::SlipBack)),
-            5 => Ok(Some(Fault::Miss)),
-            6 => Ok(Some(Fault::Drop)),
+            1 => Ok(Some(MotionFault::Stick)),
+            2 => Ok(Some(MotionFault::Slip)),
+            3 => Ok(Some(MotionFault::Break)),
+            4 => Ok(Some(MotionFault::SlipBack)),
+            5 => Ok(Some(MotionFault::Miss)),
+            6 => Ok(Some(MotionFault::Drop)),
             _ => Err(Abort::VALUE),
         }
     }
@@ -120,7 +120,7 @@ const WRITING: u32 = 1 << 25;
 
 impl DeviceFault {
     /// What is written to the device to make it suffer this.
-    pub fn orders(self) -> Orders {
+    pub fn orders(self) -> ObjectWrites {
         let whole = |code| vec![((FAULT_INDEX, 0), code)];
         let place = |(index, sub): (u16, u8)| u32::from(index) << 8 | u32::from(sub);
         let trouble = |sub, value| ((TROUBLE_INDEX, sub), value);

@@ -3,7 +3,7 @@
 //! - [`Plant`]: the mechanisms of a line in pure, event-driven time: outputs in, limit switches out; and where parts are;
 //! - [`DeviceNode`]: one generic CANopen I/O device, pure: frames in, frames out;
 //! - [`DriveNode`]: one CANopen drive, pure as well; it moves its axis itself;
-//! - [`PlainNode`]: one device that speaks no CANopen, but the frames of a DBC file, pure;
+//! - [`DbcDeviceNode`]: one device that speaks no CANopen, but the frames of a DBC file, pure;
 //! - [`ModbusNode`]: one device in Modbus, pure: requests in, answers out;
 //! - [`Rack`]: the devices of one bus wired to the mechanisms, pure.
 //!
@@ -22,9 +22,13 @@ mod plant;
 mod rack;
 mod wire;
 
-pub use device::{DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, Order, PlainNode};
-pub use fault::{CLEAR, DeviceFault, FAULT_INDEX, Fault, HOLD_INDEX, Orders, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX};
-pub use parts::{Mishap, PartNo, Refused, Spot, Whereabouts};
+pub use device::{
+    DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, PlantEffect,
+};
+pub use fault::{
+    CLEAR, DeviceFault, FAULT_INDEX, HOLD_INDEX, MotionFault, ObjectWrites, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX,
+};
+pub use parts::{NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
 pub use plant::{Plant, PlantOptions};
 pub use rack::Rack;
 pub use wire::FrameFaults;

@@ -5,10 +5,10 @@
 
 use std::time::Duration;
 
-use linewright_line::{InputId, Module, OpId, OutputId, Signals, Station, Tick};
+use linewright_line::{InputId, MotionSignals, OpId, OperationModule, OutputId, Station, Tick};
 
 use crate::axis::{AxisState, Travel};
-use crate::fault::Fault;
+use crate::fault::MotionFault;
 
 /// A switch is on within this fraction of its operation's way.
 ///
@@ -27,11 +27,11 @@ pub(crate) enum Stroke {
 }
 
 /// An output that pulls an axis towards a position.
-pub(crate) struct Drive {
+pub(crate) struct Actuator {
     pub(crate) op: OpId,
     pub(crate) stroke: Stroke,
     pub(crate) output: OutputId,
-    pub(crate) fault: Option<Fault>,
+    pub(crate) fault: Option<MotionFault>,
     from: f64,
     target: f64,
     /// What the whole way from `from` to `target` takes, above zero.
@@ -47,11 +47,11 @@ struct Switch {
 
 /// One axis with everything that acts on it.
 pub(crate) struct Mechanism {
-    pub(crate) drives: Vec<Drive>,
+    pub(crate) drives: Vec<Actuator>,
     switches: Vec<Switch>,
     state: AxisState,
     /// What moves it now: the drive's place in `drives`, its fault, and the factor its duration was given.
-    moving: Option<(usize, Option<Fault>, f64)>,
+    moving: Option<(usize, Option<MotionFault>, f64)>,
     /// Drives both ways are on; it stands.
     opposed: bool,
     /// Motions begun so far: makes every one's random factor its own.
@@ -62,7 +62,7 @@ pub(crate) struct Mechanism {
 }
 
 /// What a change of outputs or faults did to an axis.
-pub(crate) struct Change {
+pub(crate) struct AxisChange {
     /// Drives both ways have just come on at once.
     pub(crate) alarm: bool,
 }
@@ -86,14 +86,14 @@ impl Mechanism {
             }
             let op = OpId::at(at);
             mechanism.add(op, Stroke::Normal, (motion.from, motion.to), operation.duration, operation.normal);
-            if let Module::Reversible { recovery, recovery_duration, .. } = &operation.module {
+            if let OperationModule::Reversible { recovery, recovery_duration, .. } = &operation.module {
                 mechanism.add(op, Stroke::Recovery, (motion.to, motion.from), *recovery_duration, *recovery);
             }
         }
         mechanism
     }
 
-    fn add(&mut self, op: OpId, stroke: Stroke, way: (f64, f64), duration: Duration, signals: Signals) {
+    fn add(&mut self, op: OpId, stroke: Stroke, way: (f64, f64), duration: Duration, signals: MotionSignals) {
         let (from, target) = way;
         // A motion that goes nowhere is complete where it stands.
         let reach = ((target - from).abs() * REACH).max(f64::EPSILON);
@@ -101,7 +101,7 @@ impl Mechanism {
         if !self.switches.iter().any(|s| (s.input, s.at, s.reach) == (signals.complete, target, reach)) {
             self.switches.push(Switch { input: signals.complete, at: target, reach });
         }
-        self.drives.push(Drive {
+        self.drives.push(Actuator {
             op,
             stroke,
             output: signals.actuator,
@@ -125,7 +125,7 @@ impl Mechanism {
     }
 
     /// Whether what drives it to `at` suffers this.
-    pub(crate) fn suffers_at(&self, at: f64, fault: Fault) -> bool {
+    pub(crate) fn suffers_at(&self, at: f64, fault: MotionFault) -> bool {
         self.drives.iter().any(|drive| same_place(drive.target, at) && drive.fault == Some(fault))
     }
 
@@ -140,7 +140,7 @@ impl Mechanism {
     pub(crate) fn inputs(&self, now: Tick) -> u128 {
         let at = self.position(now);
         let switches = self.switches.iter().filter(|s| s.is_on(at)).map(|s| s.input);
-        let broken = self.drives.iter().filter(|d| d.fault == Some(Fault::Break)).filter_map(|d| d.fault_input);
+        let broken = self.drives.iter().filter(|d| d.fault == Some(MotionFault::Break)).filter_map(|d| d.fault_input);
         switches.chain(broken).fold(0, |image, input| image | input.bit())
     }
 
@@ -172,13 +172,14 @@ impl Mechanism {
 
     /// Does what the outputs in `image` and the faults say from `now` on. `random` gives a motion's duration its
     /// factor, from the number of motions begun before.
-    pub(crate) fn drive(&mut self, now: Tick, image: u128, random: impl Fn(u64) -> f64) -> Change {
-        let on = |drive: &&Drive| image & drive.output.bit() != 0 && drive.target != drive.from;
+    pub(crate) fn drive(&mut self, now: Tick, image: u128, random: impl Fn(u64) -> f64) -> AxisChange {
+        let on = |drive: &&Actuator| image & drive.output.bit() != 0 && drive.target != drive.from;
         let ways = || self.drives.iter().filter(on).map(|drive| self.pull(drive, self.position(now)));
         let opposed = ways().any(|way| way > 0.0) && ways().any(|way| way < 0.0);
-        let change = Change { alarm: opposed && !self.opposed };
+        let change = AxisChange { alarm: opposed && !self.opposed };
         self.opposed = opposed;
-        let jammed = self.drives.iter().filter(on).any(|d| matches!(d.fault, Some(Fault::Stick | Fault::Break)));
+        let jammed =
+            self.drives.iter().filter(on).any(|d| matches!(d.fault, Some(MotionFault::Stick | MotionFault::Break)));
         let chosen = if opposed || jammed { None } else { self.choose(now, image) };
         let fault = chosen.and_then(|at| self.drives[at].fault);
         if let Some((was, was_fault, _)) = self.moving
@@ -202,9 +203,9 @@ impl Mechanism {
 
     /// Which way a drive pulls, as a number above or below zero. One that brings the axis to its target from both sides
     /// pulls towards it; any other pulls on in its own direction.
-    fn pull(&self, drive: &Drive, here: f64) -> f64 {
+    fn pull(&self, drive: &Actuator, here: f64) -> f64 {
         let way = drive.target - drive.from;
-        let twin = |other: &Drive| other.output == drive.output && same_place(other.target, drive.target);
+        let twin = |other: &Actuator| other.output == drive.output && same_place(other.target, drive.target);
         let is_both = self.drives.iter().any(|other| twin(other) && (other.target - other.from) * way < 0.0);
         if is_both { drive.target - here } else { way }
     }
@@ -215,16 +216,16 @@ impl Mechanism {
     /// faulty one decides: one that slips back drags the others along, and holds them where it came from.
     fn choose(&self, now: Tick, image: u128) -> Option<usize> {
         let here = self.position(now);
-        let is_on = |d: &Drive| image & d.output.bit() != 0 && d.from != d.target;
+        let is_on = |d: &Actuator| image & d.output.bit() != 0 && d.from != d.target;
         let on = || self.drives.iter().enumerate().filter(|(_, d)| is_on(d));
-        if let Some((at, slipping)) = on().find(|(_, d)| d.fault == Some(Fault::SlipBack)) {
+        if let Some((at, slipping)) = on().find(|(_, d)| d.fault == Some(MotionFault::SlipBack)) {
             return (here != slipping.from).then_some(at);
         }
-        let ahead = |d: &Drive| (d.target - here) * (d.target - d.from).signum() > 0.0;
+        let ahead = |d: &Actuator| (d.target - here) * (d.target - d.from).signum() > 0.0;
         // Two operations may share output and target, from different ends: the one whose way begins here is meant, and
         // one that has begun is not changed for another on the way.
         let began = self.moving.map(|(at, ..)| at);
-        let key = |at: usize, d: &Drive| {
+        let key = |at: usize, d: &Actuator| {
             let way_here = if began == Some(at) { -1.0 } else { (d.from - here).abs() };
             (d.fault.is_none(), (d.target - here).abs(), way_here)
         };
@@ -239,13 +240,13 @@ impl Mechanism {
     }
 }
 
-impl Drive {
-    fn travel(&self, fault: Option<Fault>, factor: f64) -> Travel {
+impl Actuator {
+    fn travel(&self, fault: Option<MotionFault>, factor: f64) -> Travel {
         let speed = (self.target - self.from).abs() / (self.duration.as_micros() as f64 * factor);
         match fault {
-            Some(Fault::Slip) => Travel { target: self.target, speed: speed * SLIP },
-            Some(Fault::SlipBack) => Travel { target: self.from, speed: speed * SLIP },
-            Some(Fault::Stick | Fault::Break | Fault::Miss | Fault::Drop) | None => {
+            Some(MotionFault::Slip) => Travel { target: self.target, speed: speed * SLIP },
+            Some(MotionFault::SlipBack) => Travel { target: self.from, speed: speed * SLIP },
+            Some(MotionFault::Stick | MotionFault::Break | MotionFault::Miss | MotionFault::Drop) | None => {
                 Travel { target: self.target, speed }
             }
         }

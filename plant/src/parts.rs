@@ -16,9 +16,9 @@
 
 use std::collections::BTreeMap;
 
-use linewright_line::{Grip, Handling, HolderId, Sign, Stand, StationId, Tick};
+use linewright_line::{Grip, HolderId, MaterialFlow, Sign, Stand, StationId, Tick};
 
-use crate::fault::Fault;
+use crate::fault::MotionFault;
 
 /// So many mishaps are kept; later ones are only counted.
 const MISHAPS_MAX: usize = 10_000;
@@ -29,7 +29,7 @@ pub struct PartNo(pub u64);
 
 /// A position in a nest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Spot {
+pub struct NestPosition {
     /// The nest.
     pub nest: HolderId,
     /// From 1.
@@ -38,16 +38,16 @@ pub struct Spot {
 
 /// Where a part is. Neither here nor there: it has fallen down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Whereabouts {
+pub struct PartLocation {
     /// The nest it lies in, or is held in.
-    pub spot: Option<Spot>,
+    pub spot: Option<NestPosition>,
     /// The hand that has it.
     pub hand: Option<HolderId>,
 }
 
 /// What should not have happened to a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mishap {
+pub enum PartFault {
     /// A hand has let go of it where nothing was to take it, or could not hold it.
     Fell {
         /// The part.
@@ -69,13 +69,13 @@ pub enum Mishap {
         /// By which hand.
         hand: HolderId,
         /// Nest position that is blocked.
-        spot: Spot,
+        spot: NestPosition,
     },
 }
 
 /// Why a part is not put there or taken away by hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refused {
+pub enum PartRefusal {
     /// There is no such position.
     NoSuchSpot,
     /// Another part is there.
@@ -93,32 +93,32 @@ pub(crate) trait Mechanisms {
     /// Whether an axis stands there.
     fn stands(&self, stand: &Stand) -> bool;
     /// Whether what drives it there suffers this.
-    fn suffers(&self, stand: &Stand, fault: Fault) -> bool;
+    fn suffers(&self, stand: &Stand, fault: MotionFault) -> bool;
     /// The outputs of a station.
     fn outputs(&self, station: StationId) -> u128;
 }
 
 /// The parts of a plant.
 #[derive(Clone, Debug)]
-pub(crate) struct Parts {
-    handling: Handling,
-    parts: BTreeMap<PartNo, Whereabouts>,
+pub(crate) struct PlantParts {
+    handling: MaterialFlow,
+    parts: BTreeMap<PartNo, PartLocation>,
     /// By holder: whether it is closed.
     closed: Vec<bool>,
     /// By reach: the spot, while the axes stand so and the number is that of a position.
-    reached: Vec<Option<Spot>>,
+    reached: Vec<Option<NestPosition>>,
     /// By station: inputs that see something.
     seen: Vec<u128>,
-    mishaps: Vec<(Tick, Mishap)>,
+    mishaps: Vec<(Tick, PartFault)>,
     mishap_count: u64,
     /// People look after the stores.
     people: bool,
 }
 
-impl Parts {
+impl PlantParts {
     /// None of them; with the mechanisms as they stand.
-    pub(crate) fn new(handling: &Handling, stations: usize, people: bool, mechanisms: &impl Mechanisms) -> Self {
-        let mut parts = Parts {
+    pub(crate) fn new(handling: &MaterialFlow, stations: usize, people: bool, mechanisms: &impl Mechanisms) -> Self {
+        let mut parts = PlantParts {
             closed: vec![false; handling.holders.len()],
             reached: vec![None; handling.reaches.len()],
             handling: handling.clone(),
@@ -132,11 +132,11 @@ impl Parts {
         parts
     }
 
-    pub(crate) fn all(&self) -> impl Iterator<Item = (PartNo, Whereabouts)> + '_ {
+    pub(crate) fn all(&self) -> impl Iterator<Item = (PartNo, PartLocation)> + '_ {
         self.parts.iter().map(|(part, at)| (*part, *at))
     }
 
-    pub(crate) fn at(&self, spot: Spot) -> Option<PartNo> {
+    pub(crate) fn at(&self, spot: NestPosition) -> Option<PartNo> {
         self.all().find(|(_, at)| at.spot == Some(spot)).map(|(part, _)| part)
     }
 
@@ -144,7 +144,7 @@ impl Parts {
         self.all().find(|(_, at)| at.hand == Some(hand)).map(|(part, _)| part)
     }
 
-    pub(crate) fn mishaps(&self) -> (&[(Tick, Mishap)], u64) {
+    pub(crate) fn mishaps(&self) -> (&[(Tick, PartFault)], u64) {
         (&self.mishaps, self.mishap_count)
     }
 
@@ -154,30 +154,35 @@ impl Parts {
     }
 
     /// A person puts a part somewhere: a new one, or one that has fallen down.
-    pub(crate) fn put(&mut self, part: PartNo, spot: Spot, mechanisms: &impl Mechanisms) -> Result<(), Refused> {
+    pub(crate) fn put(
+        &mut self,
+        part: PartNo,
+        spot: NestPosition,
+        mechanisms: &impl Mechanisms,
+    ) -> Result<(), PartRefusal> {
         let holders = self.handling.holders.get(spot.nest.index()).filter(|holder| !holder.is_hand());
         if holders.is_none_or(|nest| !(1..=nest.places).contains(&spot.position)) {
-            return Err(Refused::NoSuchSpot);
+            return Err(PartRefusal::NoSuchSpot);
         }
-        if self.parts.get(&part).is_some_and(|at| *at != Whereabouts::default()) {
-            return Err(Refused::Known);
+        if self.parts.get(&part).is_some_and(|at| *at != PartLocation::default()) {
+            return Err(PartRefusal::Known);
         }
         if self.at(spot).is_some() {
-            return Err(Refused::Occupied);
+            return Err(PartRefusal::Occupied);
         }
         if self.closed[spot.nest.index()] {
-            return Err(Refused::Held);
+            return Err(PartRefusal::Held);
         }
-        self.parts.insert(part, Whereabouts { spot: Some(spot), hand: None });
+        self.parts.insert(part, PartLocation { spot: Some(spot), hand: None });
         self.look(mechanisms);
         Ok(())
     }
 
     /// A person takes a part away, out of the plant.
-    pub(crate) fn take(&mut self, part: PartNo, mechanisms: &impl Mechanisms) -> Result<Whereabouts, Refused> {
-        let at = *self.parts.get(&part).ok_or(Refused::Unknown)?;
+    pub(crate) fn take(&mut self, part: PartNo, mechanisms: &impl Mechanisms) -> Result<PartLocation, PartRefusal> {
+        let at = *self.parts.get(&part).ok_or(PartRefusal::Unknown)?;
         if at.hand.is_some() || at.spot.is_some_and(|spot| self.closed[spot.nest.index()]) {
-            return Err(Refused::Held);
+            return Err(PartRefusal::Held);
         }
         self.parts.remove(&part);
         self.look(mechanisms);
@@ -197,10 +202,10 @@ impl Parts {
         self.move_hands(now, mechanisms);
         for &(hand, stand) in &hands {
             let closes = !was[hand.index()] && self.closed[hand.index()];
-            if closes && !mechanisms.suffers(&stand, Fault::Miss) {
+            if closes && !mechanisms.suffers(&stand, MotionFault::Miss) {
                 self.grasp(hand);
             }
-            if mechanisms.suffers(&stand, Fault::Drop) {
+            if mechanisms.suffers(&stand, MotionFault::Drop) {
                 self.drop_from(now, hand);
             }
         }
@@ -215,7 +220,7 @@ impl Parts {
     }
 
     /// The spot that a hand can take from, and put down at.
-    fn reached_by(&self, hand: HolderId) -> Option<Spot> {
+    fn reached_by(&self, hand: HolderId) -> Option<NestPosition> {
         let of_hand = self.handling.reaches.iter().zip(&self.reached).filter(|(reach, _)| reach.hand == hand);
         of_hand.filter_map(|(_, reached)| *reached).next()
     }
@@ -223,17 +228,17 @@ impl Parts {
     /// A hand opens: the part stays where it is held by something else, or can lie.
     fn open(&mut self, now: Tick, hand: HolderId) {
         let Some(part) = self.in_hand(hand) else { return };
-        let free = |spot: &Spot| self.at(*spot).is_none() && !self.closed[spot.nest.index()];
+        let free = |spot: &NestPosition| self.at(*spot).is_none() && !self.closed[spot.nest.index()];
         let spot = self.parts[&part].spot.or_else(|| self.reached_by(hand).filter(free));
-        self.parts.insert(part, Whereabouts { spot, hand: None });
+        self.parts.insert(part, PartLocation { spot, hand: None });
         if spot.is_none() {
-            self.note(now, Mishap::Fell { part, hand });
+            self.note(now, PartFault::Fell { part, hand });
         }
     }
 
     /// Axes have left nests, or come to some.
     fn move_hands(&mut self, now: Tick, mechanisms: &impl Mechanisms) {
-        let before: Vec<Option<Spot>> = self.hands().map(|(hand, _)| self.reached_by(hand)).collect();
+        let before: Vec<Option<NestPosition>> = self.hands().map(|(hand, _)| self.reached_by(hand)).collect();
         for (reach, reached) in self.handling.reaches.iter().zip(&mut self.reached) {
             let stands = reach.when.iter().all(|stand| mechanisms.stands(stand));
             let (hand, nest) = (&self.handling.holders[reach.hand.index()], &self.handling.holders[reach.to.index()]);
@@ -242,7 +247,7 @@ impl Parts {
                 let Grip::Hand(stand) = hand.grip else { return None };
                 let position = number(&reach.position, mechanisms.outputs(stand.station));
                 let is_one = stands && (1..=nest.places).contains(&position);
-                is_one.then_some(Spot { nest: reach.to, position })
+                is_one.then_some(NestPosition { nest: reach.to, position })
             });
         }
         let hands: Vec<HolderId> = self.hands().map(|(hand, _)| hand).collect();
@@ -261,24 +266,24 @@ impl Parts {
         let Some(at) = self.parts.get_mut(&part) else { return };
         if is_clamped {
             at.hand = None;
-            self.note(now, Mishap::Torn { part, hand });
+            self.note(now, PartFault::Torn { part, hand });
         } else {
             at.spot = None;
         }
     }
 
     /// Whether people look after a spot: that of a store, which is no station's.
-    fn is_looked_after(&self, spot: Spot) -> bool {
+    fn is_looked_after(&self, spot: NestPosition) -> bool {
         self.people && self.handling.holders.get(spot.nest.index()).is_some_and(|holder| !holder.name.contains('.'))
     }
 
-    fn come(&mut self, now: Tick, hand: HolderId, spot: Option<Spot>) {
+    fn come(&mut self, now: Tick, hand: HolderId, spot: Option<NestPosition>) {
         let (Some(part), Some(spot)) = (self.in_hand(hand), spot) else { return };
         if self.is_looked_after(spot) {
             self.parts.retain(|_, at| at.spot != Some(spot) || at.hand.is_some());
         }
         if self.at(spot).is_some() || self.closed[spot.nest.index()] {
-            self.note(now, Mishap::Blocked { part, hand, spot });
+            self.note(now, PartFault::Blocked { part, hand, spot });
         } else if let Some(at) = self.parts.get_mut(&part) {
             at.spot = Some(spot);
         }
@@ -288,7 +293,7 @@ impl Parts {
         let empty = self.reached_by(hand).filter(|&spot| self.is_looked_after(spot) && self.at(spot).is_none());
         if let Some(spot) = empty {
             let next = self.parts.keys().next_back().map_or(1, |part| part.0.saturating_add(1));
-            self.parts.insert(PartNo(next), Whereabouts { spot: Some(spot), hand: None });
+            self.parts.insert(PartNo(next), PartLocation { spot: Some(spot), hand: None });
         }
         let part = self.reached_by(hand).and_then(|spot| self.at(spot));
         // What another hand has, this one cannot get.
@@ -300,8 +305,8 @@ impl Parts {
     /// A hand that holds nothing fast: what is nowhere else falls.
     fn drop_from(&mut self, now: Tick, hand: HolderId) {
         let Some(part) = self.in_hand(hand).filter(|part| self.parts[part].spot.is_none()) else { return };
-        self.parts.insert(part, Whereabouts::default());
-        self.note(now, Mishap::Fell { part, hand });
+        self.parts.insert(part, PartLocation::default());
+        self.note(now, PartFault::Fell { part, hand });
     }
 
     /// What the sensors see.
@@ -321,7 +326,7 @@ impl Parts {
         }
     }
 
-    fn note(&mut self, now: Tick, mishap: Mishap) {
+    fn note(&mut self, now: Tick, mishap: PartFault) {
         self.mishap_count += 1;
         if self.mishaps.len() < MISHAPS_MAX {
             self.mishaps.push((now, mishap));

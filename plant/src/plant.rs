@@ -7,9 +7,9 @@
 use linewright_line::{AxisId, HolderId, InputId, Line, OpId, OutputId, Owner, Stand, StationId, Tick};
 use linewright_random::mix;
 
-use crate::fault::Fault;
+use crate::fault::MotionFault;
 use crate::mechanism::{Mechanism, Stroke};
-use crate::parts::{Mechanisms, Mishap, PartNo, Parts, Refused, Spot, Whereabouts};
+use crate::parts::{Mechanisms, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, PlantParts};
 
 /// How a plant deviates from its description.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,7 +40,7 @@ pub struct Plant {
     forced: Vec<(u128, u128)>,
     alarms: u64,
     /// None in a line that does not say where parts can be.
-    parts: Option<Parts>,
+    parts: Option<PlantParts>,
 }
 
 /// What parts see of a plant.
@@ -55,7 +55,7 @@ impl Mechanisms for Axes<'_> {
         self.stations[stand.station.index()][stand.axis.index()].stands_at(self.now, stand.at)
     }
 
-    fn suffers(&self, stand: &Stand, fault: Fault) -> bool {
+    fn suffers(&self, stand: &Stand, fault: MotionFault) -> bool {
         self.stations[stand.station.index()][stand.axis.index()].suffers_at(stand.at, fault)
     }
 
@@ -83,7 +83,7 @@ impl Plant {
             parts: None,
         };
         if !line.handling.is_empty() {
-            plant.parts = Some(Parts::new(&line.handling, line.stations.len(), options.people, &plant.axes()));
+            plant.parts = Some(PlantParts::new(&line.handling, line.stations.len(), options.people, &plant.axes()));
         }
         plant
     }
@@ -213,17 +213,17 @@ impl Plant {
     }
 
     /// Makes the normal motion of an operation fail, or work again (`None`), from `now` on.
-    pub fn inject(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<Fault>) {
+    pub fn inject(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<MotionFault>) {
         self.set_fault(now, station, fault, |drive| drive.op == op && drive.stroke == Stroke::Normal);
     }
 
     /// Makes the recovery motion of an operation fail, or work again (`None`), from `now` on.
-    pub fn inject_recovery(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<Fault>) {
+    pub fn inject_recovery(&mut self, now: Tick, station: StationId, op: OpId, fault: Option<MotionFault>) {
         self.set_fault(now, station, fault, |drive| drive.op == op && drive.stroke == Stroke::Recovery);
     }
 
     /// Makes every motion that an output drives fail, or work again (`None`), from `now` on.
-    pub fn inject_output(&mut self, now: Tick, owner: Owner, output: OutputId, fault: Option<Fault>) {
+    pub fn inject_output(&mut self, now: Tick, owner: Owner, output: OutputId, fault: Option<MotionFault>) {
         if let Owner::Station(station) = owner {
             self.set_fault(now, station, fault, |drive| drive.output == output);
         }
@@ -246,8 +246,8 @@ impl Plant {
         &mut self,
         now: Tick,
         station: StationId,
-        fault: Option<Fault>,
-        hit: impl Fn(&crate::mechanism::Drive) -> bool,
+        fault: Option<MotionFault>,
+        hit: impl Fn(&crate::mechanism::Actuator) -> bool,
     ) {
         self.advance(now);
         let Some(mechanisms) = self.stations.get_mut(station.index()) else { return };
@@ -262,29 +262,29 @@ impl Plant {
     ///
     /// # Errors
     /// Why it cannot be put there.
-    pub fn put(&mut self, now: Tick, part: PartNo, spot: Spot) -> Result<(), Refused> {
+    pub fn put(&mut self, now: Tick, part: PartNo, spot: NestPosition) -> Result<(), PartRefusal> {
         self.advance(now);
         let axes = Axes { now: self.now, stations: &self.stations, outputs: &self.outputs };
-        self.parts.as_mut().map_or(Err(Refused::NoSuchSpot), |parts| parts.put(part, spot, &axes))
+        self.parts.as_mut().map_or(Err(PartRefusal::NoSuchSpot), |parts| parts.put(part, spot, &axes))
     }
 
     /// A person takes a part away at `now`, out of the plant; gives where it was.
     ///
     /// # Errors
     /// Why it cannot be taken.
-    pub fn take(&mut self, now: Tick, part: PartNo) -> Result<Whereabouts, Refused> {
+    pub fn take(&mut self, now: Tick, part: PartNo) -> Result<PartLocation, PartRefusal> {
         self.advance(now);
         let axes = Axes { now: self.now, stations: &self.stations, outputs: &self.outputs };
-        self.parts.as_mut().map_or(Err(Refused::Unknown), |parts| parts.take(part, &axes))
+        self.parts.as_mut().map_or(Err(PartRefusal::Unknown), |parts| parts.take(part, &axes))
     }
 
     /// All parts, with where they are.
-    pub fn parts(&self) -> impl Iterator<Item = (PartNo, Whereabouts)> + '_ {
-        self.parts.iter().flat_map(Parts::all)
+    pub fn parts(&self) -> impl Iterator<Item = (PartNo, PartLocation)> + '_ {
+        self.parts.iter().flat_map(PlantParts::all)
     }
 
     /// The part that is there.
-    pub fn part_at(&self, spot: Spot) -> Option<PartNo> {
+    pub fn part_at(&self, spot: NestPosition) -> Option<PartNo> {
         self.parts.as_ref()?.at(spot)
     }
 
@@ -294,8 +294,8 @@ impl Plant {
     }
 
     /// What should not have happened to parts, as far as it is kept, and how often such a thing has happened.
-    pub fn mishaps(&self) -> (&[(Tick, Mishap)], u64) {
-        self.parts.as_ref().map_or((&[], 0), Parts::mishaps)
+    pub fn mishaps(&self) -> (&[(Tick, PartFault)], u64) {
+        self.parts.as_ref().map_or((&[], 0), PlantParts::mishaps)
     }
 
     fn next_arrival(&self) -> Option<(Tick, usize)> {

@@ -4,24 +4,26 @@
 //! shown to the others, which have no use for it.
 
 use linewright_canopen::{Frame, NodeId};
-use linewright_line::{AxisId, Bus, Device, DeviceKind, Drive, DriveMode, Line, Owner, StationId, Tick};
+use linewright_line::{AxisId, Device, DeviceBus, DeviceKind, Drive, DriveMode, Line, Owner, StationId, Tick};
 
-use crate::device::{DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, Order, PlainNode};
-use crate::fault::{DeviceFault, Fault};
+use crate::device::{
+    DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, PlantEffect,
+};
+use crate::fault::{DeviceFault, MotionFault};
 use crate::plant::{Plant, PlantOptions};
-use crate::wire::{FrameFaults, Wire};
+use crate::wire::{FaultyWire, FrameFaults};
 
-struct Slot {
+struct RackSlot {
     device: Device,
-    node: Node,
-    wire: Wire,
+    node: RackNode,
+    wire: FaultyWire,
     /// Output bits that do not follow process data, and those of them that stay on.
     stuck: (u64, u64),
 }
 
-impl Slot {
-    fn of(device: &Device, node: Node) -> Self {
-        Slot { device: device.clone(), node, wire: Wire::default(), stuck: (0, 0) }
+impl RackSlot {
+    fn of(device: &Device, node: RackNode) -> Self {
+        RackSlot { device: device.clone(), node, wire: FaultyWire::default(), stuck: (0, 0) }
     }
 
     fn send(&mut self, frames: &mut Vec<Frame>, out: &mut Vec<Frame>) {
@@ -31,39 +33,39 @@ impl Slot {
     }
 }
 
-enum Node {
+enum RackNode {
     Io(Box<DeviceNode>),
     /// With the station whose axis it moves.
     Drive(Box<DriveNode>, StationId),
-    Plain(Box<PlainNode>),
+    Plain(Box<DbcDeviceNode>),
     Modbus(Box<ModbusNode>),
 }
 
-impl Node {
+impl RackNode {
     fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
         match self {
-            Node::Io(node) => node.handle(now, frame, out),
-            Node::Drive(node, _) => node.handle(now, frame, out),
-            Node::Plain(node) => node.handle(now, frame, out),
-            Node::Modbus(_) => {}
+            RackNode::Io(node) => node.handle(now, frame, out),
+            RackNode::Drive(node, _) => node.handle(now, frame, out),
+            RackNode::Plain(node) => node.handle(now, frame, out),
+            RackNode::Modbus(_) => {}
         }
     }
 
     fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
         match self {
-            Node::Io(node) => node.poll(now, out),
-            Node::Drive(node, _) => node.poll(now, out),
-            Node::Plain(node) => node.poll(now, out),
-            Node::Modbus(node) => node.poll(now),
+            RackNode::Io(node) => node.poll(now, out),
+            RackNode::Drive(node, _) => node.poll(now, out),
+            RackNode::Plain(node) => node.poll(now, out),
+            RackNode::Modbus(node) => node.poll(now),
         }
     }
 
     fn next_deadline(&self) -> Option<Tick> {
         match self {
-            Node::Io(node) => node.next_deadline(),
-            Node::Drive(node, _) => node.next_deadline(),
-            Node::Plain(node) => node.next_deadline(),
-            Node::Modbus(node) => node.next_deadline(),
+            RackNode::Io(node) => node.next_deadline(),
+            RackNode::Drive(node, _) => node.next_deadline(),
+            RackNode::Plain(node) => node.next_deadline(),
+            RackNode::Modbus(node) => node.next_deadline(),
         }
     }
 }
@@ -71,7 +73,7 @@ impl Node {
 /// The devices of one bus and the plant they hang on.
 pub struct Rack {
     plant: Plant,
-    slots: Vec<Slot>,
+    slots: Vec<RackSlot>,
     owners: Vec<Owner>,
 }
 
@@ -80,7 +82,7 @@ impl Rack {
     /// description's parser lets none through.
     ///
     /// The plant is that of the whole line; stations on other buses stand still in this one's.
-    pub fn new(now: Tick, line: &Line, bus: &Bus, options: PlantOptions) -> Self {
+    pub fn new(now: Tick, line: &Line, bus: &DeviceBus, options: PlantOptions) -> Self {
         let mut slots = Vec::new();
         let mut owners = Vec::new();
         for device in line.devices.iter().filter(|d| d.bus == *bus) {
@@ -90,30 +92,30 @@ impl Rack {
             let node = match (&device.kind, device.owner) {
                 (DeviceKind::Frames(frames), _) => {
                     let Some(binding) = &frames.bound else { continue };
-                    Node::Plain(Box::new(PlainNode::new(now, binding)))
+                    RackNode::Plain(Box::new(DbcDeviceNode::new(now, binding)))
                 }
                 (DeviceKind::Drive(canopen, drive), Owner::Station(station)) => {
                     let Some(id) = NodeId::new(canopen.node_id) else { continue };
                     let home = line.station(station).axes[drive.axis.index()].home;
-                    Node::Drive(Box::new(DriveNode::new(now, id, drive, home, &line.timing)), station)
+                    RackNode::Drive(Box::new(DriveNode::new(now, id, drive, home, &line.timing)), station)
                 }
-                (DeviceKind::Modbus(modbus), _) => Node::Modbus(Box::new(ModbusNode::new(modbus))),
+                (DeviceKind::Modbus(modbus), _) => RackNode::Modbus(Box::new(ModbusNode::new(modbus))),
                 // The console has no axis that a drive could move.
                 (DeviceKind::Drive(..), Owner::Console) => continue,
                 (DeviceKind::Io(canopen, io), _) => {
                     let Some(id) = NodeId::new(canopen.node_id) else { continue };
                     let node = DeviceNode::new(now, id, io.inputs.len(), io.outputs.len(), &line.timing);
-                    Node::Io(Box::new(node.with_channels(&io.analogue)))
+                    RackNode::Io(Box::new(node.with_channels(&io.analogue)))
                 }
             };
-            slots.push(Slot::of(device, node));
+            slots.push(RackSlot::of(device, node));
         }
         Rack { plant: Plant::new(line, options), slots, owners }
     }
 
     /// Takes one frame from the bus at `now`.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Vec<Frame>) {
-        self.each(now, out, Wire::towards, |node, outbox| node.handle(now, frame, outbox));
+        self.each(now, out, FaultyWire::towards, |node, outbox| node.handle(now, frame, outbox));
     }
 
     /// Does what is due at `now`.
@@ -133,7 +135,7 @@ impl Rack {
         self.poll(now, out);
         let mut answer = None;
         for slot in &mut self.slots {
-            let Node::Modbus(node) = &mut slot.node else { continue };
+            let RackNode::Modbus(node) = &mut slot.node else { continue };
             // Several may share one: what is not the first one's may be the next one's.
             if node.is_at(address, unit) && !matches!(answer, Some(Ok(_))) {
                 answer = node.handle(now, request);
@@ -165,13 +167,13 @@ impl Rack {
     pub fn inject(&mut self, now: Tick, node: NodeId, fault: Option<DeviceFault>) {
         let Some(slot) = self.slots.iter_mut().find(|slot| slot.device.node_id() == Some(node.get())) else { return };
         match &mut slot.node {
-            Node::Io(node) => node.inject(now, fault),
-            Node::Drive(node, _) => node.inject(now, fault),
-            Node::Plain(node) => node.inject(now, fault),
-            Node::Modbus(node) => node.inject(fault),
+            RackNode::Io(node) => node.inject(now, fault),
+            RackNode::Drive(node, _) => node.inject(now, fault),
+            RackNode::Plain(node) => node.inject(now, fault),
+            RackNode::Modbus(node) => node.inject(fault),
         }
         if fault.is_none() {
-            slot.wire = Wire::default();
+            slot.wire = FaultyWire::default();
         }
     }
 
@@ -183,9 +185,9 @@ impl Rack {
         }
         for slot in self.slots.iter_mut().filter(|slot| slot.device.name == device.name) {
             match &mut slot.node {
-                Node::Plain(node) => node.inject(now, fault),
-                Node::Modbus(node) => node.inject(fault),
-                Node::Io(_) | Node::Drive(..) => {}
+                RackNode::Plain(node) => node.inject(now, fault),
+                RackNode::Modbus(node) => node.inject(fault),
+                RackNode::Io(_) | RackNode::Drive(..) => {}
             }
         }
     }
@@ -193,7 +195,7 @@ impl Rack {
     /// Makes the line to a device this bad.
     pub fn disturb(&mut self, node: NodeId, faults: FrameFaults) {
         for slot in self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())) {
-            slot.wire = Wire::new(faults);
+            slot.wire = FaultyWire::new(faults);
         }
     }
 
@@ -210,8 +212,8 @@ impl Rack {
     /// The I/O device with this node id.
     pub fn device(&self, node: NodeId) -> Option<&DeviceNode> {
         self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
-            Node::Io(node) => Some(node.as_ref()),
-            Node::Drive(..) | Node::Plain(_) | Node::Modbus(_) => None,
+            RackNode::Io(node) => Some(node.as_ref()),
+            RackNode::Drive(..) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
         })
     }
 
@@ -220,16 +222,16 @@ impl Rack {
         self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &mut slot
             .node
         {
-            Node::Io(node) => Some(node.as_mut()),
-            Node::Drive(..) | Node::Plain(_) | Node::Modbus(_) => None,
+            RackNode::Io(node) => Some(node.as_mut()),
+            RackNode::Drive(..) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
         })
     }
 
     /// The drive with this node id.
     pub fn drive(&self, node: NodeId) -> Option<&DriveNode> {
         self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
-            Node::Drive(node, _) => Some(node.as_ref()),
-            Node::Io(_) | Node::Plain(_) | Node::Modbus(_) => None,
+            RackNode::Drive(node, _) => Some(node.as_ref()),
+            RackNode::Io(_) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
         })
     }
 
@@ -238,16 +240,16 @@ impl Rack {
         self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &mut slot
             .node
         {
-            Node::Drive(node, _) => Some(node.as_mut()),
-            Node::Io(_) | Node::Plain(_) | Node::Modbus(_) => None,
+            RackNode::Drive(node, _) => Some(node.as_mut()),
+            RackNode::Io(_) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
         })
     }
 
     /// The device of this name that speaks no CANopen, to make it fail.
-    pub fn plain_mut(&mut self, name: &str) -> Option<&mut PlainNode> {
+    pub fn plain_mut(&mut self, name: &str) -> Option<&mut DbcDeviceNode> {
         self.slots.iter_mut().filter(|slot| slot.device.name == name).find_map(|slot| match &mut slot.node {
-            Node::Plain(node) => Some(node.as_mut()),
-            Node::Io(_) | Node::Drive(..) | Node::Modbus(_) => None,
+            RackNode::Plain(node) => Some(node.as_mut()),
+            RackNode::Io(_) | RackNode::Drive(..) | RackNode::Modbus(_) => None,
         })
     }
 
@@ -257,12 +259,12 @@ impl Rack {
         now: Tick,
         station: StationId,
         axis: AxisId,
-        fault: Option<Fault>,
+        fault: Option<MotionFault>,
         out: &mut Vec<Frame>,
     ) -> bool {
         let mut found = false;
         for slot in &mut self.slots {
-            let Node::Drive(node, of) = &mut slot.node else { continue };
+            let RackNode::Drive(node, of) = &mut slot.node else { continue };
             if *of == station && slot.device.drive().is_some_and(|drive| drive.axis == axis) {
                 let mut outbox = DeviceOutbox::default();
                 node.fail(now, fault, &mut outbox);
@@ -276,8 +278,8 @@ impl Rack {
     /// What an owner's devices drive: bit `i` is its output `i`. All outputs of a drive that moves by an order count.
     pub fn driven(&self, owner: Owner) -> u128 {
         let drives = self.slots.iter().filter(|slot| slot.device.owner == owner).filter_map(|slot| match &slot.node {
-            Node::Drive(node, _) if node.obeys_an_order() => slot.device.drive(),
-            Node::Drive(..) | Node::Io(_) | Node::Plain(_) | Node::Modbus(_) => None,
+            RackNode::Drive(node, _) if node.obeys_an_order() => slot.device.drive(),
+            RackNode::Drive(..) | RackNode::Io(_) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
         });
         let moved = drives.flat_map(Drive::outputs).fold(0, |image, output| image | output.bit());
         self.plant.outputs(owner) | moved
@@ -288,8 +290,8 @@ impl Rack {
         &mut self,
         now: Tick,
         out: &mut Vec<Frame>,
-        times: impl Fn(&mut Wire) -> usize,
-        act: impl Fn(&mut Node, &mut DeviceOutbox),
+        times: impl Fn(&mut FaultyWire) -> usize,
+        act: impl Fn(&mut RackNode, &mut DeviceOutbox),
     ) {
         // Time first: what has happened until now happened under the old outputs.
         self.plant.advance(now);
@@ -314,7 +316,7 @@ impl Rack {
     /// Puts the axes where their drives have moved them to.
     fn carry_axes(&mut self, now: Tick) {
         for slot in &self.slots {
-            if let (Node::Drive(node, station), Some(drive)) = (&slot.node, slot.device.drive()) {
+            if let (RackNode::Drive(node, station), Some(drive)) = (&slot.node, slot.device.drive()) {
                 let increments = match drive.mode {
                     DriveMode::Position => node.place(now),
                     DriveMode::Velocity => node.speed(now),
@@ -328,17 +330,17 @@ impl Rack {
         for owner in &self.owners {
             let on = self.slots.iter().filter(|slot| slot.device.owner == *owner).flat_map(|slot| {
                 let bits = match &slot.node {
-                    Node::Io(node) => node.outputs() & !slot.stuck.0 | slot.stuck.1,
-                    Node::Modbus(node) => node.outputs(),
-                    Node::Drive(..) | Node::Plain(_) => 0,
+                    RackNode::Io(node) => node.outputs() & !slot.stuck.0 | slot.stuck.1,
+                    RackNode::Modbus(node) => node.outputs(),
+                    RackNode::Drive(..) | RackNode::Plain(_) => 0,
                 };
                 let wired = slot.device.output_bits().iter().enumerate();
                 wired.filter(move |(at, _)| bits >> at & 1 == 1).filter_map(|(_, output)| *output)
             });
             let plain = self.slots.iter().filter(|slot| slot.device.owner == *owner).map(|slot| match &slot.node {
-                Node::Plain(node) => node.outputs(),
-                Node::Io(node) => node.analogue_outputs(),
-                Node::Drive(..) | Node::Modbus(_) => 0,
+                RackNode::Plain(node) => node.outputs(),
+                RackNode::Io(node) => node.analogue_outputs(),
+                RackNode::Drive(..) | RackNode::Modbus(_) => 0,
             });
             let plain = plain.fold(0, |all, outputs| all | outputs);
             let image = on.fold(plain, |image, output| image | output.bit());
@@ -349,7 +351,7 @@ impl Rack {
     fn carry_inputs(&mut self, now: Tick, out: &mut Vec<Frame>) {
         for slot in &mut self.slots {
             let image = self.plant.inputs(slot.device.owner);
-            if let Node::Plain(node) = &mut slot.node {
+            if let RackNode::Plain(node) = &mut slot.node {
                 let mut outbox = DeviceOutbox::default();
                 node.set_inputs(now, image, &mut outbox);
                 slot.send(&mut outbox.frames, out);
@@ -358,11 +360,11 @@ impl Rack {
             let wired = slot.device.input_bits().iter().take(64).enumerate();
             let on = wired.filter(|(_, input)| input.is_some_and(|input| image & input.bit() != 0));
             let bits = on.fold(0, |bits, (at, _)| bits | 1 << at);
-            if let Node::Modbus(node) = &mut slot.node {
+            if let RackNode::Modbus(node) = &mut slot.node {
                 node.set_inputs(bits);
                 continue;
             }
-            let Node::Io(node) = &mut slot.node else { continue };
+            let RackNode::Io(node) = &mut slot.node else { continue };
             let mut outbox = DeviceOutbox::default();
             node.set_inputs(now, bits, &mut outbox);
             node.set_plant(now, image, self.plant.outputs(slot.device.owner), &mut outbox);
@@ -370,30 +372,30 @@ impl Rack {
         }
     }
 
-    fn perform(&mut self, now: Tick, at: usize, order: Order) {
+    fn perform(&mut self, now: Tick, at: usize, order: PlantEffect) {
         let slot = &mut self.slots[at];
         let device = &slot.device;
         let owner = device.owner;
         match order {
-            Order::Fail { output, fault } => {
+            PlantEffect::Fail { output, fault } => {
                 // A bit without a wire drives nothing that could fail.
                 if let Some(output) = device.output_bits().get(output).copied().flatten() {
                     self.plant.inject_output(now, owner, output, fault);
                 }
             }
-            Order::Press { input, value } => {
+            PlantEffect::Press { input, value } => {
                 if let Some(input) = device.input_bits().get(input).copied().flatten() {
                     self.plant.force(owner, input, value);
                 }
             }
-            Order::Stick { output, value } => {
+            PlantEffect::Stick { output, value } => {
                 if let Some(node) = device.node_id().and_then(NodeId::new) {
                     self.stick(node, output, value);
                 }
             }
-            Order::Disturb(faults) => slot.wire = Wire::new(faults),
-            Order::ClearAll => {
-                slot.wire = Wire::default();
+            PlantEffect::Disturb(faults) => slot.wire = FaultyWire::new(faults),
+            PlantEffect::ClearAll => {
+                slot.wire = FaultyWire::default();
                 slot.stuck = (0, 0);
                 for output in device.output_bits().iter().flatten() {
                     self.plant.inject_output(now, owner, *output, None);

@@ -7,7 +7,7 @@
 
 use linewright_random::mix;
 
-use crate::fault::{Orders, TROUBLE_INDEX};
+use crate::fault::{ObjectWrites, TROUBLE_INDEX};
 
 /// How bad the line of one device is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub struct FrameFaults {
 
 impl FrameFaults {
     /// What is written to a device to make its line this bad. Of the seed the device takes the lower 32 bits.
-    pub fn orders(self) -> Orders {
+    pub fn orders(self) -> ObjectWrites {
         let shares = [(7, self.lost_to), (8, self.lost_from), (9, self.doubled)];
         let shares = shares.into_iter().map(|(sub, share)| ((TROUBLE_INDEX, sub), share.into()));
         shares.chain([((TROUBLE_INDEX, 10), self.seed as u32)]).collect()
@@ -33,14 +33,14 @@ impl FrameFaults {
 
 /// The line of one device.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Wire {
+pub(crate) struct FaultyWire {
     faults: FrameFaults,
     drawn: u64,
 }
 
-impl Wire {
+impl FaultyWire {
     pub(crate) fn new(faults: FrameFaults) -> Self {
-        Wire { faults, drawn: 0 }
+        FaultyWire { faults, drawn: 0 }
     }
 
     /// How often a frame comes to the device.

@@ -3,9 +3,10 @@
 
 use std::time::Duration;
 
-use linewright_canopen::{Event, Frame, Manager, NodeId, Outbox};
+use linewright_canopen::{BusEvent, BusOutbox, Frame, Manager, NodeId};
 use linewright_line::{
-    Analogue, AnalogueInput, AnalogueOutput, Bus, Channel, Follows, InputId, Lag, OutputId, Owner, Tick, When,
+    Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, DeviceBus, Follows, InputId, Lag, OutputId, Owner, Tick,
+    When,
 };
 use linewright_plant::{PlantOptions, Rack};
 
@@ -21,12 +22,12 @@ struct Bench {
     rack: Rack,
     /// Nothing of the manager gets through.
     cut: bool,
-    events: Vec<Event>,
+    events: Vec<BusEvent>,
     wire: Vec<String>,
 }
 
-fn channel(number: u8) -> Channel {
-    Channel { number, unit: "bar".to_owned(), factor: 0.01, offset: 0.0 }
+fn channel(number: u8) -> AnalogueChannel {
+    AnalogueChannel { number, unit: "bar".to_owned(), factor: 0.01, offset: 0.0 }
 }
 
 fn analogue(follows: Option<Follows>) -> Analogue {
@@ -44,9 +45,9 @@ impl Bench {
         let mut line = crate::common::line();
         line.devices[0].io_mut().expect("I/O").analogue = analogue;
         let now = Tick::from_millis(100);
-        let devices: Vec<_> = line.devices.iter().filter(|device| device.bus == Bus::Line).collect();
+        let devices: Vec<_> = line.devices.iter().filter(|device| device.bus == DeviceBus::Line).collect();
         let manager = Manager::new(devices, line.timing).unwrap();
-        let rack = Rack::new(now, &line, &Bus::Line, PlantOptions::default());
+        let rack = Rack::new(now, &line, &DeviceBus::Line, PlantOptions::default());
         let (events, wire) = (Vec::new(), Vec::new());
         let mut bench = Bench { now, manager, rack, cut: false, events, wire };
         bench.run(400);
@@ -57,14 +58,14 @@ impl Bench {
     fn run(&mut self, millis: u64) {
         for _ in 0..millis {
             self.now = self.now + Duration::from_millis(1);
-            let (mut out, mut sent) = (Outbox::default(), Vec::new());
+            let (mut out, mut sent) = (BusOutbox::default(), Vec::new());
             self.rack.poll(self.now, &mut sent);
             self.manager.poll(self.now, &mut out);
             self.carry(out, sent);
         }
     }
 
-    fn carry(&mut self, mut out: Outbox, mut sent: Vec<Frame>) {
+    fn carry(&mut self, mut out: BusOutbox, mut sent: Vec<Frame>) {
         loop {
             self.events.append(&mut out.events);
             let orders = std::mem::take(&mut out.frames);
@@ -83,7 +84,7 @@ impl Bench {
     }
 
     fn set(&mut self, image: u128) {
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         self.manager.set_outputs(self.now, OWNER, image, &mut out);
         self.carry(out, Vec::new());
     }
@@ -92,7 +93,7 @@ impl Bench {
     fn send(&mut self, frame: &str) {
         let mut sent = Vec::new();
         self.rack.handle(self.now, &frame.parse().unwrap(), &mut sent);
-        self.carry(Outbox::default(), sent);
+        self.carry(BusOutbox::default(), sent);
     }
 
     fn valid(&self) -> bool {
@@ -136,7 +137,7 @@ fn a_pressure_follows_its_pump_and_its_limits_turn_inputs_on_and_off() {
     assert_eq!(bench.limits(), 0);
     bench.run(300);
     assert_eq!(bench.limits(), PRESSURE_LOW);
-    assert!(bench.valid() && !bench.events.iter().any(|event| matches!(event, Event::ChannelFault { .. })));
+    assert!(bench.valid() && !bench.events.iter().any(|event| matches!(event, BusEvent::ChannelFault { .. })));
 }
 
 #[test]
@@ -222,7 +223,7 @@ fn a_wire_that_breaks_stops_its_owner_and_is_mended_without_restarting_anything(
     bench.run(150);
     assert!(bench.valid());
     assert_eq!(bench.rack.plant().outputs(OWNER), 0);
-    let booted = bench.events.iter().filter(|event| matches!(event, Event::DeviceUp { .. })).count();
+    let booted = bench.events.iter().filter(|event| matches!(event, BusEvent::DeviceUp { .. })).count();
     assert_eq!(booted, 2, "each device once");
 }
 

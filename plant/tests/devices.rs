@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::common::*;
 use linewright_canopen::{Frame, NodeId};
-use linewright_line::{Bus, Tick};
+use linewright_line::{DeviceBus, Tick};
 use linewright_plant::{PlantOptions, Rack};
 use proptest::prelude::*;
 
@@ -17,7 +17,7 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let now = Tick::from_millis(1000);
-        let rack = Rack::new(now, &line(), &Bus::Own("press2".to_owned()), PlantOptions::default());
+        let rack = Rack::new(now, &line(), &DeviceBus::Own("press2".to_owned()), PlantOptions::default());
         Bench { rack, now, out: Vec::new() }
     }
 

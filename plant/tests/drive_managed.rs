@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_canopen::{Event, Frame, Manager, NodeId, Outbox};
-use linewright_line::{AxisId, Bus, Owner, StationId, Tick, parse};
+use linewright_canopen::{BusEvent, BusOutbox, Frame, Manager, NodeId};
+use linewright_line::{AxisId, DeviceBus, Owner, StationId, Tick, parse};
 use linewright_plant::{DeviceFault, PlantOptions, Rack};
 
 const LINE: &str = include_str!("../../model/line/tests/descriptions/drives.toml");
@@ -26,7 +26,7 @@ struct World {
     now: Tick,
     /// A manager that is not alive neither hears nor sends.
     alive: bool,
-    events: Vec<Event>,
+    events: Vec<BusEvent>,
     /// How often somebody had something to do without time passing.
     at_once: u32,
 }
@@ -36,7 +36,7 @@ impl World {
         let line = parse("drives.toml", LINE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let now = Tick::from_millis(1000);
         let manager = Manager::new(&line.devices, line.timing).expect("two devices");
-        let rack = Rack::new(now, &line, &Bus::Line, PlantOptions::default());
+        let rack = Rack::new(now, &line, &DeviceBus::Line, PlantOptions::default());
         World { manager, rack, now, alive: true, events: Vec::new(), at_once: 0 }
     }
 
@@ -53,13 +53,13 @@ impl World {
     }
 
     fn set(&mut self, image: u128) {
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         self.manager.set_outputs(self.now, SLIDE, image, &mut out);
         self.carry(out);
     }
 
     /// Frames of the manager reach the devices, and theirs the manager, until all is quiet.
-    fn carry(&mut self, out: Outbox) {
+    fn carry(&mut self, out: BusOutbox) {
         self.events.extend(out.events);
         let mut down = out.frames;
         for _ in 0..100 {
@@ -67,7 +67,7 @@ impl World {
             for frame in down.drain(..) {
                 self.rack.handle(self.now, &frame, &mut up);
             }
-            let mut answer = Outbox::default();
+            let mut answer = BusOutbox::default();
             for frame in up.iter().filter(|_| self.alive) {
                 self.manager.handle(self.now, frame, &mut answer);
             }
@@ -89,7 +89,7 @@ impl World {
         assert!(self.at_once < AT_ONCE_MAX, "a deadline stays in the past: {due:?} at {before:?}");
         let mut up = Vec::new();
         self.rack.poll(self.now, &mut up);
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         if self.alive {
             for frame in &up {
                 self.manager.handle(self.now, frame, &mut out);
@@ -211,7 +211,7 @@ fn a_drive_that_boots_on_the_way_is_lost_and_moves_again_only_after_it_was_homed
     world.rack.drive_mut(drive()).expect("it is a drive").inject(now, Some(DeviceFault::Reboot));
     world.until("the loss is seen", |world| world.manager.inputs(world.now, SLIDE).losses > before);
     world.until("it is brought up again", |world| world.manager.inputs(world.now, SLIDE).valid);
-    assert!(world.events.contains(&Event::DeviceRebooted { node: drive() }), "{:?}", world.events);
+    assert!(world.events.contains(&BusEvent::DeviceRebooted { node: drive() }), "{:?}", world.events);
     // It brakes while it boots.
     world.pass(100);
     assert_eq!(world.moves_within(500), 0.0, "the order from before the loss is forgotten");

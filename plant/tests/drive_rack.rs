@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_canopen::{Frame, NodeId};
-use linewright_line::{AxisId, Bus, Line, StationId, Tick, parse};
+use linewright_line::{AxisId, DeviceBus, Line, StationId, Tick, parse};
 use linewright_plant::{PlantOptions, Rack};
 
 const LINE: &str = include_str!("../../model/line/tests/descriptions/drives.toml");
@@ -17,7 +17,7 @@ struct Bench {
 impl Bench {
     fn new(line: &Line) -> Self {
         let now = Tick::from_millis(1000);
-        Bench { rack: Rack::new(now, line, &Bus::Line, PlantOptions::default()), now, out: Vec::new() }
+        Bench { rack: Rack::new(now, line, &DeviceBus::Line, PlantOptions::default()), now, out: Vec::new() }
     }
 
     fn pass(&mut self, millis: u64) {

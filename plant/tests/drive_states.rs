@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::drive_bench::described;
 use linewright_canopen::{Frame, NodeId};
 use linewright_line::{AtRest, Tick, Timing};
-use linewright_plant::{DeviceOutbox, DriveNode, Fault};
+use linewright_plant::{DeviceOutbox, DriveNode, MotionFault};
 
 struct Bench {
     node: DriveNode,
@@ -188,7 +188,7 @@ fn disabling_waits_for_the_ramp_where_its_option_says_so() {
 fn a_fault_reacts_fails_and_is_reset_by_an_edge() {
     let mut bench = Bench::moving();
     let mut out = DeviceOutbox::default();
-    bench.node.fail(bench.now, Some(Fault::Break), &mut out);
+    bench.node.fail(bench.now, Some(MotionFault::Break), &mut out);
     assert!(out.frames.iter().any(|frame| frame.to_string() == "085#0573210000000000"), "{:?}", out.frames);
     assert_eq!(bench.state(), "reaction", "13");
     assert_eq!(bench.word(0x80), "reaction", "not to be reset yet");

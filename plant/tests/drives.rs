@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use crate::drive_bench::{FAULT, HOME, LOST_MAX, Pair, described};
-use linewright_canopen::profile::drive::State;
+use linewright_canopen::profile::drive::DriveState;
 use linewright_line::{AtRest, Drive as Described, DriveMode};
-use linewright_plant::Fault;
+use linewright_plant::MotionFault;
 use proptest::prelude::*;
 
 fn millis(millis: u64) -> Duration {
@@ -31,7 +31,12 @@ fn an_output_moves_the_axis_to_its_target_and_the_input_says_so() {
     pair.set(0);
     pair.run(millis(100), |pair| assert_eq!(pair.inputs(), 0b010));
     // It stood when it was told to stop quickly, so that state has ended as soon as it began.
-    let way = [State::ReadyToSwitchOn, State::SwitchedOn, State::OperationEnabled, State::SwitchOnDisabled];
+    let way = [
+        DriveState::ReadyToSwitchOn,
+        DriveState::SwitchedOn,
+        DriveState::OperationEnabled,
+        DriveState::SwitchOnDisabled,
+    ];
     assert_eq!(pair.states, way);
 }
 
@@ -60,7 +65,7 @@ fn letting_go_on_the_way_stops_it_and_switches_it_off() {
     pair.run(millis(200), |_| {});
     // 300 mm/s at 4000 mm/s²: 11.25 mm, and what it moved while the frame was under way.
     assert!((place + 11.25..place + 11.7).contains(&pair.place()), "{} after {place}", pair.place());
-    assert_eq!((pair.speed(), pair.node.state()), (0.0, State::SwitchOnDisabled));
+    assert_eq!((pair.speed(), pair.node.state()), (0.0, DriveState::SwitchOnDisabled));
     assert_eq!(pair.inputs(), 0);
     pair.set(0b1000);
     pair.run(millis(500), |_| {});
@@ -69,7 +74,7 @@ fn letting_go_on_the_way_stops_it_and_switches_it_off() {
 
 #[test]
 fn a_drive_whose_manager_is_gone_stops_by_itself() {
-    for (at_rest, end) in [(AtRest::Off, State::SwitchOnDisabled), (AtRest::Hold, State::QuickStopActive)] {
+    for (at_rest, end) in [(AtRest::Off, DriveState::SwitchOnDisabled), (AtRest::Hold, DriveState::QuickStopActive)] {
         let mut pair = Pair::new(Described { velocity: 40.0, ..described(at_rest, false) }, 0.0, 1);
         pair.described.targets[3].velocity = 40.0;
         let mut described = pair.described.clone();
@@ -109,7 +114,7 @@ fn an_axis_that_would_sink_is_held_under_power() {
     pair.run(millis(150), |_| {});
     pair.set(0);
     pair.run(millis(300), |pair| assert!(pair.place() > 80.0 - 0.05));
-    assert_eq!(pair.states, [State::OperationEnabled], "never without torque");
+    assert_eq!(pair.states, [DriveState::OperationEnabled], "never without torque");
     assert_eq!(pair.speed(), 0.0);
 }
 
@@ -118,18 +123,18 @@ fn a_stuck_axis_trips_and_is_reset_only_when_its_output_is_off() {
     let mut pair = Pair::new(absolute(), 0.0, 1);
     pair.set(0b0010);
     pair.run(millis(100), |_| {});
-    pair.fail(Some(Fault::Stick));
+    pair.fail(Some(MotionFault::Stick));
     pair.run(millis(500), |_| {});
-    assert_eq!(pair.node.state(), State::Fault);
+    assert_eq!(pair.node.state(), DriveState::Fault);
     assert_eq!(pair.emergencies, [0x8611]);
     assert_eq!(pair.inputs(), FAULT);
     assert!(pair.drive.explain().contains("8611h (following error)"), "{}", pair.drive.explain());
-    pair.run(millis(3000), |pair| assert_eq!(pair.node.state(), State::Fault));
+    pair.run(millis(3000), |pair| assert_eq!(pair.node.state(), DriveState::Fault));
     pair.fail(None);
     let place = pair.place();
     pair.set(0);
     pair.run(millis(500), |_| {});
-    assert_eq!((pair.node.state(), pair.inputs(), pair.place()), (State::SwitchOnDisabled, 0, place));
+    assert_eq!((pair.node.state(), pair.inputs(), pair.place()), (DriveState::SwitchOnDisabled, 0, place));
     assert_eq!(pair.emergencies, [0x8611, 0]);
     pair.set(0b0010);
     pair.run(millis(1000), |_| {});
@@ -180,7 +185,7 @@ fn a_velocity_holds_as_long_as_its_output() {
     pair.set(0);
     pair.run(millis(200), |_| {});
     assert_eq!((pair.inputs(), pair.speed()), (0b01, 0.0));
-    assert_eq!(pair.node.state(), State::SwitchOnDisabled);
+    assert_eq!(pair.node.state(), DriveState::SwitchOnDisabled);
 }
 
 #[test]
@@ -189,7 +194,7 @@ fn a_drive_found_running_is_taken_over_without_a_jump() {
     pair.set(0b1000);
     pair.run(millis(200), |_| {});
     // A new manager, which knows nothing of all that, with an order for the other end.
-    pair.drive = linewright_canopen::profile::drive::Drive::new(pair.drive.binding().clone());
+    pair.drive = linewright_canopen::profile::drive::ManagedDrive::new(pair.drive.binding().clone());
     let place = pair.place();
     pair.set(0b0001);
     pair.run(millis(1500), |pair| assert!(pair.place() < place + 14.0, "on to the old target"));
@@ -277,8 +282,8 @@ proptest! {
         for (act, span) in acts {
             match act {
                 Act::Image(image) => pair.set(image),
-                Act::Stick => pair.fail(Some(Fault::Stick)),
-                Act::Break => pair.fail(Some(Fault::Break)),
+                Act::Stick => pair.fail(Some(MotionFault::Stick)),
+                Act::Break => pair.fail(Some(MotionFault::Break)),
                 Act::Repair => pair.fail(None),
                 Act::Loss(loss) => pair.loss = loss,
                 Act::PreOperational => {

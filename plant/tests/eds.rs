@@ -3,10 +3,10 @@
 
 use std::time::Duration;
 
-use linewright_canopen::sdo::{Client, ObjectId, Options, Progress};
-use linewright_canopen::{Frame, Message};
-use linewright_eds::{Eds, NodeId, Value, read};
-use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, Channel, Tick, Timing};
+use linewright_canopen::sdo::{ObjectId, SdoClient, TransferOptions, TransferProgress};
+use linewright_canopen::{CanopenMessage, Frame};
+use linewright_eds::{Eds, NodeId, ObjectValue, read};
+use linewright_line::{Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, Tick, Timing};
 use linewright_plant::{DeviceNode, DeviceOutbox};
 
 const NODE: u8 = 4;
@@ -25,7 +25,7 @@ fn pairs() -> [(Eds, DeviceNode, usize); 2] {
 
 /// All that a device can have.
 fn channels() -> Analogue {
-    let channel = |number| Channel { number, unit: String::new(), factor: 1.0, offset: 0.0 };
+    let channel = |number| AnalogueChannel { number, unit: String::new(), factor: 1.0, offset: 0.0 };
     let input = |number| {
         let (least, most, broken, simulated) = (None, None, None, None);
         AnalogueInput { channel: channel(number), least, most, inputs: Vec::new(), broken, simulated }
@@ -56,16 +56,18 @@ fn ask(device: &mut DeviceNode, index: u16, sub: u8) -> Vec<u8> {
 fn upload(device: &mut DeviceNode, object: ObjectId) -> Vec<u8> {
     let now = Tick::ZERO + Duration::from_millis(31);
     let node = linewright_canopen::NodeId::new(NODE).expect("a node id");
-    let mut client = Client::upload(object, Options::default());
+    let mut client = SdoClient::upload(object, TransferOptions::default());
     let mut requests = Vec::new();
     client.start(now, &mut requests);
     loop {
         let mut out = DeviceOutbox::default();
         for raw in requests.drain(..) {
-            device.handle(now, &Message::SdoRequest { node, raw }.encode(), &mut out);
+            device.handle(now, &CanopenMessage::SdoRequest { node, raw }.encode(), &mut out);
         }
-        let Ok(Message::SdoResponse { raw, .. }) = Message::decode(&out.frames[0]) else { panic!("{:?}", out.frames) };
-        if let Progress::Done(result) = client.handle(now, &raw, &mut requests) {
+        let Ok(CanopenMessage::SdoResponse { raw, .. }) = CanopenMessage::decode(&out.frames[0]) else {
+            panic!("{:?}", out.frames)
+        };
+        if let TransferProgress::Done(result) = client.handle(now, &raw, &mut requests) {
             return result.unwrap_or_else(|error| panic!("{error}"));
         }
     }
@@ -110,11 +112,9 @@ fn nothing_answers_that_is_not_described() {
 #[test]
 fn what_a_configuration_sets_the_device_takes() {
     let node = NodeId::new(NODE).expect("a node id");
-    let configuration = linewright_eds::Configuration::new(node).set(0x1016, 1, Value::Unsigned(0x0001_0064)).set(
-        0x1017,
-        0,
-        Value::Unsigned(100),
-    );
+    let configuration = linewright_eds::Configuration::new(node)
+        .set(0x1016, 1, ObjectValue::Unsigned(0x0001_0064))
+        .set(0x1017, 0, ObjectValue::Unsigned(100));
     let dcf = described().configure("io4.dcf", &configuration).unwrap_or_else(|errors| panic!("{errors}"));
     let mut device = device();
     for download in dcf.downloads(node).expect("for this node") {

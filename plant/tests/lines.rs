@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_line::{Line, Module, OpId, Owner, Signals, StationId, Tick};
+use linewright_line::{Line, MotionSignals, OpId, OperationModule, Owner, StationId, Tick};
 use linewright_plant::{Plant, PlantOptions};
 
 fn lines() -> Vec<(String, Line)> {
@@ -18,7 +18,7 @@ fn lines() -> Vec<(String, Line)> {
 }
 
 /// Drives one motion and expects its switch in its time.
-fn run(plant: &mut Plant, station: StationId, signals: Signals, takes: Duration, what: &str) {
+fn run(plant: &mut Plant, station: StationId, signals: MotionSignals, takes: Duration, what: &str) {
     let owner = Owner::Station(station);
     let start = plant.now();
     plant.set_outputs(start, owner, 1 << signals.actuator.0);
@@ -48,7 +48,7 @@ fn every_cycle_of_a_shipped_line_can_be_driven_and_every_motion_taken_back() {
                 let operation = line.operation((id, op));
                 let what = format!("{name}: {} / {}", station.name, operation.name);
                 run(&mut plant, id, operation.normal, operation.duration, &what);
-                if let Module::Reversible { recovery, recovery_duration, .. } = &operation.module {
+                if let OperationModule::Reversible { recovery, recovery_duration, .. } = &operation.module {
                     run(&mut plant, id, *recovery, *recovery_duration, &format!("{what}, taken back"));
                     run(&mut plant, id, operation.normal, operation.duration, &format!("{what}, again"));
                 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::common::*;
 use linewright_line::{InputId, OutputId, Owner, Tick};
-use linewright_plant::{Fault, Plant, PlantOptions};
+use linewright_plant::{MotionFault, Plant, PlantOptions};
 use proptest::prelude::*;
 
 const OWNER: Owner = Owner::Station(PRESS);
@@ -65,9 +65,12 @@ fn drives_both_ways_stand_still_and_raise_one_alarm() {
 
 #[test]
 fn faults_stop_slow_break_and_slip_back() {
-    for (fault, position, inputs) in
-        [(Fault::Stick, 40.0, 0), (Fault::Slip, 50.0, 0), (Fault::Break, 40.0, FAILED), (Fault::SlipBack, 30.0, 0)]
-    {
+    for (fault, position, inputs) in [
+        (MotionFault::Stick, 40.0, 0),
+        (MotionFault::Slip, 50.0, 0),
+        (MotionFault::Break, 40.0, FAILED),
+        (MotionFault::SlipBack, 30.0, 0),
+    ] {
         let mut plant = plant();
         plant.set_outputs(at(0), OWNER, FORWARD);
         plant.inject(at(100), PRESS, ADVANCE, Some(fault));
@@ -83,7 +86,7 @@ fn faults_stop_slow_break_and_slip_back() {
 fn the_other_way_is_free_while_one_is_stuck() {
     let mut plant = plant();
     plant.set_outputs(at(0), OWNER, FORWARD);
-    plant.inject(at(100), PRESS, ADVANCE, Some(Fault::Stick));
+    plant.inject(at(100), PRESS, ADVANCE, Some(MotionFault::Stick));
     plant.set_outputs(at(200), OWNER, RETURN);
     plant.advance(at(250));
     assert_eq!(plant.inputs(OWNER), BACK);
@@ -91,7 +94,7 @@ fn the_other_way_is_free_while_one_is_stuck() {
     plant.inject_output(at(250), OWNER, OutputId(0), None);
     plant.set_outputs(at(250), OWNER, FORWARD);
     plant.advance(at(450));
-    plant.inject_output(at(450), OWNER, OutputId(1), Some(Fault::Stick));
+    plant.inject_output(at(450), OWNER, OutputId(1), Some(MotionFault::Stick));
     plant.set_outputs(at(450), OWNER, RETURN);
     plant.advance(at(900));
     assert_eq!(plant.position(PRESS, RAM), 80.0);
@@ -139,7 +142,7 @@ fn any_happening() -> impl Strategy<Value = (u64, u128, u8)> {
 fn happen(plant: &mut Plant, now: Tick, outputs: u128, fault: u8) {
     plant.set_outputs(now, OWNER, outputs);
     if fault < 5 {
-        plant.inject(now, PRESS, ADVANCE, Fault::from_code(fault.into()).unwrap());
+        plant.inject(now, PRESS, ADVANCE, MotionFault::from_code(fault.into()).unwrap());
     }
 }
 

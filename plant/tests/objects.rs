@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
-use linewright_canopen::sdo::{Abort, Cause, Client, Mode, ObjectId, Options, Progress};
-use linewright_canopen::{Frame, Message, NodeId};
+use linewright_canopen::sdo::{
+    Abort, ObjectId, SdoClient, TransferFailure, TransferMode, TransferOptions, TransferProgress,
+};
+use linewright_canopen::{CanopenMessage, Frame, NodeId};
 use linewright_line::{Tick, Timing};
 use linewright_plant::{DeviceNode, DeviceOutbox};
 use proptest::prelude::*;
@@ -51,31 +53,31 @@ impl Bench {
     }
 
     /// Carries out a transfer. No time passes, except where one side waits.
-    fn transfer(&mut self, mut client: Client) -> Result<Vec<u8>, Cause> {
+    fn transfer(&mut self, mut client: SdoClient) -> Result<Vec<u8>, TransferFailure> {
         let node = NodeId::new(4).unwrap();
         let mut requests = Vec::new();
         client.start(self.now, &mut requests);
         loop {
             let mut out = DeviceOutbox::default();
             for raw in requests.drain(..) {
-                self.device.handle(self.now, &Message::SdoRequest { node, raw }.encode(), &mut out);
+                self.device.handle(self.now, &CanopenMessage::SdoRequest { node, raw }.encode(), &mut out);
             }
             if out.frames.is_empty() {
                 let device = self.device.next_deadline();
                 self.now = client.next_deadline().into_iter().chain(device).min().unwrap().max(self.now);
                 self.device.poll(self.now, &mut out);
-                if let Progress::Done(result) = client.poll(self.now, &mut requests) {
+                if let TransferProgress::Done(result) = client.poll(self.now, &mut requests) {
                     return result.map_err(|error| error.cause);
                 }
             }
             for frame in out.frames {
-                match Message::decode(&frame) {
-                    Ok(Message::SdoResponse { raw, .. }) => {
-                        if let Progress::Done(result) = client.handle(self.now, &raw, &mut requests) {
+                match CanopenMessage::decode(&frame) {
+                    Ok(CanopenMessage::SdoResponse { raw, .. }) => {
+                        if let TransferProgress::Done(result) = client.handle(self.now, &raw, &mut requests) {
                             for raw in requests.drain(..) {
                                 self.device.handle(
                                     self.now,
-                                    &Message::SdoRequest { node, raw }.encode(),
+                                    &CanopenMessage::SdoRequest { node, raw }.encode(),
                                     &mut self.out,
                                 );
                             }
@@ -88,24 +90,26 @@ impl Bench {
         }
     }
 
-    fn read(&mut self, object: &str) -> Result<Vec<u8>, Cause> {
-        self.transfer(Client::upload(object.parse().unwrap(), Options::default()))
+    fn read(&mut self, object: &str) -> Result<Vec<u8>, TransferFailure> {
+        self.transfer(SdoClient::upload(object.parse().unwrap(), TransferOptions::default()))
     }
 
-    fn write(&mut self, object: &str, data: &[u8]) -> Result<(), Cause> {
-        self.transfer(Client::download(object.parse::<ObjectId>().unwrap(), data, Options::default())).map(|_| ())
+    fn write(&mut self, object: &str, data: &[u8]) -> Result<(), TransferFailure> {
+        self.transfer(SdoClient::download(object.parse::<ObjectId>().unwrap(), data, TransferOptions::default()))
+            .map(|_| ())
     }
 }
 
-fn refused<T>(code: Abort) -> Result<T, Cause> {
-    Err(Cause::Refused(code))
+fn refused<T>(code: Abort) -> Result<T, TransferFailure> {
+    Err(TransferFailure::Refused(code))
 }
 
 #[test]
 fn it_says_who_it_is_in_segments_and_in_blocks() {
     let mut bench = Bench::new();
-    for mode in [Mode::Auto, Mode::Segmented, Mode::Block] {
-        let client = Client::upload(ObjectId::new(0x1008, 0), Options { mode, ..Options::default() });
+    for mode in [TransferMode::Auto, TransferMode::Segmented, TransferMode::Block] {
+        let client =
+            SdoClient::upload(ObjectId::new(0x1008, 0), TransferOptions { mode, ..TransferOptions::default() });
         assert_eq!(bench.transfer(client).unwrap(), b"Linewright simulated I/O", "{mode:?}");
     }
     assert_eq!(bench.read("1009").unwrap(), b"simulated");
@@ -280,7 +284,7 @@ proptest! {
         for mut raw in frames {
             // Neither unplugged nor booted by one of them.
             raw[2] &= 0x3F;
-            bench.device.handle(bench.now, &Message::SdoRequest { node, raw }.encode(), &mut bench.out);
+            bench.device.handle(bench.now, &CanopenMessage::SdoRequest { node, raw }.encode(), &mut bench.out);
         }
         // Within a block anything is a segment: there a client that is gone is waited for.
         bench.pass(4000);

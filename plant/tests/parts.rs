@@ -1,7 +1,7 @@
 //! Parts: a hand-written script picks and places; whatever outputs do, no part is lost and none is made.
 
 use linewright_line::{HolderId, Line, OutputId, Owner, StationId, Tick, parse};
-use linewright_plant::{Fault, Mishap, PartNo, Plant, PlantOptions, Refused, Spot, Whereabouts};
+use linewright_plant::{MotionFault, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, Plant, PlantOptions};
 use proptest::prelude::*;
 
 const TEXT: &str = include_str!("../../model/line/tests/descriptions/on_order.toml");
@@ -26,12 +26,12 @@ impl Shop {
         self.line.handling.holder_named(name).unwrap_or_else(|| panic!("no {name}"))
     }
 
-    fn slot(&self, position: u16) -> Spot {
-        Spot { nest: self.holder("ST"), position }
+    fn slot(&self, position: u16) -> NestPosition {
+        NestPosition { nest: self.holder("ST"), position }
     }
 
-    fn clamp(&self) -> Spot {
-        Spot { nest: self.holder("m1.clamp"), position: 1 }
+    fn clamp(&self) -> NestPosition {
+        NestPosition { nest: self.holder("m1.clamp"), position: 1 }
     }
 
     fn output(&self, station: StationId, name: &str) -> OutputId {
@@ -63,16 +63,16 @@ impl Shop {
         self.plant.inputs(Owner::Station(station)) >> bit & 1 == 1
     }
 
-    fn put(&mut self, part: PartNo, spot: Spot) {
+    fn put(&mut self, part: PartNo, spot: NestPosition) {
         assert_eq!(self.plant.put(self.now, part, spot), Ok(()));
     }
 
-    fn of(&self, part: PartNo) -> (Option<Spot>, Option<HolderId>) {
+    fn of(&self, part: PartNo) -> (Option<NestPosition>, Option<HolderId>) {
         let (_, at) = self.plant.parts().find(|(no, _)| *no == part).expect("no part is lost");
         (at.spot, at.hand)
     }
 
-    fn mishaps(&self) -> Vec<Mishap> {
+    fn mishaps(&self) -> Vec<PartFault> {
         self.plant.mishaps().0.iter().map(|(_, mishap)| *mishap).collect()
     }
 }
@@ -112,7 +112,7 @@ fn a_hand_that_misses_arrives_with_nothing_and_no_switch_says_so() {
     let slot = shop.slot(3);
     shop.put(PART, slot);
     let grip = shop.output(ROBOT, "Y_grip");
-    shop.plant.inject_output(shop.now, Owner::Station(ROBOT), grip, Some(Fault::Miss));
+    shop.plant.inject_output(shop.now, Owner::Station(ROBOT), grip, Some(MotionFault::Miss));
     shop.pick();
     assert!(shop.sees(ROBOT, "G_1"), "it has closed");
     shop.robot(&["Y_100"]);
@@ -134,16 +134,20 @@ fn a_hand_that_holds_nothing_fast_drops_what_it_carries() {
         let grip = shop.output(ROBOT, "Y_grip");
         let owner = Owner::Station(ROBOT);
         if early {
-            shop.plant.inject_output(shop.now, owner, grip, Some(Fault::Drop));
+            shop.plant.inject_output(shop.now, owner, grip, Some(MotionFault::Drop));
         }
         shop.pick();
         assert_eq!(shop.of(PART), (Some(slot), Some(hand)), "it lies in its slot: nothing to fall");
         shop.drive(ROBOT, &["Y_100"], 500);
         if !early {
             assert_eq!(shop.of(PART), (None, Some(hand)));
-            shop.plant.inject_output(shop.now, owner, grip, Some(Fault::Drop));
+            shop.plant.inject_output(shop.now, owner, grip, Some(MotionFault::Drop));
         }
-        assert_eq!((shop.of(PART), shop.mishaps()), ((None, None), vec![Mishap::Fell { part: PART, hand }]), "{early}");
+        assert_eq!(
+            (shop.of(PART), shop.mishaps()),
+            ((None, None), vec![PartFault::Fell { part: PART, hand }]),
+            "{early}"
+        );
         shop.drive(ROBOT, &["Y_100"], 500);
         assert!(!shop.sees(M1, "part_present"));
         // Somebody picks it up and puts it where it was.
@@ -160,7 +164,7 @@ fn what_a_hand_lets_go_of_on_the_way_falls() {
     shop.pick();
     shop.drive(ROBOT, &["Y_100"], 500);
     shop.drive(ROBOT, &["Y_open"], 1);
-    assert_eq!((shop.of(PART), shop.mishaps()), ((None, None), vec![Mishap::Fell { part: PART, hand }]));
+    assert_eq!((shop.of(PART), shop.mishaps()), ((None, None), vec![PartFault::Fell { part: PART, hand }]));
 }
 
 #[test]
@@ -174,14 +178,14 @@ fn a_closed_clamp_keeps_its_part_and_lets_no_other_in() {
     shop.drive(M1, &["Y_close"], 1000);
     shop.drive(ROBOT, &["Y_0"], 10);
     assert_eq!(shop.of(PART), (Some(clamp), None));
-    assert_eq!(shop.mishaps(), [Mishap::Torn { part: PART, hand }]);
+    assert_eq!(shop.mishaps(), [PartFault::Torn { part: PART, hand }]);
     shop.robot(&["Y_0", "Y_open"]);
     let other = PartNo(102);
     shop.put(other, slot);
     shop.pick();
     shop.robot(&["Y_100"]);
     assert_eq!(shop.of(other), (None, Some(hand)));
-    assert_eq!(shop.mishaps()[1..], [Mishap::Blocked { part: other, hand, spot: clamp }]);
+    assert_eq!(shop.mishaps()[1..], [PartFault::Blocked { part: other, hand, spot: clamp }]);
 }
 
 #[test]
@@ -217,18 +221,22 @@ fn people_put_parts_where_there_is_room_and_take_those_that_nothing_holds() {
     let (slot, clamp, hand) = (shop.slot(3), shop.clamp(), shop.holder("robot.hand"));
     let now = shop.now;
     shop.put(PART, slot);
-    assert_eq!(shop.plant.put(now, PART, clamp), Err(Refused::Known));
-    assert_eq!(shop.plant.put(now, PartNo(102), slot), Err(Refused::Occupied));
-    for nowhere in [Spot { position: 0, ..slot }, Spot { position: 7, ..slot }, Spot { nest: hand, position: 1 }] {
-        assert_eq!(shop.plant.put(now, PartNo(102), nowhere), Err(Refused::NoSuchSpot));
+    assert_eq!(shop.plant.put(now, PART, clamp), Err(PartRefusal::Known));
+    assert_eq!(shop.plant.put(now, PartNo(102), slot), Err(PartRefusal::Occupied));
+    for nowhere in [
+        NestPosition { position: 0, ..slot },
+        NestPosition { position: 7, ..slot },
+        NestPosition { nest: hand, position: 1 },
+    ] {
+        assert_eq!(shop.plant.put(now, PartNo(102), nowhere), Err(PartRefusal::NoSuchSpot));
     }
-    assert_eq!(shop.plant.take(now, PartNo(102)), Err(Refused::Unknown));
+    assert_eq!(shop.plant.take(now, PartNo(102)), Err(PartRefusal::Unknown));
     shop.drive(M1, &["Y_close"], 1000);
-    assert_eq!(shop.plant.put(shop.now, PartNo(102), clamp), Err(Refused::Held));
+    assert_eq!(shop.plant.put(shop.now, PartNo(102), clamp), Err(PartRefusal::Held));
     shop.pick();
-    assert_eq!(shop.plant.take(shop.now, PART), Err(Refused::Held));
+    assert_eq!(shop.plant.take(shop.now, PART), Err(PartRefusal::Held));
     shop.robot(&["Y_open"]);
-    assert_eq!(shop.plant.take(shop.now, PART), Ok(Whereabouts { spot: Some(slot), hand: None }));
+    assert_eq!(shop.plant.take(shop.now, PART), Ok(PartLocation { spot: Some(slot), hand: None }));
     assert_eq!(shop.plant.parts().count(), 0);
 }
 
@@ -248,7 +256,7 @@ fn play(deeds: &[(bool, u8, u64)], looks: u64) -> Shop {
     shop.put(PartNo(9), clamp);
     for &(robot, image, millis) in deeds {
         let station = if robot { ROBOT } else { M1 };
-        let fault = [None, Some(Fault::Miss), Some(Fault::Drop)][usize::from(image) % 3];
+        let fault = [None, Some(MotionFault::Miss), Some(MotionFault::Drop)][usize::from(image) % 3];
         let grip = shop.output(ROBOT, "Y_grip");
         shop.plant.inject_output(shop.now, Owner::Station(ROBOT), grip, fault.filter(|_| millis % 4 == 0));
         shop.plant.set_outputs(shop.now, Owner::Station(station), image.into());
@@ -268,7 +276,7 @@ fn is_sound(shop: &Shop) {
     assert_eq!(numbers, [1, 3, 6, 9], "none lost, none made");
     let all: Vec<_> = shop.plant.parts().map(|(_, at)| at).collect();
     for (nth, at) in all.iter().enumerate() {
-        let taken = |other: &Whereabouts| {
+        let taken = |other: &PartLocation| {
             (at.spot.is_some() && at.spot == other.spot) || (at.hand.is_some() && at.hand == other.hand)
         };
         assert!(!all[nth + 1..].iter().any(taken), "{all:?}");
@@ -302,7 +310,7 @@ fn random_outputs_do_move_parts() {
         let deeds: Vec<_> =
             (0..60).map(|n| (mix(n) % 4 != 0, (mix(n + 1000) >> 3) as u8, 900 + mix(n) % 600)).collect();
         let shop = play(&deeds, 0);
-        moved += u32::from(shop.mishaps().iter().any(|mishap| matches!(mishap, Mishap::Fell { .. })));
+        moved += u32::from(shop.mishaps().iter().any(|mishap| matches!(mishap, PartFault::Fell { .. })));
     }
     assert!(moved > 0, "the property would hold for a plant in which nothing happens");
 }

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_canopen::{Event, Manager, Outbox};
-use linewright_line::{Bus, DeviceKind, Line, Owner, StationId, Tick};
+use linewright_canopen::{BusEvent, BusOutbox, Manager};
+use linewright_line::{DeviceBus, DeviceKind, Line, Owner, StationId, Tick};
 use linewright_plant::{DeviceFault, PlantOptions, Rack};
 
 const OWNER: Owner = Owner::Station(StationId(0));
@@ -93,7 +93,7 @@ struct Bench {
     rack: Rack,
     /// Frames from the manager get lost.
     cut: bool,
-    events: Vec<Event>,
+    events: Vec<BusEvent>,
 }
 
 impl Bench {
@@ -106,7 +106,7 @@ impl Bench {
         let mut bench = Bench {
             now,
             manager: Manager::new(&line.devices, line.timing).expect("the device"),
-            rack: Rack::new(now, &line, &Bus::Line, PlantOptions::default()),
+            rack: Rack::new(now, &line, &DeviceBus::Line, PlantOptions::default()),
             cut: false,
             events: Vec::new(),
         };
@@ -118,7 +118,7 @@ impl Bench {
     fn run(&mut self, millis: u64) {
         for _ in 0..millis {
             self.now = self.now + Duration::from_millis(1);
-            let (mut out, mut own) = (Outbox::default(), Vec::new());
+            let (mut out, mut own) = (BusOutbox::default(), Vec::new());
             self.rack.poll(self.now, &mut own);
             self.manager.poll(self.now, &mut out);
             self.carry(out, own);
@@ -126,12 +126,12 @@ impl Bench {
     }
 
     fn set(&mut self, image: u128) {
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         self.manager.set_outputs(self.now, OWNER, image, &mut out);
         self.carry(out, Vec::new());
     }
 
-    fn carry(&mut self, mut out: Outbox, mut own: Vec<linewright_canopen::Frame>) {
+    fn carry(&mut self, mut out: BusOutbox, mut own: Vec<linewright_canopen::Frame>) {
         while !out.frames.is_empty() || !own.is_empty() {
             let (there, back) = (std::mem::take(&mut out.frames), std::mem::take(&mut own));
             for frame in there.iter().filter(|_| !self.cut) {
@@ -168,7 +168,7 @@ fn outputs_move_the_ram_and_inputs_say_where_it_is() {
     bench.set(RETURN);
     bench.run(210);
     assert_eq!(bench.inputs(), Some((false, true)));
-    assert!(!bench.events.iter().any(|event| matches!(event, Event::FramesLost { .. } | Event::Ignored { .. })));
+    assert!(!bench.events.iter().any(|event| matches!(event, BusEvent::FramesLost { .. } | BusEvent::Ignored { .. })));
 }
 
 /// 0 mm, which is what it would send otherwise while the ram is at neither end, is beyond the limits.
@@ -184,7 +184,7 @@ fn it_sends_nothing_that_its_file_says_is_no_value() {
         assert!(bench.inputs().is_some());
     }
     assert_eq!(bench.inputs(), Some((true, false)));
-    assert!(!bench.events.iter().any(|event| matches!(event, Event::FramesLost { .. })));
+    assert!(!bench.events.iter().any(|event| matches!(event, BusEvent::FramesLost { .. })));
 }
 
 /// A form for each valve. By the device's counter, which is one, no frame is taken for the one before it.

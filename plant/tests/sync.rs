@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-use linewright_canopen::{Event, Frame, Manager, NodeId, Outbox};
-use linewright_line::{Bus, Device, Owner, Tick, Timing, Transmission};
+use linewright_canopen::{BusEvent, BusOutbox, Frame, Manager, NodeId};
+use linewright_line::{Device, DeviceBus, Owner, Tick, Timing, Transmission};
 use linewright_plant::{DeviceNode, DeviceOutbox};
 
 const OWNER: Owner = Owner::Station(crate::common::PRESS);
@@ -17,7 +17,7 @@ struct Pair {
     deaf: bool,
     /// Everything on the wire, with its time.
     wire: Vec<(Tick, String)>,
-    events: Vec<Event>,
+    events: Vec<BusEvent>,
 }
 
 impl Pair {
@@ -26,7 +26,7 @@ impl Pair {
     fn up(watches: bool) -> Self {
         let timing = Timing { sync: Some(Duration::from_millis(10)), ..Timing::default() };
         let mut device: Device = crate::common::line().devices[0].clone();
-        assert_eq!(device.bus, Bus::Line);
+        assert_eq!(device.bus, DeviceBus::Line);
         device.canopen_mut().expect("CANopen").setup.transmission = Transmission { inputs: Some(2), outputs: Some(1) };
         let node = device.node_id().and_then(NodeId::new).unwrap();
         let now = Tick::from_millis(100);
@@ -51,7 +51,7 @@ impl Pair {
     fn run(&mut self, millis: u64) {
         for _ in 0..millis {
             self.now = self.now + Duration::from_millis(1);
-            let (mut out, mut own) = (Outbox::default(), DeviceOutbox::default());
+            let (mut out, mut own) = (BusOutbox::default(), DeviceOutbox::default());
             self.device.poll(self.now, &mut own);
             self.manager.poll(self.now, &mut out);
             self.carry(out, own);
@@ -59,12 +59,12 @@ impl Pair {
     }
 
     fn set(&mut self, image: u128) {
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         self.manager.set_outputs(self.now, OWNER, image, &mut out);
         self.carry(out, DeviceOutbox::default());
     }
 
-    fn carry(&mut self, mut out: Outbox, mut own: DeviceOutbox) {
+    fn carry(&mut self, mut out: BusOutbox, mut own: DeviceOutbox) {
         while !out.frames.is_empty() || !own.frames.is_empty() {
             let (to_device, to_manager) = (std::mem::take(&mut out.frames), std::mem::take(&mut own.frames));
             let all = to_device.iter().chain(&to_manager);
@@ -133,7 +133,7 @@ fn a_device_that_does_not_is_stopped_by_the_manager_and_comes_back_when_sync_doe
     assert_eq!(pair.device.outputs(), 1, "nothing else would make it let go");
     pair.run(80);
     assert_eq!(pair.device.outputs(), 0);
-    let said: Vec<String> = pair.events.iter().map(Event::to_string).collect();
+    let said: Vec<String> = pair.events.iter().map(BusEvent::to_string).collect();
     assert!(said.contains(&"node 4 hears no SYNC: its inputs have not come for 200 ms".to_owned()), "{said:?}");
     let trouble: Vec<String> = pair.manager.trouble(pair.now, OWNER).collect();
     assert!(trouble[0].starts_with("press1-io (node 04h): it hears no SYNC (080h)"), "{trouble:?}");
@@ -172,14 +172,14 @@ fn a_device_that_loses_sync_again_and_again_is_left_stopped_and_tried_now_and_th
     pair.deaf = true;
     (pair.events, pair.wire) = (Vec::new(), Vec::new());
     pair.run(20_000);
-    let lost = pair.events.iter().filter(|event| matches!(event, Event::NoSync { .. })).count();
+    let lost = pair.events.iter().filter(|event| matches!(event, BusEvent::NoSync { .. })).count();
     assert!((5..=7).contains(&lost), "three times, and then every five seconds: {lost}");
     let stops = pair.wire.iter().filter(|(_, frame)| frame == "000#0204").count();
     assert!((lost..=lost + 2).contains(&stops), "one order each: {stops}");
-    let refused = pair.events.iter().filter(|event| matches!(event, Event::BootFailed { .. })).count();
+    let refused = pair.events.iter().filter(|event| matches!(event, BusEvent::BootFailed { .. })).count();
     assert_eq!(refused, 1, "said once");
     // In between it is at rest, and says why. Whoever mends it need do nothing else.
-    while pair.events.last().is_none_or(|event| !matches!(event, Event::NoSync { .. })) {
+    while pair.events.last().is_none_or(|event| !matches!(event, BusEvent::NoSync { .. })) {
         pair.events.clear();
         pair.run(1);
     }
@@ -194,5 +194,5 @@ fn a_device_that_loses_sync_again_and_again_is_left_stopped_and_tried_now_and_th
     pair.deaf = true;
     pair.events.clear();
     pair.run(1000);
-    assert!(!pair.events.iter().any(|event| matches!(event, Event::BootFailed { .. })), "{:?}", pair.events);
+    assert!(!pair.events.iter().any(|event| matches!(event, BusEvent::BootFailed { .. })), "{:?}", pair.events);
 }

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use linewright_canopen::sdo::ObjectId;
-use linewright_canopen::{Frame, Manager, NodeId, Outbox};
-use linewright_line::{Bus, Owner, Tick};
+use linewright_canopen::{BusOutbox, Frame, Manager, NodeId};
+use linewright_line::{DeviceBus, Owner, Tick};
 use linewright_plant::{FrameFaults, PlantOptions, Rack};
 
 const STEP: Duration = Duration::from_millis(1);
@@ -22,9 +22,9 @@ impl Bench {
     /// Press 1 (node 4) and the console (node 10) are up.
     fn up() -> Self {
         let line = crate::common::line();
-        let devices = line.devices.iter().filter(|device| device.bus == Bus::Line);
+        let devices = line.devices.iter().filter(|device| device.bus == DeviceBus::Line);
         let mut bench = Bench {
-            rack: Rack::new(Tick::ZERO, &line, &Bus::Line, PlantOptions::default()),
+            rack: Rack::new(Tick::ZERO, &line, &DeviceBus::Line, PlantOptions::default()),
             manager: Manager::new(devices, line.timing).expect("devices of a test"),
             now: Tick::ZERO,
             heard: Vec::new(),
@@ -37,7 +37,7 @@ impl Bench {
     fn pass(&mut self, millis: u32) {
         for _ in 0..millis {
             self.now = self.now + STEP;
-            let mut out = Outbox::default();
+            let mut out = BusOutbox::default();
             self.manager.poll(self.now, &mut out);
             let mut back = Vec::new();
             self.rack.poll(self.now, &mut back);
@@ -194,7 +194,7 @@ fn one_that_would_keep_its_outputs_is_told_to_let_go_and_does_when_the_manager_f
     }
     bench.pass(500);
     assert!(bench.trouble().is_empty(), "{:?}", bench.trouble());
-    let mut out = Outbox::default();
+    let mut out = BusOutbox::default();
     bench.manager.set_outputs(bench.now, Owner::Station(crate::common::PRESS), 1, &mut out);
     for frame in &out.frames {
         bench.rack.handle(bench.now, frame, &mut Vec::new());
@@ -240,7 +240,7 @@ fn an_output_that_is_stuck_moves_or_does_not_whatever_it_is_sent() {
     bench.pass(1);
     assert_eq!(outputs(&bench), 1);
     bench.write(0x5F03, 1, 0);
-    let mut out = Outbox::default();
+    let mut out = BusOutbox::default();
     bench.manager.set_outputs(bench.now, Owner::Station(crate::common::PRESS), 1, &mut out);
     for frame in &out.frames {
         bench.rack.handle(bench.now, frame, &mut Vec::new());

@@ -16,7 +16,7 @@
 //! run away from each other in a part may be held back.
 
 use linewright_line::net::{ControlMode, StationNet, Var};
-use linewright_line::{Arrow, Conflict, Console, Handling, Line, Span, StationId};
+use linewright_line::{Arrow, Conflict, Console, Line, MaterialFlow, StateSpan, StationId};
 
 /// Some stations of a line, as a line of their own.
 #[derive(Clone, Debug)]
@@ -112,7 +112,7 @@ fn part_of(line: &Line, stations: &[StationId]) -> Line {
         let (from, to) = (number(arrow.from.0)?, number(arrow.to.0)?);
         Some(Arrow { from: (from, arrow.from.1), to: (to, arrow.to.1), ..*arrow })
     };
-    let span = |span: &Span| Some(Span { station: number(span.station)?, ..*span });
+    let span = |span: &StateSpan| Some(StateSpan { station: number(span.station)?, ..*span });
     let conflict = |conflict: &Conflict| {
         Some(Conflict { why: conflict.why.clone(), a: span(&conflict.a)?, b: span(&conflict.b)? })
     };
@@ -126,7 +126,7 @@ fn part_of(line: &Line, stations: &[StationId]) -> Line {
         buttons: line.buttons.clone(),
         console: Console::default(),
         timing: line.timing,
-        handling: Handling::default(),
+        handling: MaterialFlow::default(),
     }
 }
 

@@ -21,8 +21,8 @@
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
-use linewright_line::net::{Block, Kind, Place, Stage, StationNet};
-use linewright_line::{Conflict, Line, Module, OpId, Span, StationId};
+use linewright_line::net::{Block, MotionStage, StationNet, StationPlace, TransitionKind};
+use linewright_line::{Conflict, Line, OpId, OperationModule, StateSpan, StationId};
 use linewright_station_logic::{CompileError, PositionsKnown, Program};
 
 /// Which parts of the second barrier hold. A machine has all of them; the others show that the exploration would find
@@ -107,7 +107,7 @@ fn way(from: &[(usize, String)]) -> Vec<String> {
 
 /// A motion that may be commanded.
 struct MotionCommand {
-    place: Place,
+    place: StationPlace,
     path: Option<OpId>,
     axis: usize,
     /// Where it ends.
@@ -135,7 +135,7 @@ struct PositionSide {
 }
 
 impl PositionSide {
-    fn of(line: &Line, span: &Span, other: StationId) -> Result<Self, CompileError> {
+    fn of(line: &Line, span: &StateSpan, other: StationId) -> Result<Self, CompileError> {
         let station = line.station(span.station);
         let mut axes: Vec<(String, Vec<f64>)> =
             station.axes.iter().map(|axis| (axis.name.clone(), vec![axis.home])).collect();
@@ -165,7 +165,7 @@ impl PositionSide {
                 continue;
             }
             side.switch(motion.axis.index(), motion.to, operation.normal.complete.bit());
-            if let Module::Reversible { recovery, .. } = &operation.module {
+            if let OperationModule::Reversible { recovery, .. } = &operation.module {
                 side.switch(motion.axis.index(), motion.from, recovery.complete.bit());
             }
         }
@@ -189,17 +189,18 @@ impl PositionSide {
     fn command_all(&mut self, line: &Line, id: StationId) {
         let station = line.station(id);
         let net = StationNet::of(line, id);
-        let mut all: Vec<(Place, Option<OpId>)> = Vec::new();
-        let is_irreversible = |op: &OpId| matches!(station.operations[op.index()].module, Module::Irreversible { .. });
+        let mut all: Vec<(StationPlace, Option<OpId>)> = Vec::new();
+        let is_irreversible =
+            |op: &OpId| matches!(station.operations[op.index()].module, OperationModule::Irreversible { .. });
         let paths: Vec<Option<OpId>> = station.op_ids().filter(is_irreversible).map(Some).collect();
         for transition in net.transitions() {
             // A hop may be one of several paths.
             let of = match transition.kind {
-                Kind::EnterPath(failed) => vec![Some(failed)],
-                Kind::FollowPath { .. } => paths.clone(),
+                TransitionKind::EnterPath(failed) => vec![Some(failed)],
+                TransitionKind::FollowPath { .. } => paths.clone(),
                 _ => vec![None],
             };
-            let operating = transition.to.iter().filter(|place| place.stage == Stage::Operating);
+            let operating = transition.to.iter().filter(|place| place.stage == MotionStage::Operating);
             all.extend(operating.flat_map(|&place| of.iter().map(move |&path| (place, path))));
         }
         all.sort_unstable_by_key(|(place, path)| (place.op, place.block == Block::Recovery, *path));
@@ -220,7 +221,7 @@ impl PositionSide {
     }
 
     /// The configurations of the chart, outside the stretch and inside it.
-    fn draw_chart(&mut self, line: &Line, span: &Span) {
+    fn draw_chart(&mut self, line: &Line, span: &StateSpan) {
         let station = line.station(span.station);
         let (before, stretch) = (station.positions_before_steps(), station.steps_of_span(span));
         for (step, start) in before.iter().enumerate() {

@@ -5,7 +5,9 @@
 
 use std::collections::BTreeSet;
 
-use linewright_line::net::{ControlMode, Literal, StationNet, Term, Transition, Var, overlaps, overlaps_among};
+use linewright_line::net::{
+    Conjunction, ControlMode, Literal, StationNet, StationTransition, Var, overlaps, overlaps_among,
+};
 use linewright_line::{Line, OpId};
 use linewright_proof::explore::{LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, Random, break_it, breakages, text, without_literal};
@@ -164,7 +166,7 @@ fn a_line_stops_exactly_if_a_circuit_has_no_token() {
 }
 
 /// Whether some assignment of the variables lets both terms hold; what the variables mean is all that is known.
-fn can_hold_together(a: &Term, b: &Term) -> bool {
+fn can_hold_together(a: &Conjunction, b: &Conjunction) -> bool {
     let mut vars: BTreeSet<Var> = a.iter().chain(b).map(|literal| literal.var).collect();
     for var in vars.clone() {
         vars.extend(match var {
@@ -195,9 +197,9 @@ fn can_hold_together(a: &Term, b: &Term) -> bool {
 }
 
 /// Whether two transitions out of one place can be meant at once, by trying every assignment.
-fn some_overlap(net: &StationNet, transitions: &[Transition]) -> bool {
+fn some_overlap(net: &StationNet, transitions: &[StationTransition]) -> bool {
     net.places().iter().any(|place| {
-        let outgoing: Vec<&Transition> = transitions.iter().filter(|t| t.from.contains(place)).collect();
+        let outgoing: Vec<&StationTransition> = transitions.iter().filter(|t| t.from.contains(place)).collect();
         let pairs = outgoing.iter().enumerate().flat_map(|(nth, a)| outgoing[nth + 1..].iter().map(move |b| (a, b)));
         pairs.into_iter().any(|(a, b)| {
             ControlMode::ALL
@@ -251,7 +253,7 @@ fn cell(arrows: &[(&str, &str, u32)]) -> Line {
     line.arrows = arrows.iter().map(arrow).collect();
     let span = |station, op: &str| {
         let op = line.station(station).operation_named(op).expect("it has such an operation");
-        linewright_line::Span { station, from: op, until: op }
+        linewright_line::StateSpan { station, from: op, until: op }
     };
     let (a, b) = (span(feeder, "push"), span(lifter, "turn"));
     line.conflicts = vec![linewright_line::Conflict { why: "the lifter turns into the feeder".to_owned(), a, b }];

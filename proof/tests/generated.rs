@@ -1,6 +1,6 @@
 //! Generated lines: well formed, the same for the same seed, sound by structure, and exploration confirms it.
 
-use linewright_line::{Line, Module, parse};
+use linewright_line::{Line, OperationModule, parse};
 use linewright_proof::explore::{Grants, LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, text};
 use linewright_proof::structure::{judge_line, judge_stations};
@@ -49,8 +49,11 @@ fn everything_a_line_may_have_is_generated() {
     for (_, line) in all() {
         for station in &line.stations {
             station.operations.iter().for_each(|op| hands[usize::from(op.hand.number()) - 1] += 1);
-            irreversible +=
-                station.operations.iter().filter(|op| matches!(op.module, Module::Irreversible { .. })).count();
+            irreversible += station
+                .operations
+                .iter()
+                .filter(|op| matches!(op.module, OperationModule::Irreversible { .. }))
+                .count();
             groups += station.steps.iter().filter(|step| step.len() > 1).count();
             home_within += usize::from(station.initial_round() == 1);
         }

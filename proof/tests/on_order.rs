@@ -1,7 +1,7 @@
 //! Stations on order that nobody has thought of: well formed, sound as seed 002 asks of every station, and never stuck,
 //! whatever they are ordered to do, told to leave, and whatever fails meanwhile.
 
-use linewright_line::net::{Kind, Place, StationNet};
+use linewright_line::net::{StationNet, StationPlace, TransitionKind};
 use linewright_line::{Line, parse};
 use linewright_nets::explore;
 use linewright_proof::explore::{LineExploration, Verdict};
@@ -26,7 +26,7 @@ fn generated_ones_read_back_the_same() {
         assert_eq!(parsed.line, line);
         let station = &line.stations[0];
         let is_irreversible =
-            |op: &linewright_line::Operation| !matches!(op.module, linewright_line::Module::Reversible { .. });
+            |op: &linewright_line::Operation| !matches!(op.module, linewright_line::OperationModule::Reversible { .. });
         irreversible += usize::from(station.operations.iter().any(is_irreversible));
         several_rests += usize::from(station.rests.len() > 1);
         parameters += usize::from(station.tasks.iter().any(|task| !task.parameters.is_empty()));
@@ -54,15 +54,16 @@ fn playing_them_out_agrees_and_every_rest_leads_to_its_tasks() {
         let played = explore(net.net(), 10_000).expect("a station is small");
         assert!(played.is_live() && played.is_safe() && played.is_reversible().is_ok(), "{}", line.title);
         for (nth, task) in station.tasks.iter().enumerate() {
-            let last = Place::completed(station.steps[task.steps.end - 1][0]);
+            let last = StationPlace::completed(station.steps[task.steps.end - 1][0]);
             let leads: Vec<_> = net
                 .transitions()
                 .iter()
-                .filter(|t| t.from == [last] && matches!(t.kind, Kind::Next { .. }))
+                .filter(|t| t.from == [last] && matches!(t.kind, TransitionKind::Next { .. }))
                 .map(|t| t.to[0])
                 .collect();
             let begins = station.tasks.iter().filter(|next| next.from == task.to);
-            let begins: Vec<_> = begins.map(|next| Place::operating(station.steps[next.steps.start][0])).collect();
+            let begins: Vec<_> =
+                begins.map(|next| StationPlace::operating(station.steps[next.steps.start][0])).collect();
             assert_eq!(leads, begins, "{} task {nth}", line.title);
         }
     }
@@ -114,7 +115,8 @@ fn in_auto_alone_every_order_that_is_left_leads_back_to_a_rest_unless_something_
         for seed in 0..60 {
             let line = generate::on_order(&LineShape { irreversible, ..LineShape::default() }, 1, seed);
             let ops = &line.stations[0].operations;
-            let all_reversible = ops.iter().all(|op| matches!(op.module, linewright_line::Module::Reversible { .. }));
+            let all_reversible =
+                ops.iter().all(|op| matches!(op.module, linewright_line::OperationModule::Reversible { .. }));
             if all_reversible != (irreversible == 0) {
                 continue;
             }

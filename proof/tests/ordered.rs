@@ -12,11 +12,11 @@ use linewright_cell::net::Supply;
 use linewright_coordinator_cell::compile::{OrderTiming, compile_cell};
 use linewright_coordinator_cell::{
     ActivityPhase, CellMessage, Coordination, Fifo, OrderKey as Key, OrderMessage, PlayerInput as Told,
-    PlayerOutbox as Says, PlayerState, Record, RecordKind, Reply as Answer, TaskReport,
+    PlayerOutbox as Says, PlayerState, Record, RecordKind, TaskReply as Answer, TaskReport,
 };
 use linewright_coordinator_shell::orders;
-use linewright_line::net::{Block, ControlMode, Place};
-use linewright_line::{Line, Module, Signals, StationId, Tick, parse};
+use linewright_line::net::{Block, ControlMode, StationPlace};
+use linewright_line::{Line, MotionSignals, OperationModule, StationId, Tick, parse};
 use linewright_proof::generate::Random;
 use linewright_station_logic::{
     Controller, HappeningKind, ModeOrder, NO_DELAY, Restore, StationInput, StationOutbox, TaskCommand,
@@ -79,7 +79,7 @@ struct Served {
     out: StationOutbox,
     image: u128,
     /// The motion under way, and when it arrives.
-    motion: Option<(Place, Tick)>,
+    motion: Option<(StationPlace, Tick)>,
     /// The tasks it has done, in its own words; nobody reads it but the test.
     done: Vec<String>,
 }
@@ -107,11 +107,11 @@ struct World {
     doubled: usize,
 }
 
-fn signals(line: &Line, station: StationId, place: Place) -> Signals {
+fn signals(line: &Line, station: StationId, place: StationPlace) -> MotionSignals {
     let operation = line.operation((station, place.op));
     match (&operation.module, place.block) {
-        (Module::Reversible { recovery, .. }, Block::Recovery) => *recovery,
-        (Module::Reversible { .. } | Module::Irreversible { .. }, _) => operation.normal,
+        (OperationModule::Reversible { recovery, .. }, Block::Recovery) => *recovery,
+        (OperationModule::Reversible { .. } | OperationModule::Irreversible { .. }, _) => operation.normal,
     }
 }
 
@@ -138,7 +138,7 @@ impl Served {
             let axis = line.operation((station, place.op)).motion.axis;
             for (op, operation) in line.station(station).op_ids().zip(&line.station(station).operations) {
                 if operation.motion.axis == axis {
-                    for place in [Place::operating(op), Place::undoing(op)] {
+                    for place in [StationPlace::operating(op), StationPlace::undoing(op)] {
                         self.image &= !(1 << signals(line, station, place).complete.0);
                     }
                 }

@@ -44,7 +44,7 @@ fn a_mistake_anywhere_in_five_hundred_stations_is_found() {
     let is_of_pair = |nth: usize| {
         let arrow = &line.arrows[nth];
         let ends = |c: &linewright_line::Conflict| [(c.a, c.b), (c.b, c.a)];
-        let joins = |(before, after): (linewright_line::Span, linewright_line::Span)| {
+        let joins = |(before, after): (linewright_line::StateSpan, linewright_line::StateSpan)| {
             arrow.from == (before.station, before.until) && arrow.to == (after.station, after.from)
         };
         line.conflicts.iter().flat_map(ends).any(joins)

@@ -117,13 +117,13 @@ impl StationCondition {
 
 impl OperationCondition {
     fn holds(self, sim: &LineSim, (id, op): (StationId, OpId)) -> bool {
-        use linewright_line::net::{Block, Stage};
+        use linewright_line::net::{Block, MotionStage};
         let Some(controller) = sim.controller(id) else { return false };
         controller.marking().filter(|place| place.op == op).any(|place| match self {
             OperationCondition::Operating => place.is_operating(),
             OperationCondition::Incomplete => place.is_incomplete(),
-            OperationCondition::Done => (place.block, place.stage) == (Block::Normal, Stage::Completed),
-            OperationCondition::Undone => (place.block, place.stage) == (Block::Recovery, Stage::Completed),
+            OperationCondition::Done => (place.block, place.stage) == (Block::Normal, MotionStage::Completed),
+            OperationCondition::Undone => (place.block, place.stage) == (Block::Recovery, MotionStage::Completed),
         })
     }
 }

@@ -64,5 +64,5 @@ pub use record::{ArrowWait, FaultSeen, LastWait, MotionEnd, RecordedMotion, RunR
 pub use rng::Rng;
 pub use run::{RunEnd, RunGoal, run};
 pub use scenario::Scenario;
-pub use script::{Failure, Script, ScriptAction, ScriptStep};
+pub use script::{Script, ScriptAction, ScriptFailure, ScriptStep};
 pub use sim::LineSim;

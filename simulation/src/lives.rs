@@ -5,7 +5,7 @@
 
 use linewright_canopen::ManagerError;
 use linewright_coordinator_shell::CoordinatorRecord;
-use linewright_line::{Bus, StationId, Tick};
+use linewright_line::{DeviceBus, StationId, Tick};
 use linewright_station_logic::{CompileError, Restore};
 use thiserror::Error;
 
@@ -87,8 +87,8 @@ impl LineSim {
             // What it asked for stands until the gateway or its own bus's devices miss it.
             let timing = &self.line.timing;
             let until = match self.line.stations[at].bus {
-                Bus::Line => timing.stale,
-                Bus::Own(_) => timing.heartbeat_timeout,
+                DeviceBus::Line => timing.stale,
+                DeviceBus::Own(_) => timing.heartbeat_timeout,
             };
             match &mut self.field {
                 SimulatedField::Images(field) => field.owner_down(at, self.now + until),

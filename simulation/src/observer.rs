@@ -9,7 +9,7 @@
 //! looked last. Two stretches touched between the same two looks count as held together. That errs on the safe side, and
 //! an honest line never comes near it: what follows a motion waits for its switch, and the switch is a look.
 
-use linewright_line::{AxisId, Conflict, Line, OpId, Span, StationId, Tick};
+use linewright_line::{AxisId, Conflict, Line, OpId, StateSpan, StationId, Tick};
 use linewright_plant::Plant;
 
 use crate::field::SimulatedField;
@@ -120,7 +120,7 @@ impl ObservedSide {
     }
 }
 
-fn side(line: &Line, field: &SimulatedField, span: &Span) -> ObservedSide {
+fn side(line: &Line, field: &SimulatedField, span: &StateSpan) -> ObservedSide {
     let described = line.station(span.station);
     let axes = described.axes.len();
     let here: Vec<f64> = (0..axes).map(|axis| field.position(span.station, AxisId::at(axis))).collect();
@@ -128,7 +128,7 @@ fn side(line: &Line, field: &SimulatedField, span: &Span) -> ObservedSide {
 }
 
 /// Walks the cycle, or the tasks, once and collects where it leads outside of the stretch.
-fn outside(line: &Line, span: &Span) -> Vec<Ranges> {
+fn outside(line: &Line, span: &StateSpan) -> Vec<Ranges> {
     let described = line.station(span.station);
     let slack = slacks(line, span.station);
     let count = described.steps.len();
@@ -182,7 +182,7 @@ mod tests {
         let of = |name: &str| {
             let task = m1.tasks.iter().find(|task| task.name == name).expect("it has it");
             let [from, until] = [task.steps.start, task.steps.end - 1].map(|step| m1.steps[step][0]);
-            outside(&line, &Span { station: StationId(0), from, until })
+            outside(&line, &StateSpan { station: StationId(0), from, until })
         };
         let is_outside = |ways: &[Ranges], at: [f64; 2]| {
             ways.iter().any(|way| way.iter().zip(at).all(|(&(low, high), at)| low <= at && at <= high))

@@ -7,7 +7,7 @@
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, OpId, Owner, StationId, Tick};
-use linewright_plant::{Fault, Rack};
+use linewright_plant::{MotionFault, Rack};
 use linewright_station_logic::{ModeOrder, PanelCommand};
 
 use crate::field::SimulatedField;
@@ -53,7 +53,7 @@ pub enum OperatorAction {
     /// A station's selector: true is manual.
     Selector(StationId, bool),
     /// Motions of an operation fail, or work again (`None`).
-    Fail((StationId, OpId), MotionSelection, Option<Fault>),
+    Fail((StationId, OpId), MotionSelection, Option<MotionFault>),
     /// An input of a station, or of the console (`None`), is held on or off, or let go of.
     Force(Option<StationId>, InputId, Option<bool>),
     /// A device, by its place in the description, is unplugged (`true`) or plugged in.
@@ -312,13 +312,13 @@ impl NodeProcess {
     }
 }
 
-fn fault_text(fault: Fault) -> &'static str {
+fn fault_text(fault: MotionFault) -> &'static str {
     match fault {
-        Fault::Stick => "jams",
-        Fault::Slip => "slows down",
-        Fault::Break => "breaks",
-        Fault::SlipBack => "slips back",
-        Fault::Miss => "misses parts",
-        Fault::Drop => "drops parts",
+        MotionFault::Stick => "jams",
+        MotionFault::Slip => "slows down",
+        MotionFault::Break => "breaks",
+        MotionFault::SlipBack => "slips back",
+        MotionFault::Miss => "misses parts",
+        MotionFault::Drop => "drops parts",
     }
 }

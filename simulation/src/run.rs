@@ -9,7 +9,7 @@ use linewright_line::{Line, Tick};
 use crate::condition::{ScenarioCondition, StationCondition};
 use crate::lives::StartError;
 use crate::options::SimOptions;
-use crate::script::{Failure, Script, ScriptAction, ScriptPlayer, ScriptStep};
+use crate::script::{Script, ScriptAction, ScriptFailure, ScriptPlayer, ScriptStep};
 use crate::sim::LineSim;
 
 /// What a run is to achieve.
@@ -80,7 +80,7 @@ impl LineSim {
         let (mut spins, mut last) = (0, self.now());
         loop {
             if !player.is_done()
-                && let Err(Failure { step, why }) = player.play(self)
+                && let Err(ScriptFailure { step, why }) = player.play(self)
             {
                 return RunEnd::Failed { step: step.checked_sub(skipped), why };
             }
@@ -144,8 +144,10 @@ impl LineSim {
 fn longest_watchdog(line: &Line) -> Duration {
     let all = line.stations.iter().flat_map(|station| &station.operations);
     let longest = |operation: &linewright_line::Operation| match &operation.module {
-        linewright_line::Module::Reversible { recovery_watchdog, .. } => operation.watchdog.max(*recovery_watchdog),
-        linewright_line::Module::Irreversible { .. } => operation.watchdog,
+        linewright_line::OperationModule::Reversible { recovery_watchdog, .. } => {
+            operation.watchdog.max(*recovery_watchdog)
+        }
+        linewright_line::OperationModule::Irreversible { .. } => operation.watchdog,
     };
     all.map(longest).max().unwrap_or_default()
 }

@@ -58,7 +58,7 @@ pub struct Script {
 
 /// Why a scenario could not be played to its end.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Failure {
+pub struct ScriptFailure {
     /// Which step, from 0.
     pub step: usize,
     /// What went wrong.
@@ -125,8 +125,8 @@ impl ScriptPlayer {
     }
 
     /// Goes as far as it can now.
-    pub(crate) fn play(&mut self, sim: &mut LineSim) -> Result<(), Failure> {
-        while !self.is_done() && self.advance(sim).map_err(|why| Failure { step: self.at, why })? {}
+    pub(crate) fn play(&mut self, sim: &mut LineSim) -> Result<(), ScriptFailure> {
+        while !self.is_done() && self.advance(sim).map_err(|why| ScriptFailure { step: self.at, why })? {}
         Ok(())
     }
 

@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use linewright_coordinator_logic::{ModeCommand, Refusal};
+use linewright_coordinator_logic::{ModeCommand, RefusedCommand};
 use linewright_coordinator_shell::{CoordinatorEffect, CoordinatorRecord};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Owner, Tick};
@@ -30,7 +30,7 @@ use crate::timers::Timers;
 #[derive(Clone, Debug)]
 pub(crate) struct CommandAnswer {
     pub(crate) command: ModeCommand,
-    pub(crate) refusal: Option<Refusal>,
+    pub(crate) refusal: Option<RefusedCommand>,
 }
 
 /// A line in virtual time.

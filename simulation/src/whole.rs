@@ -5,7 +5,7 @@
 
 use linewright_coordinator_logic::OutputImage;
 use linewright_coordinator_shell::{CoordinatorArrival, InputsImage};
-use linewright_line::{Bus, Owner, StationId};
+use linewright_line::{DeviceBus, Owner, StationId};
 use linewright_station_shell::{Driven, InputsMessage};
 
 use crate::field::{Played, SimulatedField};
@@ -72,7 +72,7 @@ impl LineSim {
 
     /// A station's outputs go to its own bus, or to the gateway.
     pub(crate) fn send_outputs(&mut self, at: usize, image: Driven) {
-        if let Bus::Own(_) = self.line.stations[at].bus {
+        if let DeviceBus::Own(_) = self.line.stations[at].bus {
             return self.put(Owner::Station(StationId::at(at)), image.bits);
         }
         let outputs = OutputImage {

@@ -17,7 +17,7 @@ use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, dispatcher
 use linewright_coordinator_cell::exception::ExceptionStep;
 use linewright_coordinator_cell::{CellTable, FiringId, ModeId, PartId, PlayerInput, RecordKind};
 use linewright_line::{HolderId, Line, StationId, Tick};
-use linewright_plant::{Fault, PlantOptions};
+use linewright_plant::{MotionFault, PlantOptions};
 use linewright_simulation::Rng;
 use linewright_simulation::cell::{CellSim, CellSimOptions, ShopFloor};
 
@@ -33,7 +33,7 @@ struct Shipped {
 }
 
 /// The robot of C1 misses what it grasps for M1 or M2, or does not any more.
-fn grasps(of: &Shipped, sim: &mut CellSim, fault: Option<Fault>) {
+fn grasps(of: &Shipped, sim: &mut CellSim, fault: Option<MotionFault>) {
     let robot = of.line.station_named("robot").expect("there");
     let now = sim.now;
     let plant = sim.floor.as_mut().expect("real stations").plant_mut();
@@ -316,7 +316,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     let mut sim = of.sim(options(1, 0, Vec::new()), 0.0);
     let mut dispatcher = dispatcher(&of.cell, &of.table);
     let robot = of.line.station_named("robot").expect("there");
-    grasps(&of, &mut sim, Some(Fault::Miss));
+    grasps(&of, &mut sim, Some(MotionFault::Miss));
 
     // It has come to rest when the robot's 24 s are over, and what was loaded is where it was.
     sim.run(&mut dispatcher, LONG);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{Bus, Line, Owner, StationId};
+use linewright_line::{DeviceBus, Line, Owner, StationId};
 use linewright_simulation::{LineSim, LogKind, Network, NodeProcess, OperatorAction, RunEnd, RunGoal, SimOptions};
 use linewright_station_logic::{HappeningKind, StationHappening};
 
@@ -20,7 +20,7 @@ fn on_buses() -> SimOptions {
 /// The transfer line; its clamp has a bus of its own.
 fn with_own_bus() -> Line {
     let mut line = transfer_line(1);
-    let own = Bus::Own("can_clamp".to_owned());
+    let own = DeviceBus::Own("can_clamp".to_owned());
     line.devices.iter_mut().filter(|device| device.owner == Owner::Station(CLAMP)).for_each(|d| d.bus = own.clone());
     line.stations[CLAMP.index()].bus = own;
     line

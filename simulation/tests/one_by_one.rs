@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{Line, StationId, Tick};
-use linewright_plant::Fault;
+use linewright_plant::MotionFault;
 use linewright_simulation::{LineSim, MotionSelection, Network, NodeProcess, OperatorAction, Rng, SimOptions};
 
 use crate::common::*;
@@ -28,7 +28,7 @@ fn action(line: &Line, rng: &mut Rng) -> OperatorAction {
         10 => OperatorAction::Fail(
             (station, op),
             MotionSelection::Both,
-            Some(*rng.pick(&[Fault::Stick, Fault::Slip, Fault::SlipBack])),
+            Some(*rng.pick(&[MotionFault::Stick, MotionFault::Slip, MotionFault::SlipBack])),
         ),
         11 => OperatorAction::Fail((station, op), MotionSelection::Both, None),
         12 => OperatorAction::Device(rng.below(line.devices.len() as u64) as usize, rng.chance(500)),

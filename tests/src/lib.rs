@@ -29,6 +29,6 @@ mod sim;
 
 pub use ledger::Ledger;
 pub use linewright_simulation::{LogKind, Network, NodeProcess, Rng, RunLog, SimLogEntry};
-pub use observer::Observer;
+pub use observer::IndependentObserver;
 pub use scenario::{hand_button, soak, transfer_line, transfer_line_with};
-pub use sim::{QUIET, ROUGH, Sim, network};
+pub use sim::{QUIET, ROUGH, WatchedLine, network};

@@ -25,7 +25,7 @@ const AT_THE_PART: f64 = 100.0;
 const CARRYING: f64 = 25.0;
 
 #[derive(Clone, Debug)]
-struct Machine {
+struct ObservedMachine {
     clamp: (StationId, AxisId),
     slide: (StationId, AxisId),
     feed: (StationId, AxisId),
@@ -40,10 +40,10 @@ struct Machine {
 
 /// The observer.
 #[derive(Clone, Debug)]
-pub struct Observer {
+pub struct IndependentObserver {
     vertical: (StationId, AxisId),
     horizontal: (StationId, AxisId),
-    machines: Vec<Machine>,
+    machines: Vec<ObservedMachine>,
     off_rest: f64,
     across: f64,
     /// How many places the parts have been carried on.
@@ -54,7 +54,7 @@ pub struct Observer {
     parts_are_lost: bool,
 }
 
-impl Observer {
+impl IndependentObserver {
     /// An observer of this transfer line, at home.
     ///
     /// # Panics
@@ -65,7 +65,7 @@ impl Observer {
             let at = line.station(id).axes.iter().position(|a| a.name == axis);
             (id, AxisId::at(at.unwrap_or_else(|| panic!("{station} has a {axis}"))))
         };
-        let machine = |number: usize| Machine {
+        let machine = |number: usize| ObservedMachine {
             clamp: axis(&format!("clamp_{number}"), "stroke"),
             slide: axis(&format!("mill_{number}"), "positioning_slide"),
             feed: axis(&format!("mill_{number}"), "main_slide"),
@@ -75,7 +75,7 @@ impl Observer {
             fed: false,
             machined: vec![0],
         };
-        Observer {
+        IndependentObserver {
             vertical: axis("transfer", "vertical"),
             horizontal: axis("transfer", "horizontal"),
             machines: (1..=(line.stations.len() - 1) / 2).map(machine).collect(),

@@ -7,12 +7,12 @@ use linewright_line::net::ControlMode;
 use linewright_line::{ButtonId, InputId, OpId, Owner, StationId};
 use linewright_simulation::OperatorAction;
 
-use crate::sim::Sim;
+use crate::sim::WatchedLine;
 
 /// How long a person waits for something that should happen before calling for help.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-impl Sim {
+impl WatchedLine {
     /// Gives a command, by message.
     pub fn command(&mut self, command: ModeCommand) {
         self.act(OperatorAction::Command(command));
@@ -83,14 +83,14 @@ impl Sim {
     ///
     /// # Panics
     /// When it does not within a minute of the line's time.
-    pub fn run_until(&mut self, what: &str, holds: impl Fn(&Sim) -> bool) {
+    pub fn run_until(&mut self, what: &str, holds: impl Fn(&WatchedLine) -> bool) {
         if !self.wait_for(PATIENCE, holds) {
             self.give_up(&format!("waited in vain: {what}"));
         }
     }
 
     /// Runs until something holds, but no longer than this. Gives whether it holds.
-    pub fn wait_for(&mut self, time: Duration, holds: impl Fn(&Sim) -> bool) -> bool {
+    pub fn wait_for(&mut self, time: Duration, holds: impl Fn(&WatchedLine) -> bool) -> bool {
         let end = self.now() + time;
         while !holds(self) {
             if self.next_event() > end {
@@ -134,7 +134,7 @@ impl Sim {
         self.press(id, advance);
         let moved = self.wait_for(Duration::from_millis(800), |s| s.marking(id) != before);
         if moved {
-            let settled = |s: &Sim| s.controller(id).is_some_and(|c| !c.marking().any(|p| p.is_operating()));
+            let settled = |s: &WatchedLine| s.controller(id).is_some_and(|c| !c.marking().any(|p| p.is_operating()));
             self.wait_for(Duration::from_secs(5), settled);
         }
         self.release(id, advance);
@@ -219,7 +219,7 @@ impl Sim {
     /// After anything that put the line into stand-by or into the emergency stop: waits until everybody is heard, leads
     /// what is incomplete on, and orders auto again.
     pub fn bring_back(&mut self) {
-        self.run_until("everything is heard", Sim::all_heard);
+        self.run_until("everything is heard", WatchedLine::all_heard);
         self.settle();
         if self.mode() == Some(ControlMode::Auto) {
             return;

@@ -3,15 +3,15 @@
 use std::time::Duration;
 
 use linewright_canopen::NodeId;
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{AxisId, ButtonId, Device, Line, OpId, OutputId, Owner, StationId, TransferLine, parse};
-use linewright_plant::{DeviceFault, Fault, FrameFaults};
+use linewright_plant::{DeviceFault, FrameFaults, MotionFault};
 use linewright_simulation::{MotionSelection, Network, NodeProcess, OperatorAction};
 use linewright_station_logic::Controller;
 
 use crate::ledger::Ledger;
-use crate::observer::Observer;
-use crate::sim::Sim;
+use crate::observer::IndependentObserver;
+use crate::sim::WatchedLine;
 
 /// The shipped transfer line with its times multiplied.
 pub fn transfer_line(time_scale: f64) -> Line {
@@ -30,10 +30,10 @@ pub fn hand_button(line: &Line, name: &str) -> ButtonId {
     ButtonId::at(at.unwrap_or_else(|| panic!("no button {name}")))
 }
 
-impl Sim {
+impl WatchedLine {
     /// The shipped line in auto, some milliseconds into the second cycle.
-    pub fn in_second_cycle(moment: u64, seed: u64) -> Sim {
-        let mut sim = Sim::new(&transfer_line(1.0), seed);
+    pub fn in_second_cycle(moment: u64, seed: u64) -> WatchedLine {
+        let mut sim = WatchedLine::new(&transfer_line(1.0), seed);
         sim.start_auto();
         sim.run_until_done("clamp_1", "return clamp", 2);
         sim.run_for(Duration::from_millis(moment));
@@ -46,7 +46,7 @@ impl Sim {
     }
 
     /// The one who looks at positions.
-    pub fn observer(&self) -> &Observer {
+    pub fn observer(&self) -> &IndependentObserver {
         &self.observer
     }
 
@@ -63,12 +63,12 @@ impl Sim {
     }
 
     /// Makes the normal motion of an operation fail.
-    pub fn fail(&mut self, station: &str, operation: &str, fault: Fault) {
+    pub fn fail(&mut self, station: &str, operation: &str, fault: MotionFault) {
         self.act(OperatorAction::Fail(self.op(station, operation), MotionSelection::Normal, Some(fault)));
     }
 
     /// Makes the recovery motion of an operation fail, or work again.
-    pub fn fail_recovery(&mut self, station: &str, operation: &str, fault: Option<Fault>) {
+    pub fn fail_recovery(&mut self, station: &str, operation: &str, fault: Option<MotionFault>) {
         self.act(OperatorAction::Fail(self.op(station, operation), MotionSelection::Recovery, fault));
     }
 
@@ -124,7 +124,7 @@ impl Sim {
         self.act(OperatorAction::DieAtRecord(station, true));
     }
 
-    /// Takes [`Sim::kill_station_at_its_next_record`] back.
+    /// Takes [`WatchedLine::kill_station_at_its_next_record`] back.
     pub fn spare_station(&mut self, station: StationId) {
         self.act(OperatorAction::DieAtRecord(station, false));
     }
@@ -193,7 +193,7 @@ impl Sim {
     }
 
     /// The marked places of a station; none while it is down.
-    pub fn marking(&self, station: StationId) -> Vec<Place> {
+    pub fn marking(&self, station: StationId) -> Vec<StationPlace> {
         self.controller(station).map(|c| c.marking().collect()).unwrap_or_default()
     }
 

@@ -11,7 +11,7 @@ use linewright_simulation::{LogKind, Network, OperatorAction, SimOptions};
 use linewright_station_logic::HappeningKind;
 
 use crate::ledger::Ledger;
-use crate::observer::Observer;
+use crate::observer::IndependentObserver;
 
 /// A quiet machine: up to half a millisecond, nothing lost.
 pub const QUIET: Network = network((50, 500), 0, 0);
@@ -30,10 +30,10 @@ pub const fn network((shortest, longest): (u64, u64), loss_per_mille: u32, doubl
 }
 
 /// A watched line in virtual time.
-pub struct Sim {
+pub struct WatchedLine {
     sim: linewright_simulation::LineSim,
     pub(crate) ledger: Ledger,
-    pub(crate) observer: Observer,
+    pub(crate) observer: IndependentObserver,
     seed: u64,
     /// Entries of the log that the ledger has read.
     read: u64,
@@ -41,7 +41,7 @@ pub struct Sim {
     looked: Tick,
 }
 
-impl Deref for Sim {
+impl Deref for WatchedLine {
     type Target = linewright_simulation::LineSim;
 
     fn deref(&self) -> &Self::Target {
@@ -49,10 +49,10 @@ impl Deref for Sim {
     }
 }
 
-impl Sim {
+impl WatchedLine {
     /// A line switched on at time zero, on a quiet network.
     pub fn new(line: &Line, seed: u64) -> Self {
-        Sim::with(line, seed, QUIET, 0.0)
+        WatchedLine::with(line, seed, QUIET, 0.0)
     }
 
     /// A line switched on at time zero, whose motions take up to `variation` (a fraction) longer or shorter.
@@ -67,10 +67,10 @@ impl Sim {
             ..SimOptions::default()
         };
         let sim = linewright_simulation::LineSim::new(line, options);
-        Sim {
+        WatchedLine {
             sim: sim.unwrap_or_else(|error| panic!("the line of a test starts: {error}")),
             ledger: Ledger::new(line),
-            observer: Observer::new(line),
+            observer: IndependentObserver::new(line),
             seed,
             read: 0,
             looked: Tick::ZERO,

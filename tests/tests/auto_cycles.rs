@@ -16,7 +16,7 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::Tick;
 use linewright_line::net::{Block, ControlMode};
 use linewright_station_logic::HappeningKind;
-use linewright_tests::{QUIET, ROUGH, Sim, transfer_line, transfer_line_with};
+use linewright_tests::{QUIET, ROUGH, WatchedLine, transfer_line, transfer_line_with};
 
 /// Station, operation, start and end in milliseconds after the first lift of its cycle.
 const CHART: [(&str, &str, i64, i64); 17] = [
@@ -49,7 +49,7 @@ const FIRST_ORDERS_MS: i64 = 30;
 
 #[test]
 fn ten_cycles_follow_the_chart_to_the_millisecond() {
-    let mut sim = Sim::new(&transfer_line(1.0), 1);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 1);
     sim.start_auto();
     sim.run_until_done("mill_1", "reset main slide", 10);
 
@@ -98,7 +98,7 @@ fn ten_cycles_follow_the_chart_to_the_millisecond() {
 
 #[test]
 fn the_mill_machines_while_the_bar_returns_and_the_bar_lifts_only_under_an_open_clamp() {
-    let mut sim = Sim::new(&transfer_line(1.0), 2);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 2);
     sim.start_auto();
     sim.run_until_done("transfer", "1st lift", 3);
     let at = |station: &str, operation: &str, cycle: i32, start: bool| {
@@ -123,7 +123,7 @@ fn the_mill_machines_while_the_bar_returns_and_the_bar_lifts_only_under_an_open_
 
 #[test]
 fn a_rough_network_costs_time_and_perhaps_an_operators_help() {
-    let mut sim = Sim::with(&transfer_line_with(2, 0.5), 3, ROUGH, 0.2);
+    let mut sim = WatchedLine::with(&transfer_line_with(2, 0.5), 3, ROUGH, 0.2);
     sim.start_auto();
     for cycle in [6, 12, 18, 24] {
         sim.patiently_until_done("mill_2", "reset main slide", cycle);
@@ -137,7 +137,7 @@ fn a_rough_network_costs_time_and_perhaps_an_operators_help() {
 fn master_stop_halts_every_station_at_home_and_start_and_auto_go_on() {
     // At any moment of the cycle, on a network that loses messages too.
     for (moment, network) in (0..36).map(|n| (n * 100, if n % 2 == 0 { QUIET } else { ROUGH })) {
-        let mut sim = Sim::with(&transfer_line(1.0), moment, network, 0.0);
+        let mut sim = WatchedLine::with(&transfer_line(1.0), moment, network, 0.0);
         sim.start_auto();
         sim.run_until_done("transfer", "1st lift", 2);
         sim.run_for(Duration::from_millis(moment));
@@ -164,7 +164,7 @@ fn master_stop_halts_every_station_at_home_and_start_and_auto_go_on() {
 fn master_stop_just_as_the_next_round_begins() {
     for seed in 0..3 {
         for micros in (0..2400).step_by(60) {
-            let mut sim = Sim::new(&transfer_line(1.0), seed);
+            let mut sim = WatchedLine::new(&transfer_line(1.0), seed);
             sim.start_auto();
             sim.run_until_done("clamp_1", "return clamp", 2);
             sim.run_for(Duration::from_micros(micros));
@@ -182,7 +182,7 @@ fn master_stop_just_as_the_next_round_begins() {
 
 #[test]
 fn a_stop_taken_back_by_start_costs_nothing() {
-    let mut sim = Sim::new(&transfer_line(1.0), 5);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 5);
     sim.start_auto();
     sim.run_until_done("transfer", "1st lift", 2);
     sim.order(ModeCommand::Stop);

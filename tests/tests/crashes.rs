@@ -12,19 +12,19 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::HappeningKind;
-use linewright_tests::{NodeProcess, ROUGH, Sim, transfer_line};
+use linewright_tests::{NodeProcess, ROUGH, WatchedLine, transfer_line};
 
 const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
 
 /// The first motion that started after `since`, if any.
-fn started_after(sim: &Sim, since: Tick) -> Option<(StationId, Tick, String)> {
+fn started_after(sim: &WatchedLine, since: Tick) -> Option<(StationId, Tick, String)> {
     sim.line().station_ids().find_map(|id| {
         let mut late = sim.log().of(id).filter(|(at, e)| *at > since && matches!(e.what, HappeningKind::Started(..)));
         late.next().map(|(at, e)| (id, at, e.text(sim.line(), id)))
     })
 }
 
-fn two_more_cycles(sim: &mut Sim) {
+fn two_more_cycles(sim: &mut WatchedLine) {
     sim.run_until_done("mill_1", "reset main slide", 4);
     for part in 1..=3 {
         let machined = sim.observer().machined(1, part);
@@ -36,7 +36,7 @@ fn two_more_cycles(sim: &mut Sim) {
 fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
     for moment in (0..3560).step_by(70) {
         for station in STATIONS {
-            let mut sim = Sim::in_second_cycle(moment, moment);
+            let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
             let timing = sim.line().timing;
             sim.kill_station(id);
@@ -62,7 +62,7 @@ fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
 fn a_station_that_dies_between_its_record_and_its_word() {
     for moment in (0..3560).step_by(110) {
         for station in STATIONS {
-            let mut sim = Sim::in_second_cycle(moment, moment + 1);
+            let mut sim = WatchedLine::in_second_cycle(moment, moment + 1);
             let id = sim.id(station);
             sim.kill_station_at_its_next_record(id);
             sim.run_until("it dies", |s| !s.is_running(id));
@@ -79,7 +79,7 @@ fn a_station_that_dies_between_its_record_and_its_word() {
 fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
     for moment in (0..3560).step_by(200) {
         for station in STATIONS {
-            let mut sim = Sim::in_second_cycle(moment, moment);
+            let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
             sim.kill_station(id);
             let killed = sim.now();
@@ -108,7 +108,7 @@ fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
 fn a_coordinator_killed_at_any_moment_and_replaced() {
     for moment in (0..3560).step_by(80) {
         for (remembers, down) in [(true, 30), (false, 30), (true, 300), (false, 2000)] {
-            let mut sim = Sim::in_second_cycle(moment, moment);
+            let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let before = sim.epoch();
             let timing = sim.line().timing;
             sim.kill_coordinator();
@@ -129,7 +129,7 @@ fn a_coordinator_killed_at_any_moment_and_replaced() {
 #[test]
 fn without_a_coordinator_every_station_falls_to_stand_by_within_the_lease() {
     for moment in [100, 700, 1500, 2300, 3300] {
-        let mut sim = Sim::in_second_cycle(moment, moment);
+        let mut sim = WatchedLine::in_second_cycle(moment, moment);
         let timing = sim.line().timing;
         sim.kill_coordinator();
         // What is on its way still arrives.
@@ -146,7 +146,7 @@ fn without_a_coordinator_every_station_falls_to_stand_by_within_the_lease() {
 fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
     for moment in (0..3560).step_by(90) {
         for (station, back_too) in STATIONS.into_iter().flat_map(|s| [(s, false), (s, true)]) {
-            let mut sim = Sim::in_second_cycle(moment, moment);
+            let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
             let timing = sim.line().timing;
             sim.cut(NodeProcess::Coordinator, NodeProcess::Station(id));
@@ -168,7 +168,7 @@ fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
 #[test]
 fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
     for moment in (0..3560).step_by(120) {
-        let mut sim = Sim::in_second_cycle(moment, moment);
+        let mut sim = WatchedLine::in_second_cycle(moment, moment);
         let (transfer, clamp) = (sim.id("transfer"), sim.id("clamp_1"));
         sim.cut(NodeProcess::Station(transfer), NodeProcess::Station(clamp));
         sim.cut(NodeProcess::Station(clamp), NodeProcess::Station(transfer));
@@ -185,7 +185,7 @@ fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
 #[test]
 fn on_a_rough_network_too() {
     for seed in 0..60 {
-        let mut sim = Sim::with(&transfer_line(1.0), seed, ROUGH, 0.1);
+        let mut sim = WatchedLine::with(&transfer_line(1.0), seed, ROUGH, 0.1);
         sim.start_auto();
         sim.patiently_until_done("clamp_1", "return clamp", 2);
         sim.run_for(Duration::from_millis(seed * 59));
@@ -201,7 +201,7 @@ fn on_a_rough_network_too() {
 
 #[test]
 fn a_motion_cut_short_by_a_crash_is_never_counted_twice() {
-    let mut sim = Sim::in_second_cycle(2500, 9);
+    let mut sim = WatchedLine::in_second_cycle(2500, 9);
     let (mill, feed) = sim.op("mill_1", "feed main slide");
     sim.kill_station(mill);
     sim.run_for(Duration::from_millis(50));

@@ -10,7 +10,7 @@ use std::time::Duration;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::Owner;
 use linewright_line::net::ControlMode;
-use linewright_tests::{Sim, transfer_line};
+use linewright_tests::{WatchedLine, transfer_line};
 
 /// Order to the stations, their images to the gateway, the gateway's frames to the devices: at most 0.5 + 0.5 + 0.15
 /// milliseconds on the quiet network; a wired button adds its own frame.
@@ -20,7 +20,7 @@ const OFF_WITHIN: Duration = Duration::from_millis(2);
 const BRAKES_WITHIN: Duration = Duration::from_millis(20);
 
 fn stop_and_come_back(moment: Duration, by_wire: bool) {
-    let mut sim = Sim::new(&transfer_line(1.0), moment.as_millis() as u64);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), moment.as_millis() as u64);
     sim.start_auto();
     sim.run_until_done("clamp_1", "return clamp", 2);
     sim.run_for(moment);
@@ -77,7 +77,7 @@ fn every_thirty_milliseconds_of_a_cycle_by_wire() {
 #[test]
 fn an_emergency_stop_outlives_the_coordinator_that_gave_it() {
     for remembers in [true, false] {
-        let mut sim = Sim::new(&transfer_line(1.0), 4);
+        let mut sim = WatchedLine::new(&transfer_line(1.0), 4);
         sim.start_auto();
         sim.run_until_done("transfer", "advance transfer", 2);
         sim.order(ModeCommand::EStop);
@@ -99,7 +99,7 @@ fn an_emergency_stop_outlives_the_coordinator_that_gave_it() {
 #[test]
 fn replacing_the_coordinator_is_no_way_out_of_an_emergency_stop() {
     for reset in [false, true] {
-        let mut sim = Sim::new(&transfer_line(1.0), 2);
+        let mut sim = WatchedLine::new(&transfer_line(1.0), 2);
         sim.start();
         sim.order(ModeCommand::EStop);
         if reset {
@@ -120,7 +120,7 @@ fn replacing_the_coordinator_is_no_way_out_of_an_emergency_stop() {
 
 #[test]
 fn a_coordinator_that_has_lost_its_journal_adopts_the_stop_the_stations_are_in() {
-    let mut sim = Sim::new(&transfer_line(1.0), 4);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 4);
     sim.start_auto();
     sim.run_until_done("transfer", "advance transfer", 2);
     sim.order(ModeCommand::EStop);
@@ -139,7 +139,7 @@ fn a_coordinator_that_has_lost_its_journal_adopts_the_stop_the_stations_are_in()
 #[test]
 fn the_emergency_stop_of_a_second_coordinator_is_obeyed_and_there_is_no_way_out_while_it_is_given() {
     for moment in (0..3560).step_by(300) {
-        let mut sim = Sim::in_second_cycle(moment, moment);
+        let mut sim = WatchedLine::in_second_cycle(moment, moment);
         sim.foreign_stop();
         sim.run_for(OFF_WITHIN);
         assert!(!sim.anything_energised(), "every output is off at {moment} ms");
@@ -163,7 +163,7 @@ fn the_emergency_stop_of_a_second_coordinator_is_obeyed_and_there_is_no_way_out_
 
 #[test]
 fn an_emergency_stop_that_the_disk_does_not_take_stays_until_it_does() {
-    let mut sim = Sim::new(&transfer_line(1.0), 8);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 8);
     sim.start_auto();
     sim.run_until_done("transfer", "advance transfer", 2);
     sim.fill_disk(true);

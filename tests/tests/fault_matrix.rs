@@ -11,11 +11,11 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::net::{ControlMode, Place};
-use linewright_line::{Identity, Line, Owner, Reaction, StationId};
+use linewright_line::net::{ControlMode, StationPlace};
+use linewright_line::{DeviceIdentity, Line, Owner, Reaction, StationId};
 use linewright_plant::{DeviceFault, FrameFaults};
 use linewright_station_logic::{HappeningKind, StopCause};
-use linewright_tests::{Rng, Sim, soak, transfer_line};
+use linewright_tests::{Rng, WatchedLine, soak, transfer_line};
 
 /// What happens, in this order, and what must be said of it.
 struct Case {
@@ -65,7 +65,8 @@ fn line() -> Line {
     let mut line = transfer_line(1.0);
     for device in &mut line.devices {
         let profile = if device.drive().is_some() { (0x0002_0192, 402) } else { (0x0003_0191, 401) };
-        let identity = Identity { device_type: Some(profile.0), product: Some(profile.1), ..Identity::default() };
+        let identity =
+            DeviceIdentity { device_type: Some(profile.0), product: Some(profile.1), ..DeviceIdentity::default() };
         device.canopen_mut().expect("CANopen").setup.identity = identity;
     }
     line
@@ -86,20 +87,20 @@ fn concerns(line: &Line, case: &Case, device: &str) -> bool {
     !reported || !case.faults.iter().any(|fault| matches!(fault, DeviceFault::Emergency { .. }))
 }
 
-fn cause(sim: &mut Sim, device: &str, case: &Case) {
+fn cause(sim: &mut WatchedLine, device: &str, case: &Case) {
     for fault in case.faults {
         sim.fail_device(device, Some(*fault));
     }
 }
 
 /// It is said which device it is, and what is wrong with it.
-fn is_said(sim: &Sim, station: StationId, device: &str, node: &str, words: &str) -> bool {
+fn is_said(sim: &WatchedLine, station: StationId, device: &str, node: &str, words: &str) -> bool {
     let whose = format!("{device} {node}");
     sim.trouble(station).iter().any(|said| said.starts_with(&whose) && said.contains(words))
 }
 
 /// The line makes parts again, each machined once, and nobody was restarted for it.
-fn cycles_on(sim: &mut Sim, lives: &[u64]) {
+fn cycles_on(sim: &mut WatchedLine, lives: &[u64]) {
     let parts = sim.observer().places();
     sim.run_until("two more parts", |s| s.observer().places() >= parts + 2);
     for part in 1..=parts + 1 {
@@ -109,7 +110,7 @@ fn cycles_on(sim: &mut Sim, lives: &[u64]) {
 }
 
 fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationId), moment: u64) {
-    let mut sim = Sim::new(&line(), moment);
+    let mut sim = WatchedLine::new(&line(), moment);
     sim.start_auto();
     sim.run_until_done("clamp_1", "return clamp", 2);
     sim.run_for(Duration::from_millis(moment));
@@ -131,7 +132,7 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
     }
     assert_eq!(sim.mode(), Some(ControlMode::StandBy));
     let others: Vec<StationId> = sim.line().station_ids().filter(|&other| other != station).collect();
-    let running: Vec<Vec<Place>> = others.iter().map(|&other| sim.marking(other)).collect();
+    let running: Vec<Vec<StationPlace>> = others.iter().map(|&other| sim.marking(other)).collect();
 
     // One that hears nothing lets go by itself, up to a heartbeat later than the manager misses it.
     let heartbeat = sim.line().timing.heartbeat + Duration::from_millis(5);
@@ -142,7 +143,7 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
     let again = sim.wait_for(Duration::from_secs(2), |s| s.energised(station) != 0);
     assert!(!again, "{device}: what was decided before is not energised after it");
     for (&other, before) in others.iter().zip(running) {
-        let end = before.iter().map(|p| if p.is_operating() { Place::completed(p.op) } else { *p });
+        let end = before.iter().map(|p| if p.is_operating() { StationPlace::completed(p.op) } else { *p });
         assert_eq!(sim.marking(other), end.collect::<Vec<_>>(), "the others finish what they do, and start nothing");
         assert_eq!(sim.trouble(other), Vec::<String>::new(), "and nothing is wrong with them");
     }
@@ -198,7 +199,7 @@ fn at_boot() {
         let passes = matches!(case.faults.last(), Some(DeviceFault::BusOff { .. }) | Some(DeviceFault::Reboot))
             && case.faults.len() == 1;
         for (device, node, station) in devices(&line).iter().filter(|device| concerns(&line, case, &device.0)) {
-            let mut sim = Sim::new(&line, 1);
+            let mut sim = WatchedLine::new(&line, 1);
             // An emergency is lost on a manager that still listens whether it is alone; with a standing error, what is
             // read at boot is tried by a case of its own.
             if case.said.starts_with("emergency") {
@@ -217,7 +218,7 @@ fn at_boot() {
                 assert!(!sim.anything_energised(), "{refusal}");
             }
             sim.fail_device(device, None);
-            sim.run_until("everything is heard", Sim::all_heard);
+            sim.run_until("everything is heard", WatchedLine::all_heard);
             sim.settle();
             if sim.mode() == Some(ControlMode::Home) {
                 sim.order(ModeCommand::Start);
@@ -232,7 +233,7 @@ fn at_boot() {
 #[test]
 fn the_managers_interface_leaves_the_bus() {
     for (nth, moment) in (0..3560).step_by(120).enumerate() {
-        let mut sim = Sim::new(&line(), moment);
+        let mut sim = WatchedLine::new(&line(), moment);
         sim.start_auto();
         sim.run_until_done("clamp_1", "return clamp", 2);
         sim.run_for(Duration::from_millis(moment));
@@ -247,7 +248,7 @@ fn the_managers_interface_leaves_the_bus() {
         sim.bus_off(false);
         sim.run_for(Duration::from_millis(5));
         assert!(!sim.anything_energised(), "everything is let go first, at {moment} ms");
-        let again = sim.wait_for(Duration::from_secs(3), Sim::anything_energised);
+        let again = sim.wait_for(Duration::from_secs(3), WatchedLine::anything_energised);
         assert!(!again, "and nothing moves by itself, at {moment} ms");
         // The console is on that bus too: this may have been an emergency stop.
         sim.bring_back();
@@ -259,9 +260,9 @@ fn the_managers_interface_leaves_the_bus() {
 fn frames_that_are_lost_or_come_twice() {
     let mut faults = 0;
     for seed in 0..12 {
-        let mut sim = Sim::new(&line(), seed);
+        let mut sim = WatchedLine::new(&line(), seed);
         let share = [5, 20, 50][seed as usize % 3];
-        let disturb = |sim: &mut Sim, share: u16| {
+        let disturb = |sim: &mut WatchedLine, share: u16| {
             for device in sim.line().devices.clone() {
                 let seed = seed * 1000 + u64::from(device.node_id().expect("CANopen")) + sim.observer().looks();
                 let bad = FrameFaults { lost_to: share, lost_from: share, doubled: 2 * share, seed };
@@ -301,7 +302,7 @@ fn whatever_devices_suffer_the_line_comes_back() {
     for seed in 0..40 * soak() {
         let line = line();
         let mut rng = Rng::new(seed);
-        let mut sim = Sim::new(&line, seed);
+        let mut sim = WatchedLine::new(&line, seed);
         let lives = sim.lives();
         sim.start_auto();
         let run_in = rng.within(0, 6000);

@@ -9,11 +9,11 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::net::{Block, ControlMode, Place};
-use linewright_line::{Drive, Module, OpId, Owner, StationId};
-use linewright_plant::Fault;
+use linewright_line::net::{Block, ControlMode, StationPlace};
+use linewright_line::{Drive, OpId, OperationModule, Owner, StationId};
+use linewright_plant::MotionFault;
 use linewright_station_logic::{HappeningKind, StopCause};
-use linewright_tests::{Sim, transfer_line};
+use linewright_tests::{WatchedLine, transfer_line};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Recovery {
@@ -35,7 +35,7 @@ fn operations() -> Vec<(String, String, bool)> {
     let of = |station: &linewright_line::Station| {
         let name = station.name.clone();
         let ops = station.operations.iter().map(move |operation| {
-            (name.clone(), operation.name.clone(), matches!(operation.module, Module::Reversible { .. }))
+            (name.clone(), operation.name.clone(), matches!(operation.module, OperationModule::Reversible { .. }))
         });
         ops.collect::<Vec<_>>()
     };
@@ -43,16 +43,16 @@ fn operations() -> Vec<(String, String, bool)> {
 }
 
 /// Runs until the operation is under way in its third cycle, and a little on.
-fn reach(sim: &mut Sim, station: &str, operation: &str) {
+fn reach(sim: &mut WatchedLine, station: &str, operation: &str) {
     sim.start_auto();
     let (id, op) = sim.op(station, operation);
     sim.run_until("the operation in cycle 3", |s| {
-        s.controller(id).is_some_and(|c| c.cycle() == 3) && s.marking(id) == [Place::operating(op)]
+        s.controller(id).is_some_and(|c| c.cycle() == 3) && s.marking(id) == [StationPlace::operating(op)]
     });
     sim.run_for(Duration::from_millis(40));
 }
 
-fn one_stops_and_the_others_finish(sim: &mut Sim, station: &str, operation: &str, fault: Fault) {
+fn one_stops_and_the_others_finish(sim: &mut WatchedLine, station: &str, operation: &str, fault: MotionFault) {
     let (id, op) = sim.op(station, operation);
     let others: Vec<StationId> = sim.line().station_ids().filter(|&other| other != id).collect();
     sim.fail(station, operation, fault);
@@ -62,7 +62,7 @@ fn one_stops_and_the_others_finish(sim: &mut Sim, station: &str, operation: &str
     let cause = match drive_of(sim, id, op) {
         // A drive that sticks trips over its following error: it says so itself, to an operation that listens.
         Some(drive) if drive.fault == signal => StopCause::Signal,
-        None if fault == Fault::Break && signal.is_some() => StopCause::Signal,
+        None if fault == MotionFault::Break && signal.is_some() => StopCause::Signal,
         _ => StopCause::Watchdog,
     };
     let seen =
@@ -72,11 +72,11 @@ fn one_stops_and_the_others_finish(sim: &mut Sim, station: &str, operation: &str
     assert_eq!(sim.energised(id), 0, "its actuator is off");
     assert_eq!(sim.mode(), Some(ControlMode::StandBy));
 
-    let running: Vec<Vec<Place>> = others.iter().map(|&other| sim.marking(other)).collect();
+    let running: Vec<Vec<StationPlace>> = others.iter().map(|&other| sim.marking(other)).collect();
     sim.run_for(Duration::from_secs(2));
     for (&other, before) in others.iter().zip(running) {
-        let finished: Vec<Place> =
-            before.iter().map(|p| if p.is_operating() { Place::completed(p.op) } else { *p }).collect();
+        let finished: Vec<StationPlace> =
+            before.iter().map(|p| if p.is_operating() { StationPlace::completed(p.op) } else { *p }).collect();
         assert_eq!(sim.marking(other), finished, "{} finishes what it did", sim.line().station(other).name);
     }
     for id in sim.line().station_ids() {
@@ -89,13 +89,13 @@ fn one_stops_and_the_others_finish(sim: &mut Sim, station: &str, operation: &str
     assert!(refusal.contains(&format!("{station} has an incomplete operation")), "{refusal}");
 }
 
-fn drive_of(sim: &Sim, station: StationId, op: OpId) -> Option<&Drive> {
+fn drive_of(sim: &WatchedLine, station: StationId, op: OpId) -> Option<&Drive> {
     let axis = sim.line().operation((station, op)).motion.axis;
     let drives = sim.line().devices_of(Owner::Station(station)).filter_map(linewright_line::Device::drive);
     drives.into_iter().find(|drive| drive.axis == axis)
 }
 
-fn recover(sim: &mut Sim, station: &str, operation: &str, recovery: Recovery) {
+fn recover(sim: &mut WatchedLine, station: &str, operation: &str, recovery: Recovery) {
     sim.repair(station, operation);
     sim.go_manual();
     match recovery {
@@ -116,8 +116,8 @@ fn recover(sim: &mut Sim, station: &str, operation: &str, recovery: Recovery) {
     sim.back_to_auto();
 }
 
-fn scenario(station: &str, operation: &str, fault: Fault, recovery: Recovery, seed: u64) {
-    let mut sim = Sim::new(&transfer_line(1.0), seed);
+fn scenario(station: &str, operation: &str, fault: MotionFault, recovery: Recovery, seed: u64) {
+    let mut sim = WatchedLine::new(&transfer_line(1.0), seed);
     reach(&mut sim, station, operation);
     one_stops_and_the_others_finish(&mut sim, station, operation, fault);
     recover(&mut sim, station, operation, recovery);
@@ -131,10 +131,10 @@ fn scenario(station: &str, operation: &str, fault: Fault, recovery: Recovery, se
     }
 }
 
-fn every_operation(fault: Fault) {
+fn every_operation(fault: MotionFault) {
     let moved_by_drives = |station: &str| station == "mill_1";
     for (n, (station, operation, reversible)) in operations().into_iter().enumerate() {
-        if fault == Fault::SlipBack && moved_by_drives(&station) {
+        if fault == MotionFault::SlipBack && moved_by_drives(&station) {
             // What a valve lets happen, a drive does not.
             continue;
         }
@@ -157,23 +157,23 @@ fn there_are_seventeen_operations() {
 
 #[test]
 fn a_motion_that_sticks_is_found_by_its_watchdog() {
-    every_operation(Fault::Stick);
+    every_operation(MotionFault::Stick);
 }
 
 #[test]
 fn a_motion_that_breaks_is_found_by_its_fault_signal() {
-    every_operation(Fault::Break);
+    every_operation(MotionFault::Break);
 }
 
 #[test]
 fn a_motion_that_slips_back_is_found_by_its_watchdog() {
-    every_operation(Fault::SlipBack);
+    every_operation(MotionFault::SlipBack);
 }
 
 /// The feed's fault signal is a sensor's, not its drive's.
 #[test]
 fn a_broken_tool_stops_the_feed() {
-    let mut sim = Sim::new(&transfer_line(1.0), 7);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 7);
     reach(&mut sim, "mill_1", "feed main slide");
     let (mill, feed) = sim.op("mill_1", "feed main slide");
     sim.wire(Owner::Station(mill), "tool_broken", Some(true));

@@ -11,24 +11,24 @@ use std::time::Duration;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::{Block, ControlMode};
 use linewright_station_logic::HappeningKind;
-use linewright_tests::{Sim, hand_button, transfer_line};
+use linewright_tests::{WatchedLine, hand_button, transfer_line};
 
-fn in_hand_mode(seed: u64) -> Sim {
-    let mut sim = Sim::new(&transfer_line(1.0), seed);
+fn in_hand_mode(seed: u64) -> WatchedLine {
+    let mut sim = WatchedLine::new(&transfer_line(1.0), seed);
     sim.start();
     sim.order(ModeCommand::Hand);
-    let all = |s: &Sim| s.line().station_ids().all(|id| s.mode_of(id) == Some(ControlMode::Hand));
+    let all = |s: &WatchedLine| s.line().station_ids().all(|id| s.mode_of(id) == Some(ControlMode::Hand));
     sim.run_until("hand mode", all);
     sim
 }
 
 /// Holds a button until nothing has been energised for a while, lets go, and gives what was done in between.
-fn hold(sim: &mut Sim, button: &str) -> Vec<String> {
+fn hold(sim: &mut WatchedLine, button: &str) -> Vec<String> {
     let seen = sim.log().entries().len();
     let button = hand_button(sim.line(), button);
     sim.hold_button(button);
     loop {
-        let moved = sim.wait_for(Duration::from_millis(150), Sim::anything_energised);
+        let moved = sim.wait_for(Duration::from_millis(150), WatchedLine::anything_energised);
         if !moved {
             break;
         }
@@ -40,7 +40,7 @@ fn hold(sim: &mut Sim, button: &str) -> Vec<String> {
     done_since(sim, seen)
 }
 
-fn done_since(sim: &Sim, seen: usize) -> Vec<String> {
+fn done_since(sim: &WatchedLine, seen: usize) -> Vec<String> {
     let done = sim.log().entries()[seen..].iter().filter_map(|entry| match entry.what {
         linewright_tests::LogKind::Station(id, event) => match event.what {
             HappeningKind::Completed(op, Block::Normal) => Some(sim.line().operation((id, op)).name.clone()),
@@ -106,7 +106,7 @@ fn an_illegal_button_does_nothing_and_gives_a_reason() {
     let mut sim = in_hand_mode(3);
     let (transfer, clamp, mill) = (sim.id("transfer"), sim.id("clamp_1"), sim.id("mill_1"));
     let nothing: [&str; 0] = [];
-    let refused = |sim: &mut Sim, button: &str, station, reason: &str| {
+    let refused = |sim: &mut WatchedLine, button: &str, station, reason: &str| {
         let before = sim.positions();
         assert_eq!(hold(sim, button), nothing, "{button}");
         assert_eq!(sim.positions(), before, "{button} moves nothing");

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, Tick};
 use linewright_station_logic::{Controller, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox};
 use linewright_tests::transfer_line;
@@ -27,7 +27,7 @@ fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
     let mut controller =
         Controller::new(&line, clamp, 1, Restore::Fresh).expect("it compiles").with_rules(Rules::COUNTS);
     let mut snapshot = controller.snapshot();
-    snapshot.marking = vec![Place::incomplete(open)];
+    snapshot.marking = vec![StationPlace::incomplete(open)];
     (snapshot.cycle, snapshot.done, snapshot.started) = (2, vec![1, 1], vec![2, 1]);
     assert_eq!(described.operations[advance.index()].name, "advance clamp");
     controller =
@@ -49,15 +49,15 @@ fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
         StationInput::Panel(if advance { PanelCommand::Advance(held) } else { PanelCommand::Retract(held) })
     };
     let (opening, first) = tell(press(true, true));
-    assert_eq!(opening, [Place::operating(open)]);
+    assert_eq!(opening, [StationPlace::operating(open)]);
     tell(press(true, false));
-    assert_eq!(tell(press(false, true)).0, [Place::undoing(open)], "it closes again");
+    assert_eq!(tell(press(false, true)).0, [StationPlace::undoing(open)], "it closes again");
     tell(press(false, false));
     let (opening, last) = tell(press(true, true));
-    assert_eq!(opening, [Place::operating(open)]);
+    assert_eq!(opening, [StationPlace::operating(open)]);
 
-    assert_eq!(tell(image(is_open, first)).0, [Place::operating(open)], "that was the first opening");
-    assert_eq!(tell(image(is_open, last)).0, [Place::completed(open)], "this is the last");
+    assert_eq!(tell(image(is_open, first)).0, [StationPlace::operating(open)], "that was the first opening");
+    assert_eq!(tell(image(is_open, last)).0, [StationPlace::completed(open)], "this is the last");
 }
 
 /// The slide feeds in less time than the next image needs: the one at hand, from before it but under the same outputs, has
@@ -76,7 +76,7 @@ fn a_motion_of_which_only_the_end_is_seen_has_arrived() {
         let mut controller =
             Controller::new(&line, mill, 1, Restore::Fresh).expect("it compiles").with_rules(Rules::COUNTS);
         let mut snapshot = controller.snapshot();
-        snapshot.marking = vec![Place::completed(OpId(0))];
+        snapshot.marking = vec![StationPlace::completed(OpId(0))];
         (snapshot.cycle, snapshot.done, snapshot.started) = (1, vec![1, 0, 0, 0, 0], vec![1, 0, 0, 0, 0]);
         controller =
             Controller::new(&line, mill, 2, Restore::From(snapshot)).expect("it compiles").with_rules(Rules::COUNTS);
@@ -93,15 +93,15 @@ fn a_motion_of_which_only_the_end_is_seen_has_arrived() {
         tell(StationInput::Order(manual()));
         tell(image(0, 0));
         let (slowing, first) = tell(press(true));
-        assert_eq!(slowing, [Place::operating(decel)]);
-        assert_eq!(tell(image(forward, first)).0, [Place::completed(decel)]);
+        assert_eq!(slowing, [StationPlace::operating(decel)]);
+        assert_eq!(tell(image(forward, first)).0, [StationPlace::completed(decel)]);
         let (_, standing) = tell(press(false));
         assert!(standing > first, "its output is off: another number");
         tell(image(at_start, standing - age));
         let (feeding, under) = tell(press(true));
-        assert_eq!(feeding, [Place::operating(feed)]);
+        assert_eq!(feeding, [StationPlace::operating(feed)]);
         let (after, _) = tell(image(forward | fed, under));
-        let expected = if arrives { Place::completed(feed) } else { Place::operating(feed) };
+        let expected = if arrives { StationPlace::completed(feed) } else { StationPlace::operating(feed) };
         assert_eq!(after, [expected], "shown {at_start:b}, {age} numbers before");
     }
 }

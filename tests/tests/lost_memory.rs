@@ -11,24 +11,24 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::StationId;
-use linewright_line::net::{ControlMode, Place};
-use linewright_tests::{Sim, transfer_line};
+use linewright_line::net::{ControlMode, StationPlace};
+use linewright_tests::{WatchedLine, transfer_line};
 
 const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
 
 /// The station is killed and comes back without its journal; gives the place it stood in.
-fn lose_memory(sim: &mut Sim, station: StationId) -> Place {
+fn lose_memory(sim: &mut WatchedLine, station: StationId) -> StationPlace {
     let place = sim.marking(station)[0];
     sim.kill_station(station);
     sim.run_for(Duration::from_secs(2));
     sim.restart_station_without_memory(station);
-    sim.run_until("everything is heard", Sim::all_heard);
+    sim.run_until("everything is heard", WatchedLine::all_heard);
     sim.run_for(Duration::from_millis(300));
     place
 }
 
 /// People press everything that can be pressed, in every mode that can be had.
-fn press_everything(sim: &mut Sim) {
+fn press_everything(sim: &mut WatchedLine) {
     let all_home = sim.all_home();
     for command in [ModeCommand::Start, ModeCommand::Auto] {
         let _ = sim.ask(command);
@@ -60,12 +60,13 @@ fn press_everything(sim: &mut Sim) {
 }
 
 /// The documented way back: confirm where the station stands, lead all stations home in manual, give auto.
-fn lead_home(sim: &mut Sim, lost: StationId, stood: Place) {
+fn lead_home(sim: &mut WatchedLine, lost: StationId, stood: StationPlace) {
     if sim.mode() != Some(ControlMode::Manual) {
         sim.go_manual();
     }
-    let asks = |sim: &Sim| sim.blocked_by(lost).iter().any(|reason| reason.contains("confirm that with rejoin"));
-    let is_home = |sim: &Sim, id: StationId| sim.controller(id).is_some_and(|c| c.is_at_home());
+    let asks =
+        |sim: &WatchedLine| sim.blocked_by(lost).iter().any(|reason| reason.contains("confirm that with rejoin"));
+    let is_home = |sim: &WatchedLine, id: StationId| sim.controller(id).is_some_and(|c| c.is_at_home());
     if !is_home(sim, lost) {
         let within = (!asks(sim)).then_some(stood.op);
         sim.rejoin(lost, within);
@@ -78,7 +79,7 @@ fn lead_home(sim: &mut Sim, lost: StationId, stood: Place) {
 fn a_station_without_its_memory_meets_nobody_and_is_led_back() {
     for moment in (0..3560).step_by(130) {
         for station in STATIONS {
-            let mut sim = Sim::in_second_cycle(moment, moment);
+            let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
             let stood = lose_memory(&mut sim, id);
             let refusal = sim.ask(ModeCommand::Auto).expect_err("it has no memory of common counts");
@@ -94,7 +95,7 @@ fn a_station_without_its_memory_meets_nobody_and_is_led_back() {
 fn a_station_without_its_memory_meets_nobody_whatever_is_pressed() {
     for moment in (0..3560).step_by(290) {
         for station in STATIONS {
-            let mut sim = Sim::in_second_cycle(moment, moment);
+            let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
             lose_memory(&mut sim, id);
             press_everything(&mut sim);
@@ -104,8 +105,8 @@ fn a_station_without_its_memory_meets_nobody_whatever_is_pressed() {
 
 #[test]
 fn start_and_auto_find_a_switch_that_contradicts_the_marking() {
-    let mut sim = Sim::new(&transfer_line(1.0), 1);
-    sim.run_until("everything is heard", Sim::all_heard);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 1);
+    sim.run_until("everything is heard", WatchedLine::all_heard);
     sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_open", Some(false));
     sim.run_for(Duration::from_millis(300));
     let _ = sim.ask(ModeCommand::Start);
@@ -120,7 +121,7 @@ fn start_and_auto_find_a_switch_that_contradicts_the_marking() {
 
 #[test]
 fn a_closed_clamp_whose_switch_goes_off_stops_the_mill() {
-    let mut sim = Sim::new(&transfer_line(1.0), 1);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 1);
     sim.start_auto();
     sim.run_until_done("mill_1", "decel", 1);
     sim.run_for(Duration::from_millis(100));

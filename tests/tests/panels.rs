@@ -13,21 +13,21 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::StationId;
-use linewright_line::net::{ControlMode, Place};
-use linewright_plant::Fault;
+use linewright_line::net::{ControlMode, StationPlace};
+use linewright_plant::MotionFault;
 use linewright_station_logic::HappeningKind;
-use linewright_tests::{QUIET, Rng, Sim, network, soak, transfer_line};
+use linewright_tests::{QUIET, Rng, WatchedLine, network, soak, transfer_line};
 
 /// Breaks the mill's feed in its second cycle, repairs it, and enters manual.
-fn mill_broken_in_its_feed() -> Sim {
-    let mut sim = Sim::new(&transfer_line(1.0), 1);
+fn mill_broken_in_its_feed() -> WatchedLine {
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 1);
     sim.start_auto();
     let (mill, feed) = sim.op("mill_1", "feed main slide");
     sim.run_until("the feed in cycle 2", |s| {
-        s.controller(mill).is_some_and(|c| c.cycle() == 2) && s.marking(mill) == [Place::operating(feed)]
+        s.controller(mill).is_some_and(|c| c.cycle() == 2) && s.marking(mill) == [StationPlace::operating(feed)]
     });
     sim.run_for(Duration::from_millis(300));
-    sim.fail("mill_1", "feed main slide", Fault::Break);
+    sim.fail("mill_1", "feed main slide", MotionFault::Break);
     sim.run_until("the mill stops", |s| s.is_incomplete("mill_1"));
     sim.repair("mill_1", "feed main slide");
     sim.go_manual();
@@ -70,11 +70,11 @@ fn a_mill_sent_home_and_its_clamp_opened_by_hand_closes_it_again_before_machinin
 
 #[test]
 fn a_bar_under_a_closed_clamp_does_not_go_back_up() {
-    let mut sim = Sim::new(&transfer_line(1.0), 2);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 2);
     sim.start_auto();
     let (clamp, advance) = sim.op("clamp_1", "advance clamp");
     sim.run_until("the clamp closes in cycle 2", |s| {
-        s.controller(clamp).is_some_and(|c| c.cycle() == 2) && s.marking(clamp) == [Place::operating(advance)]
+        s.controller(clamp).is_some_and(|c| c.cycle() == 2) && s.marking(clamp) == [StationPlace::operating(advance)]
     });
     sim.selector("transfer", true);
     let transfer = sim.id("transfer");
@@ -91,7 +91,7 @@ fn a_bar_under_a_closed_clamp_does_not_go_back_up() {
 
 #[test]
 fn a_held_button_whose_refresh_is_lost_stops_and_a_late_refresh_does_not_go_on() {
-    let mut sim = Sim::new(&transfer_line(1.0), 3);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 3);
     sim.start();
     sim.order(ModeCommand::Manual);
     sim.run_for(Duration::from_millis(100));
@@ -120,10 +120,10 @@ fn a_held_button_whose_refresh_is_lost_stops_and_a_late_refresh_does_not_go_on()
 /// lift under it.
 #[test]
 fn a_motion_taken_back_is_not_ended_by_an_image_from_before_it() {
-    let mut sim = Sim::new(&transfer_line(1.0), 1);
+    let mut sim = WatchedLine::new(&transfer_line(1.0), 1);
     sim.start_auto();
     let (transfer, lower) = sim.op("transfer", "4th lower");
-    sim.run_until("the bar comes down", |s| s.marking(transfer) == [Place::operating(lower)]);
+    sim.run_until("the bar comes down", |s| s.marking(transfer) == [StationPlace::operating(lower)]);
     sim.order(ModeCommand::EStop);
     sim.run_for(Duration::from_millis(100));
     sim.order(ModeCommand::Reset);
@@ -140,11 +140,11 @@ fn a_motion_taken_back_is_not_ended_by_an_image_from_before_it() {
     sim.press(clamp, false);
     sim.run_for(Duration::from_millis(20));
     let advance = sim.op("clamp_1", "advance clamp").1;
-    assert_ne!(sim.marking(clamp), [Place::undone(advance)], "the clamp has moved by now");
+    assert_ne!(sim.marking(clamp), [StationPlace::undone(advance)], "the clamp has moved by now");
 }
 
 /// Presses and releases at random, one finger for each button, until `end`.
-fn fidget(sim: &mut Sim, rng: &mut Rng, stations: &[StationId], presses: u32) {
+fn fidget(sim: &mut WatchedLine, rng: &mut Rng, stations: &[StationId], presses: u32) {
     for _ in 0..presses {
         let &station = rng.pick(stations);
         let advance = rng.chance(500);
@@ -170,7 +170,7 @@ fn three_operators(seed: u64, late_images: bool) {
     let mut rng = Rng::new(seed);
     let longest = *rng.pick(&[500, 5_000, 40_000, 150_000]);
     let rough = network((50, longest), *rng.pick(&[0, 0, 100]), 50);
-    let mut sim = Sim::with(&transfer_line(0.1), seed, QUIET, 0.1);
+    let mut sim = WatchedLine::with(&transfer_line(0.1), seed, QUIET, 0.1);
     sim.start_auto();
     sim.run_for(Duration::from_millis(rng.within(0, 400)));
     sim.command(ModeCommand::EStop);

@@ -3,16 +3,17 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Checksum, Coding, DeviceKind, Field, FrameBinding, FrameId, Frames, HeardFrame, Line, Named, Page, ToldFrame, When,
+    Checksum, Coding, DbcName, DeviceKind, FrameBinding, FrameField, FrameId, FrameTable, Line, Page,
+    ReceivedFrameBinding, SentFrameBinding, When,
 };
 use linewright_plant::DeviceFault;
-use linewright_tests::{Sim, transfer_line};
+use linewright_tests::{WatchedLine, transfer_line};
 
 const BOX: &str = "clamp 1 io";
 
-fn field(start: usize, size: u8) -> Field {
+fn field(start: usize, size: u8) -> FrameField {
     let start = start as u8;
-    Field { start, size, motorola: false, coding: Coding::Unsigned, factor: 1.0, offset: 0.0 }
+    FrameField { start, size, motorola: false, coding: Coding::Unsigned, factor: 1.0, offset: 0.0 }
 }
 
 /// The shipped line; that device's bits are those of two messages with counter and checksum.
@@ -22,7 +23,7 @@ fn line() -> Line {
     let (inputs, outputs) = (device.input_bits().to_vec(), device.output_bits().to_vec());
     let inputs = inputs.iter().enumerate().filter_map(|(at, input)| Some(((*input)?, field(at, 1), When::NotZero)));
     let outputs = outputs.iter().enumerate().filter_map(|(at, output)| Some(((*output)?, field(at, 1), 1)));
-    let heard = HeardFrame {
+    let heard = ReceivedFrameBinding {
         name: "State".to_owned(),
         id: FrameId { id: 0x18FF_0021, extended: true },
         len: 8,
@@ -31,7 +32,7 @@ fn line() -> Line {
         checksum: Some((7, Checksum::Crc8)),
         pages: vec![Page { selected: None, inputs: inputs.collect(), limits: Vec::new() }],
     };
-    let told = ToldFrame {
+    let told = SentFrameBinding {
         lets_go_after: Some(Duration::from_millis(100)),
         name: "Command".to_owned(),
         id: FrameId { id: 0x321, extended: false },
@@ -42,8 +43,8 @@ fn line() -> Line {
         rest: [0; 8],
         outputs: outputs.collect(),
     };
-    device.kind = DeviceKind::Frames(Frames {
-        file: Named { name: "box.dbc".to_owned(), at: 0..0 },
+    device.kind = DeviceKind::Frames(FrameTable {
+        file: DbcName { name: "box.dbc".to_owned(), at: 0..0 },
         receive: Vec::new(),
         send: Vec::new(),
         bound: Some(FrameBinding { heard: vec![heard], told: vec![told] }),
@@ -53,7 +54,7 @@ fn line() -> Line {
 
 #[test]
 fn the_line_cycles() {
-    let mut sim = Sim::new(&line(), 1);
+    let mut sim = WatchedLine::new(&line(), 1);
     sim.start_auto();
     sim.run_until_done("mill_1", "reset main slide", 3);
     for part in 1..=2 {
@@ -64,7 +65,7 @@ fn the_line_cycles() {
 #[test]
 fn a_box_that_falls_silent_stops_its_station_until_it_is_recovered() {
     for moment in (0..3560).step_by(445) {
-        let mut sim = Sim::new(&line(), moment);
+        let mut sim = WatchedLine::new(&line(), moment);
         sim.start_auto();
         sim.run_until_done("clamp_1", "return clamp", 2);
         sim.run_for(Duration::from_millis(moment));

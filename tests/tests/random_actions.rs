@@ -12,13 +12,13 @@ use std::time::Duration;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, Owner, StationId};
-use linewright_plant::{DeviceFault, Fault};
-use linewright_tests::{NodeProcess, QUIET, ROUGH, Rng, Sim, soak, transfer_line_with};
+use linewright_plant::{DeviceFault, MotionFault};
+use linewright_tests::{NodeProcess, QUIET, ROUGH, Rng, WatchedLine, soak, transfer_line_with};
 
-const FAULTS: [Fault; 4] = [Fault::Stick, Fault::Slip, Fault::Break, Fault::SlipBack];
+const FAULTS: [MotionFault; 4] = [MotionFault::Stick, MotionFault::Slip, MotionFault::Break, MotionFault::SlipBack];
 
 struct World {
-    sim: Sim,
+    sim: WatchedLine,
     rng: Rng,
     stations: Vec<StationId>,
     broken: Vec<(String, String)>,
@@ -29,7 +29,7 @@ impl World {
     fn new(seed: u64) -> Self {
         let mut rng = Rng::new(seed);
         let line = transfer_line_with(if rng.chance(200) { 2 } else { 1 }, *rng.pick(&[0.1, 0.3, 1.0]));
-        let mut sim = Sim::with(&line, seed, QUIET, 0.1);
+        let mut sim = WatchedLine::with(&line, seed, QUIET, 0.1);
         let network = if rng.chance(400) { ROUGH } else { QUIET };
         sim.networks(network, if rng.chance(300) { ROUGH } else { QUIET });
         let stations = line.station_ids().collect();
@@ -166,7 +166,7 @@ impl World {
             self.sim.selector(&name, false);
         }
         self.sim.run_for(Duration::from_secs(3));
-        self.sim.run_until("everything is heard", Sim::all_heard);
+        self.sim.run_until("everything is heard", WatchedLine::all_heard);
         self.sim.settle();
     }
 

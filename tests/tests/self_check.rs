@@ -6,13 +6,13 @@ use std::time::Duration;
 
 use linewright_line::{Owner, Tick};
 use linewright_plant::{Plant, PlantOptions};
-use linewright_tests::{Observer, ROUGH, Sim, transfer_line};
+use linewright_tests::{IndependentObserver, ROUGH, WatchedLine, transfer_line};
 
 /// Energises outputs for a while, one after the other, and gives what the observer did not like.
 fn drive(outputs: &[(&str, &str, u64)]) -> Vec<String> {
     let line = transfer_line(1.0);
     let mut plant = Plant::new(&line, PlantOptions::default());
-    let mut observer = Observer::new(&line);
+    let mut observer = IndependentObserver::new(&line);
     let mut now = Tick::ZERO;
     for &(station, output, millis) in outputs {
         let id = line.station_named(station).expect("a station");
@@ -67,7 +67,7 @@ fn the_observer_sees_a_part_carried_away_unfinished() {
 #[test]
 fn the_same_seed_gives_the_same_run_and_another_seed_another() {
     let run = |seed: u64| {
-        let mut sim = Sim::with(&transfer_line(0.3), seed, ROUGH, 0.1);
+        let mut sim = WatchedLine::with(&transfer_line(0.3), seed, ROUGH, 0.1);
         sim.start_auto();
         sim.run_for(Duration::from_secs(10));
         (sim.events(), sim.log().entries().to_vec())

@@ -10,7 +10,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, OpId, OutputId, Owner, StationId};
 use linewright_station_logic::{HappeningKind, StopCause};
-use linewright_tests::{Sim, transfer_line};
+use linewright_tests::{WatchedLine, transfer_line};
 
 /// Every operation whose signal is on a digital device: the operation, the device, the signal.
 fn wired<T>(
@@ -40,7 +40,7 @@ fn relays(line: &Line) -> Vec<(StationId, OpId, String, OutputId)> {
 }
 
 /// Why the operation was stopped last, and what the operator reads of it.
-fn last_stop(sim: &Sim, station: StationId) -> Option<(OpId, StopCause, String)> {
+fn last_stop(sim: &WatchedLine, station: StationId) -> Option<(OpId, StopCause, String)> {
     let stops = sim.log().of(station).filter_map(|(_, event)| match event.what {
         HappeningKind::Stopped(op, block, cause) => Some((op, cause, cause.text_of(sim.line(), station, op, block))),
         _ => None,
@@ -53,9 +53,9 @@ fn says_where(said: &str, switch: &str, device: &str) -> bool {
 }
 
 /// Runs in auto until a station stands with an operation that did not end.
-fn until_found(sim: &mut Sim, station: StationId) {
+fn until_found(sim: &mut WatchedLine, station: StationId) {
     let name = sim.line().station(station).name.clone();
-    let is_lost = |s: &Sim| s.controller(station).is_some_and(|c| c.position_lost().is_some());
+    let is_lost = |s: &WatchedLine| s.controller(station).is_some_and(|c| c.position_lost().is_some());
     sim.run_until("it is found", |s| s.is_incomplete(&name) || is_lost(s));
     sim.run_until("the line stands by", |s| s.mode() == Some(ControlMode::StandBy));
     sim.settle();
@@ -64,7 +64,7 @@ fn until_found(sim: &mut Sim, station: StationId) {
 }
 
 /// Repaired, and led on by the operator: each part is machined once, and nobody was restarted.
-fn goes_on(sim: &mut Sim, lives: &[u64]) {
+fn goes_on(sim: &mut WatchedLine, lives: &[u64]) {
     sim.bring_back();
     let parts = sim.observer().places();
     sim.run_until("two more parts", |s| s.observer().places() >= parts + 2);
@@ -74,8 +74,8 @@ fn goes_on(sim: &mut Sim, lives: &[u64]) {
     assert_eq!(sim.lives(), lives);
 }
 
-fn in_auto(line: &Line, seed: u64) -> Sim {
-    let mut sim = Sim::new(line, seed);
+fn in_auto(line: &Line, seed: u64) -> WatchedLine {
+    let mut sim = WatchedLine::new(line, seed);
     sim.start_auto();
     sim.run_until_done("clamp_1", "return clamp", 2);
     sim.run_for(Duration::from_millis(seed));

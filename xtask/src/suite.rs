@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use crate::part::{cargo, lines};
 use crate::setup::{self, Setup};
-use crate::tally::Tally;
+use crate::tally::TestTally;
 use crate::tidy;
 
 /// How much of it.
@@ -27,7 +27,7 @@ const SKIPPED: i32 = 77;
 
 /// Runs the parts and prints the sum; true if nothing failed.
 pub fn run(root: &Path, extent: Extent) -> bool {
-    let mut tally = Tally::default();
+    let mut tally = TestTally::default();
     match extent {
         Extent::Everything => everything(root, &mut tally),
         Extent::Quick => quick(root, &mut tally),
@@ -38,7 +38,7 @@ pub fn run(root: &Path, extent: Extent) -> bool {
     tally.failed == 0
 }
 
-fn everything(root: &Path, tally: &mut Tally) {
+fn everything(root: &Path, tally: &mut TestTally) {
     // While packages are fetched, the rest is built.
     let (setup, programs) = thread::scope(|scope| {
         let setup = scope.spawn(|| setup::run(root));
@@ -80,7 +80,7 @@ fn everything(root: &Path, tally: &mut Tally) {
 #[derive(Default)]
 struct Stage {
     shown: Vec<String>,
-    tally: Tally,
+    tally: TestTally,
 }
 
 /// The module with the tests that start lines of processes.
@@ -107,7 +107,7 @@ fn processes(root: &Path, setup: &Setup, stage: &mut Stage) {
     shown.push(format!("tests of lines of processes: {:.0?}", start.elapsed()));
 }
 
-fn quick(root: &Path, tally: &mut Tally) {
+fn quick(root: &Path, tally: &mut TestTally) {
     format_and_rules(root, tally);
     lints(root, tally);
     let mut args = vec!["test", "--no-fail-fast"];
@@ -120,13 +120,13 @@ fn quick(root: &Path, tally: &mut Tally) {
     tally.skip("SKIPPED tests of the crates with sockets and processes, and documentation: --quick");
 }
 
-fn format_and_rules(root: &Path, tally: &mut Tally) {
+fn format_and_rules(root: &Path, tally: &mut TestTally) {
     one(tally, "format", cargo(root, &["fmt", "--all", "--check"]));
     heading("house rules");
     if tidy::run(root) { tally.passed += 1 } else { tally.failed += 1 }
 }
 
-fn lints(root: &Path, tally: &mut Tally) {
+fn lints(root: &Path, tally: &mut TestTally) {
     let clippy = ["clippy", "--workspace", "--all-targets", "--keep-going", "--quiet", "--", "-D", "warnings"];
     one(tally, "lints", cargo(root, &clippy));
 }
@@ -151,7 +151,7 @@ fn build(root: &Path) -> Vec<String> {
 }
 
 /// A program that passes or fails as a whole.
-fn one(tally: &mut Tally, name: &str, command: Command) {
+fn one(tally: &mut TestTally, name: &str, command: Command) {
     heading(name);
     let start = Instant::now();
     match lines(command, |_, line| println!("{line}")) {
@@ -167,7 +167,7 @@ fn one(tally: &mut Tally, name: &str, command: Command) {
 }
 
 /// Cargo's tests, which are counted one by one.
-fn tests(tally: &mut Tally, command: Command) {
+fn tests(tally: &mut TestTally, command: Command) {
     heading("tests");
     let start = Instant::now();
     let failed_before = tally.failed;

@@ -8,7 +8,7 @@ use crate::part::Stream;
 
 /// What was counted so far.
 #[derive(Debug, Default)]
-pub struct Tally {
+pub struct TestTally {
     /// Tests that passed.
     pub passed: usize,
     /// Tests that failed, and programs that ended badly without naming a test.
@@ -19,7 +19,7 @@ pub struct Tally {
     in_successes: bool,
 }
 
-impl Tally {
+impl TestTally {
     /// Reads one line; true if a person should see it.
     pub fn read(&mut self, stream: Stream, line: &str) -> bool {
         if let Some(at) = line.find("SKIPPED") {
@@ -76,8 +76,8 @@ fn result(line: &str) -> Option<(usize, usize, usize)> {
 mod tests {
     use super::*;
 
-    fn read(lines: &[&str]) -> (Tally, Vec<String>) {
-        let mut tally = Tally::default();
+    fn read(lines: &[&str]) -> (TestTally, Vec<String>) {
+        let mut tally = TestTally::default();
         let shown = lines.iter().filter(|line| tally.read(Stream::Out, line)).map(ToString::to_string).collect();
         (tally, shown)
     }

@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use linewright_canopen::NodeId;
-use linewright_canopen::sdo::{ObjectId, Options};
+use linewright_canopen::sdo::{ObjectId, TransferOptions};
 use linewright_fieldbus::{Bus, sdo_client};
-use linewright_line::{Bus as BusName, Device, Line, Module, Owner};
+use linewright_line::{Device, DeviceBus as BusName, Line, OperationModule, Owner};
 use linewright_node_shell::RosArgs;
-use linewright_plant::{CLEAR, DeviceFault, FAULT_INDEX, Fault, FrameFaults, Orders};
+use linewright_plant::{CLEAR, DeviceFault, FAULT_INDEX, FrameFaults, MotionFault, ObjectWrites};
 use miette::{IntoDiagnostic, miette};
 
 use crate::load;
@@ -54,21 +54,21 @@ enum InjectedFault {
 
 impl InjectedFault {
     /// What happens to a motion (`Some(None)`: nothing any more), if it happens to one.
-    fn of_a_motion(self) -> Option<Option<Fault>> {
+    fn of_a_motion(self) -> Option<Option<MotionFault>> {
         match self {
             InjectedFault::Clear => Some(None),
-            InjectedFault::Stick => Some(Some(Fault::Stick)),
-            InjectedFault::Slip => Some(Some(Fault::Slip)),
-            InjectedFault::Break => Some(Some(Fault::Break)),
-            InjectedFault::SlipBack => Some(Some(Fault::SlipBack)),
-            InjectedFault::Miss => Some(Some(Fault::Miss)),
-            InjectedFault::Drop => Some(Some(Fault::Drop)),
+            InjectedFault::Stick => Some(Some(MotionFault::Stick)),
+            InjectedFault::Slip => Some(Some(MotionFault::Slip)),
+            InjectedFault::Break => Some(Some(MotionFault::Break)),
+            InjectedFault::SlipBack => Some(Some(MotionFault::SlipBack)),
+            InjectedFault::Miss => Some(Some(MotionFault::Miss)),
+            InjectedFault::Drop => Some(Some(MotionFault::Drop)),
             _ => None,
         }
     }
 
     /// What is written to the device, if it happens to a whole device. What is noticed in a boot ends with one.
-    fn of_a_device(self) -> Option<Orders> {
+    fn of_a_device(self) -> Option<ObjectWrites> {
         const HARDWARE: u32 = 0x0606_0000;
         let faults = match self {
             InjectedFault::Clear => return Some(vec![CLEAR]),
@@ -139,7 +139,7 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         .and_then(NodeId::new)
         .ok_or_else(|| miette!("{} speaks no CANopen: it cannot be told to fail", device.name))?;
     for ((index, sub), value) in orders {
-        sdo_client::write(&mut bus, node, ObjectId::new(index, sub), &value.to_le_bytes(), Options::default())
+        sdo_client::write(&mut bus, node, ObjectId::new(index, sub), &value.to_le_bytes(), TransferOptions::default())
             .await
             .map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))?;
     }
@@ -148,13 +148,13 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 }
 
 /// The device, and what is written to it.
-fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, Orders)> {
+fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, ObjectWrites)> {
     let what = args.what;
     if args.operation.is_some() {
         let fault =
             what.of_a_motion().ok_or_else(|| miette!("{what:?} happens to a whole device: leave --operation away"))?;
         let (device, sub) = moving(line, args)?;
-        return Ok((device, vec![((FAULT_INDEX, sub), fault.map_or(0, Fault::code))]));
+        return Ok((device, vec![((FAULT_INDEX, sub), fault.map_or(0, MotionFault::code))]));
     }
     let orders =
         what.of_a_device().ok_or_else(|| miette!("{what:?} happens to a motion: say which with --operation"))?;
@@ -181,8 +181,8 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
     let operation = &station.operations[op.index()];
     let output = match (&operation.module, args.recovery) {
         (_, false) => operation.normal.actuator,
-        (Module::Reversible { recovery, .. }, true) => recovery.actuator,
-        (Module::Irreversible { .. }, true) => {
+        (OperationModule::Reversible { recovery, .. }, true) => recovery.actuator,
+        (OperationModule::Irreversible { .. }, true) => {
             return Err(miette!("{name} is irreversible: it has no recovery motion"));
         }
     };

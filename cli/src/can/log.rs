@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use linewright_canopen::candump::{self, Recorder};
-use linewright_canopen::{Frame, tell};
+use linewright_canopen::candump::{self, CandumpWriter};
+use linewright_canopen::{Frame, describe_frame};
 use linewright_fieldbus::Bus;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use tokio::time::{Instant, sleep_until};
@@ -56,14 +56,14 @@ pub struct MonitorArgs {
 
 pub async fn monitor(bus: &mut Bus, interface: &str, args: &MonitorArgs) -> miette::Result<ExitCode> {
     let line = args.line.as_ref().map(|path| load::line(path, true)).transpose()?;
-    let names = tell::Names::of(line.as_ref(), interface);
-    let mut news = tell::News::default();
+    let names = describe_frame::NodeNames::of(line.as_ref(), interface);
+    let mut news = describe_frame::ChangeFilter::default();
     each(bus, args.count, |frame| {
         if args.news && !news.is_news(frame) {
             return true;
         }
         let log = candump::log_line(since_epoch(), interface, frame);
-        crate::out::line(format_args!("{log:60} {}", tell::tell(frame, &names)))
+        crate::out::line(format_args!("{log:60} {}", describe_frame::describe_frame(frame, &names)))
     })
     .await?;
     Ok(ExitCode::SUCCESS)
@@ -85,7 +85,7 @@ pub struct RecordArgs {
 pub async fn record(bus: &mut Bus, args: &RecordArgs) -> miette::Result<ExitCode> {
     let name = args.file.display();
     let file = File::create_new(&args.file).into_diagnostic().wrap_err_with(|| format!("cannot write {name}"))?;
-    let mut recorder = Recorder::new(bus.name(), Box::new(BufWriter::new(file)));
+    let mut recorder = CandumpWriter::new(bus.name(), Box::new(BufWriter::new(file)));
     let end = match args.seconds {
         Some(seconds) => Some(Duration::try_from_secs_f64(seconds).map_err(|error| miette!("--seconds: {error}"))?),
         None => None,

@@ -16,7 +16,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::{Args, Subcommand};
 use linewright_canopen::NodeId;
-use linewright_fieldbus::{Bus, Options as BusOptions, find_bus};
+use linewright_fieldbus::{Bus, BusOptions, find_bus};
 use linewright_line::Line;
 use linewright_node_shell::{RosArgs, names};
 use miette::{IntoDiagnostic, miette};
@@ -80,7 +80,7 @@ fn open(name: &str) -> miette::Result<Bus> {
 fn options(name: &str, run: Option<&str>) -> miette::Result<BusOptions> {
     let found = find_bus(name, run);
     if let [first, _, ..] = &*found {
-        let line = |found: &linewright_fieldbus::Found| {
+        let line = |found: &linewright_fieldbus::BusDirectory| {
             format!(
                 "  LINEWRIGHT_BUS_DIR={}  {}",
                 found.dir.display(),

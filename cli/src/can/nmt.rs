@@ -4,9 +4,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use linewright_canopen::bus_scan::state_name;
 use linewright_canopen::codec::{NmtCommand, NmtState};
-use linewright_canopen::survey::state_name;
-use linewright_canopen::{Message, NodeId};
+use linewright_canopen::{CanopenMessage, NodeId};
 use linewright_fieldbus::Bus;
 use miette::IntoDiagnostic;
 use tokio::time::{Instant, timeout_at};
@@ -77,12 +77,14 @@ pub async fn run(bus: &mut Bus, args: &NmtArgs) -> miette::Result<ExitCode> {
         NmtTarget::All => None,
         NmtTarget::One(node) => Some(node),
     };
-    bus.send(&Message::Nmt { command: args.order.command(), node: addressed }.encode());
+    bus.send(&CanopenMessage::Nmt { command: args.order.command(), node: addressed }.encode());
     let expected = args.order.leads_to();
     let until = Instant::now() + PATIENCE;
     let mut seen = Vec::new();
     while let Ok(frame) = timeout_at(until, bus.recv()).await {
-        let Ok(Message::Heartbeat { node, state }) = Message::decode(&frame.into_diagnostic()?) else { continue };
+        let Ok(CanopenMessage::Heartbeat { node, state }) = CanopenMessage::decode(&frame.into_diagnostic()?) else {
+            continue;
+        };
         if state != expected || addressed.is_some_and(|addressed| addressed != node) || seen.contains(&node) {
             continue;
         }

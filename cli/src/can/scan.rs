@@ -8,11 +8,11 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
+use linewright_canopen::bus_scan::state_name;
 use linewright_canopen::codec::NmtState;
-use linewright_canopen::sdo::wire::Request;
-use linewright_canopen::sdo::{Mode, ObjectId, Options};
-use linewright_canopen::survey::state_name;
-use linewright_canopen::{Message, NodeId};
+use linewright_canopen::sdo::wire::ClientFrame;
+use linewright_canopen::sdo::{ObjectId, TransferMode, TransferOptions};
+use linewright_canopen::{CanopenMessage, NodeId};
 use linewright_fieldbus::{Bus, sdo_client};
 use miette::IntoDiagnostic;
 use serde::Serialize;
@@ -30,10 +30,10 @@ pub struct ScanArgs {
 }
 
 /// One answer of a node takes at most this long once it is known to be there.
-const ANSWER: Options = Options {
+const ANSWER: TransferOptions = TransferOptions {
     timeout: Duration::from_millis(300),
     retries: 1,
-    mode: Mode::Segmented,
+    mode: TransferMode::Segmented,
     block_above: 0,
     burst: 1,
     len_max: 1024,
@@ -69,15 +69,19 @@ pub async fn run(bus: &mut Bus, args: &ScanArgs) -> miette::Result<ExitCode> {
 /// Whoever sends anything, with the state it reports, if it does.
 async fn listen_and_ask(bus: &mut Bus, wait: Duration) -> miette::Result<BTreeMap<NodeId, Option<NmtState>>> {
     for node in (1..=127).filter_map(NodeId::new) {
-        let raw = Request::Upload { object: ObjectId::new(0x1000, 0) }.encode();
-        bus.send(&Message::SdoRequest { node, raw }.encode());
+        let raw = ClientFrame::Upload { object: ObjectId::new(0x1000, 0) }.encode();
+        bus.send(&CanopenMessage::SdoRequest { node, raw }.encode());
     }
     let until = Instant::now() + wait;
     let mut heard = BTreeMap::new();
     while let Ok(frame) = timeout_at(until, bus.recv()).await {
-        match Message::decode(&frame.into_diagnostic()?) {
-            Ok(Message::Heartbeat { node, state }) => _ = heard.insert(node, Some(state)),
-            Ok(Message::SdoResponse { node, .. } | Message::Tpdo1 { node, .. } | Message::Emergency { node, .. }) => {
+        match CanopenMessage::decode(&frame.into_diagnostic()?) {
+            Ok(CanopenMessage::Heartbeat { node, state }) => _ = heard.insert(node, Some(state)),
+            Ok(
+                CanopenMessage::SdoResponse { node, .. }
+                | CanopenMessage::Tpdo1 { node, .. }
+                | CanopenMessage::Emergency { node, .. },
+            ) => {
                 heard.entry(node).or_default();
             }
             _ => {}

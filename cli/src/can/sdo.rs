@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use linewright_canopen::NodeId;
-use linewright_canopen::sdo::{ObjectId, Options};
+use linewright_canopen::sdo::{ObjectId, TransferOptions};
 use linewright_fieldbus::{Bus, sdo_client};
 use miette::{IntoDiagnostic, miette};
 
@@ -36,8 +36,8 @@ struct SdoTarget {
 }
 
 impl SdoTarget {
-    fn options(&self) -> Options {
-        Options { timeout: Duration::from_millis(self.timeout), ..Options::default() }
+    fn options(&self) -> TransferOptions {
+        TransferOptions { timeout: Duration::from_millis(self.timeout), ..TransferOptions::default() }
     }
 }
 

@@ -5,9 +5,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
+use linewright_canopen::bus_scan::BusScan;
 use linewright_canopen::codec::NmtState;
-use linewright_canopen::survey::Survey;
-use linewright_canopen::{MANAGER_NODE, Manager, NodeId, Outbox};
+use linewright_canopen::{BusOutbox, MANAGER_NODE, Manager, NodeId};
 use linewright_fieldbus::{Bus, Clock};
 use linewright_line::{Device, Line, Tick};
 use miette::IntoDiagnostic as _;
@@ -45,13 +45,13 @@ pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::R
     let mut plain = Manager::new(plain, line.timing).into_diagnostic()?;
     let listen = args.listen.map_or_else(|| long_enough(&line, interface), Duration::from_millis);
     let clock = Clock::start();
-    let mut survey = Survey::default();
+    let mut survey = BusScan::default();
     let until = Instant::now() + listen;
     while let Ok(frame) = timeout_at(until, bus.recv()).await {
         let frame = frame.into_diagnostic()?;
         survey.hear(clock.now(), &frame);
         // It takes what it hears as the line's own manager does; what it would send is not sent.
-        plain.handle(clock.now(), &frame, &mut Outbox::default());
+        plain.handle(clock.now(), &frame, &mut BusOutbox::default());
     }
     let mut nodes = nodes(&line, interface, &survey, clock.now(), listen);
     nodes.extend(plain.plain_statuses(clock.now()).map(|status| StatusNode {
@@ -63,7 +63,7 @@ pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::R
     }));
     let all_well = nodes.iter().all(|node| node.operational || node.name.is_none());
     if args.json {
-        let Survey { other, bus_errors, .. } = survey;
+        let BusScan { other, bus_errors, .. } = survey;
         let told = serde_json::json!({
             "bus": bus.describe(), "nodes": nodes, "frames_of_no_node": other, "bus_errors": bus_errors, "ok": all_well,
         });
@@ -82,7 +82,7 @@ fn long_enough(line: &Line, interface: &str) -> Duration {
 }
 
 /// The description's CANopen devices on this bus, then whoever else was heard.
-fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Duration) -> Vec<StatusNode> {
+fn nodes(line: &Line, interface: &str, survey: &BusScan, now: Tick, listened: Duration) -> Vec<StatusNode> {
     let canopen = line.devices_on(interface).filter_map(|device| Some((device, device.node_id()?)));
     let described = canopen.map(|(device, node)| {
         let heard = NodeId::new(node).and_then(|node| survey.node(node));
@@ -108,7 +108,7 @@ fn nodes(line: &Line, interface: &str, survey: &Survey, now: Tick, listened: Dur
     described.chain(others).collect()
 }
 
-fn table(nodes: &[StatusNode], survey: &Survey) {
+fn table(nodes: &[StatusNode], survey: &BusScan) {
     let name = |node: &StatusNode| match (&node.name, &node.owner) {
         (Some(name), Some(owner)) => format!("{name} ({owner})"),
         (None, Some(owner)) => owner.clone(),

@@ -1,6 +1,6 @@
 //! The two barriers before the motions of each conflict: counts, which `check` explores, and measured positions.
 
-use linewright_line::{Conflict, Line, Span};
+use linewright_line::{Conflict, Line, StateSpan};
 use linewright_proof::positions::{PositionRules, explore_positions};
 use linewright_station_logic::CompileError;
 use serde::Serialize;
@@ -80,7 +80,7 @@ fn of_conflict(line: &Line, conflict: &Conflict, rules: Option<PositionRules>) -
     Ok(barriers)
 }
 
-fn named(line: &Line, span: &Span, inputs: u128) -> Vec<String> {
+fn named(line: &Line, span: &StateSpan, inputs: u128) -> Vec<String> {
     let names = line.station(span.station).inputs.iter().enumerate();
     names.filter(|(bit, _)| inputs & (1 << bit) != 0).map(|(_, name)| name.clone()).collect()
 }

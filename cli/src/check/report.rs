@@ -1,6 +1,6 @@
 //! What a check finds, as data: the JSON of `--json`, and what the tables are made from.
 
-use linewright_line::{Parsed, Problem, Problems};
+use linewright_line::{ParsedLine, Problem, Problems};
 use linewright_proof::cell::APART;
 use linewright_proof::explore::{LineExploration, LineNotExplorable};
 use linewright_proof::structure::{Check, StructureReport, judge_line, judge_stations};
@@ -130,8 +130,8 @@ impl CheckReport {
 ///
 /// # Errors
 /// When the line cannot be explored at all.
-pub fn judge(parsed: &Parsed, options: &ExploreOptions) -> Result<CheckReport, LineNotExplorable> {
-    let Parsed { line, warnings } = parsed;
+pub fn judge(parsed: &ParsedLine, options: &ExploreOptions) -> Result<CheckReport, LineNotExplorable> {
+    let ParsedLine { line, warnings } = parsed;
     let stations: Vec<StructureReport> = judge_stations(line);
     let line_checks = judge_line(line);
     let sound = stations.iter().all(StructureReport::ok) && line_checks.iter().all(|check| check.ok);

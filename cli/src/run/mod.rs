@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 
 use clap::Args as ClapArgs;
 use linewright_canopen::Frame;
-use linewright_fieldbus::{Bus as CanBus, BusError, Options as BusOptions, OwnBuses};
-use linewright_line::{Bus, Line};
+use linewright_fieldbus::{Bus as CanBus, BusError, BusOptions, OwnBuses};
+use linewright_line::{DeviceBus, Line};
 use linewright_msgs::{LineState, StationState};
 use linewright_node_shell::{Claim, RosArgs};
 use miette::{IntoDiagnostic, WrapErr, miette};
@@ -168,7 +168,7 @@ struct Session {
     line: Line,
     client: OperatorClient,
     observer: BusObserver,
-    frames: mpsc::Receiver<Result<(Bus, Frame), BusError>>,
+    frames: mpsc::Receiver<Result<(DeviceBus, Frame), BusError>>,
     tally: RunTally,
     view: WatchState,
     phase: RunPhase,
@@ -188,13 +188,13 @@ impl Session {
         let (to, frames) = mpsc::channel(4096);
         let (mut head, mut virtual_bus) = (Vec::new(), false);
         let on_can = line.devices.iter().filter(|device| device.is_on_can());
-        let mut buses: Vec<&Bus> = on_can.map(|device| &device.bus).collect();
+        let mut buses: Vec<&DeviceBus> = on_can.map(|device| &device.bus).collect();
         buses.sort_by_key(|bus| bus.to_string());
         buses.dedup();
         for bus in buses {
             let interface = match bus {
-                Bus::Line => &args.bus,
-                Bus::Own(interface) => interface,
+                DeviceBus::Line => &args.bus,
+                DeviceBus::Own(interface) => interface,
             };
             let mut listener = CanBus::open(interface, options).into_diagnostic()?;
             head.push(format!("CAN: {}", listener.describe()));

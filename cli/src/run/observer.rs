@@ -7,8 +7,8 @@
 
 use linewright_canopen::codec::Payload;
 use linewright_canopen::profile::drive::DriveBinding;
-use linewright_canopen::{Frame, Message};
-use linewright_line::{Bus, Conflict, Device, InputId, Line, Module, Owner, Span, StationId};
+use linewright_canopen::{CanopenMessage, Frame};
+use linewright_line::{Conflict, Device, DeviceBus, InputId, Line, OperationModule, Owner, StateSpan, StationId};
 
 /// The inputs of one station, as its devices last sent them.
 #[derive(Clone, Debug)]
@@ -63,10 +63,10 @@ fn is_read(line: &Line, station: StationId, input: InputId) -> bool {
 }
 
 /// The switches at which a stretch ends: where it is left, if that has one, and where it is over.
-fn switches(line: &Line, span: &Span) -> (Option<InputId>, InputId) {
+fn switches(line: &Line, span: &StateSpan) -> (Option<InputId>, InputId) {
     let from = match &line.operation((span.station, span.from)).module {
-        Module::Reversible { recovery, .. } => Some(recovery.complete),
-        Module::Irreversible { .. } => None,
+        OperationModule::Reversible { recovery, .. } => Some(recovery.complete),
+        OperationModule::Irreversible { .. } => None,
     };
     (from, line.operation((span.station, span.until)).normal.complete)
 }
@@ -87,7 +87,7 @@ pub struct BusObserver {
 impl BusObserver {
     /// An observer that has seen nothing.
     pub fn new(line: &Line) -> Self {
-        let is_seen = |span: &Span| {
+        let is_seen = |span: &StateSpan| {
             let (from, until) = switches(line, span);
             // What a task's ends leave may be left in other tasks too.
             let is_told = !line.station(span.station).works_on_order() || line.clearance(span).is_ok();
@@ -120,9 +120,9 @@ impl BusObserver {
     }
 
     /// Takes a frame of `bus`.
-    pub fn frame(&mut self, bus: &Bus, frame: &Frame) {
+    pub fn frame(&mut self, bus: &DeviceBus, frame: &Frame) {
         self.frames += 1;
-        let Ok(Message::Tpdo1 { node, payload }) = Message::decode(frame) else { return };
+        let Ok(CanopenMessage::Tpdo1 { node, payload }) = CanopenMessage::decode(frame) else { return };
         for id in self.line.station_ids() {
             let devices = self.line.devices_of(Owner::Station(id)).enumerate();
             for (index, device) in devices.filter(|(_, d)| d.bus == *bus && d.node_id() == Some(node.get())) {
@@ -147,7 +147,7 @@ impl BusObserver {
     }
 
     /// The switches that say the station is outside, by name.
-    fn switches_off(&self, span: &Span) -> String {
+    fn switches_off(&self, span: &StateSpan) -> String {
         let station = self.line.station(span.station);
         let (from, until) = switches(&self.line, span);
         let mut names: Vec<&str> =
@@ -156,7 +156,7 @@ impl BusObserver {
         format!("{} of {}", names.join(" and "), station.name)
     }
 
-    fn is_inside(&self, span: &Span) -> bool {
+    fn is_inside(&self, span: &StateSpan) -> bool {
         let seen = &self.stations[span.station.index()];
         let on = |input: InputId| seen.bits & (1 << input.0) != 0;
         let (from, until) = switches(&self.line, span);

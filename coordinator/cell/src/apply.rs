@@ -9,7 +9,7 @@ use super::firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress,
 use super::ids::{CellId, FiringId, ModeId, NUMBER_MAX, OrderKey, PartId};
 use super::plan::{CellKind, PlayedOrderTemplate};
 use super::question::HoldReason;
-use super::record::{ActivityFailure, Failure, Record, RecordKind};
+use super::record::{ActivityFailure, OrderFailure, Record, RecordKind};
 use super::state::{Part, PartPlace, PlayerState, ReplayError};
 
 type FitResult = Result<(), String>;
@@ -149,18 +149,20 @@ impl PlayerState {
         Ok(())
     }
 
-    fn order_failed(&mut self, key: OrderKey, failure: Failure) -> FitResult {
+    fn order_failed(&mut self, key: OrderKey, failure: OrderFailure) -> FitResult {
         let (id, position, OngoingOrder { station, state, .. }) = self.open(key)?;
         match state {
             OrderProgress::Written | OrderProgress::Running => (),
-            OrderProgress::Failed(Failure::TimedOut) if failure.is_expiry() && self.exceptions.is_securing(id) => (),
+            OrderProgress::Failed(OrderFailure::TimedOut) if failure.is_expiry() && self.exceptions.is_securing(id) => {
+                ()
+            }
             OrderProgress::Ended | OrderProgress::Failed(_) => return Err(format!("{key} fails, but is {state:?}")),
         }
         self.answered(station, key);
         self.change(id, |firing| {
             firing.orders[position].state = OrderProgress::Failed(failure);
             // The same, said more exactly.
-            if firing.phase == ActivityPhase::Failed(ActivityFailure::Order { key, failure: Failure::TimedOut }) {
+            if firing.phase == ActivityPhase::Failed(ActivityFailure::Order { key, failure: OrderFailure::TimedOut }) {
                 firing.phase = ActivityPhase::Failed(ActivityFailure::Order { key, failure });
             }
         });

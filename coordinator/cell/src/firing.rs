@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::ids::{FiringId, ModeId, OrderKey, PartId};
 use super::plan::{ActivityTiming, PlayedActivity};
-use super::record::{ActivityFailure, Failure};
+use super::record::{ActivityFailure, OrderFailure};
 use super::serial;
 
 /// An activity in progress.
@@ -77,7 +77,7 @@ pub enum OrderProgress {
     /// It is done.
     Ended,
     /// It will not be done, as far as is known.
-    Failed(Failure),
+    Failed(OrderFailure),
 }
 
 /// What a firing is waiting to have written about it.

@@ -53,8 +53,8 @@ pub use firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress};
 pub use ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ProductionId, ResourceId, TokenDemand};
 pub use marking::CellMarking;
 pub use orders::{
-    CellEvent, CellMessage, OrderMessage, Outcome, PlayerInput, PlayerOutbox, ProductionCommand,
-    ProductionCommandError, Reply, RequestId, Sending, TaskReport,
+    CellEvent, CellMessage, OrderMessage, PlayerInput, PlayerOutbox, ProductionCommand, ProductionCommandError,
+    RequestId, Sending, TaskOutcome, TaskReply, TaskReport,
 };
 pub use plan::{
     ActivityTiming, CellKind, PartPick, PlayPlan, PlayedActivity, PlayedOrderTemplate, Product, StorePositions,
@@ -66,7 +66,7 @@ pub use question::{
     BadAnswer, Candidate, ConflictGroup, DispatchDecision, Dispatcher, HeldCandidate, Question, Start, check,
 };
 pub use reason::{DecidingRule, Gain, HoldReason, LostDecision, ProgressComparison};
-pub use record::{ActivityFailure, ActivityStep, Failure, Record, RecordKind, Refusal};
+pub use record::{ActivityFailure, ActivityStep, OrderFailure, Record, RecordKind, TaskRefusal};
 pub use snapshot::CellSnapshot;
 pub use state::{Part, PartPlace, PlayerState, ReplayError};
 pub use table::{CellTable, PlanError};

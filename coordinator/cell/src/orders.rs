@@ -6,14 +6,14 @@
 
 use linewright_line::{StationId, Tick};
 use linewright_orders::TaskOrder;
-pub use linewright_orders::{Outcome, Reply};
+pub use linewright_orders::{TaskOutcome, TaskReply};
 use thiserror::Error;
 
 use super::exception::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
 use super::ids::{AlarmId, ModeId, OrderKey, PartId, ProductionId, ResourceId};
 use super::production::{ProductionOrderRequest, ProductionRefusal, RequestProblem};
 use super::question::BadAnswer;
-use super::record::{Record, Refusal};
+use super::record::{Record, TaskRefusal};
 
 /// What reaches the player.
 #[derive(Clone, Copy, Debug)]
@@ -21,9 +21,9 @@ pub enum PlayerInput<'a> {
     /// A station's newest whole state.
     Station(StationId, &'a TaskReport),
     /// A station's answer to one order.
-    Reply(StationId, OrderKey, Reply),
+    Reply(StationId, OrderKey, TaskReply),
     /// A station's answer when it was told to leave an order.
-    Secured(StationId, OrderKey, Reply),
+    Secured(StationId, OrderKey, TaskReply),
     /// Whether activities may start: the line is in auto, and enabled. They may not until this says so.
     Starts(bool),
     /// Somebody asks for something to be made, or not to be made, and waits for a reply.
@@ -84,7 +84,7 @@ pub struct TaskReport {
     /// The order it is doing, or going back from.
     pub slot: Option<OrderKey>,
     /// How the orders it had before have ended, those it still knows.
-    pub results: Vec<(OrderKey, Outcome)>,
+    pub results: Vec<(OrderKey, TaskOutcome)>,
     /// It stands between two rests, and does not go on from there by itself.
     pub is_held: bool,
     /// Why it could not do anything now; none if it could.
@@ -95,13 +95,13 @@ pub struct TaskReport {
 
 impl TaskReport {
     /// What the station says of an order that it was told to leave: whether it is still at it.
-    pub fn secured(&self, key: OrderKey) -> Reply {
+    pub fn secured(&self, key: OrderKey) -> TaskReply {
         match self.results.iter().find(|(of, _)| *of == key) {
             // What had ended before it was told may be gone back from.
-            _ if self.slot == Some(key) => Reply::Running,
-            Some(&(_, outcome)) => Reply::Ended(outcome),
+            _ if self.slot == Some(key) => TaskReply::Running,
+            Some(&(_, outcome)) => TaskReply::Ended(outcome),
             // It was too old for it, and is left all the same.
-            None => Reply::Refused(Refusal::Old),
+            None => TaskReply::Refused(TaskRefusal::Old),
         }
     }
 }

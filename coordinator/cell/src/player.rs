@@ -18,7 +18,7 @@
 //! 5. Ends are repeated by the stations until nobody asks any more. What was heard and not yet written down is heard
 //!    again.
 //! 6. A station that says it has a new memory may have done what it had been told or not. Such an order fails as
-//!    [`Failure::Forgotten`] and is never sent again. To know a new memory from the first one, an order is sent only
+//!    [`OrderFailure::Forgotten`] and is never sent again. To know a new memory from the first one, an order is sent only
 //!    after the station's memory is in a record; and it says for which memory it is meant, so that one which is on its
 //!    way while the memory is lost is not done for a second time.
 //!
@@ -36,14 +36,14 @@ use super::fifo::Fifo;
 use super::firing::{ActivityPhase, OrderProgress, PendingRecord};
 use super::ids::{FiringId, ModeId, OrderKey, PartId, ProductionId};
 use super::orders::{
-    CellEvent, CellMessage, OrderMessage, Outcome, PlayerInput, PlayerOutbox, ProductionCommand,
-    ProductionCommandError, Reply, Sending, TaskReport,
+    CellEvent, CellMessage, OrderMessage, PlayerInput, PlayerOutbox, ProductionCommand, ProductionCommandError,
+    Sending, TaskOutcome, TaskReply, TaskReport,
 };
 use super::plan::TaskParameterValue;
 use super::production::ProductionChange;
 use super::protocol::ProtocolRules;
 use super::question::{Candidate, DispatchDecision, Dispatcher, HoldReason, Question, check, pose};
-use super::record::{ActivityFailure, Failure, Record, RecordKind};
+use super::record::{ActivityFailure, OrderFailure, Record, RecordKind};
 use super::state::PlayerState;
 
 /// At most so much happens by itself in one step, and as many activities start; the rest does in the next. A net may have
@@ -141,7 +141,7 @@ impl Coordination {
                 PlayerInput::Station(station, heard) => self.hear(now, station, heard, out),
                 PlayerInput::Reply(station, key, reply) => {
                     // What has failed may be gone back from: its end says nothing of where the station is.
-                    if reply == Reply::Ended(Outcome::Done) {
+                    if reply == TaskReply::Ended(TaskOutcome::Done) {
                         self.watch.done(station, key);
                     }
                     self.reply(now, station, key, reply, out);
@@ -215,7 +215,7 @@ impl Coordination {
                 // First what follows from it: a crash in between would make the new memory one that was always there.
                 let open = self.state.orders.keys().copied().filter(|&key| self.may_be_known(station, key));
                 for key in open.collect::<Vec<_>>() {
-                    self.write(now, RecordKind::OrderFailed { key, failure: Failure::Forgotten }, out);
+                    self.write(now, RecordKind::OrderFailed { key, failure: OrderFailure::Forgotten }, out);
                 }
                 self.write(now, RecordKind::Memory { station, memory: heard.memory }, out);
             }
@@ -228,10 +228,10 @@ impl Coordination {
             out.events.push(CellEvent::Superseded { by: station, epoch: heard.epoch });
         }
         if let Some(key) = heard.slot {
-            self.reply(now, station, key, Reply::Running, out);
+            self.reply(now, station, key, TaskReply::Running, out);
         }
         for &(key, outcome) in &heard.results {
-            self.reply(now, station, key, Reply::Ended(outcome), out);
+            self.reply(now, station, key, TaskReply::Ended(outcome), out);
         }
     }
 
@@ -241,39 +241,41 @@ impl Coordination {
         open && (key.epoch < self.state.epoch() || self.sending(key) != Some(Sending::Unsent))
     }
 
-    fn reply(&mut self, now: Tick, station: StationId, key: OrderKey, reply: Reply, out: &mut PlayerOutbox) {
+    fn reply(&mut self, now: Tick, station: StationId, key: OrderKey, reply: TaskReply, out: &mut PlayerOutbox) {
         // Of orders that are over, or another station's, nothing need be known.
         let known = self.state.order(key).filter(|(_, order)| order.station == station);
         let Some((firing, order)) = known else { return };
         let has_failed = firing.phase != ActivityPhase::Running;
         let fact = match (reply, order.state) {
-            (Reply::Running, OrderProgress::Written) => RecordKind::Acknowledged { key },
-            (Reply::Ended(Outcome::Done), OrderProgress::Written | OrderProgress::Running) => {
+            (TaskReply::Running, OrderProgress::Written) => RecordKind::Acknowledged { key },
+            (TaskReply::Ended(TaskOutcome::Done), OrderProgress::Written | OrderProgress::Running) => {
                 RecordKind::OrderEnded { key }
             }
             // Known to whoever has to find out what is true.
-            (Reply::Ended(Outcome::Done), OrderProgress::Failed(_)) if has_failed => RecordKind::OrderEnded { key },
-            (Reply::Ended(Outcome::Failed(ended)), OrderProgress::Written | OrderProgress::Running) => {
-                RecordKind::OrderFailed { key, failure: Failure::of(ended) }
+            (TaskReply::Ended(TaskOutcome::Done), OrderProgress::Failed(_)) if has_failed => {
+                RecordKind::OrderEnded { key }
+            }
+            (TaskReply::Ended(TaskOutcome::Failed(ended)), OrderProgress::Written | OrderProgress::Running) => {
+                RecordKind::OrderFailed { key, failure: OrderFailure::of(ended) }
             }
             // Its time was over here first. What it waited for, the station says when it stands.
             (
-                Reply::Ended(Outcome::Failed(ended @ TaskFailure::Waiting(_))),
-                OrderProgress::Failed(Failure::TimedOut),
+                TaskReply::Ended(TaskOutcome::Failed(ended @ TaskFailure::Waiting(_))),
+                OrderProgress::Failed(OrderFailure::TimedOut),
             ) if self.state.exceptions().is_securing(firing.id) => {
-                RecordKind::OrderFailed { key, failure: Failure::of(ended) }
+                RecordKind::OrderFailed { key, failure: OrderFailure::of(ended) }
             }
-            (Reply::Refused(refusal), OrderProgress::Written) if !refusal.is_passing() => {
-                RecordKind::OrderFailed { key, failure: Failure::Refused(refusal) }
+            (TaskReply::Refused(refusal), OrderProgress::Written) if !refusal.is_passing() => {
+                RecordKind::OrderFailed { key, failure: OrderFailure::Refused(refusal) }
             }
             // It is repeated when the time has come.
-            (Reply::Refused(_), OrderProgress::Written) => return,
+            (TaskReply::Refused(_), OrderProgress::Written) => return,
             // A refusal of what is being done answers a doubled message. What has failed or ended has.
             (
-                Reply::Running | Reply::Refused(_),
+                TaskReply::Running | TaskReply::Refused(_),
                 OrderProgress::Running | OrderProgress::Ended | OrderProgress::Failed(_),
             )
-            | (Reply::Ended(_), OrderProgress::Ended | OrderProgress::Failed(_)) => return,
+            | (TaskReply::Ended(_), OrderProgress::Ended | OrderProgress::Failed(_)) => return,
         };
         self.sent.remove(&key);
         self.write(now, fact, out);
@@ -327,7 +329,7 @@ impl Coordination {
             } else {
                 for key in late {
                     self.sent.remove(&key);
-                    self.write(now, RecordKind::OrderFailed { key, failure: Failure::TimedOut }, out);
+                    self.write(now, RecordKind::OrderFailed { key, failure: OrderFailure::TimedOut }, out);
                 }
                 self.settle(now, out);
             }

@@ -8,8 +8,8 @@
 use std::fmt;
 
 use linewright_line::{StationId, Tick};
-pub use linewright_orders::Refusal;
 use linewright_orders::TaskFailure;
+pub use linewright_orders::TaskRefusal;
 use serde::{Deserialize, Serialize};
 
 use super::exception::{ExceptionStep, RecoveryDecision};
@@ -80,7 +80,7 @@ pub enum RecordKind {
         /// Task order.
         key: OrderKey,
         /// Failure of the task order.
-        failure: Failure,
+        failure: OrderFailure,
     },
     /// An activity will not end by itself. It keeps its tokens and its part until somebody says what is true.
     Raised {
@@ -174,11 +174,11 @@ impl RecordKind {
 /// Why an order was not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Failure {
+pub enum OrderFailure {
     /// The station has ended it with this code (seed 001, L131-185: an activity that ends abnormally has an error code).
     Code(u16),
     /// The station does not take it on, and will not later.
-    Refused(Refusal),
+    Refused(TaskRefusal),
     /// No end was heard within its limit.
     TimedOut,
     /// The station has lost its memory. Whether it was done, nobody knows but who looks.
@@ -198,7 +198,7 @@ pub enum ActivityFailure {
         /// The first of them.
         key: OrderKey,
         /// Failure of the task order.
-        failure: Failure,
+        failure: OrderFailure,
     },
     /// It takes longer than it may altogether.
     TimedOut,
@@ -206,11 +206,11 @@ pub enum ActivityFailure {
     ByHand { resource: ResourceId },
 }
 
-impl Failure {
+impl OrderFailure {
     /// How an order has ended, by its station. The station's clock means the same as the coordinator's.
     pub fn of(ended: TaskFailure) -> Self {
         match ended {
-            TaskFailure::TimedOut => Failure::TimedOut,
+            TaskFailure::TimedOut => OrderFailure::TimedOut,
             TaskFailure::Waiting(_)
             | TaskFailure::Fault
             | TaskFailure::Interrupted
@@ -218,16 +218,18 @@ impl Failure {
             | TaskFailure::Cancelled
             | TaskFailure::Held
             | TaskFailure::Stopped
-            | TaskFailure::Other(_) => Failure::Code(ended.code()),
+            | TaskFailure::Other(_) => OrderFailure::Code(ended.code()),
         }
     }
 
     /// Its time was over, whether the station's clock or the coordinator's was first.
     pub fn is_expiry(self) -> bool {
         match self {
-            Failure::TimedOut => true,
-            Failure::Code(code) => matches!(TaskFailure::from_code(code), TaskFailure::Waiting(_)),
-            Failure::Refused(_) | Failure::Forgotten | Failure::Lost | Failure::DevicesLost => false,
+            OrderFailure::TimedOut => true,
+            OrderFailure::Code(code) => matches!(TaskFailure::from_code(code), TaskFailure::Waiting(_)),
+            OrderFailure::Refused(_) | OrderFailure::Forgotten | OrderFailure::Lost | OrderFailure::DevicesLost => {
+                false
+            }
         }
     }
 }
@@ -243,15 +245,15 @@ impl ActivityFailure {
     }
 }
 
-impl fmt::Display for Failure {
+impl fmt::Display for OrderFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Failure::Code(code) => write!(f, "ended with code {code}"),
-            Failure::Refused(refusal) => write!(f, "refused ({refusal:?})"),
-            Failure::TimedOut => f.write_str("not done in time"),
-            Failure::Forgotten => f.write_str("forgotten by its station"),
-            Failure::Lost => f.write_str("its station is not heard any more"),
-            Failure::DevicesLost => f.write_str("its station has lost its devices"),
+            OrderFailure::Code(code) => write!(f, "ended with code {code}"),
+            OrderFailure::Refused(refusal) => write!(f, "refused ({refusal:?})"),
+            OrderFailure::TimedOut => f.write_str("not done in time"),
+            OrderFailure::Forgotten => f.write_str("forgotten by its station"),
+            OrderFailure::Lost => f.write_str("its station is not heard any more"),
+            OrderFailure::DevicesLost => f.write_str("its station has lost its devices"),
         }
     }
 }

@@ -9,8 +9,8 @@ use linewright_cell::net::Supply;
 use linewright_coordinator_cell::compile::{OrderTiming, Recovery, RecoveryNet, compile_cell, recovery_net};
 use linewright_coordinator_cell::exception::{ExceptionStep, Strategy, Whereabouts};
 use linewright_coordinator_cell::{
-    ActivityPhase, AlarmId, Coordination, DispatchDecision, Dispatcher, ModeId, OngoingActivity, Outcome, PlayerInput,
-    PlayerOutbox, PlayerState, Question, Record, RecordKind, Reply, Start, TaskReport,
+    ActivityPhase, AlarmId, Coordination, DispatchDecision, Dispatcher, ModeId, OngoingActivity, PlayerInput,
+    PlayerOutbox, PlayerState, Question, Record, RecordKind, Start, TaskOutcome, TaskReply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 use linewright_nets::TransitionId;
@@ -96,7 +96,7 @@ impl Life {
     fn done(&mut self, mode: ModeId) {
         let orders = self.firing(mode).map(|firing| firing.orders).unwrap_or_default();
         for order in &orders {
-            let reply = PlayerInput::Reply(order.station, order.key, Reply::Ended(Outcome::Done));
+            let reply = PlayerInput::Reply(order.station, order.key, TaskReply::Ended(TaskOutcome::Done));
             self.step(&[reply], &mut Wanted::default());
         }
         while self.firing(mode).is_some() {
@@ -133,7 +133,7 @@ impl Check<'_> {
                 let reply = PlayerInput::Reply(
                     order.station,
                     order.key,
-                    Reply::Ended(Outcome::Failed(TaskFailure::from_code(code))),
+                    TaskReply::Ended(TaskOutcome::Failed(TaskFailure::from_code(code))),
                 );
                 life.step(&[reply], &mut Wanted::default());
             } else if firing.orders.is_empty() {

@@ -18,7 +18,7 @@ use linewright_line::{InputId, Line, Owner, StationId, Tick};
 
 use crate::buttons::Buttons;
 use crate::decision::{ModeCommand, ModeFacts, next};
-use crate::refusal::{ModeRefusal, Refusal};
+use crate::refusal::{ModeRefusal, RefusedCommand};
 
 #[derive(Clone, Debug, Default)]
 struct StationEntry {
@@ -87,7 +87,7 @@ pub struct Coordinator {
     buttons: Buttons,
     changed: bool,
     modes: Vec<ControlMode>,
-    refusals: Vec<Refusal>,
+    refusals: Vec<RefusedCommand>,
 }
 
 impl Coordinator {

@@ -13,4 +13,4 @@ mod refusal;
 pub use coordinator::{Coordinator, ModeGrant, ModeInput, ModeOutbox, StationView};
 pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};
-pub use refusal::{ModeRefusal, Refusal};
+pub use refusal::{ModeRefusal, RefusedCommand};

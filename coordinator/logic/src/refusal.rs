@@ -47,7 +47,7 @@ pub enum ModeRefusal {
 
 /// A command that was not obeyed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refusal {
+pub struct RefusedCommand {
     pub command: ModeCommand,
     /// The mode that refused it.
     pub mode: ControlMode,
@@ -55,7 +55,7 @@ pub struct Refusal {
     pub reasons: Vec<ModeRefusal>,
 }
 
-impl Refusal {
+impl RefusedCommand {
     /// The refusal in words, e.g. `auto refused in stand-by: mill_1 has an incomplete operation: recover it in manual`.
     pub fn text(&self, line: &Line) -> String {
         self.text_with(line, |_| String::new())
@@ -134,7 +134,7 @@ mod tests {
         let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
         let reasons =
             vec![ModeRefusal::DevicesLost(StationId(1)), ModeRefusal::ConsoleLost, ModeRefusal::Moving(StationId(0))];
-        let refusal = Refusal { command: ModeCommand::Auto, mode: ControlMode::StandBy, reasons };
+        let refusal = RefusedCommand { command: ModeCommand::Auto, mode: ControlMode::StandBy, reasons };
         let known = |owner| match owner {
             Owner::Station(_) => "clamp 1 io (node 21h): no heartbeat (1017h) for 230 ms".to_owned(),
             Owner::Console => String::new(),

@@ -6,11 +6,11 @@
 //! in [`linewright_coordinator_logic::Coordinator`]; this crate performs it. Of a flexible cell
 //! [`cell`] keeps on disk what happens.
 
-mod behind;
 pub mod cell;
+mod gateway_topics;
 mod node;
 mod remembered;
 mod topics;
 mod waiting;
 
-pub use node::{NodeError, Options, run};
+pub use node::{CoordinatorNodeError, CoordinatorOptions, run};

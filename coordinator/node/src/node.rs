@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::{ModeCommand, OutputImage, Refusal, StationView};
+use linewright_coordinator_logic::{ModeCommand, OutputImage, RefusedCommand, StationView};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
-use linewright_fieldbus::{Clock, OpenError as NoBus};
+use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
 use linewright_line::net::ControlMode;
-use linewright_line::{Bus, Line, Owner, StationId, Tick};
+use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text, fitting};
 use linewright_node_line::devices::{Devices, in_words};
 use linewright_node_line::{Waiting, mode_to_code, open_buses, quoted, report_from_message};
@@ -20,15 +20,15 @@ use linewright_station_logic::Founding;
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
-use crate::behind::{Behind, inputs_message};
-use crate::cell::{CellError, CellOptions, Playing, Situation};
+use crate::cell::{CellError, CellNodeOptions, CellThread, LineSituation};
+use crate::gateway_topics::{GatewayTopics, inputs_message};
 use crate::remembered::remembered;
-use crate::topics::{Arrived, Says, open};
+use crate::topics::{CoordinatorInbound, CoordinatorPublishers, open};
 use crate::waiting::Recorded;
 
 /// Why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
-pub enum NodeError {
+pub enum CoordinatorNodeError {
     /// ROS 2 is not to be had.
     #[error(transparent)]
     Open(#[from] OpenError),
@@ -59,7 +59,7 @@ pub enum NodeError {
 }
 
 /// What the coordinator's node needs.
-pub struct Options {
+pub struct CoordinatorOptions {
     /// The checked description.
     pub line: Line,
     /// Its cell, if its stations work on order.
@@ -69,7 +69,7 @@ pub struct Options {
     /// Where the journal is kept; `None`: nothing is remembered.
     pub state_dir: Option<PathBuf>,
     /// Where the bus is found.
-    pub bus: linewright_fieldbus::Options,
+    pub bus: linewright_fieldbus::BusOptions,
     /// The process's clock.
     pub clock: Clock,
 }
@@ -80,9 +80,13 @@ pub struct Options {
 /// When it cannot start, or when the middleware or the cell fails under it. It lets go of all outputs on every way out.
 /// The line then falls to stand-by by its lease; where it has no way out left, the devices on its bus let go by their own
 /// heartbeat consumers.
-pub async fn run(options: Options, participant: &Participant, stop: watch::Receiver<bool>) -> Result<(), NodeError> {
+pub async fn run(
+    options: CoordinatorOptions,
+    participant: &Participant,
+    stop: watch::Receiver<bool>,
+) -> Result<(), CoordinatorNodeError> {
     let watchdog = Watchdog::start("coordinator", Watchdog::LIMIT);
-    let mut node = Shell::start(options, participant)?;
+    let mut node = CoordinatorLoop::start(options, participant)?;
     watchdog.before_the_end(node.buses.last_orders());
     let outcome = node.work(&watchdog, stop).await;
     node.end();
@@ -94,25 +98,25 @@ const ANSWER_EVERY: Duration = Duration::from_millis(20);
 /// How often the mode is told in words when it does not change.
 const TEXT_EVERY: Duration = Duration::from_secs(1);
 
-pub(crate) struct Shell {
+pub(crate) struct CoordinatorLoop {
     pub(crate) line: Line,
     pub(crate) clock: Clock,
     pub(crate) shell: CoordinatorShell,
     /// What there is to do, in this order.
     effects: Vec<CoordinatorEffect>,
-    pub(crate) cell: Option<Playing>,
+    pub(crate) cell: Option<CellThread>,
     pub(crate) buses: Joined,
     devices: Devices,
     pub(crate) journal: Option<JournalWriter>,
-    pub(crate) waiting: Waiting<Arrived>,
-    says: Says,
-    pub(crate) from: mpsc::Receiver<Arrived>,
+    pub(crate) waiting: Waiting<CoordinatorInbound>,
+    says: CoordinatorPublishers,
+    pub(crate) from: mpsc::Receiver<CoordinatorInbound>,
     tasks: Vec<Forward>,
-    pub(crate) behind: Vec<Behind>,
+    pub(crate) behind: Vec<GatewayTopics>,
     /// What is wrong with the devices of stations that have a bus of their own, as they tell it.
     troubles: Vec<String>,
     /// What the cell is told of the line.
-    situation: Situation,
+    situation: LineSituation,
     refusals: u64,
     refusal: String,
     text: String,
@@ -125,15 +129,15 @@ pub(crate) struct Shell {
 }
 
 /// An end that nobody has planned lets go of the outputs as well.
-impl Drop for Shell {
+impl Drop for CoordinatorLoop {
     fn drop(&mut self) {
         self.end();
     }
 }
 
-impl Shell {
-    fn start(options: Options, participant: &Participant) -> Result<Self, NodeError> {
-        let Options { line, cell, interface, state_dir, bus, clock } = options;
+impl CoordinatorLoop {
+    fn start(options: CoordinatorOptions, participant: &Participant) -> Result<Self, CoordinatorNodeError> {
+        let CoordinatorOptions { line, cell, interface, state_dir, bus, clock } = options;
         let (journal, record) = match &state_dir {
             Some(dir) => {
                 let path = dir.join("coordinator.journal");
@@ -142,21 +146,21 @@ impl Shell {
             }
             None => (None, None),
         };
-        let devices = line.devices.iter().filter(|device| device.bus == Bus::Line);
+        let devices = line.devices.iter().filter(|device| device.bus == DeviceBus::Line);
         let buses = open_buses(devices, &interface, &bus, line.timing, clock)?;
         tracing::info!("line devices on {}", buses.describe());
         let mut node = participant.node(&format!("/{}", line.name), "coordinator")?;
         let (says, from, tasks) = open(&mut node, &line)?;
-        let on_bus = line.devices.iter().filter(|device| device.bus == Bus::Line);
+        let on_bus = line.devices.iter().filter(|device| device.bus == DeviceBus::Line);
         let devices = Devices::open(&mut node, &line, on_bus)?;
         let mut behind = Vec::new();
-        for station in line.station_ids().filter(|&id| line.station(id).bus == Bus::Line) {
-            behind.push(Behind::open(&mut node, &line, station)?);
+        for station in line.station_ids().filter(|&id| line.station(id).bus == DeviceBus::Line) {
+            behind.push(GatewayTopics::open(&mut node, &line, station)?);
         }
         let boot_id = fresh_boot_id();
-        let cell = cell.map(|cell| CellOptions { cell, line: line.clone(), state_dir, boot_id });
-        let cell = cell.map(|options| Playing::open(options, &mut node)).transpose()?;
-        Ok(Shell {
+        let cell = cell.map(|cell| CellNodeOptions { cell, line: line.clone(), state_dir, boot_id });
+        let cell = cell.map(|options| CellThread::open(options, &mut node)).transpose()?;
+        Ok(CoordinatorLoop {
             shell: CoordinatorShell::new(&line, boot_id, record.unwrap_or_default()),
             effects: Vec::new(),
             cell,
@@ -169,7 +173,7 @@ impl Shell {
             tasks,
             behind,
             troubles: vec![String::new(); line.stations.len()],
-            situation: Situation::new(line.stations.len()),
+            situation: LineSituation::new(line.stations.len()),
             refusals: 0,
             refusal: String::new(),
             text: String::new(),
@@ -183,7 +187,7 @@ impl Shell {
         })
     }
 
-    async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), NodeError> {
+    async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), CoordinatorNodeError> {
         self.act().await?;
         loop {
             watchdog.feed();
@@ -205,20 +209,20 @@ impl Shell {
                 asked = self.devices.next() => self.devices.ask(asked, &mut self.buses),
                 arrived = self.from.recv() => match arrived {
                     Some(arrived) => self.waiting.arrived.push_back(arrived),
-                    None => return Err(NodeError::Middleware),
+                    None => return Err(CoordinatorNodeError::Middleware),
                 },
-                news = Playing::news(&mut self.cell) => news?,
+                news = CellThread::news(&mut self.cell) => news?,
                 () = self.clock.sleep_until(Some(deadline)) => {}
                 () = tokio::time::sleep(Watchdog::FEED) => {}
             }
             self.take();
             self.act().await?;
             if let Some(other) = self.shell.gives_way_to(self.clock.now()) {
-                return Err(NodeError::Second(other));
+                return Err(CoordinatorNodeError::Second(other));
             }
-            let cut_off = self.cell.as_ref().is_some_and(Playing::is_cut_off);
+            let cut_off = self.cell.as_ref().is_some_and(CellThread::is_cut_off);
             if self.tasks.iter().any(Forward::is_finished) || self.devices.is_failed() || cut_off {
-                return Err(NodeError::Middleware);
+                return Err(CoordinatorNodeError::Middleware);
             }
         }
     }
@@ -234,9 +238,9 @@ impl Shell {
         self.shell.handle(self.clock.now(), arrival);
     }
 
-    pub(crate) fn arrived(&mut self, arrived: Arrived) {
+    pub(crate) fn arrived(&mut self, arrived: CoordinatorInbound) {
         match arrived {
-            Arrived::Command(word) => match ModeCommand::parse(&word) {
+            CoordinatorInbound::Command(word) => match ModeCommand::parse(&word) {
                 Some(command) => {
                     tracing::info!("operator: {}", command.name());
                     self.handle(CoordinatorArrival::Command(command));
@@ -246,12 +250,14 @@ impl Shell {
                     self.refuse(format!("'{}' is no command; commands are {}", quoted(word.trim()), known.join(", ")));
                 }
             },
-            Arrived::Buttons(names) => match self.buttons(&names) {
+            CoordinatorInbound::Buttons(names) => match self.buttons(&names) {
                 Ok(held) => self.handle(CoordinatorArrival::Buttons(held)),
                 Err(unknown) => self.refuse(unknown),
             },
-            Arrived::Order { boot_id, sequence } => self.handle(CoordinatorArrival::Order { boot_id, sequence }),
-            Arrived::State(message) => match report_from_message(&self.line, &message) {
+            CoordinatorInbound::Order { boot_id, sequence } => {
+                self.handle(CoordinatorArrival::Order { boot_id, sequence })
+            }
+            CoordinatorInbound::State(message) => match report_from_message(&self.line, &message) {
                 Ok((station, report)) => {
                     let (sequence, follows) = (message.sequence, message.coordinator_boot_id);
                     let heard = StationView { follows, ..heard(&report) };
@@ -262,8 +268,8 @@ impl Shell {
                 }
                 Err(error) => self.ignore(error),
             },
-            Arrived::Trouble(station, text) => self.troubles[station.index()] = text,
-            Arrived::Outputs(station, message) => {
+            CoordinatorInbound::Trouble(station, text) => self.troubles[station.index()] = text,
+            CoordinatorInbound::Outputs(station, message) => {
                 let image = OutputImage {
                     bits: message.word(),
                     valid: message.valid,
@@ -328,7 +334,7 @@ impl Shell {
     ///
     /// # Errors
     /// When the bus or the middleware fails while a record is being written.
-    async fn act(&mut self) -> Result<(), NodeError> {
+    async fn act(&mut self) -> Result<(), CoordinatorNodeError> {
         while self.is_interrupted().await? {
             self.take();
         }
@@ -337,7 +343,7 @@ impl Shell {
     }
 
     /// Acts once. True if an emergency stop has arrived while a record was being written: it comes before what followed.
-    async fn is_interrupted(&mut self) -> Result<bool, NodeError> {
+    async fn is_interrupted(&mut self) -> Result<bool, CoordinatorNodeError> {
         let now = self.clock.now();
         self.look();
         if let Some(cell) = &self.cell {
@@ -390,7 +396,7 @@ impl Shell {
         }
     }
 
-    fn refused(&mut self, refusal: &Refusal) {
+    fn refused(&mut self, refusal: &RefusedCommand) {
         let text = refusal.text_with(&self.line, |owner| match owner {
             Owner::Station(id) if !self.troubles[id.index()].is_empty() => self.troubles[id.index()].clone(),
             owner => in_words(&self.buses, owner),

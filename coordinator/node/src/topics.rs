@@ -1,13 +1,13 @@
 //! What the coordinator says and hears over ROS 2.
 
-use linewright_line::{Bus, Line, StationId};
+use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{LineState, ModeOrder, ProcessImage, StationState, Text};
 use linewright_node_shell::{Forward, Publisher, RosNode, TopicError, forward, qos, watch_middleware};
 use tokio::sync::mpsc;
 
 /// Something a subscription brought.
 #[derive(Debug)]
-pub enum Arrived {
+pub enum CoordinatorInbound {
     /// An operator's command in words.
     Command(String),
     /// Hand-mode buttons held, by name, separated by blanks.
@@ -23,7 +23,7 @@ pub enum Arrived {
 }
 
 /// The coordinator's publishers.
-pub struct Says {
+pub struct CoordinatorPublishers {
     pub order: Publisher<ModeOrder>,
     pub state: Publisher<LineState>,
     pub mode_text: Publisher<Text>,
@@ -35,8 +35,11 @@ pub struct Says {
 const QUEUE: usize = 1024;
 
 /// Opens every topic of the coordinator.
-pub fn open(node: &mut RosNode, line: &Line) -> Result<(Says, mpsc::Receiver<Arrived>, Vec<Forward>), TopicError> {
-    let mut says = Says {
+pub fn open(
+    node: &mut RosNode,
+    line: &Line,
+) -> Result<(CoordinatorPublishers, mpsc::Receiver<CoordinatorInbound>, Vec<Forward>), TopicError> {
+    let mut says = CoordinatorPublishers {
         order: node.publisher("mode", qos::repeated())?,
         state: node.publisher("state", qos::latched_state())?,
         mode_text: node.publisher("mode_text", qos::latched_state())?,
@@ -45,24 +48,28 @@ pub fn open(node: &mut RosNode, line: &Line) -> Result<(Says, mpsc::Receiver<Arr
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
         watch_middleware(),
-        forward(node.subscription("mode_cmd", qos::event())?, to.clone(), |m: Text, _| Some(Arrived::Command(m.data))),
+        forward(node.subscription("mode_cmd", qos::event())?, to.clone(), |m: Text, _| {
+            Some(CoordinatorInbound::Command(m.data))
+        }),
         // Another coordinator's; what this one says itself does not come back from the loopback address.
         forward(node.subscription("mode", qos::repeated())?, to.clone(), |m: ModeOrder, _| {
-            Some(Arrived::Order { boot_id: m.boot_id, sequence: m.sequence })
+            Some(CoordinatorInbound::Order { boot_id: m.boot_id, sequence: m.sequence })
         }),
-        forward(node.subscription("buttons", qos::command())?, to.clone(), |m: Text, _| Some(Arrived::Buttons(m.data))),
+        forward(node.subscription("buttons", qos::command())?, to.clone(), |m: Text, _| {
+            Some(CoordinatorInbound::Buttons(m.data))
+        }),
     ];
     for id in line.station_ids() {
         let station = line.station(id);
         let state = node.subscription(&format!("{}/state", station.name), qos::latched_state())?;
-        tasks.push(forward(state, to.clone(), |m, _| Some(Arrived::State(Box::new(m)))));
-        says.inputs.push(if station.bus == Bus::Line {
+        tasks.push(forward(state, to.clone(), |m, _| Some(CoordinatorInbound::State(Box::new(m)))));
+        says.inputs.push(if station.bus == DeviceBus::Line {
             let outputs = node.subscription(&format!("{}/outputs", station.name), qos::repeated())?;
-            tasks.push(forward(outputs, to.clone(), move |m, _| Some(Arrived::Outputs(id, m))));
+            tasks.push(forward(outputs, to.clone(), move |m, _| Some(CoordinatorInbound::Outputs(id, m))));
             Some(node.publisher(&format!("{}/inputs", station.name), qos::repeated())?)
         } else {
             let trouble = node.subscription(&format!("{}/trouble", station.name), qos::latched_state())?;
-            tasks.push(forward(trouble, to.clone(), move |m: Text, _| Some(Arrived::Trouble(id, m.data))));
+            tasks.push(forward(trouble, to.clone(), move |m: Text, _| Some(CoordinatorInbound::Trouble(id, m.data))));
             None
         });
     }

@@ -9,10 +9,10 @@ use linewright_fieldbus_seam::News;
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, Tick};
 
-use crate::cell::Playing;
-use crate::node::{NodeError, Shell};
+use crate::cell::CellThread;
+use crate::node::{CoordinatorLoop, CoordinatorNodeError};
 use crate::remembered::record_of;
-use crate::topics::Arrived;
+use crate::topics::CoordinatorInbound;
 
 /// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
 const TAKEN_AT_ONCE: usize = 256;
@@ -26,7 +26,7 @@ pub(crate) enum Recorded {
     Interrupted,
 }
 
-impl Shell {
+impl CoordinatorLoop {
     /// Takes in what has arrived, what has waited first.
     pub(crate) fn take(&mut self) {
         if let Some(news) = self.waiting.take_news() {
@@ -40,7 +40,7 @@ impl Shell {
     }
 
     /// Writes a record down, after the one that may still be under way.
-    pub(crate) async fn remember(&mut self, record: CoordinatorRecord) -> Result<Recorded, NodeError> {
+    pub(crate) async fn remember(&mut self, record: CoordinatorRecord) -> Result<Recorded, CoordinatorNodeError> {
         let Some(journal) = &self.journal else { return Ok(Recorded::Yes) };
         if journal.is_writing() && self.recorded().await? == Recorded::Interrupted {
             return Ok(Recorded::Interrupted);
@@ -53,7 +53,7 @@ impl Shell {
 
     /// Waits for the record that is being written. Where it takes longer than images are valid for, outputs of stations go
     /// off: what they follow from is not looked at meanwhile.
-    async fn recorded(&mut self) -> Result<Recorded, NodeError> {
+    async fn recorded(&mut self) -> Result<Recorded, CoordinatorNodeError> {
         let now = self.clock.now();
         let mut due = Some(self.shell.images_until(now).unwrap_or(Tick::NEVER).min(now + self.line.timing.stale));
         // An emergency stop that got lost on its way is given again, whatever the disk does.
@@ -70,14 +70,14 @@ impl Shell {
                     }
                 }),
                 // The cell may have put a station into emergency stop.
-                news = Playing::news(&mut self.cell) => {
+                news = CellThread::news(&mut self.cell) => {
                     news?;
                     true
                 }
                 arrived = self.from.recv() => {
-                    let Some(arrived) = arrived else { return Err(NodeError::Middleware) };
+                    let Some(arrived) = arrived else { return Err(CoordinatorNodeError::Middleware) };
                     let is_stop = is_emergency_stop(&arrived);
-                    if let Arrived::Outputs(station, image) = &arrived {
+                    if let CoordinatorInbound::Outputs(station, image) = &arrived {
                         let wanted = if image.valid { image.word() } else { 0 };
                         if let Some(staying) = self.shell.keep_only(*station, wanted) {
                             self.buses.set_outputs(Owner::Station(*station), staying);
@@ -117,6 +117,6 @@ impl Shell {
     }
 }
 
-fn is_emergency_stop(arrived: &Arrived) -> bool {
-    matches!(arrived, Arrived::Command(word) if ModeCommand::parse(word) == Some(ModeCommand::EStop))
+fn is_emergency_stop(arrived: &CoordinatorInbound) -> bool {
+    matches!(arrived, CoordinatorInbound::Command(word) if ModeCommand::parse(word) == Some(ModeCommand::EStop))
 }

@@ -1,6 +1,6 @@
 //! What arrives at the coordinator, and what follows from it.
 
-use linewright_coordinator_logic::{ModeCommand, OutputImage, Refusal, StationView};
+use linewright_coordinator_logic::{ModeCommand, OutputImage, RefusedCommand, StationView};
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::StationReport;
@@ -70,7 +70,7 @@ pub struct CoordinatorRecord {
 #[derive(Clone, Debug, PartialEq)]
 pub enum CoordinatorEffect {
     /// A command is refused.
-    Refused(Refusal),
+    Refused(RefusedCommand),
     Entered(ControlMode),
     /// Write this down, and tell [`crate::CoordinatorShell::remembered`] whether it was.
     Remember(CoordinatorRecord),

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::{Coordinator, Gateway, ModeCommand, ModeInput, ModeOutbox};
 use linewright_line::net::ControlMode;
-use linewright_line::{Bus, Line, StationId, Tick};
+use linewright_line::{DeviceBus, Line, StationId, Tick};
 use linewright_station_logic::{Founding, ModeOrder};
 use linewright_station_shell::{EPOCH_JUMP_MAX, NewestBySequence, RivalLife, Rivals};
 
@@ -72,7 +72,7 @@ impl CoordinatorShell {
     pub fn new(line: &Line, boot_id: u64, remembered: CoordinatorRecord) -> Self {
         let (stations, stale) = (line.stations.len(), line.timing.stale);
         let coordinator = Coordinator::new(line.clone(), boot_id, remembered.epoch);
-        let behind = line.station_ids().filter(|&id| line.station(id).bus == Bus::Line);
+        let behind = line.station_ids().filter(|&id| line.station(id).bus == DeviceBus::Line);
         CoordinatorShell {
             coordinator: if remembered.estop { coordinator.with_estop() } else { coordinator },
             gateway: Gateway::new(stations, stale),

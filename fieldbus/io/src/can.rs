@@ -1,23 +1,23 @@
 //! A CAN bus as a node sees it: a driver behind what every kind of field bus offers.
 
 use linewright_canopen::codec::NmtState;
-use linewright_canopen::manager::{Condition, PlainStatus, Status};
+use linewright_canopen::manager::{DbcDeviceState, DeviceCondition, DeviceStatus};
 use linewright_canopen::sdo::{Abort, ObjectId};
-use linewright_canopen::{Ask, AskError, Event, Manager, ManagerError, NodeId};
+use linewright_canopen::{BusEvent, DeviceRequest, DeviceRequestError, Manager, ManagerError, NodeId};
 use linewright_fieldbus_seam::{
-    Answer, BusLost, Diagnosis, Fieldbus, InputImage, LastOrders, Level, NOT_HEARD, News, NextNews, Object, Refusal,
-    Reply, Request, Target,
+    Answer, BusLost, BusRefusal, BusReply, BusRequest, BusTarget, Diagnosis, Fieldbus, InputImage, LastOrders, Level,
+    NOT_HEARD, News, NextNews, ObjectAddress,
 };
 use linewright_line::{Canopen, Device, Owner, Timing};
 use thiserror::Error;
 
-use crate::bus::{Bus, BusError, Options};
+use crate::bus::{Bus, BusError, BusOptions};
 use crate::clock::Clock;
 use crate::driver::Driver;
 
 /// Why the bus of a node is not to be had.
 #[derive(Debug, Error)]
-pub enum OpenError {
+pub enum BusOpenError {
     /// There is no such interface.
     #[error(transparent)]
     Bus(#[from] BusError),
@@ -30,7 +30,7 @@ pub enum OpenError {
 pub struct CanFieldbus {
     driver: Driver,
     devices: Vec<Device>,
-    pending: Vec<(u64, Target, Request)>,
+    pending: Vec<(u64, BusTarget, BusRequest)>,
     /// How many requests were answered at once. Their numbers begin far above the manager's.
     at_once: u64,
     answers: Vec<(u64, Answer)>,
@@ -46,11 +46,11 @@ impl CanFieldbus {
     /// When there is no such bus, or the devices cannot share one.
     pub fn open(
         interface: &str,
-        options: &Options,
+        options: &BusOptions,
         devices: Vec<Device>,
         timing: Timing,
         clock: Clock,
-    ) -> Result<Self, OpenError> {
+    ) -> Result<Self, BusOpenError> {
         let manager = Manager::new(&devices, timing)?;
         let driver = Driver::new(Bus::open(interface, options)?, manager, clock);
         Ok(CanFieldbus { driver, devices, pending: Vec::new(), at_once: 0, answers: Vec::new() })
@@ -67,7 +67,7 @@ impl CanFieldbus {
         self.devices.iter().find(|device| device.name == name)
     }
 
-    fn diagnosis(&self, status: &Status<'_>) -> Diagnosis {
+    fn diagnosis(&self, status: &DeviceStatus<'_>) -> Diagnosis {
         let (manager, now) = (self.driver.manager(), self.driver.now());
         let trouble = manager.trouble_of(now, status.node);
         let emergency = status.emergency.map_or_else(
@@ -94,7 +94,7 @@ impl CanFieldbus {
         }
     }
 
-    fn plain_diagnosis(&self, status: PlainStatus<'_>) -> Diagnosis {
+    fn plain_diagnosis(&self, status: DbcDeviceState<'_>) -> Diagnosis {
         let frames = self.device(status.name).and_then(Device::frames);
         let file = frames.map(|frames| frames.file.name.clone()).unwrap_or_default();
         Diagnosis {
@@ -159,10 +159,10 @@ impl Fieldbus for CanFieldbus {
         self.driver.manager().statuses().for_each(|status| tell(status.name, state_word(status.nmt)));
     }
 
-    fn ask(&mut self, target: &Target, request: Request) -> Option<u64> {
+    fn ask(&mut self, target: &BusTarget, request: BusRequest) -> Option<u64> {
         let node = match target {
-            Target::Node(node) => *node,
-            Target::Device(name) => match self.device(name)?.node_id() {
+            BusTarget::Node(node) => *node,
+            BusTarget::Device(name) => match self.device(name)?.node_id() {
                 Some(node) => node,
                 None => return Some(self.ask_at_once(Err(no_canopen(target, request)))),
             },
@@ -170,22 +170,22 @@ impl Fieldbus for CanFieldbus {
         let described = self.devices.iter().any(|device| device.node_id() == Some(node));
         let id = NodeId::new(node).filter(|_| described)?;
         let ask = match request {
-            Request::Read(object) => Ask::Read(id_of(object)),
-            Request::Write { object, value, bytes } => Ask::Write { object: id_of(object), value, bytes },
-            Request::Reset => {
+            BusRequest::Read(object) => DeviceRequest::Read(id_of(object)),
+            BusRequest::Write { object, value, bytes } => DeviceRequest::Write { object: id_of(object), value, bytes },
+            BusRequest::Reset => {
                 self.driver.reset_node(id);
                 let text = "ordered to reset".to_owned();
-                return Some(self.ask_at_once(Ok(Reply { value: Vec::new(), text })));
+                return Some(self.ask_at_once(Ok(BusReply { value: Vec::new(), text })));
             }
-            Request::Start => {
+            BusRequest::Start => {
                 let started = self.driver.start_node(id);
-                let done = |text| Reply { value: Vec::new(), text };
-                let answer = started.map(done).map_err(|text| Refusal { text, code: Abort::DEVICE_STATE.0 });
+                let done = |text| BusReply { value: Vec::new(), text };
+                let answer = started.map(done).map_err(|text| BusRefusal { text, code: Abort::DEVICE_STATE.0 });
                 return Some(self.ask_at_once(answer));
             }
         };
         let number = self.driver.ask(node, ask);
-        self.pending.push((number, Target::Node(node), request));
+        self.pending.push((number, BusTarget::Node(node), request));
         Some(number)
     }
 
@@ -194,31 +194,31 @@ impl Fieldbus for CanFieldbus {
         for (number, answer) in self.driver.take_answers() {
             let Some(at) = self.pending.iter().position(|pending| pending.0 == number) else { continue };
             let (_, target, request) = self.pending.swap_remove(at);
-            let answer = answer.map(|value| Reply { value, text: String::new() });
+            let answer = answer.map(|value| BusReply { value, text: String::new() });
             answers.push((number, answer.map_err(|error| refusal(&target, request, &error))));
         }
         answers
     }
 }
 
-fn id_of(object: Object) -> ObjectId {
+fn id_of(object: ObjectAddress) -> ObjectId {
     ObjectId::new(object.index, object.sub)
 }
 
-fn refusal(target: &Target, request: Request, error: &AskError) -> Refusal {
-    Refusal { text: format!("{target}, {request}: {error}"), code: error.abort().0 }
+fn refusal(target: &BusTarget, request: BusRequest, error: &DeviceRequestError) -> BusRefusal {
+    BusRefusal { text: format!("{target}, {request}: {error}"), code: error.abort().0 }
 }
 
-fn no_canopen(target: &Target, request: Request) -> Refusal {
+fn no_canopen(target: &BusTarget, request: BusRequest) -> BusRefusal {
     let text = format!("{target}, {request}: it speaks plain CAN frames, and has no objects and no states");
-    Refusal { text, code: Abort::NO_CONNECTION.0 }
+    BusRefusal { text, code: Abort::NO_CONNECTION.0 }
 }
 
-fn news(event: Event) -> News {
+fn news(event: BusEvent) -> News {
     match event {
-        Event::InputsChanged { owner } => News::InputsChanged { owner },
-        Event::Answered { .. } => News::Answered,
-        Event::Ignored { reason, frame } => News::Ignored(format!("frame {frame}: {reason}")),
+        BusEvent::InputsChanged { owner } => News::InputsChanged { owner },
+        BusEvent::Answered { .. } => News::Answered,
+        BusEvent::Ignored { reason, frame } => News::Ignored(format!("frame {frame}: {reason}")),
         other => News::Noted(other.to_string()),
     }
 }
@@ -234,15 +234,15 @@ fn state_word(state: Option<NmtState>) -> &'static str {
     }
 }
 
-fn level(status: &Status<'_>, trouble: bool) -> Level {
+fn level(status: &DeviceStatus<'_>, trouble: bool) -> Level {
     let emergency = status.emergency.is_some_and(|(_, emergency)| emergency.code != 0);
     match status.condition {
-        Condition::Absent => Level::Stale,
-        Condition::Refused | Condition::Stopped => Level::Error,
-        Condition::Booting => Level::Warn,
-        Condition::Operational if trouble => Level::Error,
-        Condition::Operational if emergency => Level::Warn,
-        Condition::Operational => Level::Ok,
+        DeviceCondition::Absent => Level::Stale,
+        DeviceCondition::Refused | DeviceCondition::Stopped => Level::Error,
+        DeviceCondition::Booting => Level::Warn,
+        DeviceCondition::Operational if trouble => Level::Error,
+        DeviceCondition::Operational if emergency => Level::Warn,
+        DeviceCondition::Operational => Level::Ok,
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use linewright_canopen::Frame;
 use linewright_canopen::codec::NodeId;
-use linewright_canopen::manager::{Answer, Ask, Event, MANAGER_NODE, Manager, Outbox};
+use linewright_canopen::manager::{BusEvent, BusOutbox, DeviceRequest, MANAGER_NODE, Manager, RequestResult};
 use linewright_fieldbus_seam::InputImage;
 use linewright_line::{Owner, Tick};
 
@@ -21,7 +21,7 @@ pub struct Driver {
     bus: Bus,
     manager: Manager,
     clock: Clock,
-    outbox: Outbox,
+    outbox: BusOutbox,
     /// What would let go of outputs now, where a device needs that.
     last: Arc<Mutex<Vec<Frame>>>,
 }
@@ -71,7 +71,7 @@ const RELEASE_PAUSE: std::time::Duration = std::time::Duration::from_millis(1);
 impl Driver {
     /// Joins a manager and its bus. Nothing is sent before [`Driver::next`] or [`Driver::set_outputs`] is called.
     pub fn new(bus: Bus, manager: Manager, clock: Clock) -> Self {
-        Driver { bus, manager, clock, outbox: Outbox::default(), last: Arc::default() }
+        Driver { bus, manager, clock, outbox: BusOutbox::default(), last: Arc::default() }
     }
 
     /// What lets go of outputs when this driver gets no turn any more, for a watchdog.
@@ -88,7 +88,7 @@ impl Driver {
     ///
     /// # Errors
     /// When the interface is gone, or another manager was on the bus first. The node then has to end.
-    pub async fn next(&mut self) -> Result<Vec<Event>, DriverError> {
+    pub async fn next(&mut self) -> Result<Vec<BusEvent>, DriverError> {
         loop {
             // The clock first: under a flood of frames, and after this process was held up, silence still counts.
             let now = self.clock.now();
@@ -137,14 +137,14 @@ impl Driver {
     }
 
     /// Asks a device; see [`Manager::ask`]. [`Driver::next`] reports when it is answered.
-    pub fn ask(&mut self, node: u8, ask: Ask) -> u64 {
+    pub fn ask(&mut self, node: u8, ask: DeviceRequest) -> u64 {
         let number = self.manager.ask(self.clock.now(), node, ask, &mut self.outbox);
         self.flush();
         number
     }
 
     /// What requests have come to since this was last called.
-    pub fn take_answers(&mut self) -> Vec<(u64, Answer)> {
+    pub fn take_answers(&mut self) -> Vec<(u64, RequestResult)> {
         std::mem::take(&mut self.outbox.answers)
     }
 
@@ -200,7 +200,7 @@ impl Driver {
         let refused = self.outbox.frames.split_off(sent);
         self.outbox.frames.clear();
         if !refused.is_empty() {
-            self.manager.give_back(self.clock.now(), refused);
+            self.manager.return_unsent(self.clock.now(), refused);
         }
     }
 }

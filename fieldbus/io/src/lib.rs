@@ -14,7 +14,7 @@ mod clock;
 mod driver;
 pub mod sdo_client;
 
-pub use bus::{Bus, BusError, Found, Options, OwnBuses, Transport, find_bus, place};
-pub use can::{CanFieldbus, OpenError};
+pub use bus::{Bus, BusDirectory, BusError, BusOptions, OwnBuses, Transport, find_bus, place};
+pub use can::{BusOpenError, CanFieldbus};
 pub use clock::Clock;
 pub use driver::{Driver, DriverError, LastFrames};

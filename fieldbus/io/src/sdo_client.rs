@@ -3,9 +3,9 @@
 //! A tool takes part in the bus like `cansend` does, beside the manager. It waits for its own answers and drops every
 //! other frame, so it wants a [`Bus`] of its own.
 
-use linewright_canopen::codec::{Message, NodeId};
-use linewright_canopen::sdo::wire::Raw;
-use linewright_canopen::sdo::{Client, ObjectId, Options, Progress, TransferError};
+use linewright_canopen::codec::{CanopenMessage, NodeId};
+use linewright_canopen::sdo::wire::SdoBytes;
+use linewright_canopen::sdo::{ObjectId, SdoClient, TransferError, TransferOptions, TransferProgress};
 use thiserror::Error;
 
 use crate::bus::{Bus, BusError};
@@ -27,9 +27,14 @@ pub enum SdoError {
     Bus(#[from] BusError),
 }
 
-/// Reads an object of `node`, of any length up to [`Options::len_max`].
-pub async fn read(bus: &mut Bus, node: NodeId, object: ObjectId, options: Options) -> Result<Vec<u8>, SdoError> {
-    transfer(bus, node, Client::upload(object, options)).await
+/// Reads an object of `node`, of any length up to [`TransferOptions::len_max`].
+pub async fn read(
+    bus: &mut Bus,
+    node: NodeId,
+    object: ObjectId,
+    options: TransferOptions,
+) -> Result<Vec<u8>, SdoError> {
+    transfer(bus, node, SdoClient::upload(object, options)).await
 }
 
 /// Writes an object of `node`, with data of any length.
@@ -38,24 +43,24 @@ pub async fn write(
     node: NodeId,
     object: ObjectId,
     data: &[u8],
-    options: Options,
+    options: TransferOptions,
 ) -> Result<(), SdoError> {
-    transfer(bus, node, Client::download(object, data, options)).await.map(|_| ())
+    transfer(bus, node, SdoClient::download(object, data, options)).await.map(|_| ())
 }
 
 /// Carries out a transfer. Dropped in between, it leaves the device waiting, which ends the transfer by itself.
-async fn transfer(bus: &mut Bus, node: NodeId, mut client: Client) -> Result<Vec<u8>, SdoError> {
+async fn transfer(bus: &mut Bus, node: NodeId, mut client: SdoClient) -> Result<Vec<u8>, SdoError> {
     let clock = Clock::start();
-    let mut out: Vec<Raw> = Vec::new();
+    let mut out: Vec<SdoBytes> = Vec::new();
     client.start(clock.now(), &mut out);
     loop {
         for raw in out.drain(..) {
-            bus.send(&Message::SdoRequest { node, raw }.encode());
+            bus.send(&CanopenMessage::SdoRequest { node, raw }.encode());
         }
         let progress = tokio::select! {
             biased;
-            frame = bus.recv() => match Message::decode(&frame?) {
-                Ok(Message::SdoResponse { node: from, raw }) if from == node => {
+            frame = bus.recv() => match CanopenMessage::decode(&frame?) {
+                Ok(CanopenMessage::SdoResponse { node: from, raw }) if from == node => {
                     client.handle(clock.now(), &raw, &mut out)
                 }
                 // A bus with much to say must not keep the transfer from giving up.
@@ -63,9 +68,9 @@ async fn transfer(bus: &mut Bus, node: NodeId, mut client: Client) -> Result<Vec
             },
             () = clock.sleep_until(client.next_deadline()) => client.poll(clock.now(), &mut out),
         };
-        if let Progress::Done(result) = progress {
+        if let TransferProgress::Done(result) = progress {
             for raw in out.drain(..) {
-                bus.send(&Message::SdoRequest { node, raw }.encode());
+                bus.send(&CanopenMessage::SdoRequest { node, raw }.encode());
             }
             return result.map_err(|error| SdoError::Transfer { node, error });
         }

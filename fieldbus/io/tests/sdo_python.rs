@@ -11,10 +11,10 @@ use std::process::Stdio;
 use std::sync::{Arc, Once};
 use std::time::{Duration, Instant};
 
-use linewright_canopen::sdo::{Abort, Cause, Dictionary, Mode, ObjectId, Options, Server};
-use linewright_canopen::{Message, NodeId};
+use linewright_canopen::sdo::{Abort, Dictionary, ObjectId, SdoServer, TransferFailure, TransferMode, TransferOptions};
+use linewright_canopen::{CanopenMessage, NodeId};
 use linewright_fieldbus::bus::Transport;
-use linewright_fieldbus::{Bus, Clock, Options as BusOptions, sdo_client};
+use linewright_fieldbus::{Bus, BusOptions, Clock, sdo_client};
 use tokio::io::{AsyncBufReadExt, BufReader};
 use tokio::process::{Child, Command};
 use tokio::sync::Notify;
@@ -59,7 +59,7 @@ fn run<T>(test: impl Future<Output = T>) -> T {
 }
 
 fn is_refused(error: &sdo_client::SdoError, code: Abort) -> bool {
-    matches!(error, sdo_client::SdoError::Transfer { error, .. } if error.cause == Cause::Refused(code))
+    matches!(error, sdo_client::SdoError::Transfer { error, .. } if error.cause == TransferFailure::Refused(code))
 }
 
 fn pattern(len: usize) -> Vec<u8> {
@@ -93,11 +93,11 @@ impl Dictionary for Store {
 /// Is node `node` for ever.
 async fn serve(mut bus: Bus, node: NodeId) {
     let mut store = Store(BTreeMap::from([(DOMAIN, vec![1]), (CONSTANT, vec![2]), (NUMBER, vec![0; 4])]));
-    let (clock, mut server, mut out) = (Clock::start(), Server::new(4096), Vec::new());
+    let (clock, mut server, mut out) = (Clock::start(), SdoServer::new(4096), Vec::new());
     loop {
         tokio::select! {
             biased;
-            frame = bus.recv() => if let Ok(Message::SdoRequest { node: asked, raw }) = Message::decode(&frame.expect("the interface is there"))
+            frame = bus.recv() => if let Ok(CanopenMessage::SdoRequest { node: asked, raw }) = CanopenMessage::decode(&frame.expect("the interface is there"))
                 && asked == node
             {
                 server.handle(clock.now(), &raw, &mut store, &mut out);
@@ -106,7 +106,7 @@ async fn serve(mut bus: Bus, node: NodeId) {
         }
         server.poll(clock.now(), &mut out);
         for raw in out.drain(..) {
-            bus.send(&Message::SdoResponse { node, raw }.encode());
+            bus.send(&CanopenMessage::SdoResponse { node, raw }.encode());
         }
     }
 }
@@ -132,12 +132,12 @@ fn we_read_and_write_the_server_of_python() {
         let mut server = python(&interpreter, "server", node);
         let mut lines = BufReader::new(server.stdout.take().unwrap()).lines();
         assert_eq!(lines.next_line().await.unwrap().as_deref(), Some("ready"));
-        let options = |mode| Options { mode, ..Options::default() };
-        assert_eq!(sdo_client::read(&mut bus, node, DOMAIN, options(Mode::Auto)).await.unwrap(), b"initial");
+        let options = |mode| TransferOptions { mode, ..TransferOptions::default() };
+        assert_eq!(sdo_client::read(&mut bus, node, DOMAIN, options(TransferMode::Auto)).await.unwrap(), b"initial");
         for len in LENGTHS {
             let data = pattern(len);
             // It has no blocks: asked for them, it refuses to be written, and answers reads in segments.
-            for mode in [Mode::Auto, Mode::Segmented, Mode::Block] {
+            for mode in [TransferMode::Auto, TransferMode::Segmented, TransferMode::Block] {
                 let started = Instant::now();
                 sdo_client::write(&mut bus, node, DOMAIN, &data, options(mode)).await.unwrap();
                 let written = started.elapsed();
@@ -152,16 +152,19 @@ fn we_read_and_write_the_server_of_python() {
                 }
             }
         }
-        let constant = sdo_client::read(&mut bus, node, CONSTANT, Options::default()).await.unwrap();
+        let constant = sdo_client::read(&mut bus, node, CONSTANT, TransferOptions::default()).await.unwrap();
         assert_eq!(constant, b"a constant of the other side");
-        assert_eq!(sdo_client::read(&mut bus, node, NUMBER, Options::default()).await.unwrap(), 7u32.to_le_bytes());
+        assert_eq!(
+            sdo_client::read(&mut bus, node, NUMBER, TransferOptions::default()).await.unwrap(),
+            7u32.to_le_bytes()
+        );
         let missing = ObjectId::new(0x2FFF, 0);
-        let error = sdo_client::read(&mut bus, node, missing, Options::default()).await.unwrap_err();
+        let error = sdo_client::read(&mut bus, node, missing, TransferOptions::default()).await.unwrap_err();
         assert!(is_refused(&error, Abort::NO_OBJECT), "{error}");
-        let error = sdo_client::write(&mut bus, node, CONSTANT, &[1], Options::default()).await.unwrap_err();
+        let error = sdo_client::write(&mut bus, node, CONSTANT, &[1], TransferOptions::default()).await.unwrap_err();
         assert!(is_refused(&error, Abort::READ_ONLY), "{error}");
         let absent = NodeId::new(99).unwrap();
-        let brief = Options { timeout: Duration::from_millis(20), ..Options::default() };
+        let brief = TransferOptions { timeout: Duration::from_millis(20), ..TransferOptions::default() };
         let error = sdo_client::read(&mut bus, absent, NUMBER, brief).await.unwrap_err();
         assert_eq!(error.to_string(), "node 99, object 2002h:00: no answer within 20 ms, asked 3 times");
     });
@@ -190,8 +193,8 @@ fn ours_with_ours() {
         });
         ready.notified().await;
         let data = pattern(2000);
-        for (mode, burst) in [(Mode::Segmented, 4), (Mode::Block, 4), (Mode::Block, 127)] {
-            let options = Options { mode, burst, ..Options::default() };
+        for (mode, burst) in [(TransferMode::Segmented, 4), (TransferMode::Block, 4), (TransferMode::Block, 127)] {
+            let options = TransferOptions { mode, burst, ..TransferOptions::default() };
             let started = Instant::now();
             sdo_client::write(&mut bus, node, DOMAIN, &data, options).await.unwrap();
             let written = started.elapsed();

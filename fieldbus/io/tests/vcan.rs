@@ -12,17 +12,17 @@ use std::sync::{Arc, Mutex, Once};
 use std::time::{Duration, Instant};
 
 use embedded_can::{ExtendedId, Frame as _, StandardId};
-use linewright_canopen::candump::{Recorder, parse_log_line};
-use linewright_canopen::{Event, Frame, Kind, Manager, Message, NodeId};
+use linewright_canopen::candump::{CandumpWriter, parse_log_line};
+use linewright_canopen::{BusEvent, CanopenMessage, Frame, FrameKind, Manager, NodeId};
 use linewright_fieldbus::bus::Transport;
-use linewright_fieldbus::{Bus, Clock, Driver, Options};
-use linewright_line::{Bus as BusName, Device, DeviceKind, InputId, OutputId, Owner, Timing};
+use linewright_fieldbus::{Bus, BusOptions, Clock, Driver};
+use linewright_line::{Device, DeviceBus as BusName, DeviceKind, InputId, OutputId, Owner, Timing};
 
 const INTERFACE: &str = "vcan0";
 
 /// A bus on the interface, or `None`, visibly, where there is none.
 fn open() -> Option<Bus> {
-    let options = Options { transport: Transport::SocketCan, dir: None };
+    let options = BusOptions { transport: Transport::SocketCan, dir: None };
     match Bus::open(INTERFACE, &options) {
         Ok(bus) => Some(bus),
         Err(error) => {
@@ -68,7 +68,7 @@ fn every_kind_of_frame_crosses_and_none_comes_back() {
         }
         for frame in frames {
             let heard = b.recv().await.expect("the interface is there");
-            assert_eq!((heard, heard.kind() == Kind::Remote), (frame, frame.is_remote_frame()));
+            assert_eq!((heard, heard.kind() == FrameKind::Remote), (frame, frame.is_remote_frame()));
         }
         assert!(tokio::time::timeout(Duration::from_millis(50), a.recv()).await.is_err(), "own frames are not heard");
         assert_eq!((a.stats().sent, a.stats().send_errors, b.stats().received), (4, 0, 4));
@@ -81,7 +81,7 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
     run(async {
         let (Some(bus), Some(mut device)) = (open(), open()) else { return };
         let log = Log::default();
-        device.record(Recorder::new(INTERFACE, Box::new(log.clone())));
+        device.record(CandumpWriter::new(INTERFACE, Box::new(log.clone())));
         let owner = Owner::Console;
         let description = Device {
             name: "io".to_owned(),
@@ -119,7 +119,7 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
         };
         let drives = async {
             let node = NodeId::new(4).unwrap();
-            while !driver.next().await.expect("nobody else is there").contains(&Event::DeviceUp { node }) {}
+            while !driver.next().await.expect("nobody else is there").contains(&BusEvent::DeviceUp { node }) {}
             driver.set_outputs(owner, 1);
             while driver.inputs(owner).bits != 1 {
                 driver.next().await.expect("nobody else is there");
@@ -133,7 +133,7 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
         print!("{log}");
         let frames: Vec<Frame> = log.lines().map(|line| parse_log_line(line).unwrap().2).collect();
         assert!(frames.iter().any(|f| f.to_string() == "204#01"), "{log}");
-        assert!(frames.iter().all(|f| Message::decode(f).is_ok()), "{log}");
+        assert!(frames.iter().all(|f| CanopenMessage::decode(f).is_ok()), "{log}");
     });
 }
 

@@ -3,10 +3,10 @@
 use std::time::{Duration, Instant};
 
 use linewright_canopen::Frame;
-use linewright_fieldbus::{Bus, Options, Transport};
+use linewright_fieldbus::{Bus, BusOptions, Transport};
 
-fn options(dir: &tempfile::TempDir) -> Options {
-    Options { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) }
+fn options(dir: &tempfile::TempDir) -> BusOptions {
+    BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) }
 }
 
 fn frame(number: u16) -> Frame {
@@ -168,7 +168,7 @@ const CHILD: &str = "LINEWRIGHT_TEST_CHILD";
 #[tokio::test]
 async fn child_echoes_for_ever() {
     let Some(dir) = std::env::var_os(CHILD) else { return };
-    let options = Options { transport: Transport::Virtual, dir: Some(dir.into()) };
+    let options = BusOptions { transport: Transport::Virtual, dir: Some(dir.into()) };
     let mut bus = Bus::open("vcan0", &options).unwrap();
     loop {
         let frame = bus.recv().await.expect("a virtual bus stays");

@@ -5,7 +5,7 @@ use std::net::TcpStream;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use linewright_modbus::Request;
+use linewright_modbus::ModbusRequest;
 
 /// The transaction of a last order: one that the connection itself reaches after an hour at the earliest, and by which the
 /// answer is known.
@@ -16,16 +16,16 @@ const PAUSE: Duration = Duration::from_millis(1);
 
 /// What is left to do for a device when nothing else can be done.
 #[derive(Clone)]
-pub struct Last {
+pub struct LastOrder {
     order: Arc<Vec<u8>>,
     socket: Arc<Mutex<Option<TcpStream>>>,
 }
 
-impl Last {
+impl LastOrder {
     /// For a device with this unit, whose outputs this request turns off.
-    pub fn new(unit: u8, request: Option<Request>) -> Self {
+    pub fn new(unit: u8, request: Option<ModbusRequest>) -> Self {
         let order = request.map(|request| request.adu(TRANSACTION, unit)).unwrap_or_default();
-        Last { order: Arc::new(order), socket: Arc::default() }
+        LastOrder { order: Arc::new(order), socket: Arc::default() }
     }
 
     /// Its connection is this one, which does not block.
@@ -69,7 +69,7 @@ impl Last {
 }
 
 /// Waits until these last orders are answered, but not for long: a socket closed before may take the order back.
-pub fn wait_for(lasts: &[&Last]) {
+pub fn wait_for(lasts: &[&LastOrder]) {
     let mut heard = vec![Vec::new(); lasts.len()];
     for _ in 0..TRIES {
         let answered = lasts.iter().zip(&mut heard).map(|(last, heard)| last.is_answered(heard));

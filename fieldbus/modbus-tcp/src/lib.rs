@@ -9,25 +9,27 @@ mod last;
 mod link;
 
 use linewright_fieldbus::Clock;
-use linewright_fieldbus_seam::{Answer, Diagnosis, Fieldbus, InputImage, LastOrders, News, NextNews, Request, Target};
+use linewright_fieldbus_seam::{
+    Answer, BusRequest, BusTarget, Diagnosis, Fieldbus, InputImage, LastOrders, News, NextNews,
+};
 use linewright_line::{Device, Owner};
-use linewright_modbus::{Act, Manager, Outbox, Outcome, What};
+use linewright_modbus::{LinkAct, LinkOutcome, LinkTask, ModbusManager, ModbusOutbox};
 use tokio::sync::mpsc;
 
-use last::Last;
-use link::Link;
+use last::LastOrder;
+use link::Connection;
 
 /// What connections have brought: of which device, by which connection, what.
-type Brought = (usize, u32, Outcome);
+type Brought = (usize, u32, LinkOutcome);
 
 /// The Modbus devices of a node, with their manager at work.
 pub struct ModbusTcp {
-    manager: Manager,
+    manager: ModbusManager,
     clock: Clock,
-    out: Outbox,
+    out: ModbusOutbox,
     /// Of each device, its connection.
-    links: Vec<Option<Link>>,
-    lasts: Vec<Last>,
+    links: Vec<Option<Connection>>,
+    lasts: Vec<LastOrder>,
     to: mpsc::UnboundedSender<Brought>,
     from: mpsc::UnboundedReceiver<Brought>,
 }
@@ -36,29 +38,30 @@ impl ModbusTcp {
     /// The bus of those of these devices that speak Modbus. Nothing is connected before [`Fieldbus::next`] is called, within
     /// a tokio runtime.
     pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>, clock: Clock) -> Self {
-        let manager = Manager::new(devices);
-        let lasts: Vec<Last> = manager.last_requests().map(|(unit, request)| Last::new(unit, request)).collect();
+        let manager = ModbusManager::new(devices);
+        let lasts: Vec<LastOrder> =
+            manager.last_requests().map(|(unit, request)| LastOrder::new(unit, request)).collect();
         let (to, from) = mpsc::unbounded_channel();
         let links = lasts.iter().map(|_| None).collect();
-        ModbusTcp { manager, clock, out: Outbox::default(), links, lasts, to, from }
+        ModbusTcp { manager, clock, out: ModbusOutbox::default(), links, lasts, to, from }
     }
 
     /// Has the connections do what they have to.
     fn flush(&mut self) {
-        for Act { device, link, what } in self.out.acts.drain(..) {
+        for LinkAct { device, link, what } in self.out.acts.drain(..) {
             match what {
-                What::Connect => {
+                LinkTask::Connect => {
                     let place = self.manager.addresses().nth(device);
                     let Some((address, unit)) = place else { continue };
                     let (last, to) = (self.lasts[device].clone(), self.to.clone());
-                    self.links[device] = Some(Link::open(address, unit, last, (device, link), to));
+                    self.links[device] = Some(Connection::open(address, unit, last, (device, link), to));
                 }
-                What::Ask(request) => {
+                LinkTask::Ask(request) => {
                     if let Some(link) = &self.links[device] {
                         link.ask(request);
                     }
                 }
-                What::Close { last } => {
+                LinkTask::Close { last } => {
                     if last.is_some() {
                         self.lasts[device].send();
                     }
@@ -110,12 +113,12 @@ impl Fieldbus for ModbusTcp {
     }
 
     fn release_outputs(&mut self) {
-        self.manager.release_outputs(&mut Outbox::default());
+        self.manager.release_outputs(&mut ModbusOutbox::default());
         // Nobody else reads the answers then.
         self.links.iter_mut().for_each(|link| *link = None);
-        let told: Vec<&Last> = self.lasts.iter().filter(|last| last.send()).collect();
+        let told: Vec<&LastOrder> = self.lasts.iter().filter(|last| last.send()).collect();
         last::wait_for(&told);
-        self.lasts.iter().for_each(Last::forget);
+        self.lasts.iter().for_each(LastOrder::forget);
     }
 
     fn last_orders(&self) -> LastOrders {
@@ -139,7 +142,7 @@ impl Fieldbus for ModbusTcp {
         self.manager.states().for_each(|(name, state)| tell(name, state));
     }
 
-    fn ask(&mut self, target: &Target, request: Request) -> Option<u64> {
+    fn ask(&mut self, target: &BusTarget, request: BusRequest) -> Option<u64> {
         let number = self.manager.ask(self.clock.now(), target, request, &mut self.out);
         self.flush();
         number

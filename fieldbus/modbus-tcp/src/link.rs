@@ -3,7 +3,7 @@
 use std::io;
 
 use linewright_line::{REGISTER_BITS, Table};
-use linewright_modbus::{Failure, Outcome, Request};
+use linewright_modbus::{LinkOutcome, ModbusFailure, ModbusRequest};
 use tokio::net::TcpStream;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
@@ -11,26 +11,26 @@ use tokio_modbus::client::{Client, Context, tcp};
 use tokio_modbus::{Request as Asked, Response, Slave};
 
 use crate::Brought;
-use crate::last::Last;
+use crate::last::LastOrder;
 
 /// A connection, open or being made. It ends with this.
-pub struct Link {
-    asks: mpsc::UnboundedSender<Request>,
+pub struct Connection {
+    asks: mpsc::UnboundedSender<ModbusRequest>,
     task: JoinHandle<()>,
 }
 
-impl Drop for Link {
+impl Drop for Connection {
     fn drop(&mut self) {
         self.task.abort();
     }
 }
 
-impl Link {
+impl Connection {
     /// Makes a connection; what it brings goes to `to`, under this device and number.
     pub fn open(
         address: &str,
         unit: u8,
-        last: Last,
+        last: LastOrder,
         (device, number): (usize, u32),
         to: mpsc::UnboundedSender<Brought>,
     ) -> Self {
@@ -41,24 +41,24 @@ impl Link {
             let bring = |outcome| _ = to.send((device, number, outcome));
             let mut context = match connect(&address, unit, &last).await {
                 Ok(context) => context,
-                Err(error) => return bring(Outcome::Failed(Failure::Gone(error.to_string()))),
+                Err(error) => return bring(LinkOutcome::Failed(ModbusFailure::Gone(error.to_string()))),
             };
-            bring(Outcome::Connected);
+            bring(LinkOutcome::Connected);
             while let Some(request) = asked.recv().await {
                 bring(answer(&mut context, request).await);
             }
         });
-        Link { asks, task }
+        Connection { asks, task }
     }
 
     /// Asks this, after what it was asked before.
-    pub fn ask(&self, request: Request) {
+    pub fn ask(&self, request: ModbusRequest) {
         // A connection that has ended has brought that.
         let _ = self.asks.send(request);
     }
 }
 
-async fn connect(address: &str, unit: u8, last: &Last) -> io::Result<Context> {
+async fn connect(address: &str, unit: u8, last: &LastOrder) -> io::Result<Context> {
     let stream = TcpStream::connect(address).await?;
     // A request is one small packet, and waits for nothing.
     stream.set_nodelay(true)?;
@@ -67,63 +67,66 @@ async fn connect(address: &str, unit: u8, last: &Last) -> io::Result<Context> {
     Ok(tcp::attach_slave(TcpStream::from_std(stream)?, Slave(unit)))
 }
 
-async fn answer(context: &mut Context, request: Request) -> Outcome {
+async fn answer(context: &mut Context, request: ModbusRequest) -> LinkOutcome {
     let asked = match request {
-        Request::Read { table: Table::Coils, first, count } => Asked::ReadCoils(first, count),
-        Request::Read { table: Table::DiscreteInputs, first, count } => Asked::ReadDiscreteInputs(first, count),
-        Request::Read { table: Table::HoldingRegisters, first, count } => Asked::ReadHoldingRegisters(first, count),
-        Request::Read { table: Table::InputRegisters, first, count } => Asked::ReadInputRegisters(first, count),
-        Request::WriteCoils { first, count, bits } => {
+        ModbusRequest::Read { table: Table::Coils, first, count } => Asked::ReadCoils(first, count),
+        ModbusRequest::Read { table: Table::DiscreteInputs, first, count } => Asked::ReadDiscreteInputs(first, count),
+        ModbusRequest::Read { table: Table::HoldingRegisters, first, count } => {
+            Asked::ReadHoldingRegisters(first, count)
+        }
+        ModbusRequest::Read { table: Table::InputRegisters, first, count } => Asked::ReadInputRegisters(first, count),
+        ModbusRequest::WriteCoils { first, count, bits } => {
             let bits: Vec<bool> = (0..count).map(|at| bits >> at & 1 == 1).collect();
             Asked::WriteMultipleCoils(first, bits.into())
         }
-        Request::WriteRegisters { first, count, words } => {
+        ModbusRequest::WriteRegisters { first, count, words } => {
             let words: Vec<u16> = (0..usize::from(count)).map(|at| (words >> (REGISTER_BITS * at)) as u16).collect();
             Asked::WriteMultipleRegisters(first, words.into())
         }
     };
     match context.call(asked).await {
         Ok(Ok(response)) => outcome(request, response),
-        Ok(Err(exception)) => Outcome::Failed(Failure::Exception(exception.into())),
-        Err(tokio_modbus::Error::Transport(error)) => Outcome::Failed(Failure::Gone(error.to_string())),
-        Err(tokio_modbus::Error::Protocol(error)) => Outcome::Failed(Failure::Malformed(error.to_string())),
+        Ok(Err(exception)) => LinkOutcome::Failed(ModbusFailure::Exception(exception.into())),
+        Err(tokio_modbus::Error::Transport(error)) => LinkOutcome::Failed(ModbusFailure::Gone(error.to_string())),
+        Err(tokio_modbus::Error::Protocol(error)) => LinkOutcome::Failed(ModbusFailure::Malformed(error.to_string())),
     }
 }
 
-fn outcome(request: Request, response: Response) -> Outcome {
+fn outcome(request: ModbusRequest, response: Response) -> LinkOutcome {
     match (request, response) {
-        (Request::Read { count, .. }, Response::ReadCoils(bits) | Response::ReadDiscreteInputs(bits)) => {
+        (ModbusRequest::Read { count, .. }, Response::ReadCoils(bits) | Response::ReadDiscreteInputs(bits)) => {
             // Bits come in whole bytes.
             match has(count, bits.len()) {
                 None => {
                     let on = bits.iter().take(count.into()).enumerate().filter(|(_, on)| **on);
-                    Outcome::Read(on.fold(0, |all, (at, _)| all | 1 << at))
+                    LinkOutcome::Read(on.fold(0, |all, (at, _)| all | 1 << at))
                 }
-                Some(failure) => Outcome::Failed(failure),
+                Some(failure) => LinkOutcome::Failed(failure),
             }
         }
-        (Request::Read { count, .. }, Response::ReadHoldingRegisters(words) | Response::ReadInputRegisters(words)) => {
-            match has(count, words.len()) {
-                None => {
-                    let words = words.iter().take(count.into()).enumerate();
-                    Outcome::Read(words.fold(0, |all, (at, word)| all | u64::from(*word) << (REGISTER_BITS * at)))
-                }
-                Some(failure) => Outcome::Failed(failure),
+        (
+            ModbusRequest::Read { count, .. },
+            Response::ReadHoldingRegisters(words) | Response::ReadInputRegisters(words),
+        ) => match has(count, words.len()) {
+            None => {
+                let words = words.iter().take(count.into()).enumerate();
+                LinkOutcome::Read(words.fold(0, |all, (at, word)| all | u64::from(*word) << (REGISTER_BITS * at)))
             }
-        }
-        (Request::WriteCoils { first, count, .. }, Response::WriteMultipleCoils(at, taken))
-        | (Request::WriteRegisters { first, count, .. }, Response::WriteMultipleRegisters(at, taken))
+            Some(failure) => LinkOutcome::Failed(failure),
+        },
+        (ModbusRequest::WriteCoils { first, count, .. }, Response::WriteMultipleCoils(at, taken))
+        | (ModbusRequest::WriteRegisters { first, count, .. }, Response::WriteMultipleRegisters(at, taken))
             if (first, count) == (at, taken) =>
         {
-            Outcome::Written
+            LinkOutcome::Written
         }
-        _ => Outcome::Failed(Failure::Malformed("the answer does not belong to it".to_owned())),
+        _ => LinkOutcome::Failed(ModbusFailure::Malformed("the answer does not belong to it".to_owned())),
     }
 }
 
 /// What is wrong if so many came where `count` were asked for.
-fn has(count: u16, came: usize) -> Option<Failure> {
-    let short = || Failure::Malformed(format!("wrong register map: {came} came, {count} were asked for"));
+fn has(count: u16, came: usize) -> Option<ModbusFailure> {
+    let short = || ModbusFailure::Malformed(format!("wrong register map: {came} came, {count} were asked for"));
     // More than a manager asks for is nothing it could have asked.
     (came < usize::from(count) || count > 64).then(short)
 }

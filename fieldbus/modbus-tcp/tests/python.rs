@@ -8,7 +8,9 @@ use std::time::Duration;
 
 use linewright_fieldbus::Clock;
 use linewright_fieldbus_seam::{Fieldbus, InputImage};
-use linewright_line::{Bus, Device, DeviceKind, InputId, Modbus, OutputId, Owner, RegisterValue, Table, Watchdog};
+use linewright_line::{
+    Device, DeviceBus, DeviceKind, InputId, Modbus, OutputId, Owner, RegisterValue, Table, WatchdogRegister,
+};
 use linewright_modbus_tcp::ModbusTcp;
 use tokio::io::{AsyncBufReadExt, AsyncWriteExt, BufReader, Lines};
 use tokio::process::{Child, ChildStdin, ChildStdout, Command};
@@ -86,13 +88,13 @@ fn device(port: u16, change: impl Fn(&mut Modbus)) -> Device {
         inputs_at: (Table::DiscreteInputs, 0),
         outputs: (0..3).map(|bit| Some(OutputId(bit))).collect(),
         outputs_at: (Table::Coils, 0),
-        watchdog: Some(Watchdog { register: 16, timeout: Duration::from_secs(2) }),
+        watchdog: Some(WatchdogRegister { register: 16, timeout: Duration::from_secs(2) }),
         without_watchdog: None,
         expect: vec![RegisterValue { register: 0, value: 0x401 }],
         settings: vec![RegisterValue { register: 17, value: 2000 }],
     };
     change(&mut modbus);
-    Device { name: "io".to_owned(), owner: OWNER, bus: Bus::Line, kind: DeviceKind::Modbus(modbus) }
+    Device { name: "io".to_owned(), owner: OWNER, bus: DeviceBus::Line, kind: DeviceKind::Modbus(modbus) }
 }
 
 fn image(bus: &ModbusTcp) -> InputImage {

@@ -1,7 +1,7 @@
 //! Devices in Modbus: a process image at one end, requests at the other.
 //!
-//! - [`Request`] and [`Failure`]: what is asked of a device, and why there is no answer;
-//! - [`Manager`]: the manager of a node's Modbus devices, pure: it is called with the time and with what a connection has
+//! - [`ModbusRequest`] and [`ModbusFailure`]: what is asked of a device, and why there is no answer;
+//! - [`ModbusManager`]: the manager of a node's Modbus devices, pure: it is called with the time and with what a connection has
 //!   brought, and answers with what the connections have to do and what to report.
 //!
 //! Connections are in `linewright_modbus_tcp`. This crate knows Modbus's functions, tables and exception codes; it does not
@@ -12,5 +12,5 @@
 mod manager;
 mod message;
 
-pub use manager::{Act, Manager, Outbox, Outcome, What};
-pub use message::{Failure, Request, exception_text, kept_bits};
+pub use manager::{LinkAct, LinkOutcome, LinkTask, ModbusManager, ModbusOutbox};
+pub use message::{ModbusFailure, ModbusRequest, exception_text, kept_bits};

@@ -7,7 +7,7 @@ use linewright_line::{REGISTER_BITS, Table};
 /// What is asked of a device. Bits and registers are numbers: bit `i` is the one at `first + i`, and of registers each has
 /// sixteen bits, the first one the lowest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Request {
+pub enum ModbusRequest {
     /// To read so many bits or registers (functions 01h to 04h).
     Read {
         /// Where.
@@ -39,7 +39,7 @@ pub enum Request {
 
 /// Why there is no answer, or none that can be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Failure {
+pub enum ModbusFailure {
     /// There is no connection, or none any more.
     Gone(String),
     /// The device refuses, with this code.
@@ -69,25 +69,25 @@ pub fn kept_bits(value: u64, count: usize) -> u64 {
     if count >= 64 { value } else { value & ((1 << count) - 1) }
 }
 
-impl Request {
+impl ModbusRequest {
     /// To write one holding register.
     pub fn write_register(register: u16, value: u16) -> Self {
-        Request::WriteRegisters { first: register, count: 1, words: value.into() }
+        ModbusRequest::WriteRegisters { first: register, count: 1, words: value.into() }
     }
 
     /// To write these bits into coils or registers.
     pub fn write_bits((table, first): (Table, u16), bits: usize, value: u64) -> Self {
         let count = u16::try_from(table.addresses(bits)).unwrap_or(u16::MAX);
         if table.has_registers() {
-            Request::WriteRegisters { first, count, words: kept_bits(value, bits) }
+            ModbusRequest::WriteRegisters { first, count, words: kept_bits(value, bits) }
         } else {
-            Request::WriteCoils { first, count, bits: kept_bits(value, bits) }
+            ModbusRequest::WriteCoils { first, count, bits: kept_bits(value, bits) }
         }
     }
 
     /// To read so many bits.
     pub fn read_bits((table, first): (Table, u16), bits: usize) -> Self {
-        Request::Read { table, first, count: u16::try_from(table.addresses(bits)).unwrap_or(u16::MAX) }
+        ModbusRequest::Read { table, first, count: u16::try_from(table.addresses(bits)).unwrap_or(u16::MAX) }
     }
 
     /// Its bytes on a TCP connection (MBAP header, function, data), for a last order that has nobody to wait for it.
@@ -99,14 +99,14 @@ impl Request {
             pdu.extend(count.to_be_bytes());
         };
         match *self {
-            Request::Read { table, first, count } => head(&mut pdu, function_of(table), first, count),
-            Request::WriteCoils { first, count, bits } => {
+            ModbusRequest::Read { table, first, count } => head(&mut pdu, function_of(table), first, count),
+            ModbusRequest::WriteCoils { first, count, bits } => {
                 head(&mut pdu, 0x0F, first, count);
                 let bytes = usize::from(count).div_ceil(8).min(8);
                 pdu.push(bytes as u8);
                 pdu.extend(&bits.to_le_bytes()[..bytes]);
             }
-            Request::WriteRegisters { first, count, words } => {
+            ModbusRequest::WriteRegisters { first, count, words } => {
                 let count = count.min(4);
                 head(&mut pdu, 0x10, first, count);
                 pdu.push(count as u8 * 2);
@@ -134,12 +134,12 @@ fn function_of(table: Table) -> u8 {
     }
 }
 
-impl fmt::Display for Request {
+impl fmt::Display for ModbusRequest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (what, count, table, first) = match self {
-            Request::Read { table, first, count } => ("reading", count, *table, first),
-            Request::WriteCoils { first, count, .. } => ("writing", count, Table::Coils, first),
-            Request::WriteRegisters { first, count, .. } => ("writing", count, Table::HoldingRegisters, first),
+            ModbusRequest::Read { table, first, count } => ("reading", count, *table, first),
+            ModbusRequest::WriteCoils { first, count, .. } => ("writing", count, Table::Coils, first),
+            ModbusRequest::WriteRegisters { first, count, .. } => ("writing", count, Table::HoldingRegisters, first),
         };
         write!(f, "{what} {count} {table} from {first}")
     }
@@ -152,22 +152,22 @@ mod tests {
     #[test]
     fn requests_are_encoded_as_the_specification_shows() {
         // §6.11: coils 20 to 29 (address 13h), CDh 01h.
-        let coils = Request::WriteCoils { first: 0x13, count: 10, bits: 0x01CD };
+        let coils = ModbusRequest::WriteCoils { first: 0x13, count: 10, bits: 0x01CD };
         assert_eq!(coils.adu(1, 0xFF), [0, 1, 0, 0, 0, 9, 0xFF, 0x0F, 0, 0x13, 0, 0x0A, 2, 0xCD, 0x01]);
         // §6.12: two registers from 2 (address 1): 000Ah and 0102h.
-        let registers = Request::WriteRegisters { first: 1, count: 2, words: 0x0102_000A };
+        let registers = ModbusRequest::WriteRegisters { first: 1, count: 2, words: 0x0102_000A };
         assert_eq!(registers.adu(2, 1), [0, 2, 0, 0, 0, 11, 1, 0x10, 0, 1, 0, 2, 4, 0, 0x0A, 0x01, 0x02]);
         // §6.2: discrete inputs 197 to 218.
-        let read = Request::Read { table: Table::DiscreteInputs, first: 0xC4, count: 0x16 };
+        let read = ModbusRequest::Read { table: Table::DiscreteInputs, first: 0xC4, count: 0x16 };
         assert_eq!(read.adu(3, 1), [0, 3, 0, 0, 0, 6, 1, 2, 0, 0xC4, 0, 0x16]);
     }
 
     #[test]
     fn bits_fill_coils_one_by_one_and_registers_sixteen_by_sixteen() {
-        let coils = Request::write_bits((Table::Coils, 5), 3, 0xFF);
-        assert_eq!(coils, Request::WriteCoils { first: 5, count: 3, bits: 0b111 });
-        let registers = Request::write_bits((Table::HoldingRegisters, 5), 17, u64::MAX);
-        assert_eq!(registers, Request::WriteRegisters { first: 5, count: 2, words: 0x1_FFFF });
+        let coils = ModbusRequest::write_bits((Table::Coils, 5), 3, 0xFF);
+        assert_eq!(coils, ModbusRequest::WriteCoils { first: 5, count: 3, bits: 0b111 });
+        let registers = ModbusRequest::write_bits((Table::HoldingRegisters, 5), 17, u64::MAX);
+        assert_eq!(registers, ModbusRequest::WriteRegisters { first: 5, count: 2, words: 0x1_FFFF });
         assert_eq!(kept_bits(u64::MAX, 64), u64::MAX);
     }
 }

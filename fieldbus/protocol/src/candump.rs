@@ -8,24 +8,24 @@ use std::io::{self, Write};
 use std::str::FromStr;
 use std::time::Duration;
 
-use crate::frame::{Frame, FrameError, Kind};
+use crate::frame::{Frame, FrameError, FrameKind};
 
 /// Writes frames as `candump -L` does: `(1436509052.249713) vcan0 181#0102`.
-pub struct Recorder {
+pub struct CandumpWriter {
     interface: String,
     sink: Box<dyn Write + Send>,
     lost: u64,
 }
 
-impl Recorder {
+impl CandumpWriter {
     /// A recorder of the bus `interface` that writes to `sink`, one line per frame, unbuffered: what a crash leaves
     /// behind is complete up to it.
     pub fn new(interface: &str, sink: Box<dyn Write + Send>) -> Self {
-        Recorder { interface: interface.to_owned(), sink, lost: 0 }
+        CandumpWriter { interface: interface.to_owned(), sink, lost: 0 }
     }
 
     /// Writes one frame seen `since_epoch` after 1970-01-01. A sink that fails loses the line, never the frame:
-    /// [`Recorder::lost`] counts them.
+    /// [`CandumpWriter::lost`] counts them.
     pub fn record(&mut self, since_epoch: Duration, frame: &Frame) {
         let line = log_line(since_epoch, &self.interface, frame);
         if self.sink.write_all(line.as_bytes()).and_then(|()| self.sink.write_all(b"\n")).is_err() {
@@ -44,7 +44,7 @@ impl Recorder {
     }
 }
 
-impl fmt::Debug for Recorder {
+impl fmt::Debug for CandumpWriter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Recorder").field("interface", &self.interface).field("lost", &self.lost).finish()
     }
@@ -73,11 +73,11 @@ impl fmt::Display for Frame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let word = self.id_word();
         match self.kind() {
-            Kind::Error(class) => write!(f, "{:08X}#", 0x2000_0000 | class)?,
+            FrameKind::Error(class) => write!(f, "{:08X}#", 0x2000_0000 | class)?,
             _ if word & 0x8000_0000 != 0 => write!(f, "{:08X}#", word & 0x1FFF_FFFF)?,
             _ => write!(f, "{:03X}#", word & 0x7FF)?,
         }
-        if self.kind() == Kind::Remote {
+        if self.kind() == FrameKind::Remote {
             return if self.is_empty() { f.write_str("R") } else { write!(f, "R{}", self.len()) };
         }
         self.data().iter().try_for_each(|byte| write!(f, "{byte:02X}"))
@@ -153,8 +153,8 @@ mod tests {
 
     #[test]
     fn a_recorder_writes_lines_and_counts_what_it_loses() {
-        struct Full;
-        impl Write for Full {
+        struct DiskFull;
+        impl Write for DiskFull {
             fn write(&mut self, _: &[u8]) -> io::Result<usize> {
                 Err(io::Error::other("disk full"))
             }
@@ -162,7 +162,7 @@ mod tests {
                 Ok(())
             }
         }
-        let mut recorder = Recorder::new("vcan0", Box::new(Full));
+        let mut recorder = CandumpWriter::new("vcan0", Box::new(DiskFull));
         recorder.record(Duration::ZERO, &Frame::data_frame(0x181, &[]).unwrap());
         assert_eq!(recorder.lost(), 1);
     }

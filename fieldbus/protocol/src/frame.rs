@@ -29,7 +29,7 @@ pub struct Frame {
 
 /// What kind of frame it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum FrameKind {
     /// A data frame.
     Data,
     /// A remote transmission request.
@@ -111,17 +111,17 @@ impl Frame {
     /// The identifier of a data frame, whatever its length; `None` for anything else.
     pub fn frame_id(&self) -> Option<FrameId> {
         let extended = self.word & EXTENDED != 0;
-        (self.kind() == Kind::Data).then_some(FrameId { id: self.word & 0x1FFF_FFFF, extended })
+        (self.kind() == FrameKind::Data).then_some(FrameId { id: self.word & 0x1FFF_FFFF, extended })
     }
 
     /// What kind of frame it is.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> FrameKind {
         if self.word & ERROR != 0 {
-            Kind::Error(self.word & 0x1FFF_FFFF)
+            FrameKind::Error(self.word & 0x1FFF_FFFF)
         } else if self.word & REMOTE != 0 {
-            Kind::Remote
+            FrameKind::Remote
         } else {
-            Kind::Data
+            FrameKind::Data
         }
     }
 
@@ -137,7 +137,7 @@ impl Frame {
 
     /// The data; empty for a remote request.
     pub fn data(&self) -> &[u8] {
-        if self.kind() == Kind::Remote { &[] } else { &self.data[..usize::from(self.len)] }
+        if self.kind() == FrameKind::Remote { &[] } else { &self.data[..usize::from(self.len)] }
     }
 
     /// The frame as `struct can_frame` lays it out on this machine: id word, length, three bytes of padding, data.
@@ -192,11 +192,11 @@ impl embedded_can::Frame for Frame {
     }
 
     fn is_remote_frame(&self) -> bool {
-        self.kind() == Kind::Remote
+        self.kind() == FrameKind::Remote
     }
 
     fn is_data_frame(&self) -> bool {
-        self.kind() == Kind::Data
+        self.kind() == FrameKind::Data
     }
 
     fn id(&self) -> Id {
@@ -253,10 +253,10 @@ mod tests {
         assert_eq!((extended.frame_id(), Frame::of_id(id, &[7])), (Some(id), Some(extended)));
         assert_eq!(Frame::of_id(FrameId { id: 0x800, extended: false }, &[]), None);
         let remote = Frame::new_remote(StandardId::new(0x701).unwrap(), 1).unwrap();
-        assert_eq!((remote.kind(), remote.len(), remote.data()), (Kind::Remote, 1, &[][..]));
+        assert_eq!((remote.kind(), remote.len(), remote.data()), (FrameKind::Remote, 1, &[][..]));
         let error = Frame::from_word(ERROR | 0x40, &[0; 8]).unwrap();
         assert_eq!((remote.frame_id(), error.frame_id()), (None, None));
-        assert_eq!(error.kind(), Kind::Error(0x40));
+        assert_eq!(error.kind(), FrameKind::Error(0x40));
         for frame in [extended, remote, error] {
             assert_eq!(Frame::from_bytes(&frame.to_bytes()), Ok(frame));
         }

@@ -2,7 +2,7 @@
 //!
 //! From the inside out:
 //! - [`Frame`]: one classic CAN frame, as the kernel lays it out, and its [`candump`] text;
-//! - [`codec`]: frame ↔ CANopen [`Message`], total and pure;
+//! - [`codec`]: frame ↔ CANopen [`CanopenMessage`], total and pure;
 //! - [`sdo`]: reading and writing objects, client and server, pure;
 //! - [`Manager`]: the CANopen manager of one bus, pure: it is called with the time and a frame, and answers with
 //!   frames to send and events to report;
@@ -17,15 +17,18 @@
 //! Clauses cited as "CiA 301" are those of the CANopen application layer, version 4.2.0; "CiA 401" is the profile of
 //! generic I/O devices, version 3.0; "CiA 402" that of drives, which is IEC 61800-7-201 as well.
 
+pub mod bus_scan;
 pub mod candump;
 pub mod codec;
+pub mod describe_frame;
 mod frame;
 pub mod manager;
 pub mod profile;
 pub mod sdo;
-pub mod survey;
-pub mod tell;
 
-pub use codec::{DecodeError, Message, NodeId};
-pub use frame::{FRAME_BYTES, Frame, FrameError, Kind};
-pub use manager::{Answer, Ask, AskError, Event, IgnoreReason, MANAGER_NODE, Manager, ManagerError, Outbox};
+pub use codec::{CanopenMessage, FrameDecodeError, NodeId};
+pub use frame::{FRAME_BYTES, Frame, FrameError, FrameKind};
+pub use manager::{
+    BusEvent, BusOutbox, DeviceRequest, DeviceRequestError, IgnoreReason, MANAGER_NODE, Manager, ManagerError,
+    RequestResult,
+};

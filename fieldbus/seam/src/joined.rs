@@ -8,7 +8,9 @@ use std::task::Poll;
 
 use linewright_line::Owner;
 
-use crate::{Answer, Diagnosis, Fieldbus, InputImage, LastOrders, News, NextNews, Refusal, Request, Target, abort};
+use crate::{
+    Answer, BusRefusal, BusRequest, BusTarget, Diagnosis, Fieldbus, InputImage, LastOrders, News, NextNews, abort,
+};
 
 /// Several buses as one.
 pub struct Joined {
@@ -123,7 +125,7 @@ impl Joined {
     }
 
     /// Asks a device; see [`Fieldbus::ask`].
-    pub fn ask(&mut self, target: &Target, request: Request) -> u64 {
+    pub fn ask(&mut self, target: &BusTarget, request: BusRequest) -> u64 {
         let count = self.buses.len() as u64 + 1;
         for (at, bus) in (0..).zip(&mut self.buses) {
             if let Some(number) = bus.ask(target, request) {
@@ -133,10 +135,10 @@ impl Joined {
         self.unknown += 1;
         let number = self.unknown * count + count - 1;
         let text = match target {
-            Target::Node(node) => format!("{target}, {request}: no device of this bus has node id {node}"),
-            Target::Device(_) => format!("{target}, {request}: there is no such device on this bus"),
+            BusTarget::Node(node) => format!("{target}, {request}: no device of this bus has node id {node}"),
+            BusTarget::Device(_) => format!("{target}, {request}: there is no such device on this bus"),
         };
-        self.answers.push((number, Err(Refusal { text, code: abort::NO_CONNECTION })));
+        self.answers.push((number, Err(BusRefusal { text, code: abort::NO_CONNECTION })));
         number
     }
 
@@ -199,8 +201,8 @@ mod tests {
             Vec::new()
         }
         fn states(&self, _: &mut dyn FnMut(&str, &'static str)) {}
-        fn ask(&mut self, target: &Target, _: Request) -> Option<u64> {
-            (*target == Target::Node(5)).then_some(7)
+        fn ask(&mut self, target: &BusTarget, _: BusRequest) -> Option<u64> {
+            (*target == BusTarget::Node(5)).then_some(7)
         }
         fn take_answers(&mut self) -> Vec<(u64, Answer)> {
             Vec::new()
@@ -258,8 +260,8 @@ mod tests {
     #[test]
     fn a_device_of_no_bus_is_refused_by_name() {
         let (mut joined, ..) = pair();
-        assert_eq!(joined.ask(&Target::Node(5), Request::Reset), 21);
-        let number = joined.ask(&Target::Node(6), Request::Reset);
+        assert_eq!(joined.ask(&BusTarget::Node(5), BusRequest::Reset), 21);
+        let number = joined.ask(&BusTarget::Node(6), BusRequest::Reset);
         let answers = joined.take_answers();
         let (told, Err(refusal)) = &answers[0] else { panic!("{answers:?}") };
         assert_eq!((*told, refusal.text.as_str()), (number, "node 06h, reset: no device of this bus has node id 6"));

@@ -28,7 +28,7 @@ pub use budget::Budget;
 pub use diagnosis::{Diagnosis, Level, NOT_HEARD};
 pub use image::{InputImage, gather, scatter};
 pub use joined::Joined;
-pub use request::{Answer, Object, Refusal, Reply, Request, Target, abort};
+pub use request::{Answer, BusRefusal, BusReply, BusRequest, BusTarget, ObjectAddress, abort};
 
 /// Something a bus reports.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -101,7 +101,7 @@ pub trait Fieldbus: Send {
     fn states(&self, tell: &mut dyn FnMut(&str, &'static str));
 
     /// Asks a device; the answer comes with [`News::Answered`], under the number given here. `None` if it is not on this bus.
-    fn ask(&mut self, target: &Target, request: Request) -> Option<u64>;
+    fn ask(&mut self, target: &BusTarget, request: BusRequest) -> Option<u64>;
 
     /// What requests have come to since this was last called.
     fn take_answers(&mut self) -> Vec<(u64, Answer)>;

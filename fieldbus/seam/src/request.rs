@@ -14,7 +14,7 @@ pub mod abort {
 
 /// Which device is asked.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Target {
+pub enum BusTarget {
     /// By its CANopen node id.
     Node(u8),
     /// By its name.
@@ -23,7 +23,7 @@ pub enum Target {
 
 /// An object of a CANopen device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Object {
+pub struct ObjectAddress {
     /// Index.
     pub index: u16,
     /// Subindex.
@@ -32,17 +32,17 @@ pub struct Object {
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Request {
+pub enum BusRequest {
     /// To start anew.
     Reset,
     /// To be brought up now.
     Start,
     /// An object's value.
-    Read(Object),
+    Read(ObjectAddress),
     /// To write a number.
     Write {
         /// Where.
-        object: Object,
+        object: ObjectAddress,
         /// What; a negative one in two's complement of the object's length.
         value: u32,
         /// In how many bytes, 1 to 4; `None`: in as many as the object has.
@@ -52,7 +52,7 @@ pub enum Request {
 
 /// What a request has come to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Reply {
+pub struct BusReply {
     /// The bytes read; none for anything else.
     pub value: Vec<u8>,
     /// What is done, in words.
@@ -61,7 +61,7 @@ pub struct Reply {
 
 /// Why it was not fulfilled.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refusal {
+pub struct BusRefusal {
     /// In words, with the device.
     pub text: String,
     /// For answers that have room for a number only, see [`abort`].
@@ -69,30 +69,30 @@ pub struct Refusal {
 }
 
 /// What a request has come to, or why not.
-pub type Answer = Result<Reply, Refusal>;
+pub type Answer = Result<BusReply, BusRefusal>;
 
-impl fmt::Display for Target {
+impl fmt::Display for BusTarget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Target::Node(node) => write!(f, "node {node:02X}h"),
-            Target::Device(name) => f.write_str(name),
+            BusTarget::Node(node) => write!(f, "node {node:02X}h"),
+            BusTarget::Device(name) => f.write_str(name),
         }
     }
 }
 
-impl fmt::Display for Object {
+impl fmt::Display for ObjectAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:04X}h:{:02X}", self.index, self.sub)
     }
 }
 
-impl fmt::Display for Request {
+impl fmt::Display for BusRequest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Request::Reset => f.write_str("reset"),
-            Request::Start => f.write_str("start"),
-            Request::Read(object) => write!(f, "read object {object}"),
-            Request::Write { object, value, .. } => write!(f, "write {value} ({value:X}h) to object {object}"),
+            BusRequest::Reset => f.write_str("reset"),
+            BusRequest::Start => f.write_str("start"),
+            BusRequest::Read(object) => write!(f, "read object {object}"),
+            BusRequest::Write { object, value, .. } => write!(f, "write {value} ({value:X}h) to object {object}"),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! What a description says in the names of a DBC file → numbers, with every problem at its place in the description.
 
 use linewright_line::{
-    Checksum, Field, FrameBinding, Frames, HeardFrame, Named, Page, Problem, Receive, When, suggestion,
+    Checksum, DbcName, FrameBinding, FrameField, FrameTable, Page, Problem, ReceivedFrameBinding, ReceivedMessageTable,
+    When, suggestion,
 };
 
 use crate::{Database, DbcMessage, DbcSignal, Mux};
@@ -12,7 +13,7 @@ const LEN_MAX: u64 = 8;
 const COUNTER_BITS_MIN: u8 = 2;
 
 /// Works out what `frames` means by `database`: all problems at once, each pointing into the description.
-pub fn bind(frames: &Frames, database: &Database) -> Result<FrameBinding, Vec<Problem>> {
+pub fn bind(frames: &FrameTable, database: &Database) -> Result<FrameBinding, Vec<Problem>> {
     let mut binder = Binder { database, file: &frames.file.name, problems: Vec::new() };
     let heard: Vec<_> = frames.receive.iter().filter_map(|receive| binder.heard(receive)).collect();
     let told = binder.all_told(&frames.send);
@@ -27,11 +28,11 @@ pub(crate) struct Binder<'a> {
 }
 
 impl<'a> Binder<'a> {
-    pub(crate) fn problem(&mut self, at: &Named, message: String, hint: Option<String>) {
+    pub(crate) fn problem(&mut self, at: &DbcName, message: String, hint: Option<String>) {
         self.problems.push(Problem::error(at.at.clone(), message).maybe_hint(hint));
     }
 
-    pub(crate) fn message(&mut self, named: &Named) -> Option<&'a DbcMessage> {
+    pub(crate) fn message(&mut self, named: &DbcName) -> Option<&'a DbcMessage> {
         let database = self.database;
         let Some(message) = database.messages.iter().find(|message| message.name == named.name) else {
             let hint = suggestion(&named.name, database.messages.iter().map(|message| message.name.as_str()));
@@ -45,7 +46,7 @@ impl<'a> Binder<'a> {
         Some(message)
     }
 
-    pub(crate) fn signal(&mut self, message: &'a DbcMessage, named: &Named) -> Option<(&'a DbcSignal, Field)> {
+    pub(crate) fn signal(&mut self, message: &'a DbcMessage, named: &DbcName) -> Option<(&'a DbcSignal, FrameField)> {
         let Some(signal) = message.signals.iter().find(|signal| signal.name == named.name) else {
             let names = message.signals.iter().map(|signal| signal.name.as_str());
             let near = suggestion(&named.name, names.clone());
@@ -63,7 +64,7 @@ impl<'a> Binder<'a> {
     }
 
     /// A signal that is in every frame.
-    fn plain(&mut self, message: &'a DbcMessage, named: &Named, what: &str) -> Option<Field> {
+    fn plain(&mut self, message: &'a DbcMessage, named: &DbcName, what: &str) -> Option<FrameField> {
         let (signal, field) = self.signal(message, named)?;
         if matches!(signal.mux, Mux::Selected(_) | Mux::Nested) {
             self.problem(named, format!("`{}` is not in every frame, as {what} must be", signal.name), None);
@@ -72,7 +73,7 @@ impl<'a> Binder<'a> {
         Some(field)
     }
 
-    pub(crate) fn counter(&mut self, message: &'a DbcMessage, named: Option<&Named>) -> Option<Option<Field>> {
+    pub(crate) fn counter(&mut self, message: &'a DbcMessage, named: Option<&DbcName>) -> Option<Option<FrameField>> {
         let Some(named) = named else { return Some(None) };
         let field = self.plain(message, named, "a counter")?;
         if field.size < COUNTER_BITS_MIN {
@@ -85,7 +86,7 @@ impl<'a> Binder<'a> {
     pub(crate) fn checksum(
         &mut self,
         message: &'a DbcMessage,
-        named: Option<&(Named, Checksum)>,
+        named: Option<&(DbcName, Checksum)>,
     ) -> Option<Option<(u8, Checksum)>> {
         let Some((named, kind)) = named else { return Some(None) };
         let field = self.plain(message, named, "a checksum")?;
@@ -99,7 +100,7 @@ impl<'a> Binder<'a> {
     }
 
     /// The selector that shows the multiplexed signal `named`.
-    pub(crate) fn selector(&mut self, message: &'a DbcMessage, named: &Named) -> Option<Field> {
+    pub(crate) fn selector(&mut self, message: &'a DbcMessage, named: &DbcName) -> Option<FrameField> {
         let selector = message.selector().map(|(_, field)| field);
         if selector.is_none() {
             self.problem(
@@ -111,7 +112,7 @@ impl<'a> Binder<'a> {
         selector
     }
 
-    fn heard(&mut self, receive: &Receive) -> Option<HeardFrame> {
+    fn heard(&mut self, receive: &ReceivedMessageTable) -> Option<ReceivedFrameBinding> {
         let message = self.message(&receive.message)?;
         let counter = self.counter(message, receive.counter.as_ref());
         let checksum = self.checksum(message, receive.checksum.as_ref());
@@ -146,7 +147,7 @@ impl<'a> Binder<'a> {
         if pages.is_empty() {
             pages.push(Page { selected: None, inputs: Vec::new(), limits: Vec::new() });
         }
-        Some(HeardFrame {
+        Some(ReceivedFrameBinding {
             name: message.name.clone(),
             id: message.id,
             len: message.len as u8,
@@ -157,7 +158,7 @@ impl<'a> Binder<'a> {
         })
     }
 
-    fn condition_is_possible(&mut self, at: &Named, signal: &DbcSignal, field: &Field, when: When) {
+    fn condition_is_possible(&mut self, at: &DbcName, signal: &DbcSignal, field: &FrameField, when: When) {
         let (least, most) = within(signal, field);
         let unit = &signal.unit;
         let has =
@@ -196,7 +197,7 @@ impl<'a> Binder<'a> {
     }
 
     /// A message is listed once: its timeout and its counter are its own.
-    fn heard_once(&mut self, receive: &[Receive]) {
+    fn heard_once(&mut self, receive: &[ReceivedMessageTable]) {
         for (nth, this) in receive.iter().enumerate() {
             if receive[..nth].iter().any(|earlier| earlier.message.name == this.message.name) {
                 let what = format!("message `{}` is received twice", this.message.name);
@@ -209,12 +210,12 @@ impl<'a> Binder<'a> {
     pub(crate) fn apart<'n>(
         &mut self,
         message: &'a DbcMessage,
-        named: impl Iterator<Item = &'n Named>,
+        named: impl Iterator<Item = &'n DbcName>,
         other: Option<&'a DbcSignal>,
     ) {
         let lies = |signal: &DbcSignal| signal.field.filter(|field| field.fits(message.len as u8));
         let place = |signal: &'a DbcSignal| Some((signal.name.as_str(), lies(signal)?));
-        let mut seen: Vec<(&str, Field)> = other.and_then(place).into_iter().collect();
+        let mut seen: Vec<(&str, FrameField)> = other.and_then(place).into_iter().collect();
         for named in named {
             let signal = message.signals.iter().find(|signal| signal.name == named.name);
             let Some((name, field)) = signal.and_then(place) else { continue };
@@ -230,7 +231,7 @@ impl<'a> Binder<'a> {
 
 /// The least and the greatest value of a signal: what its bits hold, and no more than the file says. A limit between two
 /// values is taken as the nearer one.
-fn within(signal: &DbcSignal, field: &Field) -> (f64, f64) {
+fn within(signal: &DbcSignal, field: &FrameField) -> (f64, f64) {
     let (first, last) = field.range();
     let nearest = |limit: f64| field.bits(limit).map_or(limit, |bits| field.value(bits));
     let limits = signal.limits.map(|(least, most)| (nearest(least).max(first), nearest(most).min(last)));

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, NumericValue, SignalExtendedValueType, ValueType};
-use linewright_line::{Coding, Field, FrameId};
+use linewright_line::{Coding, FrameField, FrameId};
 use thiserror::Error;
 
 /// A larger file is refused; those of whole vehicles have a few megabytes.
@@ -53,7 +53,7 @@ pub struct DbcMessage {
 pub struct DbcSignal {
     pub name: String,
     /// Where it lies. `None` for one that no frame of eight bytes holds, or whose step is worth nothing.
-    pub field: Option<Field>,
+    pub field: Option<FrameField>,
     /// Whether it is always there.
     pub mux: Mux,
     /// The least and the greatest value it has, if the file says so: `[0|0]`, or any two that are no range, say nothing.
@@ -76,7 +76,7 @@ pub enum Mux {
 
 impl DbcMessage {
     /// The signal that selects others, if there is one in its eight bytes, and where it lies.
-    pub fn selector(&self) -> Option<(&DbcSignal, Field)> {
+    pub fn selector(&self) -> Option<(&DbcSignal, FrameField)> {
         let selector = self.signals.iter().find(|signal| signal.mux == Mux::Selector)?;
         Some((selector, selector.field.filter(|field| u8::try_from(self.len).is_ok_and(|len| field.fits(len)))?))
     }
@@ -151,8 +151,8 @@ fn number(raw: NumericValue) -> f64 {
     }
 }
 
-fn field(raw: &can_dbc::Signal, coding: Coding) -> Option<Field> {
-    let field = Field {
+fn field(raw: &can_dbc::Signal, coding: Coding) -> Option<FrameField> {
+    let field = FrameField {
         start: u8::try_from(raw.start_bit).ok().filter(|start| *start < 64)?,
         size: u8::try_from(raw.size).ok()?,
         motorola: raw.byte_order == ByteOrder::BigEndian,

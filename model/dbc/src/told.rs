@@ -3,15 +3,15 @@
 //! A message may be sent in several forms, with several values of its selector. To the device it is one message all the
 //! same: it has one counter, which runs through all of its forms.
 
-use linewright_line::{Field, Named, Send, ToldFrame};
+use linewright_line::{CyclicFrame, DbcName, FrameField, SentFrameBinding};
 
 use crate::bind::Binder;
 use crate::{DbcMessage, DbcSignal, Mux};
 
 impl<'a> Binder<'a> {
     /// Bindings of all messages that the device is sent.
-    pub(crate) fn all_told(&mut self, send: &[Send]) -> Vec<ToldFrame> {
-        let mut all: Vec<ToldFrame> = Vec::new();
+    pub(crate) fn all_told(&mut self, send: &[CyclicFrame]) -> Vec<SentFrameBinding> {
+        let mut all: Vec<SentFrameBinding> = Vec::new();
         for send in send {
             let Some((message, told)) = self.told(send) else { continue };
             for earlier in all.iter().filter(|earlier| earlier.id == told.id) {
@@ -22,9 +22,14 @@ impl<'a> Binder<'a> {
         all
     }
 
-    fn forms_of_one_message(&mut self, send: &Send, message: &DbcMessage, [earlier, told]: [&ToldFrame; 2]) {
+    fn forms_of_one_message(
+        &mut self,
+        send: &CyclicFrame,
+        message: &DbcMessage,
+        [earlier, told]: [&SentFrameBinding; 2],
+    ) {
         let selector = message.selector();
-        let shown = |told: &ToldFrame| selector.and_then(|(_, field)| shown(told, &field));
+        let shown = |told: &SentFrameBinding| selector.and_then(|(_, field)| shown(told, &field));
         if shown(told).is_none() || shown(told) == shown(earlier) {
             let one = "put all its signals into one entry";
             let hint = match selector {
@@ -42,12 +47,12 @@ impl<'a> Binder<'a> {
         }
     }
 
-    fn told(&mut self, send: &Send) -> Option<(&'a DbcMessage, ToldFrame)> {
+    fn told(&mut self, send: &CyclicFrame) -> Option<(&'a DbcMessage, SentFrameBinding)> {
         let message = self.message(&send.message)?;
         let counter = self.counter(message, send.counter.as_ref());
         let checksum = self.checksum(message, send.checksum.as_ref());
         let mut rest = [0; 8];
-        let mut given: Vec<(&Named, &DbcSignal)> = Vec::new();
+        let mut given: Vec<(&DbcName, &DbcSignal)> = Vec::new();
         for (named, value) in &send.set {
             let Some((signal, field)) = self.signal(message, named) else { continue };
             given.push((named, signal));
@@ -76,11 +81,11 @@ impl<'a> Binder<'a> {
         self.signals_are_apart(message, send, given.iter().any(|(_, signal)| matches!(signal.mux, Mux::Selected(_))));
         let (name, id, len) = (message.name.clone(), message.id, message.len as u8);
         let (every, lets_go_after, counter, checksum) = (send.every, send.lets_go_after, counter?, checksum?);
-        Some((message, ToldFrame { name, id, len, every, lets_go_after, counter, checksum, rest, outputs }))
+        Some((message, SentFrameBinding { name, id, len, every, lets_go_after, counter, checksum, rest, outputs }))
     }
 
     /// What is multiplexed is there because of the selector's value, which then is for nothing else.
-    fn signals_are_apart(&mut self, message: &'a DbcMessage, send: &Send, is_multiplexed: bool) {
+    fn signals_are_apart(&mut self, message: &'a DbcMessage, send: &CyclicFrame, is_multiplexed: bool) {
         let checksum = send.checksum.iter().map(|(named, _)| named);
         let changing = || send.counter.iter().chain(checksum.clone()).chain(send.outputs.iter().map(|own| &own.signal));
         let set = send.set.iter().map(|(named, _)| named);
@@ -98,7 +103,7 @@ impl<'a> Binder<'a> {
     }
 
     /// A signal that is multiplexed is sent with the selector's value that shows it.
-    fn is_selected(&mut self, message: &'a DbcMessage, named: &Named, signal: &DbcSignal, rest: &[u8; 8]) {
+    fn is_selected(&mut self, message: &'a DbcMessage, named: &DbcName, signal: &DbcSignal, rest: &[u8; 8]) {
         match &signal.mux {
             Mux::Plain | Mux::Selector => {}
             Mux::Nested => {
@@ -119,7 +124,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    fn bits(&mut self, named: &Named, signal: &DbcSignal, field: &Field, value: f64) -> Option<u64> {
+    fn bits(&mut self, named: &DbcName, signal: &DbcSignal, field: &FrameField, value: f64) -> Option<u64> {
         let bits = field.bits(value);
         if bits.is_none() {
             let what = format!("`{}` cannot be {value} {}", signal.name, signal.unit);
@@ -130,7 +135,7 @@ impl<'a> Binder<'a> {
 }
 
 /// The selector's value, if it is always the same.
-fn shown(told: &ToldFrame, selector: &Field) -> Option<u64> {
+fn shown(told: &SentFrameBinding, selector: &FrameField) -> Option<u64> {
     let mut changing = told.outputs.iter().map(|(_, field, _)| field).chain(&told.counter);
     let is_fixed = !changing.any(|field| field.meets(selector));
     is_fixed.then(|| selector.get(&told.rest))

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::process::{Command, Stdio};
 
 use linewright_dbc::{Mux, read};
-use linewright_line::Field;
+use linewright_line::FrameField;
 
 /// Reads the file, then lines of a message, its bytes in hexadecimal, a signal, and what it is worth in them.
 const SCRIPT: &str = r#"
@@ -85,7 +85,7 @@ fn every_signal_is_worth_the_same() {
                     field.put(&mut data, draw.below(2));
                 }
                 for signal in &message.signals {
-                    let field: Field = signal.field.expect("it lies in its frame");
+                    let field: FrameField = signal.field.expect("it lies in its frame");
                     let there = match (&signal.mux, selector.and_then(|selector| selector.field)) {
                         (Mux::Selected(values), Some(selector)) => {
                             values.iter().any(|(first, last)| (*first..=*last).contains(&selector.get(&data)))

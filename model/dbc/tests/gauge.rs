@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use linewright_dbc::{Database, DbcError, Mux, bind, read};
 use linewright_line::{
-    Checksum, Frames, InputId, Named, OutputId, Receive, Send, SignalInput, SignalOutput, Unsound, When,
+    Checksum, CyclicFrame, DbcName, FrameTable, InputId, OutputId, ReceivedMessageTable, SignalError, SignalInput,
+    SignalOutput, When,
 };
 
 const GAUGE: &[u8] = include_bytes!("gauge.dbc");
@@ -13,22 +14,22 @@ fn gauge() -> Database {
     read(GAUGE).expect("a sound file")
 }
 
-fn named(name: &str) -> Named {
-    Named { name: name.to_owned(), at: 0..1 }
+fn named(name: &str) -> DbcName {
+    DbcName { name: name.to_owned(), at: 0..1 }
 }
 
 fn input(id: u16, signal: &str, when: When) -> SignalInput {
     SignalInput { input: InputId(id), signal: named(signal), when }
 }
 
-fn receive(message: &str, inputs: Vec<SignalInput>) -> Receive {
+fn receive(message: &str, inputs: Vec<SignalInput>) -> ReceivedMessageTable {
     let timeout = Duration::from_millis(100);
-    Receive { message: named(message), timeout, counter: None, checksum: None, inputs }
+    ReceivedMessageTable { message: named(message), timeout, counter: None, checksum: None, inputs }
 }
 
-fn send(outputs: Vec<SignalOutput>) -> Send {
+fn send(outputs: Vec<SignalOutput>) -> CyclicFrame {
     let every = Duration::from_millis(20);
-    Send {
+    CyclicFrame {
         message: named("GaugeCommand"),
         every,
         lets_go_after: None,
@@ -43,11 +44,11 @@ fn output(id: u16, signal: &str, on: f64) -> SignalOutput {
     SignalOutput { output: OutputId(id), signal: named(signal), on, off: 0.0 }
 }
 
-fn frames(receive: Vec<Receive>, send: Vec<Send>) -> Frames {
-    Frames { file: named("gauge.dbc"), receive, send, bound: None }
+fn frames(receive: Vec<ReceivedMessageTable>, send: Vec<CyclicFrame>) -> FrameTable {
+    FrameTable { file: named("gauge.dbc"), receive, send, bound: None }
 }
 
-fn problem(frames: &Frames) -> String {
+fn problem(frames: &FrameTable) -> String {
     let problems = bind(frames, &gauge()).expect_err("it must not be bound");
     assert_eq!(problems.len(), 1, "{problems:?}");
     format!("{}; {}", problems[0].message, problems[0].hint.as_deref().unwrap_or("-"))
@@ -148,7 +149,8 @@ fn a_value_beyond_the_files_limits_is_none() {
     assert!(bound("Mode", When::NotZero).limits.is_empty());
     let page = bound("Temperature", When::NotZero);
     assert!(page.limits.is_empty());
-    for (value, why) in [(-40.0, None), (f32::NAN, Some(Unsound::Number(8))), (f32::INFINITY, Some(Unsound::Number(8)))]
+    for (value, why) in
+        [(-40.0, None), (f32::NAN, Some(SignalError::Number(8))), (f32::INFINITY, Some(SignalError::Number(8)))]
     {
         let mut data = [0; 8];
         data[1..5].copy_from_slice(&value.to_le_bytes());
@@ -183,8 +185,8 @@ fn a_limit_is_within_what_a_signal_can_be() {
     assert_eq!(problems[0].message, "no value of `Mode` is within its limits in gauge.dbc");
 }
 
-fn detail(page: f64, outputs: Vec<SignalOutput>) -> Send {
-    Send { message: named("GaugeDetail"), set: vec![(named("Page"), page)], ..send(outputs) }
+fn detail(page: f64, outputs: Vec<SignalOutput>) -> CyclicFrame {
+    CyclicFrame { message: named("GaugeDetail"), set: vec![(named("Page"), page)], ..send(outputs) }
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use crate::value::Value;
+use crate::value::ObjectValue;
 
 /// Declares the types with their number, their name in the standard and their shape.
 macro_rules! data_types {
@@ -116,9 +116,9 @@ impl ValueShape {
 #[derive(Clone, Debug, PartialEq)]
 pub enum EncodeError {
     /// The number is not among those of the type.
-    OutOfRange { data_type: DataType, value: Value },
+    OutOfRange { data_type: DataType, value: ObjectValue },
     /// A value of another kind is needed, such as a number instead of a text.
-    WrongKind { data_type: DataType, value: Value },
+    WrongKind { data_type: DataType, value: ObjectValue },
     /// A VISIBLE_STRING has one byte per character.
     NoSuchCharacter(char),
     /// Only bytes can be given for a type this crate does not know.
@@ -183,21 +183,25 @@ impl DataType {
 
     /// The bytes of a value, as SDO and PDO carry them: little endian (CiA 301 §7.1.4).
     ///
-    /// Whole numbers may be given as either kind of [`Value`]; of a type this crate does not know, bytes alone.
+    /// Whole numbers may be given as either kind of [`ObjectValue`]; of a type this crate does not know, bytes alone.
     ///
     /// # Errors
     /// The value is of another kind, or out of the range of the type.
-    pub fn encode(self, value: &Value) -> Result<Vec<u8>, EncodeError> {
+    pub fn encode(self, value: &ObjectValue) -> Result<Vec<u8>, EncodeError> {
         let wrong = || EncodeError::WrongKind { data_type: self, value: value.clone() };
         match (self.shape(), value) {
-            (ValueShape::Unknown, Value::Bytes(bytes)) | (ValueShape::Bytes, Value::Bytes(bytes)) => Ok(bytes.clone()),
+            (ValueShape::Unknown, ObjectValue::Bytes(bytes)) | (ValueShape::Bytes, ObjectValue::Bytes(bytes)) => {
+                Ok(bytes.clone())
+            }
             (ValueShape::Unknown, _) => Err(EncodeError::UnknownType(self.code())),
-            (ValueShape::Real32, Value::Real32(real)) => Ok(real.to_le_bytes().to_vec()),
-            (ValueShape::Real64, Value::Real64(real)) => Ok(real.to_le_bytes().to_vec()),
-            (ValueShape::Text, Value::Text(text)) => {
+            (ValueShape::Real32, ObjectValue::Real32(real)) => Ok(real.to_le_bytes().to_vec()),
+            (ValueShape::Real64, ObjectValue::Real64(real)) => Ok(real.to_le_bytes().to_vec()),
+            (ValueShape::Text, ObjectValue::Text(text)) => {
                 text.chars().map(|c| u8::try_from(u32::from(c)).map_err(|_| EncodeError::NoSuchCharacter(c))).collect()
             }
-            (ValueShape::Utf16, Value::Text(text)) => Ok(text.encode_utf16().flat_map(u16::to_le_bytes).collect()),
+            (ValueShape::Utf16, ObjectValue::Text(text)) => {
+                Ok(text.encode_utf16().flat_map(u16::to_le_bytes).collect())
+            }
             (shape, value) => {
                 let ((least, most), number) = shape.limits().zip(value.whole()).ok_or_else(wrong)?;
                 if !(least..=most).contains(&number) {
@@ -213,7 +217,7 @@ impl DataType {
     ///
     /// # Errors
     /// A number of another length, or a UNICODE_STRING that is no text.
-    pub fn decode(self, bytes: &[u8]) -> Result<Value, ValueDecodeError> {
+    pub fn decode(self, bytes: &[u8]) -> Result<ObjectValue, ValueDecodeError> {
         if let Some(expected) = self.size().filter(|expected| *expected != bytes.len()) {
             return Err(ValueDecodeError::Length { data_type: self, expected, actual: bytes.len() });
         }
@@ -221,25 +225,25 @@ impl DataType {
         raw.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
         let unsigned = u64::from_le_bytes(raw);
         Ok(match self.shape() {
-            ValueShape::Boolean => Value::Boolean(unsigned != 0),
-            ValueShape::Unsigned(_) => Value::Unsigned(unsigned),
+            ValueShape::Boolean => ObjectValue::Boolean(unsigned != 0),
+            ValueShape::Unsigned(_) => ObjectValue::Unsigned(unsigned),
             ValueShape::Signed(bytes) => {
                 let unused = 64 - 8 * u32::from(bytes);
-                Value::Integer((unsigned << unused) as i64 >> unused)
+                ObjectValue::Integer((unsigned << unused) as i64 >> unused)
             }
-            ValueShape::Real32 => Value::Real32(f32::from_bits(unsigned as u32)),
-            ValueShape::Real64 => Value::Real64(f64::from_bits(unsigned)),
+            ValueShape::Real32 => ObjectValue::Real32(f32::from_bits(unsigned as u32)),
+            ValueShape::Real64 => ObjectValue::Real64(f64::from_bits(unsigned)),
             ValueShape::Text => {
                 let text: String = bytes.iter().map(|&byte| char::from(byte)).collect();
-                Value::Text(text.trim_end_matches('\0').to_owned())
+                ObjectValue::Text(text.trim_end_matches('\0').to_owned())
             }
-            ValueShape::Bytes | ValueShape::Unknown => Value::Bytes(bytes.to_vec()),
+            ValueShape::Bytes | ValueShape::Unknown => ObjectValue::Bytes(bytes.to_vec()),
             ValueShape::Utf16 => {
                 let (units, rest) = bytes.as_chunks::<2>();
                 let units: Vec<u16> = units.iter().map(|unit| u16::from_le_bytes(*unit)).collect();
                 let text =
                     String::from_utf16(&units).ok().filter(|_| rest.is_empty()).ok_or(ValueDecodeError::NoText)?;
-                Value::Text(text)
+                ObjectValue::Text(text)
             }
         })
     }

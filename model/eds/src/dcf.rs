@@ -12,7 +12,7 @@ use crate::download::address;
 use crate::edit::Editor;
 use crate::ini::SectionRef;
 use crate::names::{SectionKind, classify};
-use crate::value::{self, NodeId, Value};
+use crate::value::{self, NodeId, ObjectValue};
 use crate::{AccessType, Eds, EncodeError, understand};
 
 /// What one device of one net is to be given.
@@ -26,7 +26,7 @@ pub struct Configuration {
     /// Its serial number, for LSS.
     pub serial_number: Option<u32>,
     /// Parameter values by index and subindex. What is not named keeps the value it has.
-    pub values: BTreeMap<(u16, u8), Value>,
+    pub values: BTreeMap<(u16, u8), ObjectValue>,
 }
 
 impl Configuration {
@@ -35,7 +35,7 @@ impl Configuration {
         Configuration { node_id, node_name: None, baud_rate: None, serial_number: None, values: BTreeMap::new() }
     }
 
-    pub fn set(mut self, index: u16, sub: u8, value: Value) -> Self {
+    pub fn set(mut self, index: u16, sub: u8, value: ObjectValue) -> Self {
         self.values.insert((index, sub), value);
         self
     }
@@ -72,10 +72,10 @@ pub enum ConfigureError {
         index: u16,
         /// Subindex.
         sub: u8,
-        value: Value,
+        value: ObjectValue,
         /// LowLimit or HighLimit.
         limit: &'static str,
-        end: Value,
+        end: ObjectValue,
     },
     /// A text that a file of this kind cannot say: empty, with a line end, with spaces around it, or with ` ;`.
     NotSayable {
@@ -286,9 +286,9 @@ fn not_sayable(place: String, text: &str) -> ConfigureError {
     ConfigureError::NotSayable { place, text: text.to_owned() }
 }
 
-fn value_text(value: &Value) -> Option<&str> {
+fn value_text(value: &ObjectValue) -> Option<&str> {
     match value {
-        Value::Text(text) => Some(text),
+        ObjectValue::Text(text) => Some(text),
         _ => None,
     }
 }

@@ -9,7 +9,7 @@ use std::fmt;
 
 use crate::Eds;
 use crate::model::SubObject;
-use crate::value::{NodeId, Value};
+use crate::value::{NodeId, ObjectValue};
 
 /// What is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl fmt::Display for Download {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", address(self.index, self.sub))?;
         match &self.content {
-            DownloadContent::Bytes(bytes) => Value::Bytes(bytes.clone()).fmt(f)?,
+            DownloadContent::Bytes(bytes) => ObjectValue::Bytes(bytes.clone()).fmt(f)?,
             DownloadContent::File(name) => write!(f, "the file {name}")?,
         }
         f.write_str(match self.reason {
@@ -189,7 +189,7 @@ impl Eds {
 }
 
 fn written(entry: &SubObject, (index, sub): (u16, u8), value: u64, reason: WriteReason) -> Option<Download> {
-    let bytes = entry.data_type.encode(&Value::Unsigned(value)).ok()?;
+    let bytes = entry.data_type.encode(&ObjectValue::Unsigned(value)).ok()?;
     Some(Download { index, sub, content: DownloadContent::Bytes(bytes), reason, line: entry.line })
 }
 

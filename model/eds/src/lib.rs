@@ -72,7 +72,7 @@ pub use info::{Commissioning, DeviceInfo, FileInfo};
 pub use linewright_diagnostics::{Problem, Problems};
 pub use model::{AccessType, Object, ObjectType, SubObject};
 pub use names::Category;
-pub use value::{NodeId, Value, ValueSetting};
+pub use value::{NodeId, ObjectValue, ValueSetting};
 
 use decode::TextEncoding;
 use ini::{Document, SectionRef};

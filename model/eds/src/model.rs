@@ -6,7 +6,7 @@ use std::fmt;
 
 use crate::data_type::DataType;
 use crate::names::Category;
-use crate::value::{NodeId, Value, ValueSetting};
+use crate::value::{NodeId, ObjectValue, ValueSetting};
 
 /// What kind of object something is (CiA 301 §7.4.3, table 42).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -139,17 +139,17 @@ pub struct SubObject {
 }
 
 impl SubObject {
-    pub fn default_for(&self, node: NodeId) -> Option<Value> {
+    pub fn default_for(&self, node: NodeId) -> Option<ObjectValue> {
         self.default.as_ref().map(|setting| setting.for_node(node))
     }
 
     /// Its parameter value for this node id.
-    pub fn value_for(&self, node: NodeId) -> Option<Value> {
+    pub fn value_for(&self, node: NodeId) -> Option<ObjectValue> {
         self.value.as_ref().map(|setting| setting.for_node(node))
     }
 
     /// What the device has when it is configured: the parameter value, or else the default.
-    pub fn effective(&self, node: NodeId) -> Option<Value> {
+    pub fn effective(&self, node: NodeId) -> Option<ObjectValue> {
         self.value_for(node).or_else(|| self.default_for(node))
     }
 
@@ -159,7 +159,7 @@ impl SubObject {
     }
 
     /// The limit a value is beyond, if it is.
-    pub fn limit_broken(&self, value: &Value, node: NodeId) -> Option<(&'static str, Value)> {
+    pub fn limit_broken(&self, value: &ObjectValue, node: NodeId) -> Option<(&'static str, ObjectValue)> {
         let low = self.low.as_ref().map(|low| low.for_node(node));
         if let Some(low) = low.filter(|low| value.is_less(low) == Some(true) || value.is_no_number()) {
             return Some(("LowLimit", low));
@@ -237,7 +237,7 @@ impl Compact {
                 object_type: ObjectType::Var,
                 data_type: DataType::Unsigned8,
                 access: AccessType::ReadOnly,
-                default: Some(ValueSetting::fixed(Value::Unsigned(self.count.into()))),
+                default: Some(ValueSetting::fixed(ObjectValue::Unsigned(self.count.into()))),
                 low: None,
                 high: None,
                 pdo_mappable: false,

@@ -35,7 +35,7 @@ impl fmt::Display for NodeId {
 
 /// What an entry holds.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Value {
+pub enum ObjectValue {
     Boolean(bool),
     /// The signed types.
     Integer(i64),
@@ -49,14 +49,14 @@ pub enum Value {
     Bytes(Vec<u8>),
 }
 
-impl Value {
+impl ObjectValue {
     /// The whole number it is.
     pub(crate) fn whole(&self) -> Option<i128> {
         match *self {
-            Value::Boolean(value) => Some(value.into()),
-            Value::Integer(value) => Some(value.into()),
-            Value::Unsigned(value) => Some(value.into()),
-            Value::Real32(_) | Value::Real64(_) | Value::Text(_) | Value::Bytes(_) => None,
+            ObjectValue::Boolean(value) => Some(value.into()),
+            ObjectValue::Integer(value) => Some(value.into()),
+            ObjectValue::Unsigned(value) => Some(value.into()),
+            ObjectValue::Real32(_) | ObjectValue::Real64(_) | ObjectValue::Text(_) | ObjectValue::Bytes(_) => None,
         }
     }
 
@@ -68,33 +68,37 @@ impl Value {
     /// Whether it is real and no number: it has no order, and lies between no limits.
     pub(crate) fn is_no_number(&self) -> bool {
         match self {
-            Value::Real32(value) => value.is_nan(),
-            Value::Real64(value) => value.is_nan(),
-            Value::Boolean(_) | Value::Integer(_) | Value::Unsigned(_) | Value::Text(_) | Value::Bytes(_) => false,
+            ObjectValue::Real32(value) => value.is_nan(),
+            ObjectValue::Real64(value) => value.is_nan(),
+            ObjectValue::Boolean(_)
+            | ObjectValue::Integer(_)
+            | ObjectValue::Unsigned(_)
+            | ObjectValue::Text(_)
+            | ObjectValue::Bytes(_) => false,
         }
     }
 
     /// Whether it is less than `other`; `None` between values that have no order.
-    pub(crate) fn is_less(&self, other: &Value) -> Option<bool> {
+    pub(crate) fn is_less(&self, other: &ObjectValue) -> Option<bool> {
         match (self, other) {
-            (Value::Real32(a), Value::Real32(b)) => Some(a < b),
-            (Value::Real64(a), Value::Real64(b)) => Some(a < b),
+            (ObjectValue::Real32(a), ObjectValue::Real32(b)) => Some(a < b),
+            (ObjectValue::Real64(a), ObjectValue::Real64(b)) => Some(a < b),
             _ => Some(self.whole()? < other.whole()?),
         }
     }
 }
 
-impl fmt::Display for Value {
+impl fmt::Display for ObjectValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Value::Boolean(value) => write!(f, "{}", u8::from(*value)),
-            Value::Integer(value) => write!(f, "{value}"),
-            Value::Unsigned(value) if *value > 9 => write!(f, "{value} (0x{value:X})"),
-            Value::Unsigned(value) => write!(f, "{value}"),
-            Value::Real32(value) => write!(f, "{value}"),
-            Value::Real64(value) => write!(f, "{value}"),
-            Value::Text(text) => write!(f, "`{}`", shown(text)),
-            Value::Bytes(bytes) => {
+            ObjectValue::Boolean(value) => write!(f, "{}", u8::from(*value)),
+            ObjectValue::Integer(value) => write!(f, "{value}"),
+            ObjectValue::Unsigned(value) if *value > 9 => write!(f, "{value} (0x{value:X})"),
+            ObjectValue::Unsigned(value) => write!(f, "{value}"),
+            ObjectValue::Real32(value) => write!(f, "{value}"),
+            ObjectValue::Real64(value) => write!(f, "{value}"),
+            ObjectValue::Text(text) => write!(f, "`{}`", shown(text)),
+            ObjectValue::Bytes(bytes) => {
                 const SHOWN: usize = 16;
                 let shown = bytes.iter().take(SHOWN).map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().join(" ");
                 write!(f, "{shown}{}", if bytes.len() > SHOWN { " …" } else { "" })
@@ -106,27 +110,31 @@ impl fmt::Display for Value {
 /// A value as a file states it: itself, or to be added to the node id the device will have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValueSetting {
-    pub(crate) value: Value,
+    pub(crate) value: ObjectValue,
     pub(crate) plus_node_id: bool,
 }
 
 impl ValueSetting {
     /// A value that is the same for every node id.
-    pub fn fixed(value: Value) -> Self {
+    pub fn fixed(value: ObjectValue) -> Self {
         ValueSetting { value, plus_node_id: false }
     }
 
-    pub fn for_node(&self, node: NodeId) -> Value {
+    pub fn for_node(&self, node: NodeId) -> ObjectValue {
         match self.value {
             // What is read fits its type with every node id.
-            Value::Integer(value) if self.plus_node_id => Value::Integer(value.saturating_add(node.get().into())),
-            Value::Unsigned(value) if self.plus_node_id => Value::Unsigned(value.saturating_add(node.get().into())),
+            ObjectValue::Integer(value) if self.plus_node_id => {
+                ObjectValue::Integer(value.saturating_add(node.get().into()))
+            }
+            ObjectValue::Unsigned(value) if self.plus_node_id => {
+                ObjectValue::Unsigned(value.saturating_add(node.get().into()))
+            }
             _ => self.value.clone(),
         }
     }
 
     /// The value, if it is the same for every node id.
-    pub fn constant(&self) -> Option<&Value> {
+    pub fn constant(&self) -> Option<&ObjectValue> {
         (!self.plus_node_id).then_some(&self.value)
     }
 
@@ -200,27 +208,27 @@ pub(crate) fn read(text: &str, data_type: DataType) -> Result<(ValueSetting, boo
     match data_type.shape() {
         ValueShape::Text => match text.chars().find(|c| u32::from(*c) > 0xFF) {
             Some(c) => Err(BadValue::Character(c)),
-            None => fixed(Value::Text(text.to_owned())),
+            None => fixed(ObjectValue::Text(text.to_owned())),
         },
-        ValueShape::Utf16 => fixed(Value::Text(text.to_owned())),
+        ValueShape::Utf16 => fixed(ObjectValue::Text(text.to_owned())),
         ValueShape::Bytes => match hex_bytes(text) {
-            Some(bytes) => fixed(Value::Bytes(bytes)),
+            Some(bytes) => fixed(ObjectValue::Bytes(bytes)),
             None => Err(BadValue::Hex(text.to_owned())),
         },
         ValueShape::Real32 => match bits(text, 4)? {
-            Some(bits) => fixed(Value::Real32(f32::from_bits(bits as u32))),
-            None => fixed(Value::Real32(text.trim().parse().map_err(|_| BadValue::Real(text.to_owned()))?)),
+            Some(bits) => fixed(ObjectValue::Real32(f32::from_bits(bits as u32))),
+            None => fixed(ObjectValue::Real32(text.trim().parse().map_err(|_| BadValue::Real(text.to_owned()))?)),
         },
         ValueShape::Real64 => match bits(text, 8)? {
-            Some(bits) => fixed(Value::Real64(f64::from_bits(bits))),
-            None => fixed(Value::Real64(text.trim().parse().map_err(|_| BadValue::Real(text.to_owned()))?)),
+            Some(bits) => fixed(ObjectValue::Real64(f64::from_bits(bits))),
+            None => fixed(ObjectValue::Real64(text.trim().parse().map_err(|_| BadValue::Real(text.to_owned()))?)),
         },
         ValueShape::Unknown => Err(BadValue::Unknown(data_type.code())),
         shape @ (ValueShape::Boolean | ValueShape::Signed(_) | ValueShape::Unsigned(_)) => {
             if matches!(data_type, DataType::TimeOfDay | DataType::TimeDifference)
                 && let Some(time) = days_and_millis(text)
             {
-                return fixed(Value::Unsigned(time));
+                return fixed(ObjectValue::Unsigned(time));
             }
             let (number, plus_node_id) = number::sum(text).map_err(BadValue::Number)?;
             let range = || BadValue::Range { text: text.to_owned(), data_type, with_node_id: plus_node_id };
@@ -238,9 +246,9 @@ pub(crate) fn read(text: &str, data_type: DataType) -> Result<(ValueSetting, boo
                 return Err(range());
             }
             let value = match shape {
-                ValueShape::Boolean => Value::Boolean(value != 0),
-                ValueShape::Signed(_) => Value::Integer(i64::try_from(value).map_err(|_| range())?),
-                _ => Value::Unsigned(u64::try_from(value).map_err(|_| range())?),
+                ValueShape::Boolean => ObjectValue::Boolean(value != 0),
+                ValueShape::Signed(_) => ObjectValue::Integer(i64::try_from(value).map_err(|_| range())?),
+                _ => ObjectValue::Unsigned(u64::try_from(value).map_err(|_| range())?),
             };
             Ok((ValueSetting { value, plus_node_id }, number.is_octal))
         }
@@ -248,10 +256,10 @@ pub(crate) fn read(text: &str, data_type: DataType) -> Result<(ValueSetting, boo
 }
 
 /// How a file says a value of a type, so that [`read`] understands the same.
-pub(crate) fn write(value: &Value, data_type: DataType) -> Result<String, EncodeError> {
+pub(crate) fn write(value: &ObjectValue, data_type: DataType) -> Result<String, EncodeError> {
     let bytes = data_type.encode(value)?;
     Ok(match value {
-        Value::Boolean(_) | Value::Integer(_) | Value::Unsigned(_) => {
+        ObjectValue::Boolean(_) | ObjectValue::Integer(_) | ObjectValue::Unsigned(_) => {
             let number = value.whole().unwrap_or_default();
             match data_type.shape() {
                 ValueShape::Unsigned(size) if number > 9 => {
@@ -260,10 +268,10 @@ pub(crate) fn write(value: &Value, data_type: DataType) -> Result<String, Encode
                 _ => number.to_string(),
             }
         }
-        Value::Real32(real) => format!("{real:?}"),
-        Value::Real64(real) => format!("{real:?}"),
-        Value::Text(text) => text.clone(),
-        Value::Bytes(_) => bytes.iter().fold(String::new(), |mut text, byte| {
+        ObjectValue::Real32(real) => format!("{real:?}"),
+        ObjectValue::Real64(real) => format!("{real:?}"),
+        ObjectValue::Text(text) => text.clone(),
+        ObjectValue::Bytes(_) => bytes.iter().fold(String::new(), |mut text, byte| {
             let _ = write!(text, "{byte:02X}");
             text
         }),

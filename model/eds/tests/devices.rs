@@ -1,8 +1,8 @@
 //! Two whole devices: what is read of them, and what a configuration of them sets in which order.
 
 use linewright_eds::{
-    AccessType, Category, Configuration, ConfigureError, DataType, Eds, EdsIdentity, ObjectType, Value, WriteReason,
-    read,
+    AccessType, Category, Configuration, ConfigureError, DataType, Eds, EdsIdentity, ObjectType, ObjectValue,
+    WriteReason, read,
 };
 
 use crate::common::{DRIVE, HEAD, IO, node, sound};
@@ -60,15 +60,15 @@ fn what_a_drive_says_of_itself() {
 fn entries_have_type_access_and_default() {
     let drive = drive();
     let entry = |index, sub| drive.entry(index, sub).unwrap_or_else(|| panic!("{index:04X} {sub}"));
-    assert_eq!(entry(0x1014, 0).default_for(node(5)), Some(Value::Unsigned(0x85)));
-    assert_eq!(entry(0x1400, 1).default_for(node(127)), Some(Value::Unsigned(0x27F)));
-    assert_eq!(entry(0x1008, 0).default_for(node(1)), Some(Value::Text("Achse 400".into())));
-    assert_eq!(entry(0x607D, 1).default_for(node(1)), Some(Value::Integer(-50_000)));
-    assert_eq!(entry(0x6098, 0).low.as_ref().and_then(|low| low.constant()), Some(&Value::Integer(-128)));
-    assert_eq!(entry(0x6081, 0).default_for(node(1)), Some(Value::Unsigned(1000)));
-    assert_eq!(entry(0x2000, 0).default_for(node(1)), Some(Value::Real32(5.0)));
+    assert_eq!(entry(0x1014, 0).default_for(node(5)), Some(ObjectValue::Unsigned(0x85)));
+    assert_eq!(entry(0x1400, 1).default_for(node(127)), Some(ObjectValue::Unsigned(0x27F)));
+    assert_eq!(entry(0x1008, 0).default_for(node(1)), Some(ObjectValue::Text("Achse 400".into())));
+    assert_eq!(entry(0x607D, 1).default_for(node(1)), Some(ObjectValue::Integer(-50_000)));
+    assert_eq!(entry(0x6098, 0).low.as_ref().and_then(|low| low.constant()), Some(&ObjectValue::Integer(-128)));
+    assert_eq!(entry(0x6081, 0).default_for(node(1)), Some(ObjectValue::Unsigned(1000)));
+    assert_eq!(entry(0x2000, 0).default_for(node(1)), Some(ObjectValue::Real32(5.0)));
     assert_eq!(entry(0x2000, 0).name, "Lead of the screw / mm");
-    assert_eq!(entry(0x2002, 0).default_for(node(1)), Some(Value::Boolean(true)));
+    assert_eq!(entry(0x2002, 0).default_for(node(1)), Some(ObjectValue::Boolean(true)));
     assert_eq!((entry(0x2010, 0).object_type, entry(0x2010, 0).data_type), (ObjectType::Domain, DataType::Domain));
     assert_eq!((entry(0x6040, 0).access, entry(0x6040, 0).pdo_mappable), (AccessType::ReadWriteOutput, true));
     assert_eq!(entry(0x6041, 0).default_for(node(1)), None);
@@ -86,7 +86,7 @@ fn compact_arrays_have_the_elements_they_count() {
     let expected = ["NrOfObjects", "Last error", "Pre-defined error field2", "Pre-defined error field3"];
     assert_eq!(names.iter().map(|(_, name)| name.as_str()).take(4).collect::<Vec<_>>(), expected);
     assert_eq!(names.len(), 5);
-    assert_eq!(drive.entry(0x1003, 0).expect("the count").default_for(node(1)), Some(Value::Unsigned(4)));
+    assert_eq!(drive.entry(0x1003, 0).expect("the count").default_for(node(1)), Some(ObjectValue::Unsigned(4)));
     assert!(drive.entry(0x1003, 5).is_none());
 }
 
@@ -98,17 +98,17 @@ fn an_eds_sets_nothing() {
 #[test]
 fn a_pdo_is_off_while_it_is_changed_and_storing_comes_last() {
     let configuration = Configuration::new(node(9))
-        .set(0x1010, 1, Value::Unsigned(0x6576_6173))
-        .set(0x1017, 0, Value::Unsigned(50))
-        .set(0x1016, 1, Value::Unsigned(0x007F_00C8))
-        .set(0x1020, 1, Value::Unsigned(15_000))
-        .set(0x1600, 0, Value::Unsigned(2))
-        .set(0x1600, 1, Value::Unsigned(0x6040_0010))
-        .set(0x1600, 2, Value::Unsigned(0x607A_0020))
-        .set(0x1800, 2, Value::Unsigned(1))
-        .set(0x1A00, 1, Value::Unsigned(0x6041_0010))
-        .set(0x607D, 1, Value::Integer(-1))
-        .set(0x1400, 1, Value::Unsigned(0x8000_0209));
+        .set(0x1010, 1, ObjectValue::Unsigned(0x6576_6173))
+        .set(0x1017, 0, ObjectValue::Unsigned(50))
+        .set(0x1016, 1, ObjectValue::Unsigned(0x007F_00C8))
+        .set(0x1020, 1, ObjectValue::Unsigned(15_000))
+        .set(0x1600, 0, ObjectValue::Unsigned(2))
+        .set(0x1600, 1, ObjectValue::Unsigned(0x6040_0010))
+        .set(0x1600, 2, ObjectValue::Unsigned(0x607A_0020))
+        .set(0x1800, 2, ObjectValue::Unsigned(1))
+        .set(0x1A00, 1, ObjectValue::Unsigned(0x6041_0010))
+        .set(0x607D, 1, ObjectValue::Integer(-1))
+        .set(0x1400, 1, ObjectValue::Unsigned(0x8000_0209));
     let dcf = drive().configure("drive9.dcf", &configuration).unwrap_or_else(|errors| panic!("{errors}"));
     assert_eq!(
         downloads(&dcf, 9),
@@ -156,10 +156,10 @@ fn a_dcf_differs_from_its_eds_in_the_values_alone() {
         baud_rate: Some(500),
         serial_number: Some(7),
         ..Configuration::new(node(9))
-            .set(0x1017, 0, Value::Unsigned(50))
-            .set(0x1016, 2, Value::Unsigned(1))
-            .set(0x607D, 2, Value::Integer(40_000))
-            .set(0x2000, 0, Value::Real32(0.1))
+            .set(0x1017, 0, ObjectValue::Unsigned(50))
+            .set(0x1016, 2, ObjectValue::Unsigned(1))
+            .set(0x607D, 2, ObjectValue::Integer(40_000))
+            .set(0x2000, 0, ObjectValue::Real32(0.1))
     };
     let dcf = drive().configure("nets/drive9.dcf", &configuration).unwrap_or_else(|errors| panic!("{errors}"));
     assert_eq!((dcf.node_id(), dcf.identity().serial), (Some(node(9)), Some(7)));
@@ -191,7 +191,7 @@ fn a_dcf_differs_from_its_eds_in_the_values_alone() {
     );
     assert!(after.lines().count() == after.matches("\r\n").count(), "DOS line ends throughout");
 
-    let again = dcf.configure("drive9.dcf", &Configuration::new(node(10)).set(0x1016, 1, Value::Unsigned(2)));
+    let again = dcf.configure("drive9.dcf", &Configuration::new(node(10)).set(0x1016, 1, ObjectValue::Unsigned(2)));
     let again = again.unwrap_or_else(|errors| panic!("{errors}"));
     assert_eq!(again.node_id(), Some(node(10)));
     assert_eq!(again.commissioning.as_ref().and_then(|of| of.node_name.as_deref()), Some("Mühle, Schlitten"));
@@ -200,16 +200,16 @@ fn a_dcf_differs_from_its_eds_in_the_values_alone() {
 
 #[test]
 fn what_cannot_be_configured_is_said_all_at_once() {
-    let text = |text: &str| Value::Text(text.into());
+    let text = |text: &str| ObjectValue::Text(text.into());
     let eds = sound(&format!(
         "{HEAD}[2000]\nParameterName=Label\nDataType=9\nAccessType=rw\n[2001]\nParameterName=L\nDataType=5\n\
         AccessType=rw\nHighLimit=9\n"
     ));
     let configuration = Configuration::new(node(1))
-        .set(0x1000, 0, Value::Unsigned(1))
+        .set(0x1000, 0, ObjectValue::Unsigned(1))
         .set(0x2000, 0, text("a\nNodeID=5"))
-        .set(0x2001, 0, Value::Unsigned(10))
-        .set(0x3000, 1, Value::Unsigned(1));
+        .set(0x2001, 0, ObjectValue::Unsigned(10))
+        .set(0x3000, 1, ObjectValue::Unsigned(1));
     let errors = eds.configure("a.dcf", &configuration).unwrap_err();
     assert_eq!(
         errors.to_string().lines().collect::<Vec<_>>(),

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use linewright_eds::{Configuration, DataType, Value, read};
+use linewright_eds::{Configuration, DataType, ObjectValue, read};
 use proptest::prelude::*;
 
 use crate::common::{self, node};
@@ -16,7 +16,7 @@ use crate::common::{self, node};
 struct Meant {
     data_type: DataType,
     writable: bool,
-    default: Option<Value>,
+    default: Option<ObjectValue>,
     spelling: u8,
 }
 
@@ -34,33 +34,33 @@ fn numeric() -> impl Strategy<Value = DataType> {
 }
 
 /// A value of a type from any bytes, by the slow way: bit by bit.
-fn value_of(data_type: DataType, raw: u64) -> Value {
+fn value_of(data_type: DataType, raw: u64) -> ObjectValue {
     let bits = 8 * data_type.size().expect("a number") as u32;
     match data_type {
-        DataType::Boolean => Value::Boolean(raw & 1 == 1),
-        DataType::Real32 => Value::Real32((raw as i32) as f32 / 64.0),
-        DataType::Real64 => Value::Real64((raw as i64) as f64 / 1024.0),
+        DataType::Boolean => ObjectValue::Boolean(raw & 1 == 1),
+        DataType::Real32 => ObjectValue::Real32((raw as i32) as f32 / 64.0),
+        DataType::Real64 => ObjectValue::Real64((raw as i64) as f64 / 1024.0),
         _ => {
             let kept = (0..bits).filter(|bit| raw >> bit & 1 == 1).fold(0_i128, |sum, bit| sum + (1 << bit));
             let signed = data_type.to_string().starts_with("INTEGER");
             if signed && kept >= 1 << (bits - 1) {
-                Value::Integer((kept - (1 << bits)) as i64)
+                ObjectValue::Integer((kept - (1 << bits)) as i64)
             } else if signed {
-                Value::Integer(kept as i64)
+                ObjectValue::Integer(kept as i64)
             } else {
-                Value::Unsigned(kept as u64)
+                ObjectValue::Unsigned(kept as u64)
             }
         }
     }
 }
 
-fn spelled(value: &Value, spelling: u8) -> String {
+fn spelled(value: &ObjectValue, spelling: u8) -> String {
     let number: i128 = match *value {
-        Value::Boolean(value) => value.into(),
-        Value::Integer(value) => value.into(),
-        Value::Unsigned(value) => value.into(),
-        Value::Real32(value) => return format!("{value:?}"),
-        Value::Real64(value) => return format!("{value:?}"),
+        ObjectValue::Boolean(value) => value.into(),
+        ObjectValue::Integer(value) => value.into(),
+        ObjectValue::Unsigned(value) => value.into(),
+        ObjectValue::Real32(value) => return format!("{value:?}"),
+        ObjectValue::Real64(value) => return format!("{value:?}"),
         _ => unreachable!("numbers only"),
     };
     let (sign, size) = (if number < 0 { "-" } else { "" }, number.abs());
@@ -140,7 +140,7 @@ fn expanded(objects: &BTreeMap<u16, Shape>) -> BTreeMap<(u16, u8), Meant> {
             Shape::Var(meant) => drop(all.insert((index, 0), meant.clone())),
             Shape::Record(subs) => all.extend(subs.iter().map(|(sub, meant)| ((index, *sub), meant.clone()))),
             Shape::Compact(count, meant) => {
-                let default = Some(Value::Unsigned((*count).into()));
+                let default = Some(ObjectValue::Unsigned((*count).into()));
                 let first = Meant { data_type: DataType::Unsigned8, writable: false, default, spelling: 0 };
                 all.insert((index, 0), first);
                 all.extend((1..=*count).map(|sub| ((index, sub), meant.clone())));
@@ -223,17 +223,17 @@ proptest! {
 
 #[test]
 fn texts_and_bytes_are_coded_as_the_standard_says() {
-    let text = |text: &str| Value::Text(text.into());
+    let text = |text: &str| ObjectValue::Text(text.into());
     assert_eq!(DataType::VisibleString.encode(&text("Aä")), Ok(vec![0x41, 0xE4]));
     assert_eq!(DataType::VisibleString.decode(b"A\0\0"), Ok(text("A")));
     assert_eq!(DataType::UnicodeString.encode(&text("A€")), Ok(vec![0x41, 0, 0xAC, 0x20]));
     assert_eq!(DataType::UnicodeString.decode(&[0x41, 0, 0xAC, 0x20]), Ok(text("A€")));
     assert!(DataType::UnicodeString.decode(&[0x41]).is_err() && DataType::UnicodeString.decode(&[0, 0xD8]).is_err());
-    assert_eq!(DataType::OctetString.encode(&Value::Bytes(vec![1, 2])), Ok(vec![1, 2]));
-    assert_eq!(DataType::Other(0x40).decode(&[9]), Ok(Value::Bytes(vec![9])));
-    assert!(DataType::Other(0x40).encode(&Value::Unsigned(9)).is_err());
-    assert_eq!(DataType::Integer8.encode(&Value::Unsigned(127)), Ok(vec![127]));
-    assert!(DataType::Integer8.encode(&Value::Unsigned(128)).is_err());
+    assert_eq!(DataType::OctetString.encode(&ObjectValue::Bytes(vec![1, 2])), Ok(vec![1, 2]));
+    assert_eq!(DataType::Other(0x40).decode(&[9]), Ok(ObjectValue::Bytes(vec![9])));
+    assert!(DataType::Other(0x40).encode(&ObjectValue::Unsigned(9)).is_err());
+    assert_eq!(DataType::Integer8.encode(&ObjectValue::Unsigned(127)), Ok(vec![127]));
+    assert!(DataType::Integer8.encode(&ObjectValue::Unsigned(128)).is_err());
     assert!(DataType::Unsigned16.decode(&[1]).is_err());
     for code in 0..=0xFFFF {
         assert_eq!(DataType::from_code(code).code(), code);
@@ -249,14 +249,14 @@ fn bytes_reals_and_times_are_read_from_text() {
         );
         common::sound(&file).entry(0x2000, 0).and_then(|entry| entry.value_for(node(1)))
     };
-    assert_eq!(value(0x0A, "01 2a FF"), Some(Value::Bytes(vec![1, 0x2A, 0xFF])));
-    assert_eq!(value(0x0F, "012A"), Some(Value::Bytes(vec![1, 0x2A])));
-    assert_eq!(value(0x08, "0x40490FDB"), Some(Value::Real32(std::f32::consts::PI)));
-    assert_eq!(value(0x11, "0x400921FB54442D18"), Some(Value::Real64(std::f64::consts::PI)));
-    assert_eq!(value(0x08, "-1.5e3"), Some(Value::Real32(-1500.0)));
-    assert_eq!(value(0x0C, "365 43200000"), Some(Value::Unsigned(365 << 32 | 43_200_000)));
-    assert_eq!(value(0x09, "a ; b"), Some(Value::Text("a".into())));
-    assert_eq!(value(0x09, "a;b"), Some(Value::Text("a;b".into())));
-    assert_eq!(value(0x03, "0xFFFE"), Some(Value::Integer(-2)));
-    assert_eq!(value(0x07, "0x180+$nodeid"), Some(Value::Unsigned(0x181)));
+    assert_eq!(value(0x0A, "01 2a FF"), Some(ObjectValue::Bytes(vec![1, 0x2A, 0xFF])));
+    assert_eq!(value(0x0F, "012A"), Some(ObjectValue::Bytes(vec![1, 0x2A])));
+    assert_eq!(value(0x08, "0x40490FDB"), Some(ObjectValue::Real32(std::f32::consts::PI)));
+    assert_eq!(value(0x11, "0x400921FB54442D18"), Some(ObjectValue::Real64(std::f64::consts::PI)));
+    assert_eq!(value(0x08, "-1.5e3"), Some(ObjectValue::Real32(-1500.0)));
+    assert_eq!(value(0x0C, "365 43200000"), Some(ObjectValue::Unsigned(365 << 32 | 43_200_000)));
+    assert_eq!(value(0x09, "a ; b"), Some(ObjectValue::Text("a".into())));
+    assert_eq!(value(0x09, "a;b"), Some(ObjectValue::Text("a;b".into())));
+    assert_eq!(value(0x03, "0xFFFE"), Some(ObjectValue::Integer(-2)));
+    assert_eq!(value(0x07, "0x180+$nodeid"), Some(ObjectValue::Unsigned(0x181)));
 }

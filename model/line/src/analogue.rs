@@ -2,9 +2,9 @@
 //!
 //! To a station nothing changes: an input is on while a measured value is above or below a limit, an output that is on
 //! gives a channel its value. This is what the description says about it, in the channel's unit. How the 16 bits of a
-//! channel lie in a process data object a [`Field`] knows, as it does for other devices' signals.
+//! channel lie in a process data object a [`FrameField`] knows, as it does for other devices' signals.
 
-use crate::{Coding, Field, InputId, OutputId, When};
+use crate::{Coding, FrameField, InputId, OutputId, When};
 
 /// Channels of one device each way: CiA 401 gives its second to fourth process data objects four each.
 pub const CHANNELS_MAX: u8 = 12;
@@ -22,7 +22,7 @@ pub struct Analogue {
 
 /// Which channel it is, and what its number means.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Channel {
+pub struct AnalogueChannel {
     /// 1 to [`CHANNELS_MAX`]: the subindex of object 6401h or 6411h.
     pub number: u8,
     /// What it is measured in, for people; may be empty.
@@ -37,7 +37,7 @@ pub struct Channel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalogueInput {
     /// Which, and what its number means.
-    pub channel: Channel,
+    pub channel: AnalogueChannel,
     /// A value below it is no measurement.
     pub least: Option<f64>,
     /// A value above it is no measurement.
@@ -54,7 +54,7 @@ pub struct AnalogueInput {
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalogueOutput {
     /// Which, and what its number means.
-    pub channel: Channel,
+    pub channel: AnalogueChannel,
     /// Its value while none of its outputs is on, or more than one; and what the device puts it to by itself.
     pub rest: f64,
     /// Its values while one of them is on.
@@ -86,17 +86,17 @@ pub enum Follows {
     Channel(u8),
 }
 
-impl Channel {
+impl AnalogueChannel {
     /// Which process data object carries it, 2 to 4.
     pub fn pdo(&self) -> u8 {
         2 + self.number.saturating_sub(1) / IN_ONE
     }
 
     /// Where its 16 bits lie in that, and what they mean.
-    pub fn field(&self) -> Field {
+    pub fn field(&self) -> FrameField {
         let start = self.number.saturating_sub(1) % IN_ONE * 16;
         let (factor, offset) = (self.factor, self.offset);
-        Field { start, size: 16, motorola: false, coding: Coding::Signed, factor, offset }
+        FrameField { start, size: 16, motorola: false, coding: Coding::Signed, factor, offset }
     }
 
     /// The number that is worth `value`, or what comes nearest; `None` if it is beyond 16 bits.
@@ -189,8 +189,8 @@ impl Analogue {
 mod tests {
     use super::*;
 
-    fn channel(number: u8, factor: f64, offset: f64) -> Channel {
-        Channel { number, unit: "bar".to_owned(), factor, offset }
+    fn channel(number: u8, factor: f64, offset: f64) -> AnalogueChannel {
+        AnalogueChannel { number, unit: "bar".to_owned(), factor, offset }
     }
 
     #[test]

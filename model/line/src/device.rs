@@ -3,7 +3,7 @@
 //! Numbers and bytes only. Where they come from, the description itself or a device's own file (EDS, DCF), is no matter
 //! here; what an object does, the device's manual says.
 
-use crate::{Analogue, Bus, Drive, Frames, InputId, Line, Modbus, OutputId, StationId};
+use crate::{Analogue, DeviceBus, Drive, FrameTable, InputId, Line, Modbus, OutputId, StationId};
 
 /// A device of an owner.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,7 +13,7 @@ pub struct Device {
     /// Whose image it carries.
     pub owner: Owner,
     /// The bus it hangs on.
-    pub bus: Bus,
+    pub bus: DeviceBus,
     /// How it is spoken to, and what it carries.
     pub kind: DeviceKind,
 }
@@ -26,7 +26,7 @@ pub enum DeviceKind {
     /// A drive in CANopen (CiA 402).
     Drive(Canopen, Drive),
     /// Plain CAN frames, as a DBC file describes them.
-    Frames(Frames),
+    Frames(FrameTable),
     /// Inputs and outputs in Modbus TCP.
     Modbus(Modbus),
 }
@@ -34,7 +34,7 @@ pub enum DeviceKind {
 impl DeviceKind {
     /// An I/O device in CANopen with these bits, and nothing else said of it.
     pub fn io(node_id: u8, inputs: Vec<Option<InputId>>, outputs: Vec<Option<OutputId>>) -> Self {
-        let canopen = Canopen { node_id, setup: Setup::default() };
+        let canopen = Canopen { node_id, setup: DeviceSetup::default() };
         DeviceKind::Io(canopen, Io { inputs, outputs, analogue: Analogue::default() })
     }
 }
@@ -45,7 +45,7 @@ pub struct Canopen {
     /// Its node id, 1 to 126, unique on its bus.
     pub node_id: u8,
     /// Which device it has to be, and what it is told before it is started.
-    pub setup: Setup,
+    pub setup: DeviceSetup,
 }
 
 /// Inputs and outputs in the default mapping of CiA 401: one PDO of up to 64 bits each way, and three of four analogue
@@ -71,7 +71,7 @@ pub enum Owner {
 
 /// Who a device has to be. What is `None` is not compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Identity {
+pub struct DeviceIdentity {
     /// Object 1000h: the profile in the lower half.
     pub device_type: Option<u32>,
     /// Object 1018h sub 1.
@@ -87,7 +87,7 @@ pub struct Identity {
 
 /// One object that is written before the device is started.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Setting {
+pub struct ObjectWrite {
     /// Index.
     pub index: u16,
     /// Subindex.
@@ -135,7 +135,7 @@ pub fn wired_bits<T>(byte: &[Option<T>]) -> u8 {
 
 /// Whether a device that is told this would not turn off one of these outputs by itself when its manager is gone: it stays
 /// as it is or goes on (CiA 401 6206h, 6207h), or nothing becomes of the loss (CiA 301 1029h).
-pub fn keeps_an_output<T>(outputs: &[Option<T>], setting: &Setting) -> bool {
+pub fn keeps_an_output<T>(outputs: &[Option<T>], setting: &ObjectWrite) -> bool {
     let value = setting.data.first().copied().unwrap_or(0);
     let byte = usize::from(setting.sub).checked_sub(1).and_then(|nth| outputs.chunks(8).nth(nth)).unwrap_or(&[]);
     let wired = wired_bits(byte);
@@ -159,14 +159,14 @@ pub enum Reaction {
 
 /// What a device has to be and is told, and what follows when it is in trouble.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Setup {
+pub struct DeviceSetup {
     /// Its EDS or DCF, by its path from the description's directory. Whoever reads the description reads it too, and
     /// adds to the rest what it says.
     pub file: Option<String>,
     /// Who it has to be.
-    pub identity: Identity,
+    pub identity: DeviceIdentity,
     /// What is written, in this order.
-    pub settings: Vec<Setting>,
+    pub settings: Vec<ObjectWrite>,
     /// Why it may be without error values for its outputs (objects 1029h, 6206h, 6207h, 6443h, 6444h): what else lets them
     /// go when the manager is gone. `None`: it may not.
     pub without_error_values: Option<String>,
@@ -227,7 +227,7 @@ impl Device {
     }
 
     /// Its frames, if it speaks plain CAN.
-    pub fn frames(&self) -> Option<&Frames> {
+    pub fn frames(&self) -> Option<&FrameTable> {
         match &self.kind {
             DeviceKind::Frames(frames) => Some(frames),
             _ => None,
@@ -308,8 +308,8 @@ impl Line {
     /// The devices on the bus that is reached over this CAN interface: a station's own bus of that name, else the
     /// coordinator's, which a description gives no name.
     pub fn devices_on(&self, interface: &str) -> impl Iterator<Item = &Device> {
-        let own = Bus::Own(interface.to_owned());
-        let bus = if self.devices.iter().any(|device| device.bus == own) { own } else { Bus::Line };
+        let own = DeviceBus::Own(interface.to_owned());
+        let bus = if self.devices.iter().any(|device| device.bus == own) { own } else { DeviceBus::Line };
         self.devices.iter().filter(move |device| device.bus == bus)
     }
 }

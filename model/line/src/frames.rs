@@ -1,8 +1,8 @@
 //! A device that speaks no CANopen: plain CAN frames, as a DBC file describes them.
 //!
 //! To a station it is a device like any other: its frames turn inputs on and off, outputs turn into numbers in frames it
-//! is sent. [`Frames`] is what the description says, in the names of the DBC file; [`FrameBinding`] is the same in
-//! numbers, worked out by whoever has read that file. A [`Field`] knows how a number lies in eight bytes.
+//! is sent. [`FrameTable`] is what the description says, in the names of the DBC file; [`FrameBinding`] is the same in
+//! numbers, worked out by whoever has read that file. A [`FrameField`] knows how a number lies in eight bytes.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,7 +12,7 @@ use crate::{InputId, OutputId};
 
 /// A name that only the DBC file can explain, and its place in the description, for whoever finds that it cannot.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Named {
+pub struct DbcName {
     /// The name.
     pub name: String,
     /// The bytes of the description it stands in.
@@ -21,28 +21,28 @@ pub struct Named {
 
 /// What the description says of such a device.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frames {
+pub struct FrameTable {
     /// Its DBC file, by its path from the description's directory.
-    pub file: Named,
+    pub file: DbcName,
     /// The messages it sends.
-    pub receive: Vec<Receive>,
+    pub receive: Vec<ReceivedMessageTable>,
     /// The messages it is sent.
-    pub send: Vec<Send>,
+    pub send: Vec<CyclicFrame>,
     /// The same in numbers. `None` until the file has been read.
     pub bound: Option<FrameBinding>,
 }
 
 /// A message that the device sends.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Receive {
+pub struct ReceivedMessageTable {
     /// Name of the message in the DBC file.
-    pub message: Named,
+    pub message: DbcName,
     /// The device is lost when it has not come for this long.
     pub timeout: Duration,
     /// A signal that is another in each frame: one that comes with the same number again is no news.
-    pub counter: Option<Named>,
+    pub counter: Option<DbcName>,
     /// What its bytes add up to, and the signal that says so.
-    pub checksum: Option<(Named, Checksum)>,
+    pub checksum: Option<(DbcName, Checksum)>,
     /// What follows from it.
     pub inputs: Vec<SignalInput>,
 }
@@ -53,7 +53,7 @@ pub struct SignalInput {
     /// The input.
     pub input: InputId,
     /// The signal.
-    pub signal: Named,
+    pub signal: DbcName,
     /// When it is on.
     pub when: When,
 }
@@ -85,21 +85,21 @@ pub enum When {
 
 /// A message that the device is sent.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Send {
+pub struct CyclicFrame {
     /// Name of the message in the DBC file.
-    pub message: Named,
+    pub message: DbcName,
     /// How often, when nothing changes.
     pub every: Duration,
     /// How long after the last one the device turns its outputs off by itself; `None`: nothing is said of it.
     pub lets_go_after: Option<Duration>,
     /// A signal that counts the frames.
-    pub counter: Option<Named>,
+    pub counter: Option<DbcName>,
     /// A signal for what its bytes add up to.
-    pub checksum: Option<(Named, Checksum)>,
+    pub checksum: Option<(DbcName, Checksum)>,
     /// What outputs make of it.
     pub outputs: Vec<SignalOutput>,
     /// Signals that have the same value in every frame.
-    pub set: Vec<(Named, f64)>,
+    pub set: Vec<(DbcName, f64)>,
 }
 
 /// A signal that follows an output.
@@ -108,7 +108,7 @@ pub struct SignalOutput {
     /// The output.
     pub output: OutputId,
     /// The signal.
-    pub signal: Named,
+    pub signal: DbcName,
     /// Its value while the output is on.
     pub on: f64,
     /// And while it is off.
@@ -156,7 +156,7 @@ pub enum Coding {
 
 /// Where a signal lies in a frame, and what its bits mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Field {
+pub struct FrameField {
     /// As a DBC file counts, bit *n* is bit *n* mod 8 of byte *n* / 8: the lowest bit of an Intel field, the highest of a
     /// Motorola one.
     pub start: u8,
@@ -172,7 +172,7 @@ pub struct Field {
     pub offset: f64,
 }
 
-impl Field {
+impl FrameField {
     /// Whether it lies within a frame of so many bytes.
     pub fn fits(&self, len: u8) -> bool {
         let (start, size, bits) = (u32::from(self.start), u32::from(self.size), u32::from(len) * 8);
@@ -204,7 +204,7 @@ impl Field {
     }
 
     /// Whether the two have a bit in common. Both fit 8 bytes.
-    pub fn meets(&self, other: &Field) -> bool {
+    pub fn meets(&self, other: &FrameField) -> bool {
         let [own, others] = [self, other].map(|field| {
             let mut data = [0; 8];
             field.put(&mut data, u64::MAX);
@@ -273,18 +273,18 @@ impl Checksum {
     }
 }
 
-/// [`Frames`] in numbers.
+/// [`FrameTable`] in numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameBinding {
     /// The messages the device sends.
-    pub heard: Vec<HeardFrame>,
+    pub heard: Vec<ReceivedFrameBinding>,
     /// The messages it is sent.
-    pub told: Vec<ToldFrame>,
+    pub told: Vec<SentFrameBinding>,
 }
 
 /// A message that the device sends.
 #[derive(Clone, Debug, PartialEq)]
-pub struct HeardFrame {
+pub struct ReceivedFrameBinding {
     /// Name, as in the description.
     pub name: String,
     /// Its identifier.
@@ -294,7 +294,7 @@ pub struct HeardFrame {
     /// How long it may stay away.
     pub timeout: Duration,
     /// Differs from frame to frame.
-    pub counter: Option<Field>,
+    pub counter: Option<FrameField>,
     /// The byte that holds a checksum.
     pub checksum: Option<(u8, Checksum)>,
     /// What is read of it, at least one page; a message that is not multiplexed has one.
@@ -306,35 +306,35 @@ pub struct HeardFrame {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     /// The selector, and the values of it with which this page is there.
-    pub selected: Option<(Field, Vec<(u64, u64)>)>,
+    pub selected: Option<(FrameField, Vec<(u64, u64)>)>,
     /// Inputs, what they follow, and when they are on.
-    pub inputs: Vec<(InputId, Field, When)>,
+    pub inputs: Vec<(InputId, FrameField, When)>,
     /// Of what they follow, the least and the greatest value that is one, where the DBC file says so. Many a device says
     /// "not available" beyond them.
-    pub limits: Vec<(Field, f64, f64)>,
+    pub limits: Vec<(FrameField, f64, f64)>,
 }
 
 /// Why the bits of a signal are no value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unsound {
+pub enum SignalError {
     /// The signal that starts at this bit is infinite, or no number.
     Number(u8),
     /// The signal that starts at this bit is beyond its limits.
     Limits(u8),
 }
 
-impl fmt::Display for Unsound {
+impl fmt::Display for SignalError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Unsound::Number(start) => write!(f, "its signal at bit {start} is no number"),
-            Unsound::Limits(start) => write!(f, "its signal at bit {start} is beyond its limits in the DBC file"),
+            SignalError::Number(start) => write!(f, "its signal at bit {start} is no number"),
+            SignalError::Limits(start) => write!(f, "its signal at bit {start} is beyond its limits in the DBC file"),
         }
     }
 }
 
 /// A message that the device is sent.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ToldFrame {
+pub struct SentFrameBinding {
     /// Name, as in the description.
     pub name: String,
     /// Its identifier.
@@ -346,13 +346,13 @@ pub struct ToldFrame {
     /// How long after the last one the device turns its outputs off by itself, where the description says so.
     pub lets_go_after: Option<Duration>,
     /// Counts the frames.
-    pub counter: Option<Field>,
+    pub counter: Option<FrameField>,
     /// The byte that holds a checksum.
     pub checksum: Option<(u8, Checksum)>,
     /// The bytes with nothing on: what never changes, and every output's `off`.
     pub rest: [u8; 8],
     /// Outputs, where they lie, and the bits for on.
-    pub outputs: Vec<(OutputId, Field, u64)>,
+    pub outputs: Vec<(OutputId, FrameField, u64)>,
 }
 
 impl Page {
@@ -365,12 +365,12 @@ impl Page {
     }
 
     /// What in a frame that has it is no value, although an input follows it.
-    pub fn unsound(&self, data: &[u8; 8]) -> Option<Unsound> {
-        let value = |field: &Field| field.value(field.get(data));
-        let is_none = |(_, field, _): &&(InputId, Field, When)| !value(field).is_finite();
-        let is_beyond = |(field, least, most): &&(Field, f64, f64)| !(*least..=*most).contains(&value(field));
-        let number = self.inputs.iter().find(is_none).map(|(_, field, _)| Unsound::Number(field.start));
-        number.or_else(|| self.limits.iter().find(is_beyond).map(|(field, ..)| Unsound::Limits(field.start)))
+    pub fn unsound(&self, data: &[u8; 8]) -> Option<SignalError> {
+        let value = |field: &FrameField| field.value(field.get(data));
+        let is_none = |(_, field, _): &&(InputId, FrameField, When)| !value(field).is_finite();
+        let is_beyond = |(field, least, most): &&(FrameField, f64, f64)| !(*least..=*most).contains(&value(field));
+        let number = self.inputs.iter().find(is_none).map(|(_, field, _)| SignalError::Number(field.start));
+        number.or_else(|| self.limits.iter().find(is_beyond).map(|(field, ..)| SignalError::Limits(field.start)))
     }
 }
 
@@ -390,7 +390,7 @@ impl When {
     }
 
     /// Whether an input that is now `on` is on with these bits.
-    pub fn holds(self, field: &Field, bits: u64, on: bool) -> bool {
+    pub fn holds(self, field: &FrameField, bits: u64, on: bool) -> bool {
         let value = field.value(bits);
         match self {
             When::NotZero => value != 0.0,
@@ -402,7 +402,7 @@ impl When {
     }
 }
 
-impl ToldFrame {
+impl SentFrameBinding {
     /// The bytes for an image of its owner's outputs.
     pub fn bytes(&self, image: u128, count: u64) -> [u8; 8] {
         let mut data = self.rest;
@@ -421,7 +421,7 @@ impl ToldFrame {
     }
 }
 
-impl Frames {
+impl FrameTable {
     /// Every input of its station that its frames turn on and off.
     pub fn inputs(&self) -> impl Iterator<Item = InputId> {
         self.receive.iter().flat_map(|message| message.inputs.iter().map(|input| input.input))
@@ -430,7 +430,7 @@ impl Frames {
     /// Message and signal that turn an input on, as `18FEF100h State.Temperature`, without the identifier while the DBC file
     /// has not been read; `None` if it is none of this device's.
     pub fn source(&self, input: InputId) -> Option<String> {
-        let of_message = |message: &Receive| {
+        let of_message = |message: &ReceivedMessageTable| {
             let signal = &message.inputs.iter().find(|of_signal| of_signal.input == input)?.signal.name;
             let name = &message.message.name;
             let bound = self.bound.iter().flat_map(|bound| &bound.heard).find(|heard| heard.name == *name);

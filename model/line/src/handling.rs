@@ -12,13 +12,13 @@ use linewright_text::index_id;
 use crate::{AxisId, InputId, OutputId, StationId};
 
 index_id! {
-    /// Something that can have parts, by its place in [`Handling::holders`].
+    /// Something that can have parts, by its place in [`MaterialFlow::holders`].
     HolderId
 }
 
 /// What has parts, what moves them, and what sees them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Handling {
+pub struct MaterialFlow {
     /// Nests and hands.
     pub holders: Vec<Holder>,
     /// Which hand can take from, and put down in, which nest.
@@ -94,7 +94,7 @@ pub enum Sign {
     Stands(Stand),
 }
 
-impl Handling {
+impl MaterialFlow {
     /// The holder of this name.
     pub fn holder_named(&self, name: &str) -> Option<HolderId> {
         self.holders.iter().position(|holder| holder.name == name).map(HolderId::at)

@@ -19,21 +19,21 @@ mod time;
 mod transfer_line;
 mod whereabouts;
 
-pub use analogue::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, Lag};
+pub use analogue::{Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Follows, Lag};
 pub use console::{Console, StopContact};
 pub use device::{
-    Canopen, Device, DeviceKind, Identity, Io, Owner, Reaction, Setting, Setup, Transmission, is_the_managers,
-    keeps_an_output, wired_bits,
+    Canopen, Device, DeviceIdentity, DeviceKind, DeviceSetup, Io, ObjectWrite, Owner, Reaction, Transmission,
+    is_the_managers, keeps_an_output, wired_bits,
 };
 pub use drive::{AtRest, Drive, DriveMode, DriveTarget, Homing};
 pub use frames::{
-    Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Named, Page, Receive, Send, SignalInput,
-    SignalOutput, ToldFrame, Unsound, When,
+    Checksum, Coding, CyclicFrame, DbcName, FrameBinding, FrameField, FrameId, FrameTable, Page, ReceivedFrameBinding,
+    ReceivedMessageTable, SentFrameBinding, SignalError, SignalInput, SignalOutput, When,
 };
-pub use handling::{Grip, Handling, Holder, HolderId, Reach, Sensor, Sign, Stand};
+pub use handling::{Grip, Holder, HolderId, MaterialFlow, Reach, Sensor, Sign, Stand};
 pub use line::*;
-pub use modbus::{Modbus, REGISTER_BITS, RegisterValue, Table, Watchdog};
-pub use parse::{Parsed, Problem, Problems, parse, schema, suggestion};
+pub use modbus::{Modbus, REGISTER_BITS, RegisterValue, Table, WatchdogRegister};
+pub use parse::{ParsedLine, Problem, Problems, parse, schema, suggestion};
 pub use position::NoClearance;
 pub use task::{
     CODE_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, Parameter, RESTS_MAX, Rest, RestId, TASKS_MAX, Task, TaskId,

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use linewright_text::index_id;
 
-use crate::{Console, Device, Handling, Owner, Rest, Task};
+use crate::{Console, Device, MaterialFlow, Owner, Rest, Task};
 
 index_id! {
     /// A station, by its place in [`Line::stations`].
@@ -91,7 +91,7 @@ pub struct Line {
     /// How long things may take.
     pub timing: Timing,
     /// Where parts can be, for the simulated plant.
-    pub handling: Handling,
+    pub handling: MaterialFlow,
 }
 
 /// One station: an ordered cycle of operations, or tasks that are done on order.
@@ -121,12 +121,12 @@ pub struct Station {
     /// The operator's panel at the station.
     pub panel: Panel,
     /// The bus its devices hang on.
-    pub bus: Bus,
+    pub bus: DeviceBus,
 }
 
 /// Which CAN bus a device hangs on.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Bus {
+pub enum DeviceBus {
     /// The coordinator's bus; the coordinator is the gateway of the process images.
     Line,
     /// A bus of the station's own, by the CAN interface's name.
@@ -159,7 +159,7 @@ pub struct Operation {
     /// The name as the chart prints it, e.g. `advance clamp`.
     pub name: String,
     /// Reversible or irreversible (seed 002 §4.5.1).
-    pub module: Module,
+    pub module: OperationModule,
     /// What the normal motion takes when nothing is wrong.
     pub duration: Duration,
     /// After this long the normal motion counts as failed.
@@ -167,13 +167,13 @@ pub struct Operation {
     /// What the operation moves.
     pub motion: Motion,
     /// Signals of the normal motion.
-    pub normal: Signals,
+    pub normal: MotionSignals,
     /// Inputs that must be on before the normal motion starts; of stations on order.
     pub waits: Vec<InputId>,
     /// The code of an order whose time runs out while it waits for them, from 1; 0 where the description gives none.
     pub waits_code: u16,
     /// Hand-mode type and its operator commands (seed 002 Figure 21, Table 3).
-    pub hand: Hand,
+    pub hand: HandMode,
 }
 
 /// The motion of an operation along one axis, for the simulated plant: from where to where.
@@ -189,11 +189,11 @@ pub struct Motion {
 
 /// The operation module (seed 002 §4.5.2).
 #[derive(Clone, Debug, PartialEq)]
-pub enum Module {
+pub enum OperationModule {
     /// R-module: a fault is recovered by resuming, or by returning and redoing.
     Reversible {
         /// Signals of the recovery motion.
-        recovery: Signals,
+        recovery: MotionSignals,
         /// What the recovery motion takes.
         recovery_duration: Duration,
         /// After this long the recovery motion counts as failed.
@@ -209,7 +209,7 @@ pub enum Module {
 
 /// The signals of one motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Signals {
+pub struct MotionSignals {
     /// `a`: the output that drives it.
     pub actuator: OutputId,
     /// `s`: the input that is on when the motion has arrived.
@@ -226,7 +226,7 @@ pub struct Signals {
 /// The types are those of seed 002 Figure 21. In a *sequence* one held button runs several operations one after the
 /// other; a *reversed* sequence can be run backwards by a second button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Hand {
+pub enum HandMode {
     /// Type 1: first or intermediate operation of a sequence that is never reversed.
     Sequence {
         /// `h_a`: held to run.
@@ -273,39 +273,39 @@ pub enum Hand {
     },
 }
 
-impl Hand {
+impl HandMode {
     /// The seed's number of the type, 1 to 6.
     pub fn number(&self) -> u8 {
         match self {
-            Hand::Sequence { .. } => 1,
-            Hand::SequenceEnd { .. } => 2,
-            Hand::ReversedStart { .. } => 3,
-            Hand::ReversedMiddle { .. } => 4,
-            Hand::ReversedEnd { .. } => 5,
-            Hand::Single { .. } => 6,
+            HandMode::Sequence { .. } => 1,
+            HandMode::SequenceEnd { .. } => 2,
+            HandMode::ReversedStart { .. } => 3,
+            HandMode::ReversedMiddle { .. } => 4,
+            HandMode::ReversedEnd { .. } => 5,
+            HandMode::Single { .. } => 6,
         }
     }
 
     /// `h_a`, the button that runs the operation.
     pub fn forward(&self) -> ButtonId {
         match *self {
-            Hand::Sequence { forward }
-            | Hand::SequenceEnd { forward, .. }
-            | Hand::ReversedStart { forward, .. }
-            | Hand::ReversedMiddle { forward, .. }
-            | Hand::ReversedEnd { forward, .. }
-            | Hand::Single { forward, .. } => forward,
+            HandMode::Sequence { forward }
+            | HandMode::SequenceEnd { forward, .. }
+            | HandMode::ReversedStart { forward, .. }
+            | HandMode::ReversedMiddle { forward, .. }
+            | HandMode::ReversedEnd { forward, .. }
+            | HandMode::Single { forward, .. } => forward,
         }
     }
 
     /// `h_b`, the button that runs it back, where the type has one.
     pub fn back(&self) -> Option<ButtonId> {
         match *self {
-            Hand::Sequence { .. } | Hand::SequenceEnd { .. } => None,
-            Hand::ReversedStart { back, .. }
-            | Hand::ReversedMiddle { back, .. }
-            | Hand::ReversedEnd { back, .. }
-            | Hand::Single { back, .. } => Some(back),
+            HandMode::Sequence { .. } | HandMode::SequenceEnd { .. } => None,
+            HandMode::ReversedStart { back, .. }
+            | HandMode::ReversedMiddle { back, .. }
+            | HandMode::ReversedEnd { back, .. }
+            | HandMode::Single { back, .. } => Some(back),
         }
     }
 
@@ -313,8 +313,10 @@ impl Hand {
     /// is that of the first one listed.
     pub fn next(&self) -> Option<ButtonId> {
         match *self {
-            Hand::Sequence { .. } | Hand::ReversedStart { .. } | Hand::ReversedMiddle { .. } => None,
-            Hand::SequenceEnd { next, .. } | Hand::ReversedEnd { next, .. } | Hand::Single { next, .. } => Some(next),
+            HandMode::Sequence { .. } | HandMode::ReversedStart { .. } | HandMode::ReversedMiddle { .. } => None,
+            HandMode::SequenceEnd { next, .. } | HandMode::ReversedEnd { next, .. } | HandMode::Single { next, .. } => {
+                Some(next)
+            }
         }
     }
 }
@@ -340,15 +342,15 @@ pub struct Conflict {
     /// Why: printed with a counterexample.
     pub why: String,
     /// One state.
-    pub a: Span,
+    pub a: StateSpan,
     /// The other, of another station.
-    pub b: Span,
+    pub b: StateSpan,
 }
 
 /// A state of a station as a stretch of its cycle, or one task of a station on order: it begins when operation `from` starts (or the undoing of `until`
 /// starts) and ends when `until` is complete (or `from` has been undone).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Span {
+pub struct StateSpan {
     /// The station.
     pub station: StationId,
     /// Its first operation.
@@ -451,11 +453,11 @@ impl Station {
     }
 }
 
-impl fmt::Display for Bus {
+impl fmt::Display for DeviceBus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Bus::Line => f.write_str("the coordinator's bus"),
-            Bus::Own(interface) => f.write_str(interface),
+            DeviceBus::Line => f.write_str("the coordinator's bus"),
+            DeviceBus::Own(interface) => f.write_str(interface),
         }
     }
 }

@@ -30,7 +30,7 @@ pub struct Modbus {
     /// Where they begin: coils or holding registers.
     pub outputs_at: (Table, u16),
     /// What turns its outputs off when the manager is gone.
-    pub watchdog: Option<Watchdog>,
+    pub watchdog: Option<WatchdogRegister>,
     /// Why it may be without a watchdog register.
     pub without_watchdog: Option<String>,
     /// Holding registers that tell whether it is the right device.
@@ -54,7 +54,7 @@ pub enum Table {
 
 /// A holding register that is written with another number in each cycle: the device turns its outputs off when that stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Watchdog {
+pub struct WatchdogRegister {
     /// Its address.
     pub register: u16,
     /// After how long without a write the device turns its outputs off.

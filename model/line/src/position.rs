@@ -6,8 +6,8 @@
 //!
 //! Nothing here remembers anything: the same answer follows from the image alone, whatever a controller believes.
 
-use crate::net::{Block, Place, Stage};
-use crate::{AxisId, Line, Module, OpId, Span, Station};
+use crate::net::{Block, MotionStage, StationPlace};
+use crate::{AxisId, Line, OpId, OperationModule, StateSpan, Station};
 
 /// Coordinates nearer than this are one place, in millimetres or degrees.
 const SAME_PLACE: f64 = 1e-6;
@@ -64,8 +64,10 @@ impl Station {
         moving.flat_map(|operation| {
             let motion = operation.motion;
             let back = match &operation.module {
-                Module::Reversible { recovery, .. } => Some((motion.axis, motion.from, recovery.complete.bit())),
-                Module::Irreversible { .. } => None,
+                OperationModule::Reversible { recovery, .. } => {
+                    Some((motion.axis, motion.from, recovery.complete.bit()))
+                }
+                OperationModule::Irreversible { .. } => None,
             };
             std::iter::once((motion.axis, motion.to, operation.normal.complete.bit())).chain(back)
         })
@@ -135,14 +137,14 @@ impl Station {
     /// The inputs that must be on while this place is marked: the switches of every axis that stands still there. Where the
     /// operation itself is at rest, its own end is among them; while it moves, or was stopped, it is not. It does not hold on a
     /// recovery path, which begins wherever a fault has left the mechanism.
-    pub fn rest_inputs(&self, place: Place) -> u128 {
+    pub fn rest_inputs(&self, place: StationPlace) -> u128 {
         let step = self.step_of(place.op);
         let mut at = self.positions_before_steps().swap_remove(step);
         let motion = self.operations[place.op.index()].motion;
         let own = match (place.block, place.stage) {
-            (_, Stage::Operating | Stage::Incomplete) => None,
-            (Block::Normal, Stage::Completed) => Some(motion.to),
-            (Block::Recovery, Stage::Completed) => Some(motion.from),
+            (_, MotionStage::Operating | MotionStage::Incomplete) => None,
+            (Block::Normal, MotionStage::Completed) => Some(motion.to),
+            (Block::Recovery, MotionStage::Completed) => Some(motion.from),
         };
         if let Some(own) = own {
             at[motion.axis.index()] = own;
@@ -156,7 +158,7 @@ impl Station {
     }
 
     /// The steps of a stretch of the cycle, from `from` until `until`, across the end of the list where it lies so.
-    pub fn steps_of_span(&self, span: &Span) -> Vec<usize> {
+    pub fn steps_of_span(&self, span: &StateSpan) -> Vec<usize> {
         let (from, count) = (self.step_of(span.from), self.steps.len());
         let length = (self.step_of(span.until) + count - from) % count;
         (0..=length).map(|n| (from + n) % count).collect()
@@ -192,7 +194,7 @@ impl Line {
     ///
     /// # Errors
     /// When there are no such switches; the reason says what is not measured.
-    pub fn clearance(&self, span: &Span) -> Result<u128, NoClearance> {
+    pub fn clearance(&self, span: &StateSpan) -> Result<u128, NoClearance> {
         let station = self.station(span.station);
         let before = station.positions_before_steps();
         let inside = station.steps_of_span(span);
@@ -257,7 +259,8 @@ mod tests {
     #[test]
     fn the_conflicts_of_the_shipped_line_are_told_by_one_switch_on_each_side() {
         let line = shipped();
-        let of = |span: &Span| names(line.station(span.station), line.clearance(span).expect("measured")).join(" ");
+        let of =
+            |span: &StateSpan| names(line.station(span.station), line.clearance(span).expect("measured")).join(" ");
         let sides: Vec<(String, String)> = line.conflicts.iter().map(|c| (of(&c.a), of(&c.b))).collect();
         let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());
         assert_eq!(sides, [pair("LS_vertical_0", "LS_open"), pair("LS_positioning_0", "LS_closed")]);
@@ -269,11 +272,11 @@ mod tests {
         let bar = &line.stations[0];
         let at = |place| names(bar, bar.rest_inputs(place));
         let op = |name| bar.operation_named(name).expect("it has it");
-        assert_eq!(at(Place::completed(bar.home)), ["LS_vertical_0", "LS_horizontal_0"]);
-        assert_eq!(at(Place::operating(op("advance transfer"))), ["LS_vertical_200"]);
-        assert_eq!(at(Place::incomplete(op("advance transfer"))), ["LS_vertical_200"]);
-        assert_eq!(at(Place::undone(op("advance transfer"))), ["LS_vertical_200", "LS_horizontal_0"]);
-        assert_eq!(at(Place::completed(op("2nd lower"))), ["LS_vertical_100", "LS_horizontal_500"]);
+        assert_eq!(at(StationPlace::completed(bar.home)), ["LS_vertical_0", "LS_horizontal_0"]);
+        assert_eq!(at(StationPlace::operating(op("advance transfer"))), ["LS_vertical_200"]);
+        assert_eq!(at(StationPlace::incomplete(op("advance transfer"))), ["LS_vertical_200"]);
+        assert_eq!(at(StationPlace::undone(op("advance transfer"))), ["LS_vertical_200", "LS_horizontal_0"]);
+        assert_eq!(at(StationPlace::completed(op("2nd lower"))), ["LS_vertical_100", "LS_horizontal_500"]);
     }
 
     #[test]
@@ -282,7 +285,7 @@ mod tests {
         let bar = &line.stations[0];
         let op = |name| bar.operation_named(name).expect("it has it");
         // Outside it the bar also lifts to 50 and back from there.
-        let span = Span { station: StationId(0), from: op("2nd lift"), until: op("3rd lower") };
+        let span = StateSpan { station: StationId(0), from: op("2nd lift"), until: op("3rd lower") };
         assert_eq!(line.clearance(&span), Err(NoClearance::NothingStandsStill));
     }
 
@@ -291,13 +294,16 @@ mod tests {
         let line = shipped();
         let clamp = &line.stations[1];
         // All of its cycle but the rest at home: open at both ends, and open once more in no place between.
-        let all = Span { station: StationId(1), from: OpId(1), until: OpId(0) };
+        let all = StateSpan { station: StationId(1), from: OpId(1), until: OpId(0) };
         assert_eq!(names(clamp, line.clearance(&all).expect("measured")), ["LS_open"]);
         // The mill's main slide stands at 60 while the positioning slide returns to 0 inside this state.
         let mill = &line.stations[2];
         let op = |name| mill.operation_named(name).expect("it has it");
-        let whole =
-            Span { station: StationId(2), from: op("rapid advance positioning slide"), until: op("reset main slide") };
+        let whole = StateSpan {
+            station: StationId(2),
+            from: op("rapid advance positioning slide"),
+            until: op("reset main slide"),
+        };
         let inputs = line.clearance(&whole).expect("the two slides together tell it");
         assert_eq!(names(mill, inputs), ["LS_positioning_0", "LS_main_0"]);
     }
@@ -308,8 +314,11 @@ mod tests {
         let mut line = shipped();
         let mill = &line.stations[2];
         let op = |name| mill.operation_named(name).expect("it has it");
-        let span =
-            Span { station: StationId(2), from: op("rapid advance positioning slide"), until: op("reset main slide") };
+        let span = StateSpan {
+            station: StationId(2),
+            from: op("rapid advance positioning slide"),
+            until: op("reset main slide"),
+        };
         assert!(line.clearance(&span).is_ok());
         // Out; over to the other slide, both at once; back.
         let station = &mut line.stations[2];
@@ -327,7 +336,7 @@ mod tests {
         for (operation, motion) in station.operations.iter_mut().zip(ways) {
             operation.motion = motion;
             operation.normal.complete = switch(motion.axis, motion.to);
-            if let Module::Reversible { recovery, .. } = &mut operation.module {
+            if let OperationModule::Reversible { recovery, .. } = &mut operation.module {
                 recovery.complete = switch(motion.axis, motion.from);
             }
         }
@@ -350,7 +359,7 @@ mod tests {
         let station = &mut line.stations[1];
         let other = crate::InputId::at(station.inputs.len());
         station.inputs.push("LS_open_2".to_owned());
-        if let Module::Reversible { recovery, .. } = &mut station.operations[closes.index()].module {
+        if let OperationModule::Reversible { recovery, .. } = &mut station.operations[closes.index()].module {
             recovery.complete = other;
         }
         assert_eq!(line.stations[1].measured_after(opened), None);

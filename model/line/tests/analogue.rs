@@ -1,8 +1,8 @@
 //! Analogue channels of a device: what is read, and every rule about them broken once.
 
 use linewright_line::{
-    Analogue, AnalogueInput, AnalogueOutput, Channel, Follows, InputId, Lag, Line, OutputId, Owner, StationId, When,
-    parse,
+    Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, Follows, InputId, Lag, Line, OutputId, Owner, StationId,
+    When, parse,
 };
 
 const LINE: &str = include_str!("descriptions/drives.toml");
@@ -26,7 +26,8 @@ fn line(inputs: &str, outputs: &str) -> Line {
 fn channels_are_read_and_their_signals_are_bits_like_any() {
     let simulated = "simulated = { output = \"Y_open\", on = 6.0, lag_ms = 300 }";
     let line = line(&format!("{{ {INPUT}, {simulated} }}"), &format!("{{ {OUTPUT} }}"));
-    let channel = |number, unit: &str, factor, offset| Channel { number, unit: unit.to_owned(), factor, offset };
+    let channel =
+        |number, unit: &str, factor, offset| AnalogueChannel { number, unit: unit.to_owned(), factor, offset };
     let first = line.devices[0].input_bits().iter().flatten().count() as u16;
     let follows = Follows::Output { output: OutputId(0), on: 6.0, off: 0.0 };
     let input = AnalogueInput {

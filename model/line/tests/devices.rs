@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_line::{Device, FrameBinding, FrameId, HeardFrame, Transmission, When, parse};
+use linewright_line::{Device, FrameBinding, FrameId, ReceivedFrameBinding, Transmission, When, parse};
 
 const LINE: &str = r#"
 name = "pressing"
@@ -98,7 +98,7 @@ fn what_is_said_of_them_is_there() {
     assert_eq!(frames.source(input.input).as_deref(), Some("State.Place"));
     let mut read = frames.clone();
     let (name, id, timeout) = ("State".to_owned(), FrameId { id: 0x18FE_F100, extended: true }, Duration::ZERO);
-    let heard = HeardFrame { name, id, len: 8, timeout, counter: None, checksum: None, pages: Vec::new() };
+    let heard = ReceivedFrameBinding { name, id, len: 8, timeout, counter: None, checksum: None, pages: Vec::new() };
     read.bound = Some(FrameBinding { heard: vec![heard], told: Vec::new() });
     assert_eq!(read.source(input.input).as_deref(), Some("18FEF100h State.Place"));
     assert_eq!(devices[1].carried_inputs().len() + devices[0].carried_inputs().len(), 2);

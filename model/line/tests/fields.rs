@@ -1,10 +1,10 @@
 //! Where a number lies in a frame, against walking through its bits one by one.
 
-use linewright_line::{Checksum, Coding, Field};
+use linewright_line::{Checksum, Coding, FrameField};
 use proptest::prelude::*;
 
-fn field() -> impl Strategy<Value = Field> {
-    (0u8..64, 1u8..=64, any::<bool>(), any::<bool>()).prop_map(|(start, size, motorola, signed)| Field {
+fn field() -> impl Strategy<Value = FrameField> {
+    (0u8..64, 1u8..=64, any::<bool>(), any::<bool>()).prop_map(|(start, size, motorola, signed)| FrameField {
         start,
         size,
         motorola,
@@ -15,7 +15,7 @@ fn field() -> impl Strategy<Value = Field> {
 }
 
 /// The field's bits from the highest to the lowest, as a DBC file counts them; `None` if it leaves the frame.
-fn walk(field: &Field, len: u8) -> Option<Vec<u8>> {
+fn walk(field: &FrameField, len: u8) -> Option<Vec<u8>> {
     let mut bits = Vec::new();
     let mut at = i32::from(field.start);
     for _ in 0..field.size {

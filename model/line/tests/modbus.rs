@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::{
-    InputId, Modbus, OutputId, Owner, RegisterValue, StationId, Table, TransferLine, Watchdog, parse,
+    InputId, Modbus, OutputId, Owner, RegisterValue, StationId, Table, TransferLine, WatchdogRegister, parse,
 };
 
 const DEVICE: &str = r#"[[device]]
@@ -60,7 +60,7 @@ fn a_device_in_modbus_is_read_with_all_it_says() {
         inputs_at: (Table::InputRegisters, 20),
         outputs: (0..3).map(|output| Some(OutputId(output))).collect(),
         outputs_at: (Table::HoldingRegisters, 30),
-        watchdog: Some(Watchdog { register: 40, timeout: Duration::from_millis(200) }),
+        watchdog: Some(WatchdogRegister { register: 40, timeout: Duration::from_millis(200) }),
         without_watchdog: None,
         expect: vec![RegisterValue { register: 0, value: 1025 }],
         settings: vec![RegisterValue { register: 41, value: 200 }],

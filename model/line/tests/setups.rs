@@ -1,6 +1,6 @@
 //! What a device has to be and is told: what is read, and every rule about it broken once.
 
-use linewright_line::{Identity, Problem, Reaction, Setting, parse};
+use linewright_line::{DeviceIdentity, ObjectWrite, Problem, Reaction, parse};
 
 const LINE: &str = include_str!("descriptions/drives.toml");
 
@@ -19,12 +19,12 @@ fn identity_and_settings_are_read() {
     let parsed = parse("line.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}"));
     let setup = &parsed.line.devices[0].canopen().expect("CANopen").setup;
     assert_eq!(setup.file.as_deref(), Some("io.eds"));
-    let identity = Identity { device_type: Some(0x0003_0191), vendor: Some(0x123), ..Identity::default() };
-    assert_eq!(setup.identity, Identity { revision: Some(0x0001_0002), ..identity });
-    let setting = |index, sub, data: &[u8]| Setting { index, sub, data: data.to_vec() };
+    let identity = DeviceIdentity { device_type: Some(0x0003_0191), vendor: Some(0x123), ..DeviceIdentity::default() };
+    assert_eq!(setup.identity, DeviceIdentity { revision: Some(0x0001_0002), ..identity });
+    let setting = |index, sub, data: &[u8]| ObjectWrite { index, sub, data: data.to_vec() };
     let expected = [setting(0x6206, 1, &[255]), setting(0x2000, 0, &[1, 0, 0, 0]), setting(0x2001, 2, &[0xFE, 0xFF])];
     assert_eq!(setup.settings, expected);
-    assert_eq!(parsed.line.devices[1].canopen().expect("CANopen").setup, linewright_line::Setup::default());
+    assert_eq!(parsed.line.devices[1].canopen().expect("CANopen").setup, linewright_line::DeviceSetup::default());
 }
 
 /// The one problem that this text has beyond those of the whole.

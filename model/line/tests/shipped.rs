@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Arrow, Bus, Hand, InputId, Line, Module, OpId, OutputId, Owner, Signals, StationId, TransferLine, parse,
+    Arrow, DeviceBus, HandMode, InputId, Line, MotionSignals, OpId, OperationModule, OutputId, Owner, StationId,
+    TransferLine, parse,
 };
 
 const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
@@ -57,7 +58,7 @@ fn the_shipped_line_has_its_stations_and_operations() {
             ),
         ]
     );
-    assert!(line.stations.iter().all(|s| s.steps.iter().all(|step| step.len() == 1) && s.bus == Bus::Line));
+    assert!(line.stations.iter().all(|s| s.steps.iter().all(|step| step.len() == 1) && s.bus == DeviceBus::Line));
 }
 
 #[test]
@@ -107,16 +108,21 @@ fn an_operation_has_its_signals_times_and_motion() {
     assert_eq!((lift.motion.axis.index(), lift.motion.from, lift.motion.to), (0, 0.0, 50.0));
     assert_eq!(
         lift.normal,
-        Signals { actuator: OutputId(0), complete: InputId(1), fault: Some(InputId(5)), lamp: Some(OutputId(10)) }
+        MotionSignals {
+            actuator: OutputId(0),
+            complete: InputId(1),
+            fault: Some(InputId(5)),
+            lamp: Some(OutputId(10))
+        }
     );
     assert_eq!(transfer.inputs[1], "LS_vertical_50", "unconnected bits have no place in the image");
-    let Module::Reversible { recovery, recovery_duration, recovery_watchdog } = &lift.module else {
+    let OperationModule::Reversible { recovery, recovery_duration, recovery_watchdog } = &lift.module else {
         panic!("a lift is reversible")
     };
     assert_eq!((transfer.outputs[recovery.actuator.index()].as_str(), recovery.complete), ("lower_to_0", InputId(0)));
     assert_eq!((*recovery_duration, *recovery_watchdog), (lift.duration, lift.watchdog), "the normal ones by default");
-    assert_eq!(mill.operations[2].module, Module::Irreversible { recovery_path: vec![OpId(0)] });
-    assert!(matches!(mill.operations[4].hand, Hand::SequenceEnd { .. }));
+    assert_eq!(mill.operations[2].module, OperationModule::Irreversible { recovery_path: vec![OpId(0)] });
+    assert!(matches!(mill.operations[4].hand, HandMode::SequenceEnd { .. }));
     assert_eq!(transfer.panel.retract.map(|id| transfer.inputs[id.index()].as_str()), Some("PB_return"));
 }
 

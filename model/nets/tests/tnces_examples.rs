@@ -1,7 +1,7 @@
 //! The examples of seed 003: its net with weights, its event-driven variable, its conveyor. Lines are those of its text.
 
 use linewright_nets::tnces::{
-    ArcClock, FiredStep, Interval, Latest, Policy, Refusal, Restless, Semantics, StateGraph, TimeBound, TimedLabel,
+    ArcClock, FiredStep, Interval, Latest, NotEnabled, Policy, Restless, Semantics, StateGraph, TimeBound, TimedLabel,
     Tnces, TncesBuilder, TncesPlayer,
 };
 use linewright_nets::{Marking, Net, NetBuilder, PlaceId, StateId, TransitionId, explore};
@@ -49,7 +49,7 @@ fn figure_3_is_a_course_of_a_variable_under_events() {
         assert_eq!(lift.fire(call).unwrap().step.as_ref(), [call, ride]);
         assert!(lift.marking().marked().eq([floors[to]]));
     }
-    assert!(matches!(lift.fire(calls[0].1), Err(Refusal::Forced { .. })));
+    assert!(matches!(lift.fire(calls[0].1), Err(NotEnabled::Forced { .. })));
 }
 
 /// Where the conveyor's three seconds are on t2; which arcs carry them in Figure 8 is lost.

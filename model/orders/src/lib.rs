@@ -10,7 +10,7 @@ mod failure;
 mod refusal;
 
 pub use failure::TaskFailure;
-pub use refusal::Refusal;
+pub use refusal::TaskRefusal;
 
 use std::fmt;
 use std::sync::Arc;
@@ -78,18 +78,18 @@ impl TaskCommand<'_> {
 
 /// What a station says to one order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reply {
+pub enum TaskReply {
     /// It is doing it, or on its way back from it.
     Running,
     /// It has had it.
-    Ended(Outcome),
+    Ended(TaskOutcome),
     /// It does not take it on.
-    Refused(Refusal),
+    Refused(TaskRefusal),
 }
 
 /// How an order has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum TaskOutcome {
     /// As it should: the activity-end of seed 001 (L131-185).
     Done,
     /// Otherwise.

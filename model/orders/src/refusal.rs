@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 #[repr(u16)]
-pub enum Refusal {
+pub enum TaskRefusal {
     /// It has another one.
     Busy = 1,
     /// It is not in auto, or not enabled, or master stop has been given.
@@ -31,20 +31,20 @@ pub enum Refusal {
     Isolated = 11,
 }
 
-impl Refusal {
+impl TaskRefusal {
     /// All of them, by their codes.
-    pub const ALL: [Refusal; 11] = [
-        Refusal::Busy,
-        Refusal::Mode,
-        Refusal::OtherMemory,
-        Refusal::OldEpoch,
-        Refusal::Old,
-        Refusal::Late,
-        Refusal::NotThere,
-        Refusal::Devices,
-        Refusal::Unknown,
-        Refusal::Incomplete,
-        Refusal::Isolated,
+    pub const ALL: [TaskRefusal; 11] = [
+        TaskRefusal::Busy,
+        TaskRefusal::Mode,
+        TaskRefusal::OtherMemory,
+        TaskRefusal::OldEpoch,
+        TaskRefusal::Old,
+        TaskRefusal::Late,
+        TaskRefusal::NotThere,
+        TaskRefusal::Devices,
+        TaskRefusal::Unknown,
+        TaskRefusal::Incomplete,
+        TaskRefusal::Isolated,
     ];
 
     /// Its code.
@@ -60,32 +60,32 @@ impl Refusal {
     /// Whether to ask again: what is in the way ends by itself, or by a decision about the whole line.
     pub const fn is_passing(self) -> bool {
         match self {
-            Refusal::Busy | Refusal::Mode | Refusal::OtherMemory => true,
-            Refusal::OldEpoch
-            | Refusal::Old
-            | Refusal::Late
-            | Refusal::NotThere
-            | Refusal::Devices
-            | Refusal::Unknown
-            | Refusal::Incomplete
-            | Refusal::Isolated => false,
+            TaskRefusal::Busy | TaskRefusal::Mode | TaskRefusal::OtherMemory => true,
+            TaskRefusal::OldEpoch
+            | TaskRefusal::Old
+            | TaskRefusal::Late
+            | TaskRefusal::NotThere
+            | TaskRefusal::Devices
+            | TaskRefusal::Unknown
+            | TaskRefusal::Incomplete
+            | TaskRefusal::Isolated => false,
         }
     }
 
     /// In words, for the operator.
     pub const fn text(self) -> &'static str {
         match self {
-            Refusal::Busy => "it has another one",
-            Refusal::Mode => "it is not in auto, or is to stop",
-            Refusal::OtherMemory => "it was meant for a memory that is gone",
-            Refusal::OldEpoch => "it knows a later life of the coordinator",
-            Refusal::Old => "it has had it before",
-            Refusal::Late => "its time was over before it began",
-            Refusal::NotThere => "it does not stand where the task begins",
-            Refusal::Devices => "its devices are not there",
-            Refusal::Unknown => "it has no such task, or not with these parameters",
-            Refusal::Incomplete => "an operation was stopped before its end",
-            Refusal::Isolated => "it is left out until somebody has looked after it",
+            TaskRefusal::Busy => "it has another one",
+            TaskRefusal::Mode => "it is not in auto, or is to stop",
+            TaskRefusal::OtherMemory => "it was meant for a memory that is gone",
+            TaskRefusal::OldEpoch => "it knows a later life of the coordinator",
+            TaskRefusal::Old => "it has had it before",
+            TaskRefusal::Late => "its time was over before it began",
+            TaskRefusal::NotThere => "it does not stand where the task begins",
+            TaskRefusal::Devices => "its devices are not there",
+            TaskRefusal::Unknown => "it has no such task, or not with these parameters",
+            TaskRefusal::Incomplete => "an operation was stopped before its end",
+            TaskRefusal::Isolated => "it is left out until somebody has looked after it",
         }
     }
 }

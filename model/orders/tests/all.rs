@@ -1,28 +1,28 @@
 //! Codes go there and back, and records keep their spelling.
 
-use linewright_orders::{OrderKey, Refusal, TaskFailure};
+use linewright_orders::{OrderKey, TaskFailure, TaskRefusal};
 
 #[test]
 fn codes_go_there_and_back() {
     for code in 0..=u16::MAX {
         assert_eq!(TaskFailure::from_code(code).code(), code);
-        if let Some(refusal) = Refusal::from_code(code) {
+        if let Some(refusal) = TaskRefusal::from_code(code) {
             assert_eq!(refusal.code(), code);
         }
     }
-    for refusal in Refusal::ALL {
-        assert_eq!(Refusal::from_code(refusal.code()), Some(refusal));
+    for refusal in TaskRefusal::ALL {
+        assert_eq!(TaskRefusal::from_code(refusal.code()), Some(refusal));
     }
     assert_eq!(TaskFailure::from_code(999), TaskFailure::Waiting(999));
     assert_eq!(TaskFailure::from_code(1006), TaskFailure::Stopped);
     assert_eq!(TaskFailure::from_code(1007), TaskFailure::Other(1007));
-    assert_eq!([0, 12].map(Refusal::from_code), [None, None]);
+    assert_eq!([0, 12].map(TaskRefusal::from_code), [None, None]);
 }
 
 /// Logs of cells contain them.
 #[test]
 fn the_spelling_in_records_stays() {
-    let words = Refusal::ALL.map(|refusal| serde_json::to_string(&refusal).expect("a word"));
+    let words = TaskRefusal::ALL.map(|refusal| serde_json::to_string(&refusal).expect("a word"));
     let expected = [
         "busy",
         "mode",

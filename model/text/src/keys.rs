@@ -83,7 +83,7 @@ macro_rules! keys {
                 $name {
                     at: fields.at.clone(),
                     $($field: {
-                        let kind: $crate::Kind<$type> = $kind;
+                        let kind: $crate::KeyKind<$type> = $kind;
                         kind.read(fields, report, $crate::keys!(@key $field $($key)?))
                     },)*
                 }
@@ -92,7 +92,7 @@ macro_rules! keys {
             fn keys() -> Vec<$crate::Property> {
                 let mut keys = Vec::new();
                 $({
-                    let kind: $crate::Kind<$type> = $kind;
+                    let kind: $crate::KeyKind<$type> = $kind;
                     kind.describe($crate::keys!(@key $field $($key)?), &[$($about),+], &mut keys);
                 })*
                 keys

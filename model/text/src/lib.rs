@@ -22,10 +22,10 @@ pub use document::{BYTES_MAX, document, is_bounded};
 pub use fields::{Fields, Scalar, TEXT_MAX};
 pub use keys::Keys;
 pub use kind::{
-    Kind, coordinate, coordinates, flag, integer, lists, millis, nothing, number, one_of, part, positive, scalars,
+    KeyKind, coordinate, coordinates, flag, integer, lists, millis, nothing, number, one_of, part, positive, scalars,
     seconds, table, tables, text, texts, whole, within, word, written,
 };
 pub use names::{NAME_MAX, NameTable, phrase, ros_name, tag, unique};
 pub use place::{Located, LocatedName, Named, TextRange, or};
-pub use shape::{Presence, Property, Shape, Usual, sentences};
+pub use shape::{KeyPresence, Property, Shape, Usual, sentences};
 pub use suggest::{nearest, suggestion};

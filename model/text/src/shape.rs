@@ -37,14 +37,14 @@ pub struct Property {
     /// What may stand there.
     pub shape: Shape,
     /// Whether it may be left out.
-    pub presence: Presence,
+    pub presence: KeyPresence,
     /// What counts where it is left out.
     pub usual: Option<Usual>,
 }
 
 /// Whether a key may be left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Presence {
+pub enum KeyPresence {
     /// It may.
     Optional,
     /// It may not.

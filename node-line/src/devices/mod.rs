@@ -10,16 +10,16 @@ mod trouble;
 
 use std::time::Duration;
 
-use linewright_fieldbus_seam::{Diagnosis, Joined, Level, News, Target};
+use linewright_fieldbus_seam::{BusTarget, Diagnosis, Joined, Level, News};
 use linewright_line::{Device, DeviceKind, Line, Owner, Tick};
 use linewright_msgs::{DiagnosticArray, Text};
 use linewright_node_shell::{Forward, Publisher, RosNode, TopicError, qos, stamp};
 use tokio::sync::mpsc;
 
 pub use names::device_names;
-pub use services::Asked;
-use services::Pending;
-pub use trouble::{TROUBLE_BYTES_MAX, Trouble, in_words};
+pub use services::DeviceServiceRequest;
+use services::PendingTransfer;
+pub use trouble::{DeviceDiagnosticsTopic, TROUBLE_BYTES_MAX, in_words};
 
 /// How often everything is told when nothing changes.
 const EVERY: Duration = Duration::from_secs(1);
@@ -31,9 +31,9 @@ const STATES_MAX: u32 = 20;
 const QUEUE: usize = 64;
 
 /// One device with services and a state, and what was last told of it.
-struct Told {
+struct ReportedDevice {
     name: String,
-    target: Target,
+    target: BusTarget,
     state: Publisher<Text>,
     word: &'static str,
     /// States told at once since the last regular diagnosis.
@@ -43,19 +43,19 @@ struct Told {
 }
 
 /// What makes a diagnosis news, device by device.
-type Key = Vec<(Level, Option<&'static str>, Option<u16>, u32)>;
+type PlainReportKey = Vec<(Level, Option<&'static str>, Option<u16>, u32)>;
 
 /// The devices of one node.
 pub struct Devices {
     node: String,
-    told: Vec<Told>,
+    told: Vec<ReportedDevice>,
     owners: Vec<(Owner, String)>,
     diagnostics: Publisher<DiagnosticArray>,
-    key: Key,
+    key: PlainReportKey,
     due: Tick,
     last: Tick,
-    from: mpsc::Receiver<Asked>,
-    pending: Vec<Pending>,
+    from: mpsc::Receiver<DeviceServiceRequest>,
+    pending: Vec<PendingTransfer>,
     tasks: Vec<Forward>,
 }
 
@@ -80,17 +80,24 @@ impl Devices {
         let mut tasks = services::open_bus(node, &to)?;
         let mut told = Vec::with_capacity(with_services.len());
         for (device, name) in with_services.iter().zip(device_names(line, &with_services)) {
-            let target = device.node_id().map_or_else(|| Target::Device(device.name.clone()), Target::Node);
+            let target = device.node_id().map_or_else(|| BusTarget::Device(device.name.clone()), BusTarget::Node);
             tasks.extend(services::open_device(node, &name, &target, &to)?);
             let state = node.publisher(&format!("{name}/nmt_state"), qos::latched_state())?;
-            told.push(Told { name: device.name.clone(), target, state, word: "", at_once: 0, failed: String::new() });
+            told.push(ReportedDevice {
+                name: device.name.clone(),
+                target,
+                state,
+                word: "",
+                at_once: 0,
+                failed: String::new(),
+            });
         }
         Ok(Devices {
             node: node.name().to_owned(),
             told,
             owners,
             diagnostics: node.publisher("/diagnostics", qos::event())?,
-            key: Key::default(),
+            key: PlainReportKey::default(),
             due: Tick::ZERO,
             last: Tick::ZERO,
             from,
@@ -100,7 +107,7 @@ impl Devices {
     }
 
     /// Waits for a request; hand it to [`Devices::ask`]. Cancel safe.
-    pub async fn next(&mut self) -> Asked {
+    pub async fn next(&mut self) -> DeviceServiceRequest {
         match self.from.recv().await {
             Some(asked) => asked,
             // Every service has failed; `is_failed` says so.
@@ -156,7 +163,7 @@ impl Devices {
         }
         self.states(buses, u32::MAX);
         let diagnoses = buses.diagnoses();
-        let key: Key = diagnoses.iter().map(Diagnosis::key).collect();
+        let key: PlainReportKey = diagnoses.iter().map(Diagnosis::key).collect();
         if self.key != key || self.last + EVERY <= now {
             if self.last + EVERY <= now {
                 self.told.iter_mut().for_each(|told| told.at_once = 0);

@@ -3,54 +3,58 @@
 //! The types of `ros2_canopen` have room for "no" and for a number, not for words. So where something was to be read, the
 //! number is the abort code that says why it was not; the words are in the log and in the device's diagnostics.
 
-use linewright_fieldbus_seam::{Answer, Joined, Object, Reply as Read, Request, Target, abort};
+use linewright_fieldbus_seam::{Answer, BusReply as Read, BusRequest, BusTarget, Joined, ObjectAddress, abort};
 use linewright_msgs::{
     CORead, COReadID, COWrite, COWriteID, CoReadIdRequest, CoReadIdResponse, CoReadRequest, CoReadResponse,
     CoWriteIdRequest, CoWriteIdResponse, CoWriteRequest, CoWriteResponse, Trigger, TriggerResponse,
 };
-use linewright_node_shell::{Forward, Reply, RosNode, TopicError, serve};
+use linewright_node_shell::{Forward, RosNode, ServiceReply, TopicError, serve};
 use tokio::sync::mpsc;
 
 use super::Devices;
 
 /// Something a service was asked.
 #[derive(Debug)]
-pub struct Asked {
-    target: Target,
-    request: Request,
+pub struct DeviceServiceRequest {
+    target: BusTarget,
+    request: BusRequest,
     answerer: Answerer,
 }
 
 /// Where the answer goes.
 #[derive(Debug)]
 enum Answerer {
-    Trigger(Reply<Trigger>),
-    Read(Reply<CORead>),
-    Write(Reply<COWrite>),
-    ReadId(Reply<COReadID>),
-    WriteId(Reply<COWriteID>),
+    Trigger(ServiceReply<Trigger>),
+    Read(ServiceReply<CORead>),
+    Write(ServiceReply<COWrite>),
+    ReadId(ServiceReply<COReadID>),
+    WriteId(ServiceReply<COWriteID>),
 }
 
 /// A request that the bus has not answered yet.
-pub struct Pending {
+pub struct PendingTransfer {
     number: u64,
-    target: Target,
+    target: BusTarget,
     answerer: Answerer,
 }
 
 /// The services of a bus, by node id: `~/sdo_read`, `~/sdo_write`.
-pub fn open_bus(node: &mut RosNode, to: &mpsc::Sender<Asked>) -> Result<Vec<Forward>, TopicError> {
+pub fn open_bus(node: &mut RosNode, to: &mpsc::Sender<DeviceServiceRequest>) -> Result<Vec<Forward>, TopicError> {
     let read = serve(node.service::<COReadID>("~/sdo_read")?, to.clone(), |asked: CoReadIdRequest, reply| {
-        let request = Request::Read(Object { index: asked.index, sub: asked.subindex });
-        Asked { target: Target::Node(asked.nodeid), request, answerer: Answerer::ReadId(reply) }
+        let request = BusRequest::Read(ObjectAddress { index: asked.index, sub: asked.subindex });
+        DeviceServiceRequest { target: BusTarget::Node(asked.nodeid), request, answerer: Answerer::ReadId(reply) }
     });
     let write = serve(node.service::<COWriteID>("~/sdo_write")?, to.clone(), |asked: CoWriteIdRequest, reply| {
         let bytes = bytes_of(asked.canopen_datatype);
         // A negative number of a short type comes with its sign in the bytes above it.
         let value = if is_signed(asked.canopen_datatype) { low_bytes(asked.data, bytes) } else { asked.data };
-        let object = Object { index: asked.index, sub: asked.subindex };
-        let target = Target::Node(asked.nodeid.cast_unsigned());
-        Asked { target, request: Request::Write { object, value, bytes }, answerer: Answerer::WriteId(reply) }
+        let object = ObjectAddress { index: asked.index, sub: asked.subindex };
+        let target = BusTarget::Node(asked.nodeid.cast_unsigned());
+        DeviceServiceRequest {
+            target,
+            request: BusRequest::Write { object, value, bytes },
+            answerer: Answerer::WriteId(reply),
+        }
     });
     Ok(vec![read, write])
 }
@@ -59,12 +63,12 @@ pub fn open_bus(node: &mut RosNode, to: &mpsc::Sender<Asked>) -> Result<Vec<Forw
 pub fn open_device(
     node: &mut RosNode,
     name: &str,
-    target: &Target,
-    to: &mpsc::Sender<Asked>,
+    target: &BusTarget,
+    to: &mpsc::Sender<DeviceServiceRequest>,
 ) -> Result<Vec<Forward>, TopicError> {
     let asked = {
         let target = target.clone();
-        move |request, answerer| Asked { target: target.clone(), request, answerer }
+        move |request, answerer| DeviceServiceRequest { target: target.clone(), request, answerer }
     };
     let reset = node.service::<Trigger>(&format!("{name}/nmt_reset_node"))?;
     let start = node.service::<Trigger>(&format!("{name}/nmt_start_node"))?;
@@ -72,15 +76,15 @@ pub fn open_device(
     let write = node.service::<COWrite>(&format!("{name}/sdo_write"))?;
     let [of_reset, of_start, of_read, of_write] = [asked.clone(), asked.clone(), asked.clone(), asked];
     Ok(vec![
-        serve(reset, to.clone(), move |_, reply| of_reset(Request::Reset, Answerer::Trigger(reply))),
-        serve(start, to.clone(), move |_, reply| of_start(Request::Start, Answerer::Trigger(reply))),
+        serve(reset, to.clone(), move |_, reply| of_reset(BusRequest::Reset, Answerer::Trigger(reply))),
+        serve(start, to.clone(), move |_, reply| of_start(BusRequest::Start, Answerer::Trigger(reply))),
         serve(read, to.clone(), move |request: CoReadRequest, reply| {
-            let object = Object { index: request.index, sub: request.subindex };
-            of_read(Request::Read(object), Answerer::Read(reply))
+            let object = ObjectAddress { index: request.index, sub: request.subindex };
+            of_read(BusRequest::Read(object), Answerer::Read(reply))
         }),
         serve(write, to.clone(), move |request: CoWriteRequest, reply| {
-            let object = Object { index: request.index, sub: request.subindex };
-            of_write(Request::Write { object, value: request.data, bytes: None }, Answerer::Write(reply))
+            let object = ObjectAddress { index: request.index, sub: request.subindex };
+            of_write(BusRequest::Write { object, value: request.data, bytes: None }, Answerer::Write(reply))
         }),
     ])
 }
@@ -145,11 +149,11 @@ impl Answerer {
 
 impl Devices {
     /// Passes a request on to the buses.
-    pub fn ask(&mut self, asked: Asked, buses: &mut Joined) {
-        let Asked { target, request, answerer } = asked;
+    pub fn ask(&mut self, asked: DeviceServiceRequest, buses: &mut Joined) {
+        let DeviceServiceRequest { target, request, answerer } = asked;
         tracing::info!("asked: {target}, {request}");
         let number = buses.ask(&target, request);
-        self.pending.push(Pending { number, target, answerer });
+        self.pending.push(PendingTransfer { number, target, answerer });
         self.answer(buses);
     }
 
@@ -157,7 +161,7 @@ impl Devices {
     pub(super) fn answer(&mut self, buses: &mut Joined) {
         for (number, answer) in buses.take_answers() {
             let Some(at) = self.pending.iter().position(|pending| pending.number == number) else { continue };
-            let Pending { target, answerer, .. } = self.pending.swap_remove(at);
+            let PendingTransfer { target, answerer, .. } = self.pending.swap_remove(at);
             let failed = answer.as_ref().err().map_or(String::new(), |refusal| refusal.text.clone());
             if !failed.is_empty() {
                 tracing::warn!("{failed}");

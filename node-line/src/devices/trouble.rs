@@ -11,7 +11,7 @@ use linewright_node_shell::{Publisher, RosNode, TopicError, qos};
 use super::{EVERY, NEWS_EVERY, STATES_MAX};
 
 /// The topic of one owner.
-pub struct Trouble {
+pub struct DeviceDiagnosticsTopic {
     owner: Owner,
     publisher: Publisher<Text>,
     text: String,
@@ -20,12 +20,12 @@ pub struct Trouble {
     due: Tick,
 }
 
-impl Trouble {
+impl DeviceDiagnosticsTopic {
     /// Opens the topic.
     pub fn open(node: &mut RosNode, topic: &str, owner: Owner) -> Result<Self, TopicError> {
         let publisher = node.publisher(topic, qos::latched_state())?;
         let news = Budget::new(STATES_MAX, NEWS_EVERY);
-        Ok(Trouble { owner, publisher, text: String::new(), valid: None, news, due: Tick::ZERO })
+        Ok(DeviceDiagnosticsTopic { owner, publisher, text: String::new(), valid: None, news, due: Tick::ZERO })
     }
 
     /// Tells what there is to tell now.

@@ -35,7 +35,7 @@ pub enum GoalError {
 
 /// How a goal has ended, as its client sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum GoalOutcome {
     /// It was reached.
     Succeeded,
     /// It was not; the result says why.
@@ -72,18 +72,18 @@ impl<A: RosAction> ActionCaller<A> {
     }
 
     /// How it has ended, when it has.
-    pub async fn result(&self, goal: GoalHandle, within: Duration) -> Result<(Outcome, A::Result), GoalError> {
+    pub async fn result(&self, goal: GoalHandle, within: Duration) -> Result<(GoalOutcome, A::Result), GoalError> {
         let answer = self.in_time(within, self.inner.async_request_result(goal.0)).await?;
         let (status, WireMessage(result)) = answer.map_err(|error| self.failed(&error))?;
         result.validate().map_err(|invalid| self.failed(&invalid))?;
         let outcome = match status {
-            GoalStatusEnum::Succeeded => Outcome::Succeeded,
-            GoalStatusEnum::Aborted => Outcome::Aborted,
-            GoalStatusEnum::Canceled => Outcome::Canceled,
+            GoalStatusEnum::Succeeded => GoalOutcome::Succeeded,
+            GoalStatusEnum::Aborted => GoalOutcome::Aborted,
+            GoalStatusEnum::Canceled => GoalOutcome::Canceled,
             GoalStatusEnum::Unknown
             | GoalStatusEnum::Accepted
             | GoalStatusEnum::Executing
-            | GoalStatusEnum::Canceling => Outcome::Unclear,
+            | GoalStatusEnum::Canceling => GoalOutcome::Unclear,
         };
         Ok((outcome, result))
     }

@@ -16,7 +16,7 @@ mod server;
 use ros2_client::QosProfile;
 use ros2_client::action::{ActionClientQosPolicies, ActionServerQosPolicies};
 
-pub use caller::{ActionCaller, GoalError, Outcome};
+pub use caller::{ActionCaller, GoalError, GoalOutcome};
 pub use goals::GoalEnd;
 pub(crate) use server::RawActionServer;
 pub use server::{ActionOffer, ActionOwner, GoalHandle, GoalRequest, serve_action};

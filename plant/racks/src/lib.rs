@@ -9,10 +9,10 @@ mod modbus;
 use std::io;
 
 use linewright_canopen::Frame;
-use linewright_canopen::candump::Recorder;
+use linewright_canopen::candump::CandumpWriter;
 use linewright_fieldbus::bus::{self, BusError};
 use linewright_fieldbus::{Bus, Clock};
-use linewright_line::{Bus as BusName, Device, Line};
+use linewright_line::{Device, DeviceBus as BusName, Line};
 use linewright_plant::{PlantOptions, Rack};
 use thiserror::Error;
 use tokio::task::JoinSet;
@@ -40,11 +40,11 @@ pub enum PlantError {
 
 /// Where and how a plant runs.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct RackOptions {
     /// The interface that serves as the coordinator's bus; stations' own buses have their names in the description.
     pub line_bus: String,
     /// How buses are found.
-    pub bus: bus::Options,
+    pub bus: bus::BusOptions,
     /// How the mechanisms deviate from their description.
     pub plant: PlantOptions,
     /// The clock shared with the rest of the process.
@@ -62,7 +62,7 @@ pub struct RackRunner {
 }
 
 /// Connects every device of `line` to its bus. Must be called within a tokio runtime.
-pub fn open_plant(line: &Line, options: &Options) -> Result<Vec<RackRunner>, PlantError> {
+pub fn open_plant(line: &Line, options: &RackOptions) -> Result<Vec<RackRunner>, PlantError> {
     let mut names: Vec<&BusName> = Vec::new();
     for device in &line.devices {
         if !names.contains(&&device.bus) {
@@ -88,7 +88,7 @@ pub fn open_plant(line: &Line, options: &Options) -> Result<Vec<RackRunner>, Pla
 }
 
 /// Runs every device of `line` until it is cancelled. Returns only if a bus cannot be opened or is gone, or there is none.
-pub async fn run_plant(line: &Line, options: &Options) -> Result<(), PlantError> {
+pub async fn run_plant(line: &Line, options: &RackOptions) -> Result<(), PlantError> {
     let mut running = JoinSet::new();
     for runner in open_plant(line, options)? {
         tracing::info!(bus = runner.describe(), "plant");
@@ -114,7 +114,7 @@ impl RackRunner {
     }
 
     /// Records the bus from here on.
-    pub fn record(&mut self, recorder: Recorder) {
+    pub fn record(&mut self, recorder: CandumpWriter) {
         if let Some(bus) = &mut self.bus {
             bus.record(recorder);
         }

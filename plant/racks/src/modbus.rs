@@ -69,7 +69,7 @@ fn listen(address: &str) -> io::Result<TcpListener> {
 
 async fn serve(server: Server, address: String, to: mpsc::Sender<Asked>) {
     let connected = |stream: tokio::net::TcpStream, peer| {
-        let device = Device { address: address.clone(), to: to.clone() };
+        let device = ServedDevice { address: address.clone(), to: to.clone() };
         let is_open = stream.set_nodelay(true);
         std::future::ready(is_open.and_then(|()| accept_tcp_connection(stream, peer, |_| Ok(Some(device.clone())))))
     };
@@ -81,12 +81,12 @@ async fn serve(server: Server, address: String, to: mpsc::Sender<Asked>) {
 
 /// A connection to the devices at an address.
 #[derive(Clone)]
-struct Device {
+struct ServedDevice {
     address: String,
     to: mpsc::Sender<Asked>,
 }
 
-impl Service for Device {
+impl Service for ServedDevice {
     type Request = SlaveRequest<'static>;
     type Response = Option<Response>;
     type Exception = ExceptionCode;

@@ -4,20 +4,20 @@ use std::time::Duration;
 
 use crate::common::*;
 use linewright_canopen::sdo::{self, ObjectId};
-use linewright_canopen::{Event, Manager, NodeId};
+use linewright_canopen::{BusEvent, Manager, NodeId};
 use linewright_fieldbus::bus::{self, Transport};
 use linewright_fieldbus::{Bus, Clock, Driver, sdo_client};
 use linewright_fieldbus_seam::InputImage;
-use linewright_line::{Bus as BusName, Line, Owner};
+use linewright_line::{DeviceBus as BusName, Line, Owner};
 use linewright_plant::{FAULT_INDEX, PRESS_INDEX, PlantOptions};
-use linewright_racks::{Options, run_plant};
+use linewright_racks::{RackOptions, run_plant};
 
 const LINE_BUS: &str = "vcan-line";
 const WAIT: Duration = Duration::from_secs(20);
 
 struct Bench {
     _dir: tempfile::TempDir,
-    bus: bus::Options,
+    bus: bus::BusOptions,
     line: Line,
     clock: Clock,
     plant: tokio::task::JoinHandle<()>,
@@ -26,10 +26,10 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let dir = tempfile::tempdir().unwrap();
-        let bus = bus::Options { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
+        let bus = bus::BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
         let clock = Clock::start();
         let plant = PlantOptions::default();
-        let options = Options { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant, clock };
+        let options = RackOptions { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant, clock };
         let plant = tokio::spawn(async move { run_plant(&line(), &options).await.unwrap() });
         Bench { _dir: dir, bus, line: line(), clock, plant }
     }
@@ -42,7 +42,7 @@ impl Bench {
 }
 
 /// Runs the driver until the inputs are as wanted; returns the events on the way.
-async fn until(driver: &mut Driver, owner: Owner, wanted: impl Fn(InputImage) -> bool) -> Vec<Event> {
+async fn until(driver: &mut Driver, owner: Owner, wanted: impl Fn(InputImage) -> bool) -> Vec<BusEvent> {
     let mut seen = Vec::new();
     let reached = tokio::time::timeout(WAIT, async {
         while !wanted(driver.inputs(owner)) {
@@ -91,10 +91,10 @@ async fn a_lost_device_is_noticed_and_comes_back_with_its_outputs_off() {
     let mut tool = Bus::open(LINE_BUS, &bench.bus).unwrap();
     let node = NodeId::new(4).unwrap();
     let fault = ObjectId::new(FAULT_INDEX, 0);
-    let options = sdo::Options::default();
+    let options = sdo::TransferOptions::default();
     sdo_client::write(&mut tool, node, fault, &[1], options).await.unwrap();
     let events = until(&mut driver, owner, |inputs| !inputs.valid).await;
-    assert!(events.iter().any(|e| matches!(e, Event::DeviceLost { .. })), "{events:?}");
+    assert!(events.iter().any(|e| matches!(e, BusEvent::DeviceLost { .. })), "{events:?}");
     tokio::time::timeout(Duration::from_millis(300), until(&mut driver, owner, |_| false)).await.ok();
     sdo_client::write(&mut tool, node, fault, &[0], options).await.unwrap();
     until(&mut driver, owner, |inputs| inputs.valid).await;
@@ -108,7 +108,7 @@ async fn a_lost_device_is_noticed_and_comes_back_with_its_outputs_off() {
 async fn tool_read(tool: &mut Bus, driver: &mut Driver, node: NodeId) -> Vec<u8> {
     let outputs = ObjectId::new(0x6200, 1);
     tokio::select! {
-        read = sdo_client::read(tool, node, outputs, sdo::Options::default()) => read.unwrap(),
+        read = sdo_client::read(tool, node, outputs, sdo::TransferOptions::default()) => read.unwrap(),
         () = async { loop { driver.next().await.expect("nobody else is there"); } } => unreachable!(),
     }
 }
@@ -120,7 +120,9 @@ async fn a_finger_on_the_console_reaches_the_manager() {
     until(&mut driver, Owner::Console, valid(0)).await;
     let mut tool = Bus::open(LINE_BUS, &bench.bus).unwrap();
     let node = NodeId::new(10).unwrap();
-    sdo_client::write(&mut tool, node, ObjectId::new(PRESS_INDEX, 1), &[1], sdo::Options::default()).await.unwrap();
+    sdo_client::write(&mut tool, node, ObjectId::new(PRESS_INDEX, 1), &[1], sdo::TransferOptions::default())
+        .await
+        .unwrap();
     until(&mut driver, Owner::Console, valid(1)).await;
     bench.plant.abort();
 }

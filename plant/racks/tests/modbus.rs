@@ -7,10 +7,12 @@ use crate::common::*;
 use linewright_fieldbus::Clock;
 use linewright_fieldbus::bus::{self, Transport};
 use linewright_fieldbus_seam::{Fieldbus, InputImage};
-use linewright_line::{Bus as BusName, Device, DeviceKind, Line, Modbus, Owner, RegisterValue, Table, Watchdog};
+use linewright_line::{
+    Device, DeviceBus as BusName, DeviceKind, Line, Modbus, Owner, RegisterValue, Table, WatchdogRegister,
+};
 use linewright_modbus_tcp::ModbusTcp;
 use linewright_plant::PlantOptions;
-use linewright_racks::{Options, run_plant};
+use linewright_racks::{RackOptions, run_plant};
 use tokio_modbus::client::{Context, Reader, tcp};
 use tokio_modbus::{ExceptionCode, Slave};
 
@@ -33,7 +35,7 @@ fn line_on(port: u16, registers: bool) -> Line {
         inputs_at: (table(Table::DiscreteInputs, Table::InputRegisters), 8),
         outputs: device.output_bits().to_vec(),
         outputs_at: (table(Table::Coils, Table::HoldingRegisters), 4),
-        watchdog: Some(Watchdog { register: 100, timeout: Duration::from_millis(1500) }),
+        watchdog: Some(WatchdogRegister { register: 100, timeout: Duration::from_millis(1500) }),
         without_watchdog: None,
         expect: vec![RegisterValue { register: 0, value: 0x401 }],
         settings: vec![RegisterValue { register: 101, value: 1500 }],
@@ -57,9 +59,9 @@ struct Bench {
 impl Bench {
     fn new(registers: bool) -> Self {
         let (dir, port) = (tempfile::tempdir().unwrap(), free_port());
-        let bus = bus::Options { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
+        let bus = bus::BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
         let clock = Clock::start();
-        let options = Options { line_bus: "no-can".to_owned(), bus, plant: PlantOptions::default(), clock };
+        let options = RackOptions { line_bus: "no-can".to_owned(), bus, plant: PlantOptions::default(), clock };
         let line = line_on(port, registers);
         let devices = line.devices.clone();
         let plant = tokio::spawn(async move { run_plant(&line, &options).await.unwrap() });

@@ -41,7 +41,7 @@ struct Measured {
 
 /// A channel that is set.
 #[derive(Debug)]
-struct Set {
+struct SetChannel {
     of: AnalogueOutput,
     number: i16,
     /// Object 6443h: whether it takes its error value.
@@ -52,10 +52,10 @@ struct Set {
 
 /// All of a device.
 #[derive(Debug)]
-pub(super) struct Channels {
+pub(super) struct SimulatedChannels {
     node: NodeId,
     measured: Vec<Measured>,
-    set: Vec<Set>,
+    set: Vec<SetChannel>,
     /// Object 6423h: whether inputs are sent by themselves.
     enabled: bool,
     transmit: Vec<Pdo>,
@@ -66,7 +66,7 @@ pub(super) struct Channels {
     next_look: Tick,
 }
 
-impl Channels {
+impl SimulatedChannels {
     pub fn new(node: NodeId, of: &Analogue) -> Self {
         let highest = |numbers: &mut dyn Iterator<Item = u8>| numbers.max().unwrap_or(0);
         let inputs = highest(&mut of.inputs.iter().map(|input| input.channel.number));
@@ -83,10 +83,10 @@ impl Channels {
             let (at, to, held, sent) = (Tick::ZERO, from, None, None);
             Measured { of: of.clone(), from, at, to, held, number, sent, delta: 0 }
         });
-        Channels {
+        SimulatedChannels {
             node,
             measured: measured.collect(),
-            set: of.outputs.iter().map(|of| Set { of: of.clone(), number: 0, takes: 1, error: 0 }).collect(),
+            set: of.outputs.iter().map(|of| SetChannel { of: of.clone(), number: 0, takes: 1, error: 0 }).collect(),
             enabled: false,
             transmit: (0..OBJECTS).map(|nth| Pdo::of_channels(node, true, nth, inputs)).collect(),
             receive: (0..OBJECTS).map(|nth| Pdo::of_channels(node, false, nth, outputs)).collect(),
@@ -107,7 +107,7 @@ impl Channels {
 
     /// The outputs of its owner that are on: those whose value a channel has.
     pub fn outputs(&self) -> u128 {
-        let on = |set: &Set| {
+        let on = |set: &SetChannel| {
             let level = |value: &f64| set.of.channel.number_of(*value) == Some(set.number);
             let found = set.of.outputs.iter().find(|(_, value)| level(value));
             found.map_or(0, |(output, _)| output.bit())
@@ -177,7 +177,7 @@ impl Channels {
             inputs: self.measured.iter().map(|own| own.of.clone()).collect(),
             outputs: self.set.iter().map(|own| own.of.clone()).collect(),
         };
-        let fresh = Channels::new(self.node, &of);
+        let fresh = SimulatedChannels::new(self.node, &of);
         let before = std::mem::replace(&mut self.measured, fresh.measured);
         for (own, before) in self.measured.iter_mut().zip(before) {
             // What is behind a channel does not boot with it.
@@ -236,7 +236,7 @@ impl Channels {
         }
     }
 
-    /// When [`Channels::poll`] has something to do next.
+    /// When [`SimulatedChannels::poll`] has something to do next.
     pub fn deadline(&self) -> Tick {
         self.due.iter().copied().fold(self.next_look, Tick::min)
     }
@@ -372,12 +372,12 @@ fn fitting(of: &AnalogueInput, image: u128) -> i16 {
 
 #[cfg(test)]
 mod tests {
-    use linewright_line::{Channel, InputId, Lag, OutputId};
+    use linewright_line::{AnalogueChannel, InputId, Lag, OutputId};
 
     use super::*;
 
     fn input(inputs: Vec<(InputId, When)>, simulated: Option<Lag>) -> AnalogueInput {
-        let channel = Channel { number: 1, unit: "bar".to_owned(), factor: 0.01, offset: 0.0 };
+        let channel = AnalogueChannel { number: 1, unit: "bar".to_owned(), factor: 0.01, offset: 0.0 };
         AnalogueInput { channel, least: None, most: None, inputs, broken: Some(InputId(9)), simulated }
     }
 
@@ -404,7 +404,7 @@ mod tests {
         let follows = Follows::Output { output: OutputId(3), on: 6.0, off: 0.0 };
         let lag = Lag { follows, time_constant: Duration::from_millis(100) };
         let of = Analogue { inputs: vec![input(Vec::new(), Some(lag))], outputs: Vec::new() };
-        let mut channels = Channels::new(NodeId::new(4).unwrap(), &of);
+        let mut channels = SimulatedChannels::new(NodeId::new(4).unwrap(), &of);
         let mut at = |millis: u64, outputs: u128| {
             let now = Tick::from_millis(millis);
             channels.behind(now, 0, outputs);

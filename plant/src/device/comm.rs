@@ -15,15 +15,15 @@ use std::time::Duration;
 
 use linewright_canopen::MANAGER_NODE;
 use linewright_canopen::codec::{
-    BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST, Message, NO_ERROR, NmtCommand, NmtState, NodeId,
+    BUS_OFF_RECOVERED, CanopenMessage, Emergency, HEARTBEAT_LOST, NO_ERROR, NmtCommand, NmtState, NodeId,
 };
-use linewright_canopen::sdo::{Abort, ObjectId, Server};
+use linewright_canopen::sdo::{Abort, ObjectId, SdoServer};
 use linewright_line::{Tick, Timing};
 
 use super::DeviceOutbox;
 use super::objects::exactly;
 use super::on_error::Behaviour;
-use super::trouble::Trouble;
+use super::trouble::InjectedFaults;
 use crate::fault::DeviceFault;
 
 /// What a boot takes. Short against any timeout, long enough that a reboot is a gap and not an instant.
@@ -34,7 +34,7 @@ const COMMUNICATION_ERROR: u8 = 0x11;
 const LEN_MAX: usize = 64;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum State {
+pub(super) enum CommState {
     Booting { until: Tick },
     PreOperational,
     Operational,
@@ -43,7 +43,7 @@ pub(super) enum State {
 
 /// What a frame or the passing of time did to a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Change {
+pub(super) enum CommChange {
     Nothing,
     /// It has been started.
     Started,
@@ -60,8 +60,8 @@ pub(super) enum Change {
 #[derive(Debug)]
 pub(super) struct Comm {
     pub node: NodeId,
-    pub state: State,
-    pub trouble: Trouble,
+    pub state: CommState,
+    pub trouble: InjectedFaults,
     /// Object 1017h.
     heartbeat: Duration,
     next_heartbeat: Tick,
@@ -71,69 +71,77 @@ pub(super) struct Comm {
     lost_at: Option<Tick>,
     /// Object 1001h, communication part.
     pub error_register: u8,
-    pub server: Server,
+    pub server: SdoServer,
 }
 
 impl Comm {
     pub fn new(now: Tick, node: NodeId, timing: &Timing) -> Self {
         Comm {
             node,
-            state: State::Booting { until: now + BOOT },
-            trouble: Trouble::default(),
+            state: CommState::Booting { until: now + BOOT },
+            trouble: InjectedFaults::default(),
             heartbeat: timing.heartbeat,
             next_heartbeat: Tick::NEVER,
             watched: Some((MANAGER_NODE, timing.heartbeat_timeout)),
             lost_at: None,
             error_register: 0,
-            server: Server::new(LEN_MAX),
+            server: SdoServer::new(LEN_MAX),
         }
     }
 
     pub fn nmt_state(&self) -> NmtState {
         match self.state {
-            State::Booting { .. } => NmtState::BootUp,
-            State::PreOperational => NmtState::PreOperational,
-            State::Operational => NmtState::Operational,
-            State::Stopped => NmtState::Stopped,
+            CommState::Booting { .. } => NmtState::BootUp,
+            CommState::PreOperational => NmtState::PreOperational,
+            CommState::Operational => NmtState::Operational,
+            CommState::Stopped => NmtState::Stopped,
         }
     }
 
     pub fn is_operational(&self) -> bool {
-        self.state == State::Operational
+        self.state == CommState::Operational
     }
 
     /// Whether it hears anything at all.
     pub fn hears(&self) -> bool {
-        !self.trouble.is_mute() && !matches!(self.state, State::Booting { .. })
+        !self.trouble.is_mute() && !matches!(self.state, CommState::Booting { .. })
     }
 
     /// Takes a message that is not process data and no service data.
     /// `behaviour` is what it does when it has lost its manager.
-    pub fn handle(&mut self, now: Tick, message: &Message, behaviour: Behaviour, out: &mut DeviceOutbox) -> Change {
+    pub fn handle(
+        &mut self,
+        now: Tick,
+        message: &CanopenMessage,
+        behaviour: Behaviour,
+        out: &mut DeviceOutbox,
+    ) -> CommChange {
         match *message {
-            Message::Nmt { command, node } if node.is_none_or(|node| node == self.node) => self.obey(now, command),
-            Message::Heartbeat { node, state } => self.watch(now, (node, state), behaviour, out),
-            _ => Change::Nothing,
+            CanopenMessage::Nmt { command, node } if node.is_none_or(|node| node == self.node) => {
+                self.obey(now, command)
+            }
+            CanopenMessage::Heartbeat { node, state } => self.watch(now, (node, state), behaviour, out),
+            _ => CommChange::Nothing,
         }
     }
 
     /// Does what is due at `now`.
-    pub fn poll(&mut self, now: Tick, behaviour: Behaviour, out: &mut DeviceOutbox) -> Change {
-        if let State::Booting { until } = self.state
+    pub fn poll(&mut self, now: Tick, behaviour: Behaviour, out: &mut DeviceOutbox) -> CommChange {
+        if let CommState::Booting { until } = self.state
             && until <= now
         {
-            self.state = State::PreOperational;
-            self.send(&Message::Heartbeat { node: self.node, state: NmtState::BootUp }, out);
+            self.state = CommState::PreOperational;
+            self.send(&CanopenMessage::Heartbeat { node: self.node, state: NmtState::BootUp }, out);
             self.schedule_heartbeat(now);
         }
         self.speak_up(now, out);
-        let mut change = Change::Nothing;
+        let mut change = CommChange::Nothing;
         if self.lost_at.is_some_and(|at| at <= now) {
             change = self.lose_manager(behaviour, out);
         }
         if self.next_heartbeat <= now {
             if !self.trouble.no_heartbeat {
-                self.send(&Message::Heartbeat { node: self.node, state: self.nmt_state() }, out);
+                self.send(&CanopenMessage::Heartbeat { node: self.node, state: self.nmt_state() }, out);
             }
             self.schedule_heartbeat(now);
         }
@@ -143,7 +151,7 @@ impl Comm {
     /// When [`Comm::poll`] or its server has something to do next; [`Tick::NEVER`] if nothing.
     pub fn next_deadline(&self) -> Tick {
         let boot = match self.state {
-            State::Booting { until } => until,
+            CommState::Booting { until } => until,
             _ => Tick::NEVER,
         };
         let unsaid = self.trouble.unsaid.filter(|_| self.hears());
@@ -152,36 +160,36 @@ impl Comm {
         own.fold(boot.min(self.next_heartbeat), Tick::min)
     }
 
-    fn obey(&mut self, now: Tick, command: NmtCommand) -> Change {
+    fn obey(&mut self, now: Tick, command: NmtCommand) -> CommChange {
         match command {
-            NmtCommand::Start if self.state != State::Operational => {
-                self.state = State::Operational;
-                Change::Started
+            NmtCommand::Start if self.state != CommState::Operational => {
+                self.state = CommState::Operational;
+                CommChange::Started
             }
-            NmtCommand::Start | NmtCommand::Unknown(_) => Change::Nothing,
+            NmtCommand::Start | NmtCommand::Unknown(_) => CommChange::Nothing,
             NmtCommand::Stop => {
-                self.enter(State::Stopped);
-                Change::Stopped
+                self.enter(CommState::Stopped);
+                CommChange::Stopped
             }
             NmtCommand::EnterPreOperational => {
-                self.enter(State::PreOperational);
-                Change::PreOperational
+                self.enter(CommState::PreOperational);
+                CommChange::PreOperational
             }
             NmtCommand::ResetNode | NmtCommand::ResetCommunication => self.boot(now),
         }
     }
 
-    pub fn boot(&mut self, now: Tick) -> Change {
-        self.enter(State::Booting { until: if self.trouble.dead { Tick::NEVER } else { now + BOOT } });
+    pub fn boot(&mut self, now: Tick) -> CommChange {
+        self.enter(CommState::Booting { until: if self.trouble.dead { Tick::NEVER } else { now + BOOT } });
         self.next_heartbeat = Tick::NEVER;
         self.lost_at = None;
         self.error_register = 0;
-        Change::Boots
+        CommChange::Boots
     }
 
-    fn enter(&mut self, state: State) {
+    fn enter(&mut self, state: CommState) {
         self.state = state;
-        if state != State::PreOperational {
+        if state != CommState::PreOperational {
             self.server.reset();
         }
     }
@@ -193,9 +201,11 @@ impl Comm {
         (node, state): (NodeId, NmtState),
         behaviour: Behaviour,
         out: &mut DeviceOutbox,
-    ) -> Change {
-        let Some((_, timeout)) = self.watched.filter(|(watched, _)| *watched == node) else { return Change::Nothing };
-        let mut change = Change::Nothing;
+    ) -> CommChange {
+        let Some((_, timeout)) = self.watched.filter(|(watched, _)| *watched == node) else {
+            return CommChange::Nothing;
+        };
+        let mut change = CommChange::Nothing;
         if state == NmtState::BootUp && self.lost_at.is_some() {
             // It has booted: whatever it ordered before, it does not know of any more.
             change = self.lose_manager(behaviour, out);
@@ -208,38 +218,38 @@ impl Comm {
         change
     }
 
-    fn lose_manager(&mut self, behaviour: Behaviour, out: &mut DeviceOutbox) -> Change {
+    fn lose_manager(&mut self, behaviour: Behaviour, out: &mut DeviceOutbox) -> CommChange {
         self.lose(behaviour, HEARTBEAT_LOST, out)
     }
 
     /// What it cannot do without has stopped; `code` says what.
-    pub fn lose(&mut self, behaviour: Behaviour, code: u16, out: &mut DeviceOutbox) -> Change {
+    pub fn lose(&mut self, behaviour: Behaviour, code: u16, out: &mut DeviceOutbox) -> CommChange {
         self.lost_at = None;
         self.error_register = COMMUNICATION_ERROR;
         match (self.state, behaviour) {
-            (State::Operational | State::PreOperational, Behaviour::Stopped) => {
+            (CommState::Operational | CommState::PreOperational, Behaviour::Stopped) => {
                 // Said before it may say nothing any more.
                 self.report(code, 0, out);
-                self.enter(State::Stopped);
-                return Change::Lost;
+                self.enter(CommState::Stopped);
+                return CommChange::Lost;
             }
-            (State::Operational, Behaviour::PreOperational) => self.enter(State::PreOperational),
-            (State::Operational, Behaviour::NoChange) => {}
-            (State::Booting { .. } | State::PreOperational | State::Stopped, _) => {
+            (CommState::Operational, Behaviour::PreOperational) => self.enter(CommState::PreOperational),
+            (CommState::Operational, Behaviour::NoChange) => {}
+            (CommState::Booting { .. } | CommState::PreOperational | CommState::Stopped, _) => {
                 self.report(code, 0, out);
-                return Change::Nothing;
+                return CommChange::Nothing;
             }
         }
         self.report(code, 0, out);
-        Change::Lost
+        CommChange::Lost
     }
 
     /// Sends an emergency; `more` are bits of the error register beyond those of communication.
     pub fn report(&self, code: u16, more: u8, out: &mut DeviceOutbox) {
         let emergency = Emergency { code, register: self.register() | more, vendor: [0; 5] };
         // A stopped device sends nothing but heartbeats (CiA 301 §7.3.2.2).
-        if self.state != State::Stopped {
-            self.send(&Message::Emergency { node: self.node, emergency }, out);
+        if self.state != CommState::Stopped {
+            self.send(&CanopenMessage::Emergency { node: self.node, emergency }, out);
         }
     }
 
@@ -249,7 +259,7 @@ impl Comm {
     }
 
     /// Makes its communication fail, or work again.
-    pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>, behaviour: Behaviour) -> Change {
+    pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>, behaviour: Behaviour) -> CommChange {
         let trouble = &mut self.trouble;
         match fault {
             None => {
@@ -285,7 +295,7 @@ impl Comm {
                 return self.lose_manager(behaviour, &mut DeviceOutbox::default());
             }
         }
-        Change::Nothing
+        CommChange::Nothing
     }
 
     /// Says what has come up while nobody asked: that it was off the bus, that it is in error or no longer.
@@ -305,7 +315,7 @@ impl Comm {
         self.next_heartbeat = if self.heartbeat.is_zero() { Tick::NEVER } else { now + self.heartbeat };
     }
 
-    pub fn send(&self, message: &Message, out: &mut DeviceOutbox) {
+    pub fn send(&self, message: &CanopenMessage, out: &mut DeviceOutbox) {
         if !self.trouble.is_mute() {
             out.frames.push(message.encode());
         }

@@ -3,7 +3,7 @@
 //! [`DeviceNode`] is a generic CANopen I/O device (CiA 401), [`DriveNode`] a drive (CiA 402); what both are of CANopen
 //! is `comm`, and their servers `serve`.
 //!
-//! [`PlainNode`] speaks none of that, but the frames of a DBC file, and [`ModbusNode`] has a register map.
+//! [`DbcDeviceNode`] speaks none of that, but the frames of a DBC file, and [`ModbusNode`] has a register map.
 //!
 //! An I/O device knows its bits and its bus, nothing of mechanisms: inputs are handed to it, outputs are read from it. **Leaving
 //! the operational state puts every output to zero; losing the manager, or being stopped, puts it to its error value**,
@@ -12,30 +12,30 @@
 
 mod channels;
 mod comm;
+mod dbc_device;
 mod drive;
 mod identity;
 mod modbus;
 mod objects;
 mod on_error;
 mod pdo;
-mod plain;
 mod serve;
 mod sync;
 mod trouble;
 
 use linewright_canopen::Frame;
-use linewright_canopen::codec::{Message, NmtState, NodeId, Payload};
+use linewright_canopen::codec::{CanopenMessage, NmtState, NodeId, Payload};
 use linewright_line::{Analogue, Tick, Timing};
 
-use crate::fault::{DeviceFault, Fault};
+use crate::fault::{DeviceFault, MotionFault};
 use crate::wire::FrameFaults;
-use channels::Channels;
-use comm::{Change, Comm};
+use channels::SimulatedChannels;
+use comm::{Comm, CommChange};
+pub use dbc_device::DbcDeviceNode;
 pub use drive::DriveNode;
 pub use modbus::{ModbusNode, ModbusRequest, ModbusResponse};
 use on_error::OnError;
 use pdo::Pdo;
-pub use plain::PlainNode;
 use sync::SyncWatch;
 
 /// Error code "PDO not processed due to length error" (CiA 301 table 26).
@@ -46,13 +46,13 @@ const NO_SYNC: u16 = 0x8100;
 
 /// What a simulated device does to the plant it hangs on, beyond its outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
+pub enum PlantEffect {
     /// The motions driven by an output bit are to fail, or to work again.
     Fail {
         /// Bit of the device's output PDO.
         output: usize,
         /// How; `None` clears.
-        fault: Option<Fault>,
+        fault: Option<MotionFault>,
     },
     /// An input bit is to be held at a value, or let go.
     Press {
@@ -80,7 +80,7 @@ pub struct DeviceOutbox {
     /// Frames to send, in order.
     pub frames: Vec<Frame>,
     /// Orders to the plant, in order.
-    pub orders: Vec<Order>,
+    pub orders: Vec<PlantEffect>,
 }
 
 /// A simulated device.
@@ -100,7 +100,7 @@ pub struct DeviceNode {
     on_error: OnError,
     sync_watch: SyncWatch,
     next_inputs: Tick,
-    channels: Channels,
+    channels: SimulatedChannels,
 }
 
 impl DeviceNode {
@@ -120,13 +120,13 @@ impl DeviceNode {
             on_error: OnError::new(output_count),
             sync_watch: SyncWatch::default(),
             next_inputs: Tick::NEVER,
-            channels: Channels::new(node, &Analogue::default()),
+            channels: SimulatedChannels::new(node, &Analogue::default()),
         }
     }
 
     /// The same with analogue channels.
     pub fn with_channels(self, analogue: &Analogue) -> Self {
-        DeviceNode { channels: Channels::new(self.comm.node, analogue), ..self }
+        DeviceNode { channels: SimulatedChannels::new(self.comm.node, analogue), ..self }
     }
 
     /// Its outputs now; bit `i` is output `i`.
@@ -153,7 +153,8 @@ impl DeviceNode {
     fn poll_channels(&mut self, now: Tick, out: &mut DeviceOutbox) {
         let Comm { node, .. } = self.comm;
         let (comm, sends) = (&self.comm, self.comm.is_operational());
-        self.channels.poll(now, sends, |number, payload| comm.send(&Message::Tpdo { node, number, payload }, out));
+        self.channels
+            .poll(now, sends, |number, payload| comm.send(&CanopenMessage::Tpdo { node, number, payload }, out));
     }
 
     /// The state it reports of itself.
@@ -184,17 +185,17 @@ impl DeviceNode {
 
     /// Takes a frame from the bus.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
-        let Ok(message) = Message::decode(frame) else { return };
+        let Ok(message) = CanopenMessage::decode(frame) else { return };
         match message {
-            Message::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
+            CanopenMessage::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
             _ if !self.comm.hears() => {}
-            Message::Rpdo1 { node, payload } if node == self.comm.node => self.take_outputs(payload, out),
-            Message::Rpdo { node, number, payload } if node == self.comm.node => {
+            CanopenMessage::Rpdo1 { node, payload } if node == self.comm.node => self.take_outputs(payload, out),
+            CanopenMessage::Rpdo { node, number, payload } if node == self.comm.node => {
                 if self.comm.is_operational() && !self.channels.take(number, payload) {
                     self.comm.report(PDO_LENGTH, 0, out);
                 }
             }
-            Message::Sync { .. } => self.sync(now, out),
+            CanopenMessage::Sync { .. } => self.sync(now, out),
             message => {
                 let change = self.comm.handle(now, &message, self.on_error.behaviour, out);
                 self.react(now, change, out);
@@ -232,10 +233,10 @@ impl DeviceNode {
         (first != Tick::NEVER).then_some(first)
     }
 
-    fn react(&mut self, now: Tick, change: Change, out: &mut DeviceOutbox) {
+    fn react(&mut self, now: Tick, change: CommChange, out: &mut DeviceOutbox) {
         match change {
-            Change::Nothing => {}
-            Change::Started => {
+            CommChange::Nothing => {}
+            CommChange::Started => {
                 if !self.outputs_pdo.by_event() {
                     self.sync_watch.heard(now);
                 }
@@ -246,9 +247,9 @@ impl DeviceNode {
                     self.send_inputs(now, out);
                 }
             }
-            Change::Stopped | Change::Lost => self.let_go(self.on_error.outputs(self.outputs)),
-            Change::PreOperational => self.let_go(0),
-            Change::Boots => self.forget(),
+            CommChange::Stopped | CommChange::Lost => self.let_go(self.on_error.outputs(self.outputs)),
+            CommChange::PreOperational => self.let_go(0),
+            CommChange::Boots => self.forget(),
         }
     }
 
@@ -314,7 +315,7 @@ impl DeviceNode {
     fn send_inputs(&mut self, now: Tick, out: &mut DeviceOutbox) {
         if self.comm.is_operational() && self.inputs_pdo.is_active() {
             let payload = Payload::from_bits(self.inputs, self.input_count);
-            self.comm.send(&Message::Tpdo1 { node: self.comm.node, payload }, out);
+            self.comm.send(&CanopenMessage::Tpdo1 { node: self.comm.node, payload }, out);
             self.unsent = false;
             self.next_inputs = self.inputs_pdo.event_timer().map_or(Tick::NEVER, |every| now + every);
         }

@@ -8,14 +8,14 @@ use linewright_canopen::sdo::ObjectId;
 use linewright_line::Tick;
 
 use super::comm::Comm;
-use super::serve::Device;
-use super::{DeviceNode, DeviceOutbox, Order, identity};
-use crate::fault::{DeviceFault, FAULT_INDEX, Fault, HOLD_INDEX, PRESS_INDEX, STUCK_INDEX};
+use super::serve::ObjectServer;
+use super::{DeviceNode, DeviceOutbox, PlantEffect, identity};
+use crate::fault::{DeviceFault, FAULT_INDEX, HOLD_INDEX, MotionFault, PRESS_INDEX, STUCK_INDEX};
 
 /// Device profile 401 with digital inputs and outputs (CiA 401, object 1000h).
 const DEVICE_TYPE: u32 = 0x0003_0191;
 
-impl Device for DeviceNode {
+impl ObjectServer for DeviceNode {
     fn comm(&mut self) -> &mut Comm {
         &mut self.comm
     }
@@ -72,24 +72,24 @@ impl Device for DeviceNode {
             (FAULT_INDEX, 0) => {
                 let fault = DeviceFault::from_code(number(data)?)?;
                 if fault.is_none() {
-                    out.orders.push(Order::ClearAll);
+                    out.orders.push(PlantEffect::ClearAll);
                 }
                 self.inject(now, fault);
                 Ok(())
             }
             (FAULT_INDEX, sub) => {
                 let output = bit_of(sub, self.output_count)?;
-                out.orders.push(Order::Fail { output, fault: Fault::from_code(number(data)?)? });
+                out.orders.push(PlantEffect::Fail { output, fault: MotionFault::from_code(number(data)?)? });
                 Ok(())
             }
             (PRESS_INDEX, sub) => {
                 let input = bit_of(sub, self.input_count)?;
-                out.orders.push(Order::Press { input, value: held(number(data)?)? });
+                out.orders.push(PlantEffect::Press { input, value: held(number(data)?)? });
                 Ok(())
             }
             (STUCK_INDEX, sub) => {
                 let output = bit_of(sub, self.output_count)?;
-                out.orders.push(Order::Stick { output, value: held(number(data)?)? });
+                out.orders.push(PlantEffect::Stick { output, value: held(number(data)?)? });
                 Ok(())
             }
             // Whatever else can be read cannot be written.

@@ -2,18 +2,18 @@
 
 use std::borrow::Cow;
 
-use linewright_canopen::codec::{Abort, Message};
-use linewright_canopen::sdo::wire::{Raw, Request};
-use linewright_canopen::sdo::{Dictionary, ObjectId, Server};
+use linewright_canopen::codec::{Abort, CanopenMessage};
+use linewright_canopen::sdo::wire::{ClientFrame, SdoBytes};
+use linewright_canopen::sdo::{Dictionary, ObjectId, SdoServer};
 use linewright_line::Tick;
 
 use super::DeviceOutbox;
-use super::comm::{Comm, State};
+use super::comm::{Comm, CommState};
 use super::trouble;
 use crate::fault::{DeviceFault, FAULT_INDEX, TROUBLE_INDEX};
 
 /// A device with an object dictionary.
-pub(super) trait Device {
+pub(super) trait ObjectServer {
     /// Its share of CANopen.
     fn comm(&mut self) -> &mut Comm;
 
@@ -28,13 +28,13 @@ pub(super) trait Device {
 }
 
 /// A device, as its server reaches it while it answers one frame.
-struct Objects<'a, D> {
+struct ServedObjects<'a, D> {
     device: &'a mut D,
     now: Tick,
     out: &'a mut DeviceOutbox,
 }
 
-impl<D: Device> Dictionary for Objects<'_, D> {
+impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
     fn read(&mut self, object: ObjectId) -> Result<Cow<'_, [u8]>, Abort> {
         if object.index == TROUBLE_INDEX {
             return Err(Abort::WRITE_ONLY);
@@ -72,19 +72,21 @@ impl<D: Device> Dictionary for Objects<'_, D> {
 }
 
 /// Answers a request. A silent device hears none but the one that ends its silence.
-pub(super) fn serve<D: Device>(device: &mut D, now: Tick, raw: &Raw, out: &mut DeviceOutbox) {
-    let plug =
-        matches!(Request::decode(raw), Some(Request::Download { object: ObjectId { index: FAULT_INDEX, sub: 0 }, .. }));
+pub(super) fn serve<D: ObjectServer>(device: &mut D, now: Tick, raw: &SdoBytes, out: &mut DeviceOutbox) {
+    let plug = matches!(
+        ClientFrame::decode(raw),
+        Some(ClientFrame::Download { object: ObjectId { index: FAULT_INDEX, sub: 0 }, .. })
+    );
     let comm = device.comm();
     let mute = comm.trouble.is_mute();
-    let deaf = mute || matches!(comm.state, State::Booting { .. } | State::Stopped);
+    let deaf = mute || matches!(comm.state, CommState::Booting { .. } | CommState::Stopped);
     if deaf && !(mute && plug) {
         return;
     }
     let mut answers = Vec::new();
     // The server cannot be part of the device it serves while it does.
-    let mut server = std::mem::replace(&mut comm.server, Server::new(0));
-    server.handle(now, raw, &mut Objects { device, now, out }, &mut answers);
+    let mut server = std::mem::replace(&mut comm.server, SdoServer::new(0));
+    server.handle(now, raw, &mut ServedObjects { device, now, out }, &mut answers);
     let comm = device.comm();
     comm.server = server;
     // Also the answer that announces the silence is sent: `write` may just have begun it.
@@ -100,6 +102,6 @@ pub(super) fn poll(comm: &mut Comm, now: Tick, out: &mut DeviceOutbox) {
     }
 }
 
-fn answer(comm: &Comm, answers: Vec<Raw>, out: &mut DeviceOutbox) {
-    out.frames.extend(answers.into_iter().map(|raw| Message::SdoResponse { node: comm.node, raw }.encode()));
+fn answer(comm: &Comm, answers: Vec<SdoBytes>, out: &mut DeviceOutbox) {
+    out.frames.extend(answers.into_iter().map(|raw| CanopenMessage::SdoResponse { node: comm.node, raw }.encode()));
 }

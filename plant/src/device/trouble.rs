@@ -8,14 +8,14 @@ use linewright_canopen::sdo::ObjectId;
 use linewright_line::Tick;
 
 use super::objects::number;
-use super::serve::Device;
-use super::{DeviceOutbox, Order};
+use super::serve::ObjectServer;
+use super::{DeviceOutbox, PlantEffect};
 use crate::fault::DeviceFault;
 use crate::wire::FrameFaults;
 
 /// What a device suffers now.
 #[derive(Debug, Default)]
-pub(super) struct Trouble {
+pub(super) struct InjectedFaults {
     /// Unplugged.
     pub silent: bool,
     /// It does not come up.
@@ -29,7 +29,7 @@ pub(super) struct Trouble {
     /// Since when there is an emergency to be sent.
     pub unsaid: Option<Tick>,
     identity: Option<(ObjectId, u32)>,
-    refusal: Option<Refusal>,
+    refusal: Option<RefusedWrite>,
     /// What the next write to its companion makes effective.
     value: u32,
     code: u32,
@@ -37,14 +37,14 @@ pub(super) struct Trouble {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Refusal {
+struct RefusedWrite {
     object: ObjectId,
     code: Abort,
     reading: bool,
     writing: bool,
 }
 
-impl Trouble {
+impl InjectedFaults {
     /// It neither sends nor hears.
     pub fn is_mute(&self) -> bool {
         self.silent || self.dead || self.off_until.is_some()
@@ -77,12 +77,12 @@ impl Trouble {
     /// Begins to refuse an object.
     pub fn refuse(&mut self, (index, sub): (u16, u8), code: u32, reading: bool, writing: bool) {
         let object = ObjectId::new(index, sub);
-        self.refusal = Some(Refusal { object, code: Abort(code), reading, writing });
+        self.refusal = Some(RefusedWrite { object, code: Abort(code), reading, writing });
     }
 }
 
 /// Object 5F02h is written.
-pub(super) fn write<D: Device>(
+pub(super) fn write<D: ObjectServer>(
     device: &mut D,
     now: Tick,
     sub: u8,
@@ -115,7 +115,7 @@ pub(super) fn write<D: Device>(
         _ => return Err(Abort::NO_SUBINDEX),
     }
     if let 7..=10 = sub {
-        out.orders.push(Order::Disturb(device.comm().trouble.frames));
+        out.orders.push(PlantEffect::Disturb(device.comm().trouble.frames));
     }
     Ok(())
 }
@@ -127,11 +127,11 @@ mod tests {
 
     use super::*;
     use crate::device::DeviceNode;
-    use crate::fault::{CLEAR, Fault, Orders, TROUBLE_INDEX};
+    use crate::fault::{CLEAR, MotionFault, ObjectWrites, TROUBLE_INDEX};
 
     const NOW: Tick = Tick::from_millis(5000);
 
-    fn obey(node: &mut DeviceNode, orders: Orders) -> DeviceOutbox {
+    fn obey(node: &mut DeviceNode, orders: ObjectWrites) -> DeviceOutbox {
         let mut out = DeviceOutbox::default();
         for ((index, sub), value) in orders {
             let data = value.to_le_bytes();
@@ -181,9 +181,16 @@ mod tests {
         }
         let faults = FrameFaults { lost_to: 1, lost_from: 20, doubled: 300, seed: 4000 };
         let out = obey(&mut new(), faults.orders());
-        assert!(matches!(out.orders.last(), Some(Order::Disturb(ordered)) if *ordered == faults));
-        for fault in [Fault::Stick, Fault::Slip, Fault::Break, Fault::SlipBack, Fault::Miss, Fault::Drop] {
-            assert_eq!(Fault::from_code(fault.code()), Ok(Some(fault)));
+        assert!(matches!(out.orders.last(), Some(PlantEffect::Disturb(ordered)) if *ordered == faults));
+        for fault in [
+            MotionFault::Stick,
+            MotionFault::Slip,
+            MotionFault::Break,
+            MotionFault::SlipBack,
+            MotionFault::Miss,
+            MotionFault::Drop,
+        ] {
+            assert_eq!(MotionFault::from_code(fault.code()), Ok(Some(fault)));
         }
     }
 }

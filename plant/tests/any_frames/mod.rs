@@ -10,8 +10,8 @@
 
 use std::time::Duration;
 
-use linewright_canopen::sdo::wire::Request;
-use linewright_canopen::{Frame, Message, NodeId};
+use linewright_canopen::sdo::wire::ClientFrame;
+use linewright_canopen::{CanopenMessage, Frame, NodeId};
 use linewright_line::{AtRest, AxisId, Drive, DriveMode, DriveTarget, InputId, OutputId, Tick, Timing};
 use linewright_plant::{DeviceNode, DeviceOutbox, DriveNode};
 
@@ -119,12 +119,12 @@ impl Bench {
 
     /// A frame from the bus.
     pub fn hear_frame(&mut self, frame: &Frame) {
-        match Message::decode(frame) {
-            Ok(Message::Rpdo1 { node, .. }) if node.get() == DRIVE => return,
-            Ok(Message::Rpdo1 { node, payload }) if node.get() == IO && payload.bytes().len() * 8 >= BITS => {
+        match CanopenMessage::decode(frame) {
+            Ok(CanopenMessage::Rpdo1 { node, .. }) if node.get() == DRIVE => return,
+            Ok(CanopenMessage::Rpdo1 { node, payload }) if node.get() == IO && payload.bytes().len() * 8 >= BITS => {
                 self.sent = payload.bits() & ((1 << BITS) - 1);
             }
-            Ok(Message::SdoRequest { node, raw }) if is_meant(node.get(), &raw) => return,
+            Ok(CanopenMessage::SdoRequest { node, raw }) if is_meant(node.get(), &raw) => return,
             _ => {}
         }
         let mut out = [DeviceOutbox::default(), DeviceOutbox::default()];
@@ -162,8 +162,8 @@ impl Bench {
 
 /// A write that is meant to have an effect on outputs or axes. Of segments and blocks the beginning is enough.
 fn is_meant(node: u8, raw: &[u8; 8]) -> bool {
-    match Request::decode(raw) {
-        Some(Request::Download { object, .. } | Request::BlockDownload { object, .. }) => {
+    match ClientFrame::decode(raw) {
+        Some(ClientFrame::Download { object, .. } | ClientFrame::BlockDownload { object, .. }) => {
             node == DRIVE || matches!(object.index, 0x5F00..0x6000 | 0x6200..=0x6207)
         }
         _ => false,

@@ -8,8 +8,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Axis, AxisId, Bus, ButtonId, Console, Device, DeviceKind, Hand, Handling, InputId, Line, Module, Motion, OpId,
-    Operation, OutputId, Owner, Panel, Signals, Station, StationId, Timing,
+    Axis, AxisId, ButtonId, Console, Device, DeviceBus, DeviceKind, HandMode, InputId, Line, MaterialFlow, Motion,
+    MotionSignals, OpId, Operation, OperationModule, OutputId, Owner, Panel, Station, StationId, Timing,
 };
 
 pub const PRESS: StationId = StationId(0);
@@ -30,7 +30,7 @@ pub const RETURN_TIME: Duration = Duration::from_millis(100);
 
 fn operation(name: &str, from: f64, to: f64) -> Operation {
     let forward = to > from;
-    let signals = |forward: bool| Signals {
+    let signals = |forward: bool| MotionSignals {
         actuator: OutputId(u16::from(!forward)),
         complete: InputId(u16::from(!forward)),
         fault: forward.then_some(InputId(2)),
@@ -39,7 +39,7 @@ fn operation(name: &str, from: f64, to: f64) -> Operation {
     let time = |forward| if forward { FORWARD_TIME } else { RETURN_TIME };
     Operation {
         name: name.to_owned(),
-        module: Module::Reversible {
+        module: OperationModule::Reversible {
             recovery: signals(!forward),
             recovery_duration: time(!forward),
             recovery_watchdog: Duration::from_secs(1),
@@ -50,11 +50,11 @@ fn operation(name: &str, from: f64, to: f64) -> Operation {
         normal: signals(forward),
         waits: Vec::new(),
         waits_code: 0,
-        hand: Hand::Sequence { forward: ButtonId(0) },
+        hand: HandMode::Sequence { forward: ButtonId(0) },
     }
 }
 
-fn station(name: &str, bus: Bus) -> Station {
+fn station(name: &str, bus: DeviceBus) -> Station {
     Station {
         name: name.to_owned(),
         title: name.to_owned(),
@@ -71,7 +71,7 @@ fn station(name: &str, bus: Bus) -> Station {
     }
 }
 
-fn device(name: &str, node_id: u8, owner: Owner, bus: Bus, inputs: u16, outputs: u16) -> Device {
+fn device(name: &str, node_id: u8, owner: Owner, bus: DeviceBus, inputs: u16, outputs: u16) -> Device {
     Device {
         name: name.to_owned(),
         owner,
@@ -86,17 +86,17 @@ fn device(name: &str, node_id: u8, owner: Owner, bus: Bus, inputs: u16, outputs:
 
 /// The line. Press 1 is node 4, the console node 10, on the coordinator's bus; press 2 is node 4 on `press2`.
 pub fn line() -> Line {
-    let own = || Bus::Own("press2".to_owned());
+    let own = || DeviceBus::Own("press2".to_owned());
     Line {
         name: "test".to_owned(),
         title: "Test".to_owned(),
-        stations: vec![station("press1", Bus::Line), station("press2", own())],
+        stations: vec![station("press1", DeviceBus::Line), station("press2", own())],
         arrows: Vec::new(),
         conflicts: Vec::new(),
         devices: vec![
-            device("press1-io", 4, Owner::Station(PRESS), Bus::Line, 4, 2),
+            device("press1-io", 4, Owner::Station(PRESS), DeviceBus::Line, 4, 2),
             device("press2-io", 4, Owner::Station(OTHER), own(), 4, 2),
-            device("console-io", 10, Owner::Console, Bus::Line, 1, 1),
+            device("console-io", 10, Owner::Console, DeviceBus::Line, 1, 1),
         ],
         buttons: Vec::new(),
         console: Console {
@@ -106,6 +106,6 @@ pub fn line() -> Line {
             ..Console::default()
         },
         timing: Timing::default(),
-        handling: Handling::default(),
+        handling: MaterialFlow::default(),
     }
 }

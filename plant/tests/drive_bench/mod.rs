@@ -5,9 +5,9 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use linewright_canopen::codec::Message;
-use linewright_canopen::profile::drive::{Drive, DriveBinding};
-use linewright_canopen::sdo::Setting;
+use linewright_canopen::codec::CanopenMessage;
+use linewright_canopen::profile::drive::{DriveBinding, ManagedDrive};
+use linewright_canopen::sdo::SdoWrite;
 use linewright_canopen::{Frame, NodeId};
 use linewright_line::{
     AtRest, AxisId, Drive as Described, DriveMode, DriveTarget, Homing, InputId, OutputId, Tick, Timing,
@@ -58,7 +58,7 @@ pub const HOME: u128 = 1 << 4;
 
 pub struct Pair {
     pub described: Described,
-    pub drive: Drive,
+    pub drive: ManagedDrive,
     pub node: DriveNode,
     pub now: Tick,
     pub image: u128,
@@ -73,7 +73,7 @@ pub struct Pair {
     random: u64,
     lost: [u32; 2],
     /// Which states of its power it has been seen in.
-    pub states: Vec<linewright_canopen::profile::drive::State>,
+    pub states: Vec<linewright_canopen::profile::drive::DriveState>,
     pub emergencies: Vec<u16>,
     /// What the last image that differed began from: when, and where the axis was.
     pub since: (Tick, f64),
@@ -86,7 +86,7 @@ impl Pair {
         let id = NodeId::new(5).expect("a node id");
         let timing = Timing::default();
         let node = DriveNode::new(now, id, &described, place, &timing);
-        let drive = Drive::new(DriveBinding::of(&described));
+        let drive = ManagedDrive::new(DriveBinding::of(&described));
         let mut pair = Pair {
             described,
             drive,
@@ -114,7 +114,7 @@ impl Pair {
     }
 
     /// Writes an object, as the manager's SDO client does.
-    fn write(&mut self, setting: &Setting) {
+    fn write(&mut self, setting: &SdoWrite) {
         let [low, high] = setting.object.index.to_le_bytes();
         let len = setting.data.len();
         let mut data = vec![0x23 | (4 - len as u8) << 2, low, high, setting.object.sub, 0, 0, 0, 0];
@@ -131,7 +131,7 @@ impl Pair {
         self.post(out);
     }
 
-    pub fn fail(&mut self, fault: Option<linewright_plant::Fault>) {
+    pub fn fail(&mut self, fault: Option<linewright_plant::MotionFault>) {
         let mut out = DeviceOutbox::default();
         self.node.fail(self.now, fault, &mut out);
         self.post(out);
@@ -185,9 +185,9 @@ impl Pair {
         self.post(out);
         while self.to_drive.front().is_some_and(|(at, _)| *at <= now) {
             let (_, frame) = self.to_drive.pop_front().expect("there is one");
-            match Message::decode(&frame).expect("a drive sends what can be read") {
-                Message::Tpdo1 { payload, .. } => self.drive.take(now, payload).expect("as mapped"),
-                Message::Emergency { emergency, .. } => {
+            match CanopenMessage::decode(&frame).expect("a drive sends what can be read") {
+                CanopenMessage::Tpdo1 { payload, .. } => self.drive.take(now, payload).expect("as mapped"),
+                CanopenMessage::Emergency { emergency, .. } => {
                     self.emergencies.push(emergency.code);
                     self.drive.emergency(now, emergency.code);
                 }
@@ -224,7 +224,7 @@ impl Pair {
 
     fn send(&mut self, payload: linewright_canopen::codec::Payload) {
         let id = NodeId::new(5).expect("a node id");
-        let frame = Message::Rpdo1 { node: id, payload }.encode();
+        let frame = CanopenMessage::Rpdo1 { node: id, payload }.encode();
         for _ in 0..self.copies(0) {
             self.to_node.push_back((self.now + LATENCY, frame));
         }

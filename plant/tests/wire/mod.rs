@@ -10,9 +10,11 @@ mod latency;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use linewright_canopen::manager::Outbox;
-use linewright_canopen::{Event, Frame, Manager, Message};
-use linewright_line::{Bus, Console, Device, DeviceKind, Handling, InputId, Line, OutputId, Owner, Tick, Timing};
+use linewright_canopen::manager::BusOutbox;
+use linewright_canopen::{BusEvent, CanopenMessage, Frame, Manager};
+use linewright_line::{
+    Console, Device, DeviceBus, DeviceKind, InputId, Line, MaterialFlow, OutputId, Owner, Tick, Timing,
+};
 use linewright_plant::{PlantOptions, Rack};
 use linewright_random::Random;
 
@@ -134,7 +136,7 @@ impl Wire {
             polled: Tick::ZERO,
             manager,
             interface: VecDeque::new(),
-            rack: Rack::new(Tick::ZERO, &line, &Bus::Line, PlantOptions::default()),
+            rack: Rack::new(Tick::ZERO, &line, &DeviceBus::Line, PlantOptions::default()),
             devices: vec![VecDeque::new(); DEVICES.into()],
             foreign,
             inputs: counters(),
@@ -202,7 +204,7 @@ impl Wire {
             if self.outputs[at].next <= self.now {
                 self.count(at, false);
                 let image = self.outputs.iter().rev().fold(0, |image, c| image << BITS | u128::from(c.value));
-                let mut out = Outbox::default();
+                let mut out = BusOutbox::default();
                 self.manager.set_outputs(self.now, Owner::Console, image, &mut out);
                 self.take(out);
             }
@@ -265,7 +267,7 @@ impl Wire {
     }
 
     fn poll(&mut self) {
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         if self.manager.next_deadline().is_none_or(|due| due <= self.now) {
             self.manager.poll(self.now, &mut out);
         }
@@ -297,7 +299,7 @@ impl Wire {
 
     fn deliver(&mut self, frame: &Frame, sender: Sender) {
         if !matches!(sender, Sender::Manager) {
-            let mut out = Outbox::default();
+            let mut out = BusOutbox::default();
             self.manager.handle(self.now, frame, &mut out);
             self.take(out);
         }
@@ -309,11 +311,11 @@ impl Wire {
     }
 
     /// What the manager sends, as far as its interface has room.
-    fn take(&mut self, out: Outbox) {
+    fn take(&mut self, out: BusOutbox) {
         for event in &out.events {
             match event {
-                Event::DeviceUp { .. } => self.up += 1,
-                Event::DeviceLost { .. } | Event::BootFailed { .. } | Event::DeviceLeft { .. } => {
+                BusEvent::DeviceUp { .. } => self.up += 1,
+                BusEvent::DeviceLost { .. } | BusEvent::BootFailed { .. } | BusEvent::DeviceLeft { .. } => {
                     self.report.lost_devices += 1;
                 }
                 _ => {}
@@ -324,19 +326,19 @@ impl Wire {
         self.interface.extend(frames);
         if !refused.is_empty() {
             self.report.refused += refused.len();
-            self.manager.give_back(self.now, refused);
+            self.manager.return_unsent(self.now, refused);
         }
     }
 
     /// What the devices send, each by its own controller.
     fn queue(&mut self, frames: Vec<Frame>) {
         for frame in frames {
-            let at = match Message::decode(&frame) {
+            let at = match CanopenMessage::decode(&frame) {
                 Ok(
-                    Message::Tpdo1 { node, .. }
-                    | Message::Heartbeat { node, .. }
-                    | Message::Emergency { node, .. }
-                    | Message::SdoResponse { node, .. },
+                    CanopenMessage::Tpdo1 { node, .. }
+                    | CanopenMessage::Heartbeat { node, .. }
+                    | CanopenMessage::Emergency { node, .. }
+                    | CanopenMessage::SdoResponse { node, .. },
                 ) => usize::from(node.get()) - 1,
                 other => panic!("a device sends {other:?}"),
             };
@@ -354,7 +356,7 @@ fn line() -> Line {
     let device = |at: u8| Device {
         name: format!("io {at}"),
         owner: Owner::Console,
-        bus: Bus::Line,
+        bus: DeviceBus::Line,
         kind: DeviceKind::io(
             at + 1,
             (0..BITS).map(|bit| Some(InputId(u16::from(at) * BITS + bit))).collect(),
@@ -371,6 +373,6 @@ fn line() -> Line {
         buttons: Vec::new(),
         console: Console::default(),
         timing: Timing::default(),
-        handling: Handling::default(),
+        handling: MaterialFlow::default(),
     }
 }

@@ -9,7 +9,7 @@
 //! An activity that has failed keeps its tokens until it is closed. What is said here holds until then; afterwards its
 //! stations may stand in the midst of their tasks.
 
-use linewright_line::{Line, Span};
+use linewright_line::{Line, StateSpan};
 use linewright_nets::explicit::{ExplorationLimits, find};
 
 use super::counterexample::{CellPath, tell};
@@ -63,7 +63,7 @@ struct ConflictSearch<'s> {
 
 impl ConflictSearch<'_> {
     /// The transitions of activities that order a task.
-    fn orders(&self, span: &Span) -> Vec<Ordering<'_>> {
+    fn orders(&self, span: &StateSpan) -> Vec<Ordering<'_>> {
         let station = self.line.station(span.station);
         let Some(task) = station.task_of(span.from) else { return Vec::new() };
         let (cell, task) = (self.nets.cell, &station.task(task).name);
@@ -83,9 +83,9 @@ impl ConflictSearch<'_> {
         found
     }
 
-    fn judge(&self, why: &str, spans: [&Span; 2]) -> CellProperty {
+    fn judge(&self, why: &str, spans: [&StateSpan; 2]) -> CellProperty {
         let [a, b] = spans.map(|span| self.orders(span));
-        let name = |span: &Span| {
+        let name = |span: &StateSpan| {
             let station = self.line.station(span.station);
             let task = station.task_of(span.from).map_or("?", |task| station.task(task).name.as_str());
             format!("`{task}` of {}", station.name)

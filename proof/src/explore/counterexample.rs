@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use linewright_line::net::{Block, Stage};
+use linewright_line::net::{Block, MotionStage};
 use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::StationHappening;
 
@@ -118,10 +118,10 @@ fn chart<'a>(system: &System, states: impl Iterator<Item = &'a ComposedState>) -
             let situation = &system.stations[station.index()].all[state.situations[station.index()] as usize];
             let place = situation.controller.marking().find(|place| place.op == *op);
             cells.push(match place.map(|place| (place.block, place.stage)) {
-                Some((Block::Normal, Stage::Operating)) => '█',
-                Some((Block::Recovery, Stage::Operating)) => '░',
-                Some((_, Stage::Incomplete)) => '✗',
-                Some((_, Stage::Completed)) | None => ' ',
+                Some((Block::Normal, MotionStage::Operating)) => '█',
+                Some((Block::Recovery, MotionStage::Operating)) => '░',
+                Some((_, MotionStage::Incomplete)) => '✗',
+                Some((_, MotionStage::Completed)) | None => ' ',
             });
         }
     }

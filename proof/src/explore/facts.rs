@@ -1,8 +1,8 @@
 //! What is true of one situation of a station, worked out once: what may happen next, what others can tell, and
 //! whether anything is wrong with it. Judged from the description alone, not from the controller's own reasoning.
 
-use linewright_line::net::{Block, ControlMode, Place};
-use linewright_line::{Line, Module, OpId, Signals, Span, StationId};
+use linewright_line::net::{Block, ControlMode, StationPlace};
+use linewright_line::{Line, MotionSignals, OpId, OperationModule, StateSpan, StationId};
 
 use super::orders;
 use super::setting::{Grants, LineExploration};
@@ -41,13 +41,13 @@ impl SituationFacts {
     pub fn of(setting: &LineExploration, words: &mut [ViewKeys], of: &Situations, situation: &Situation) -> Self {
         let line = &setting.line;
         // Without its memory its marking says what moves, and not where the rest stands.
-        let stands = |place: &Place| !situation.is_lost() || place.is_operating();
+        let stands = |place: &StationPlace| !situation.is_lost() || place.is_operating();
         let stood = situation.stood.as_deref().unwrap_or_default();
-        let inside = |span: &Span| {
+        let inside = |span: &StateSpan| {
             let mut places = situation.controller.marking().filter(stands).chain(stood.iter().copied());
             span.station.index() == of.station && places.any(|place| covers(line, span, place))
         };
-        let bits = |side: fn(&linewright_line::Conflict) -> &Span| {
+        let bits = |side: fn(&linewright_line::Conflict) -> &StateSpan| {
             let conflicts = line.conflicts.iter().take(CONFLICTS_MAX).enumerate();
             conflicts.fold(0, |bits, (nth, conflict)| bits | u64::from(inside(side(conflict))) << nth)
         };
@@ -125,11 +125,11 @@ fn buttons_of(line: &Line, station: usize) -> impl Iterator<Item = u16> + use<> 
     all.into_iter()
 }
 
-fn signals(line: &Line, station: StationId, op: OpId, block: Block) -> Signals {
+fn signals(line: &Line, station: StationId, op: OpId, block: Block) -> MotionSignals {
     let operation = line.operation((station, op));
     match (&operation.module, block) {
-        (Module::Reversible { recovery, .. }, Block::Recovery) => *recovery,
-        (Module::Reversible { .. } | Module::Irreversible { .. }, _) => operation.normal,
+        (OperationModule::Reversible { recovery, .. }, Block::Recovery) => *recovery,
+        (OperationModule::Reversible { .. } | OperationModule::Irreversible { .. }, _) => operation.normal,
     }
 }
 
@@ -145,14 +145,14 @@ pub(crate) fn bits_of(line: &Line, station: StationId, op: OpId, block: Block) -
 
 /// The stretch from `from` until `until`, in chart order and cyclic: all places of its operations, but for `until`
 /// complete (the stretch is over) and `from` undone (it has not begun).
-pub(crate) fn covers(line: &Line, span: &Span, place: Place) -> bool {
+pub(crate) fn covers(line: &Line, span: &StateSpan, place: StationPlace) -> bool {
     let station = line.station(span.station);
     let steps = station.steps.len();
     let distance = |op: OpId| (station.step_of(op) + steps - station.step_of(span.from)) % steps;
     // Of a group, the operation named alone begins or ends the stretch.
     let beside = |end: OpId| station.step_of(place.op) == station.step_of(end) && place.op != end;
-    let over = place == Place::completed(span.until);
-    let not_begun = place == Place::undone(span.from);
+    let over = place == StationPlace::completed(span.until);
+    let not_begun = place == StationPlace::undone(span.from);
     let within = distance(place.op) <= distance(span.until);
     within && !over && !not_begun && !beside(span.from) && !beside(span.until)
 }
@@ -164,7 +164,7 @@ fn wrong(line: &Line, id: StationId, situation: &Situation) -> Option<String> {
     if situation.is_lost() && report.request.is_some() {
         return Some("takes counts back that are of no generation".to_owned());
     }
-    let marking: Vec<Place> = situation.controller.marking().collect();
+    let marking: Vec<StationPlace> = situation.controller.marking().collect();
     let step = station.step_of(marking[0].op);
     let mut ops: Vec<OpId> = marking.iter().map(|place| place.op).collect();
     ops.sort_unstable();

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId};
-use linewright_station_logic::{OrderKey, Outcome, TaskOrder};
+use linewright_station_logic::{OrderKey, TaskOrder, TaskOutcome};
 
 use super::station::{Situation, StationAct};
 
@@ -64,7 +64,7 @@ pub(super) fn acts(line: &Line, station: StationId, situation: &Situation, acts:
         }
         (None, Some(_)) => {}
         (None, None) => {
-            let failed = report.results.last().is_some_and(|(_, outcome)| matches!(outcome, Outcome::Failed(_)));
+            let failed = report.results.last().is_some_and(|(_, outcome)| matches!(outcome, TaskOutcome::Failed(_)));
             acts.extend(failed.then_some(StationAct::Secure));
         }
     }

@@ -5,11 +5,11 @@
 //! under a number, and what a stimulus makes of it is worked out once, by the controller itself. The composed line is
 //! then played with numbers: what costs a microsecond here costs a look into a table there.
 
-use linewright_line::net::{Block, ControlMode, Place};
+use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{OpId, StationId, TaskId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Founding, ModeOrder, NO_DELAY, PanelCommand, Restore, StationHappening, StationInput,
-    StationOutbox, StationReport, TaskCommand, Writer,
+    CompileError, Controller, Founding, ModeOrder, NO_DELAY, PanelCommand, RequestWriter, Restore, StationHappening,
+    StationInput, StationOutbox, StationReport, TaskCommand,
 };
 use rustc_hash::FxHashMap;
 
@@ -99,7 +99,7 @@ pub(crate) struct Situation {
     /// The last order it was given.
     order: u64,
     /// Where its mechanisms stood when it lost its memory, if it has; its marking does not say so any more.
-    pub stood: Option<Box<[Place]>>,
+    pub stood: Option<Box<[StationPlace]>>,
     /// For each incoming link, whether the request held is still open at its writer.
     pub open: u64,
 }
@@ -481,7 +481,7 @@ impl Situation {
             let nth = incoming.iter().position(|&link| setting.links[link].writer == station.index());
             let open = !setting.rules.fresh_numbers || nth.is_some_and(|nth| self.open & (1 << nth) != 0);
             let held = self.controller.held(station).and_then(|held| held.request);
-            Writer { boot_id: 1, open: held.filter(|_| open).map(|request| request.number) }
+            RequestWriter { boot_id: 1, open: held.filter(|_| open).map(|request| request.number) }
         };
         self.controller.situation(self.controller.cycle(), writers, out);
     }

@@ -4,7 +4,7 @@
 //! other if P + Q and the number of stretches that cross a cycle's boundary come to 1. What is drawn must let the line
 //! go on, and hold while it stands at home: what does not is taken back, and tried again with other stretches.
 
-use linewright_line::{Arrow, Conflict, Line, OpId, Span, Station, StationId};
+use linewright_line::{Arrow, Conflict, Line, OpId, StateSpan, Station, StationId};
 
 use super::{LineShape, Random};
 
@@ -54,7 +54,7 @@ fn try_to_keep_apart(line: &mut Line, pair: (usize, usize), shape: &LineShape, r
         let mut arrows = both_ways(line, &a, &b, there as u32, shape, random);
         arrows.extend(both_ways(line, &b, &a, (left - there) as u32, shape, random));
         if add_if_fits(line, &arrows) {
-            let name = |span: &Span| &line.station(span.station).name;
+            let name = |span: &StateSpan| &line.station(span.station).name;
             let why = format!("{} and {} meet ({})", name(&a), name(&b), line.conflicts.len() + 1);
             line.conflicts.push(Conflict { why, a, b });
             return;
@@ -63,7 +63,7 @@ fn try_to_keep_apart(line: &mut Line, pair: (usize, usize), shape: &LineShape, r
 }
 
 /// Any stretch of the cycle, up to all of it. Within a group it begins and ends with one and the same operation.
-fn stretch(line: &Line, number: usize, random: &mut Random) -> Span {
+fn stretch(line: &Line, number: usize, random: &mut Random) -> StateSpan {
     let station = &line.stations[number];
     let steps = &station.steps;
     let first = random.below(steps.len());
@@ -72,12 +72,19 @@ fn stretch(line: &Line, number: usize, random: &mut Random) -> Span {
     let last = (first + random.below(length + 1)) % steps.len();
     let from = *random.pick(&steps[first]);
     let until = if first == last { from } else { *random.pick(&steps[last]) };
-    Span { station: StationId::at(number), from, until }
+    StateSpan { station: StationId::at(number), from, until }
 }
 
 /// The arrow for `after` to wait for the end of `before`; or one for auto, and one for manual from there or from a
 /// later operation of the cycle.
-fn both_ways(line: &Line, before: &Span, after: &Span, lag: u32, shape: &LineShape, random: &mut Random) -> Vec<Arrow> {
+fn both_ways(
+    line: &Line,
+    before: &StateSpan,
+    after: &StateSpan,
+    lag: u32,
+    shape: &LineShape,
+    random: &mut Random,
+) -> Vec<Arrow> {
     let to = (after.station, after.from);
     let arrow = |from: OpId, auto, manual| Arrow { from: (before.station, from), to, lag, auto, manual };
     if !random.chance(shape.divided) {

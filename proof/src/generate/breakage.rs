@@ -3,8 +3,8 @@
 //! Not every mistake does harm: an arrow may be reversed where another says the same, a conflict drawn longer where
 //! there is room. Whether it does is for the two ways of judging a line to say, and they must say the same.
 
-use linewright_line::net::{ControlMode, StationNet, Transition};
-use linewright_line::{Line, Module, OpId, Span, StationId};
+use linewright_line::net::{ControlMode, StationNet, StationTransition};
+use linewright_line::{Line, OpId, OperationModule, StateSpan, StationId};
 
 /// One mistake in a line. Numbers are places in [`Line::arrows`] and [`Line::conflicts`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +80,7 @@ pub fn break_it(line: &Line, breakage: Breakage) -> Option<Line> {
 }
 
 /// The first operation so many steps after that of `op`, unless the stretch is the whole cycle already.
-fn step_from(line: &Line, span: &Span, op: OpId, steps: usize) -> Option<OpId> {
+fn step_from(line: &Line, span: &StateSpan, op: OpId, steps: usize) -> Option<OpId> {
     let station = line.station(span.station);
     let count = station.steps.len();
     let (from, until) = (station.step_of(span.from), station.step_of(span.until));
@@ -93,7 +93,7 @@ fn step_from(line: &Line, span: &Span, op: OpId, steps: usize) -> Option<OpId> {
 /// Home is one step later: where that is one reversible operation, and no recovery path was meant to end at home.
 fn move_home(line: &mut Line, id: StationId) -> Option<()> {
     let station = line.stations.get_mut(id.index())?;
-    let reversible = |op: &linewright_line::Operation| matches!(op.module, Module::Reversible { .. });
+    let reversible = |op: &linewright_line::Operation| matches!(op.module, OperationModule::Reversible { .. });
     if !station.operations.iter().all(reversible) {
         return None;
     }
@@ -108,7 +108,7 @@ fn move_home(line: &mut Line, id: StationId) -> Option<()> {
 
 /// A station's transitions with one condition forgotten: the `nth` literal of all of them, counted through transitions,
 /// modes and terms. `None` when there are not so many.
-pub fn without_literal(net: &StationNet, nth: usize) -> Option<Vec<Transition>> {
+pub fn without_literal(net: &StationNet, nth: usize) -> Option<Vec<StationTransition>> {
     let mut transitions = net.transitions().to_vec();
     let mut left = nth;
     for transition in &mut transitions {

@@ -16,7 +16,7 @@ mod text;
 
 use std::ops::RangeInclusive;
 
-use linewright_line::{Bus, Console, Device, DeviceKind, Handling, Line, Owner, Station, StationId, Timing};
+use linewright_line::{Console, Device, DeviceBus, DeviceKind, Line, MaterialFlow, Owner, Station, StationId, Timing};
 
 pub use breakage::{Breakage, break_it, breakages, without_literal};
 pub use cell::{CellShape, cell};
@@ -106,7 +106,7 @@ pub fn line(shape: &LineShape, seed: u64) -> Line {
         console: Console { buttons: vec![None; buttons.len()], ..Console::default() },
         buttons,
         timing: Timing::default(),
-        handling: Handling::default(),
+        handling: MaterialFlow::default(),
     };
     arrows::draw(&mut line, shape, &mut random);
     line
@@ -137,6 +137,6 @@ fn bits(device: usize, count: usize) -> std::ops::Range<usize> {
 }
 
 /// A bus of the station's own: node ids are few, and a line may have hundreds of stations.
-fn bus(number: usize) -> Bus {
-    Bus::Own(format!("can{number}"))
+fn bus(number: usize) -> DeviceBus {
+    DeviceBus::Own(format!("can{number}"))
 }

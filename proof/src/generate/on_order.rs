@@ -7,8 +7,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Axis, AxisId, Console, Hand, Handling, InputId, Line, Motion, OpId, OutputId, Panel, Parameter, Rest, RestId,
-    Station, Task, Timing,
+    Axis, AxisId, Console, HandMode, InputId, Line, MaterialFlow, Motion, OpId, OutputId, Panel, Parameter, Rest,
+    RestId, Station, Task, Timing,
 };
 
 use super::station::{button, operation};
@@ -40,7 +40,7 @@ pub fn on_order(shape: &LineShape, stations: usize, seed: u64) -> Line {
         console: Console { buttons: vec![None; buttons.len()], ..Console::default() },
         buttons,
         timing: Timing::default(),
-        handling: Handling::default(),
+        handling: MaterialFlow::default(),
     }
 }
 
@@ -74,9 +74,11 @@ fn station(shape: &LineShape, number: usize, buttons: &mut Vec<String>, random: 
         let forward = next.map(|op| station.operations[op.index()].hand.forward());
         let hand = &mut station.operations[last.index()].hand;
         *hand = match (*hand, forward) {
-            (Hand::SequenceEnd { forward, next: _ }, Some(next)) => Hand::SequenceEnd { forward, next },
-            (Hand::ReversedEnd { forward, back, next: _ }, Some(next)) => Hand::ReversedEnd { forward, back, next },
-            (Hand::Single { forward, back, next: _ }, Some(next)) => Hand::Single { forward, back, next },
+            (HandMode::SequenceEnd { forward, next: _ }, Some(next)) => HandMode::SequenceEnd { forward, next },
+            (HandMode::ReversedEnd { forward, back, next: _ }, Some(next)) => {
+                HandMode::ReversedEnd { forward, back, next }
+            }
+            (HandMode::Single { forward, back, next: _ }, Some(next)) => HandMode::Single { forward, back, next },
             (hand, _) => hand,
         };
     }
@@ -109,7 +111,7 @@ fn task(
         let path = path.then(|| earlier.into_iter().rev().collect::<Vec<_>>());
         irreversible |= path.is_some();
         let motion = Motion { axis: AxisId(0), from: at, to: end };
-        let hand = Hand::Sequence { forward: button(buttons, format!("F_{nth}")) };
+        let hand = HandMode::Sequence { forward: button(buttons, format!("F_{nth}")) };
         let mut op = operation(station, first + n, motion, path, hand, shape, random);
         if random.chance(30) {
             station.inputs.push(format!("W_{}", first + n));
@@ -137,22 +139,22 @@ fn task(
 }
 
 fn is_reversible(station: &Station, op: OpId) -> bool {
-    matches!(station.operations[op.index()].module, linewright_line::Module::Reversible { .. })
+    matches!(station.operations[op.index()].module, linewright_line::OperationModule::Reversible { .. })
 }
 
 /// One button runs the task, another may take it back; what follows is put in afterwards.
-fn hand(n: usize, count: usize, task: usize, reversed: bool, buttons: &mut Vec<String>) -> Hand {
+fn hand(n: usize, count: usize, task: usize, reversed: bool, buttons: &mut Vec<String>) -> HandMode {
     let forward = button(buttons, format!("F_{task}"));
     let (next, last) = (forward, n + 1 == count);
     if !reversed {
-        return if last { Hand::SequenceEnd { forward, next } } else { Hand::Sequence { forward } };
+        return if last { HandMode::SequenceEnd { forward, next } } else { HandMode::Sequence { forward } };
     }
     let back = button(buttons, format!("B_{task}"));
     match (n, last) {
-        (0, true) => Hand::Single { forward, back, next },
-        (0, false) => Hand::ReversedStart { forward, back },
-        (_, false) => Hand::ReversedMiddle { forward, back },
-        (_, true) => Hand::ReversedEnd { forward, back, next },
+        (0, true) => HandMode::Single { forward, back, next },
+        (0, false) => HandMode::ReversedStart { forward, back },
+        (_, false) => HandMode::ReversedMiddle { forward, back },
+        (_, true) => HandMode::ReversedEnd { forward, back, next },
     }
 }
 

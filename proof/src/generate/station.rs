@@ -8,8 +8,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Axis, AxisId, BRANCHES_MAX, BUTTONS_MAX, ButtonId, Hand, InputId, Module, Motion, OpId, Operation, OutputId, Panel,
-    Signals, Station,
+    Axis, AxisId, BRANCHES_MAX, BUTTONS_MAX, ButtonId, HandMode, InputId, Motion, MotionSignals, OpId, Operation,
+    OperationModule, OutputId, Panel, Station,
 };
 
 use super::{LineShape, Random, bus};
@@ -129,7 +129,7 @@ pub(super) fn button(buttons: &mut Vec<String>, name: String) -> ButtonId {
 }
 
 /// A hand-mode entry for each step of the round from home.
-fn hands(plan: &RoundPlan, shape: &LineShape, buttons: &mut Vec<String>, random: &mut Random) -> Vec<Hand> {
+fn hands(plan: &RoundPlan, shape: &LineShape, buttons: &mut Vec<String>, random: &mut Random) -> Vec<HandMode> {
     let runs = runs(plan, shape, random);
     // A run is taken back by a button of its own, or by the one that runs what follows: those of a clamp are each
     // other's reverse.
@@ -144,15 +144,15 @@ fn hands(plan: &RoundPlan, shape: &LineShape, buttons: &mut Vec<String>, random:
             hands.push(if reversed {
                 let back = if shared { next } else { button(buttons, format!("B_{}", run % RUNS)) };
                 match (nth, last) {
-                    (0, true) => Hand::Single { forward: own, back, next },
-                    (0, false) => Hand::ReversedStart { forward: own, back },
-                    (_, false) => Hand::ReversedMiddle { forward: own, back },
-                    (_, true) => Hand::ReversedEnd { forward: own, back, next },
+                    (0, true) => HandMode::Single { forward: own, back, next },
+                    (0, false) => HandMode::ReversedStart { forward: own, back },
+                    (_, false) => HandMode::ReversedMiddle { forward: own, back },
+                    (_, true) => HandMode::ReversedEnd { forward: own, back, next },
                 }
             } else if last {
-                Hand::SequenceEnd { forward: own, next }
+                HandMode::SequenceEnd { forward: own, next }
             } else {
-                Hand::Sequence { forward: own }
+                HandMode::Sequence { forward: own }
             });
         }
     }
@@ -165,7 +165,7 @@ fn hands(plan: &RoundPlan, shape: &LineShape, buttons: &mut Vec<String>, random:
 }
 
 /// Whether no irreversible operation would be taken back if the runs began so many steps later.
-fn runs_fit(plan: &RoundPlan, hands: &[Hand], later: usize) -> bool {
+fn runs_fit(plan: &RoundPlan, hands: &[HandMode], later: usize) -> bool {
     let hand = |step: usize| &hands[(step + hands.len() - later) % hands.len()];
     let irreversible = |step: &Vec<PlannedOperation>| step.iter().any(|op| op.path.is_some());
     (0..plan.steps.len()).all(|step| !irreversible(&plan.steps[step]) || hand(step).number() <= 2)
@@ -193,7 +193,7 @@ fn runs(plan: &RoundPlan, shape: &LineShape, random: &mut Random) -> Vec<(usize,
 fn build(
     plan: &RoundPlan,
     listed: usize,
-    hands: &[Hand],
+    hands: &[HandMode],
     number: usize,
     shape: &LineShape,
     random: &mut Random,
@@ -254,7 +254,7 @@ pub(super) fn operation(
     place: usize,
     motion: Motion,
     path: Option<Vec<OpId>>,
-    hand: Hand,
+    hand: HandMode,
     shape: &LineShape,
     random: &mut Random,
 ) -> Operation {
@@ -271,15 +271,17 @@ pub(super) fn operation(
         };
         let actuator = output("Y");
         let lamp = random.chance(shape.sensors).then(|| output("H"));
-        Signals { actuator, complete, fault, lamp }
+        MotionSignals { actuator, complete, fault, lamp }
     };
     let normal = signals("");
     let (duration, watchdog) = (Duration::from_millis(100), Duration::from_millis(1000));
     let module = match path {
-        Some(recovery_path) => Module::Irreversible { recovery_path },
-        None => {
-            Module::Reversible { recovery: signals("_back"), recovery_duration: duration, recovery_watchdog: watchdog }
-        }
+        Some(recovery_path) => OperationModule::Irreversible { recovery_path },
+        None => OperationModule::Reversible {
+            recovery: signals("_back"),
+            recovery_duration: duration,
+            recovery_watchdog: watchdog,
+        },
     };
     let (waits, waits_code) = (Vec::new(), 0);
     Operation { name: format!("op {place}"), module, duration, watchdog, motion, normal, waits, waits_code, hand }

@@ -7,8 +7,9 @@ use std::fmt::{self, Display, Write};
 use std::time::Duration;
 
 use linewright_line::{
-    Arrow, AtRest, Bus, ButtonId, Canopen, Device, Drive, DriveMode, Identity, InputId, Line, Module, OpId, Operation,
-    OutputId, Owner, Parameter, Rest, RestId, Setting, Setup, Signals, Span, Station, StationId, Task,
+    Arrow, AtRest, ButtonId, Canopen, Device, DeviceBus, DeviceIdentity, DeviceSetup, Drive, DriveMode, InputId, Line,
+    MotionSignals, ObjectWrite, OpId, Operation, OperationModule, OutputId, Owner, Parameter, Rest, RestId, StateSpan,
+    Station, StationId, Task,
 };
 
 /// The description of a line, as [`linewright_line::parse`] reads it.
@@ -57,7 +58,7 @@ fn write_line(out: &mut String, line: &Line) -> fmt::Result {
     line.stations.iter().try_for_each(|station| write_station(out, line, station))?;
     line.arrows.iter().try_for_each(|arrow| write_arrow(out, line, arrow))?;
     for conflict in &line.conflicts {
-        let span = |span: &Span| {
+        let span = |span: &StateSpan| {
             let name = |op: OpId| quoted(&line.operation((span.station, op)).name);
             let station = quoted(&line.station(span.station).name);
             format!("{{ station = {station}, from = {}, until = {} }}", name(span.from), name(span.until))
@@ -108,7 +109,7 @@ fn write_station(out: &mut String, line: &Line, station: &Station) -> fmt::Resul
     } else {
         writeln!(out, "home = {}", op(station.home))?;
     }
-    if let Bus::Own(interface) = &station.bus {
+    if let DeviceBus::Own(interface) = &station.bus {
         writeln!(out, "bus = {}", quoted(interface))?;
     }
     let axes: Vec<String> =
@@ -173,13 +174,13 @@ fn write_operation(out: &mut String, line: &Line, station: &Station, id: OpId) -
     writeln!(out, "watchdog_s = {}", seconds(operation.watchdog))?;
     writeln!(out, "normal = {{ {} }}", signals(station, &operation.normal))?;
     match &operation.module {
-        Module::Reversible { recovery, recovery_duration, recovery_watchdog } => {
+        OperationModule::Reversible { recovery, recovery_duration, recovery_watchdog } => {
             let (duration, watchdog) = (seconds(*recovery_duration), seconds(*recovery_watchdog));
             let signals = signals(station, recovery);
             writeln!(out, "module = \"R\"")?;
             writeln!(out, "recovery = {{ {signals}, duration_s = {duration}, watchdog_s = {watchdog} }}")?;
         }
-        Module::Irreversible { recovery_path } => {
+        OperationModule::Irreversible { recovery_path } => {
             writeln!(out, "module = \"I\"\nrecovery_path = {}", list(recovery_path.iter().map(|&id| op(id))))?;
         }
     }
@@ -194,7 +195,7 @@ fn write_operation(out: &mut String, line: &Line, station: &Station, id: OpId) -
     writeln!(out, "hand = {{ type = {}{buttons} }}", hand.number())
 }
 
-fn signals(station: &Station, signals: &Signals) -> String {
+fn signals(station: &Station, signals: &MotionSignals) -> String {
     let input = |id: InputId| quoted(&station.inputs[id.index()]);
     let output = |id: OutputId| quoted(&station.outputs[id.index()]);
     let mut text = format!("actuator = {}, complete = {}", output(signals.actuator), input(signals.complete));
@@ -246,11 +247,11 @@ fn write_device(out: &mut String, line: &Line, device: &Device) -> fmt::Result {
 }
 
 /// Every setting is written as bytes of an unsigned number, which is how it is sent.
-fn write_setup(out: &mut String, setup: &Setup) -> fmt::Result {
+fn write_setup(out: &mut String, setup: &DeviceSetup) -> fmt::Result {
     if let Some(file) = &setup.file {
         writeln!(out, "file = {}", quoted(file))?;
     }
-    let Identity { device_type, vendor, product, revision, serial } = setup.identity;
+    let DeviceIdentity { device_type, vendor, product, revision, serial } = setup.identity;
     let parts =
         [("type", device_type), ("vendor", vendor), ("product", product), ("revision", revision), ("serial", serial)];
     let parts: Vec<String> =
@@ -258,9 +259,9 @@ fn write_setup(out: &mut String, setup: &Setup) -> fmt::Result {
     if !parts.is_empty() {
         writeln!(out, "identity = {{ {} }}", parts.join(", "))?;
     }
-    let setting = |setting: &Setting| {
+    let setting = |setting: &ObjectWrite| {
         let value = setting.data.iter().rev().fold(0u64, |value, byte| value << 8 | u64::from(*byte));
-        let Setting { index, sub, data } = setting;
+        let ObjectWrite { index, sub, data } = setting;
         format!("{{ object = \"{index:04X}:{sub:02X}\", type = \"u{}\", value = {value} }}", 8 * data.len())
     };
     if !setup.settings.is_empty() {

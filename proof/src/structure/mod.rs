@@ -9,7 +9,7 @@ mod modes;
 mod reduce;
 mod station;
 
-use linewright_line::{Line, Module, Station, StationId};
+use linewright_line::{Line, OperationModule, Station, StationId};
 use serde::Serialize;
 
 /// What was found about one station.
@@ -50,7 +50,7 @@ impl Check {
 impl StructureReport {
     /// An empty report on a station.
     fn of(station: &Station, places: usize, transitions: usize) -> Self {
-        let is_reversible = |module: &Module| matches!(module, Module::Reversible { .. });
+        let is_reversible = |module: &OperationModule| matches!(module, OperationModule::Reversible { .. });
         let reversible = station.operations.iter().filter(|op| is_reversible(&op.module)).count();
         StructureReport {
             name: station.name.clone(),

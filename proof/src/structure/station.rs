@@ -1,6 +1,6 @@
 //! One station's controller: the propositions of seed 002 §5.5, checked though they follow from the construction.
 
-use linewright_line::net::{ControlMode, Place, StationNet, Term, overlaps};
+use linewright_line::net::{Conjunction, ControlMode, StationNet, StationPlace, overlaps};
 use linewright_line::{Line, OpId, Station, StationId};
 use linewright_nets::{Net, PlaceId, StateMachineVerdict, state_machine_verdict};
 use linewright_station_logic::Program;
@@ -36,7 +36,7 @@ fn places(report: &StructureReport) -> Result<String, String> {
 
 fn one_token(station: &Station, net: &StationNet) -> Result<String, String> {
     let marking = net.net().initial_marking();
-    let home = net.place_index(Place::completed(station.home));
+    let home = net.place_index(StationPlace::completed(station.home));
     let marked: Vec<usize> = marking.marked().map(PlaceId::index).collect();
     if marking.total() == 1 && home.is_some_and(|home| marked == [home]) {
         Ok(format!("on the completed `{}`", station.operations[station.home.index()].name))
@@ -103,7 +103,7 @@ fn exclusive(station: &Station, net: &StationNet) -> Result<String, String> {
 
 /// No transition is dead by its own conditions: in some mode some term contradicts nothing in itself.
 fn conditions(net: &StationNet) -> Result<String, String> {
-    let possible = |term: &Term| !term.iter().any(|a| term.iter().any(|b| a.excludes(*b)));
+    let possible = |term: &Conjunction| !term.iter().any(|a| term.iter().any(|b| a.excludes(*b)));
     let dead = net
         .transitions()
         .iter()

@@ -1,7 +1,7 @@
 //! Conflicts of tasks, at the shipped workcell: which the cell's net excludes, and what switches say of those.
 
 use linewright_cell::Cell;
-use linewright_line::{Conflict, Line, Span, Station, StationId, TaskId};
+use linewright_line::{Conflict, Line, StateSpan, Station, StationId, TaskId};
 use linewright_proof::cell::{CellExploration, CellProperty, Verdict, check_conflicts};
 use linewright_proof::positions::{PositionRules, explore_positions};
 
@@ -68,7 +68,7 @@ fn measured_positions_by_themselves_keep_two_tasks_apart() {
     line.stations[1] = Station { name: "m2".to_owned(), ..line.stations[0].clone() };
     let machine = line.stations[0].task(TaskId(1)).steps.clone();
     let [from, until] = [machine.start, machine.end - 1].map(|step| line.stations[0].steps[step][0]);
-    let span = |station| Span { station: StationId(station), from, until };
+    let span = |station| StateSpan { station: StationId(station), from, until };
     let conflict = Conflict { why: WHY.to_owned(), a: span(0), b: span(1) };
     line.conflicts.push(conflict.clone());
     let explore = |rules| explore_positions(&line, &conflict, rules, 1_000_000).expect("they compile");

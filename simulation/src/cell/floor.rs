@@ -9,13 +9,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    ActivityStep, CellTable, FiringId, ModeId, OrderKey, OrderMessage, PartId, PartPlace, PlayerState, Record, Reply,
-    TaskReport,
+    ActivityStep, CellTable, FiringId, ModeId, OrderKey, OrderMessage, PartId, PartPlace, PlayerState, Record,
+    TaskReply, TaskReport,
 };
 use linewright_coordinator_shell::orders;
 use linewright_line::net::ControlMode;
 use linewright_line::{HolderId, Line, OpId, Owner, StationId, Tick};
-use linewright_plant::{PartNo, Plant, PlantOptions, Spot};
+use linewright_plant::{NestPosition, PartNo, Plant, PlantOptions};
 use linewright_station_logic::{
     self as station, CompileError, Controller, ModeOrder, NO_DELAY, PanelCommand, Restore, StationInput,
     StationSnapshot, TaskCommand, TaskOrder, TaskOrderReport,
@@ -296,7 +296,7 @@ impl ShopFloor {
             let on = |bits: &[linewright_line::OutputId]| {
                 bits.iter().enumerate().fold(0, |number, (nth, bit)| number | i32::from(image & bit.bit() != 0) << nth)
             };
-            let part = self.plant.part_at(Spot { nest: *nest, position: 1 }).map(|part| PartId(part.0));
+            let part = self.plant.part_at(NestPosition { nest: *nest, position: 1 }).map(|part| PartId(part.0));
             let numbers = parameters.iter().map(|parameter| on(&parameter.bits)).collect();
             self.done.push(Work { part, station: *station, op: *op, numbers });
         }
@@ -309,18 +309,18 @@ impl ShopFloor {
     }
 
     /// What a station answers to an order.
-    pub(super) fn told(&mut self, now: Tick, message: &OrderMessage) -> Option<Reply> {
+    pub(super) fn told(&mut self, now: Tick, message: &OrderMessage) -> Option<TaskReply> {
         let limit = message.order.limit.saturating_sub(self.fast);
         let order = TaskOrder { limit, ..message.order.clone() };
         self.command(now, message.station, TaskCommand::Run(&order))
     }
 
     /// What a station answers when it is told to leave an order.
-    pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey, stop: bool) -> Option<Reply> {
+    pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey, stop: bool) -> Option<TaskReply> {
         self.command(now, to, TaskCommand::leave(key, stop))
     }
 
-    fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<Reply> {
+    fn command(&mut self, now: Tick, to: StationId, command: TaskCommand<'_>) -> Option<TaskReply> {
         self.now = self.now.max(now);
         let process = self.processes.get_mut(to.index()).filter(|process| process.down.is_none())?;
         process.controller.handle(now, StationInput::Task(command));
@@ -355,7 +355,7 @@ impl ShopFloor {
             (None, Some(to)) => {
                 let nest = table.store_of(to).and_then(|store| self.stores.get(store).copied());
                 let position = state.part(part).and_then(|part| u16::try_from(part.position?).ok());
-                let spot = nest.zip(position).map(|(nest, position)| Spot { nest, position });
+                let spot = nest.zip(position).map(|(nest, position)| NestPosition { nest, position });
                 let put = spot.map(|spot| self.plant.put(self.now, no, spot));
                 if put != Some(Ok(())) {
                     self.trouble.push(format!("{part} cannot come in at {spot:?}: {put:?}"));
@@ -382,7 +382,7 @@ impl ShopFloor {
                 Some(&nest) => part.position.and_then(|position| u16::try_from(position).ok()).map(|p| (nest, p)),
                 None => self.nests.get(resource).map(|&nest| (nest, 1)),
             };
-            let there = spot.and_then(|(nest, position)| self.plant.part_at(Spot { nest, position }));
+            let there = spot.and_then(|(nest, position)| self.plant.part_at(NestPosition { nest, position }));
             if there != Some(PartNo(part.id.0)) {
                 found.push(format!("{} should be on {name} {:?}, there is {there:?}", part.id, part.position));
             }

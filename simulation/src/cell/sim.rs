@@ -8,7 +8,7 @@ use linewright_coordinator_cell::production::ProductionOrderRequest;
 use linewright_coordinator_cell::{
     ActivityPhase, ActivityTiming, CellEvent, CellMessage, CellTable, Coordination, Dispatcher, ModeId, OrderKey,
     OrderMessage, PlayerInput, PlayerOutbox, PlayerState, Presence, ProductionCommand, ProductionCommandError,
-    ProductionId, Record, Reply, RequestId, ResourceId, TaskReport,
+    ProductionId, Record, RequestId, ResourceId, TaskReply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 
@@ -73,18 +73,18 @@ impl Default for CellSimOptions {
 enum MessageInTransit {
     /// To a station, for which it will be so much work.
     Order(OrderMessage, Duration),
-    Reply(usize, OrderKey, Reply),
+    Reply(usize, OrderKey, TaskReply),
     /// To a station, that it is to leave an order, or to stop; and what it says to that.
     Secure(usize, OrderKey, bool),
-    Secured(usize, OrderKey, Reply),
+    Secured(usize, OrderKey, TaskReply),
     /// With a number that rises.
     State(usize, u64, TaskReport),
 }
 
 /// What the coordinator gets of that.
 enum PlayerInbound {
-    Reply(StationId, OrderKey, Reply),
-    Secured(StationId, OrderKey, Reply),
+    Reply(StationId, OrderKey, TaskReply),
+    Secured(StationId, OrderKey, TaskReply),
     State(StationId, TaskReport),
 }
 

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::{OrderMessage, PartId, Presence, StationUnavailable, TaskReport};
 use linewright_line::Tick;
-use linewright_orders::{OrderKey, Outcome, RESULTS_MAX, Refusal, Reply, TaskFailure};
+use linewright_orders::{OrderKey, RESULTS_MAX, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
 use crate::rng::Rng;
 
@@ -46,7 +46,7 @@ pub struct SimulatedStation {
     /// How often it was told something that it had been told before.
     pub doubled: usize,
     /// What it would not do.
-    pub refused: Vec<Refusal>,
+    pub refused: Vec<TaskRefusal>,
     /// One order in so many ends with a code; none with 0.
     pub failing: u64,
     /// The code with which the order ends that it is doing, or the next.
@@ -68,7 +68,7 @@ pub struct SimulatedStation {
     /// What its sensor says.
     pub presence: Presence,
     /// How all it has really begun has ended, and when, each time.
-    pub ended: Vec<(OrderKey, Outcome, Tick)>,
+    pub ended: Vec<(OrderKey, TaskOutcome, Tick)>,
 }
 
 impl SimulatedStation {
@@ -87,7 +87,7 @@ impl SimulatedStation {
     pub fn bring_to_rest(&mut self, now: Tick) {
         self.is_held = false;
         if let Some((key, _)) = self.doing.take() {
-            self.end(now, key, Outcome::Failed(TaskFailure::Interrupted));
+            self.end(now, key, TaskOutcome::Failed(TaskFailure::Interrupted));
         }
     }
 
@@ -95,7 +95,7 @@ impl SimulatedStation {
     pub(super) fn emergency_stop(&mut self, now: Tick) {
         if let Some((key, _)) = self.doing.take() {
             self.is_held = true;
-            self.end(now, key, Outcome::Failed(TaskFailure::Interrupted));
+            self.end(now, key, TaskOutcome::Failed(TaskFailure::Interrupted));
         }
     }
 
@@ -113,7 +113,7 @@ impl SimulatedStation {
     }
 
     /// What it answers to an order, which takes so long; none if it does not hear it.
-    pub(super) fn told(&mut self, now: Tick, order: &OrderMessage, takes: Duration) -> Option<Reply> {
+    pub(super) fn told(&mut self, now: Tick, order: &OrderMessage, takes: Duration) -> Option<TaskReply> {
         if self.is_away {
             return None;
         }
@@ -121,29 +121,29 @@ impl SimulatedStation {
         let key = order.key;
         if self.doing.is_some_and(|(doing, _)| doing == key) {
             self.doubled += 1;
-            return Some(Reply::Running);
+            return Some(TaskReply::Running);
         }
         if let Some(&(_, outcome)) = self.heard.results.iter().find(|(had, _)| *had == key) {
             self.doubled += 1;
-            return Some(Reply::Ended(outcome));
+            return Some(TaskReply::Ended(outcome));
         }
         let refusal = if order.memory != self.heard.memory {
-            Refusal::OtherMemory
+            TaskRefusal::OtherMemory
         } else if key.epoch < self.heard.epoch {
-            Refusal::OldEpoch
+            TaskRefusal::OldEpoch
         } else if key.epoch == self.heard.epoch && key.id <= self.last {
-            Refusal::Old
+            TaskRefusal::Old
         } else if self.doing.is_some() {
-            Refusal::Busy
+            TaskRefusal::Busy
         } else if order.limit.is_zero() {
-            Refusal::Late
+            TaskRefusal::Late
         } else if self.is_held {
-            Refusal::NotThere
+            TaskRefusal::NotThere
         } else if let Some(unable) = self.unable {
             match unable {
-                StationUnavailable::Devices => Refusal::Devices,
-                StationUnavailable::Incomplete => Refusal::Incomplete,
-                StationUnavailable::ByHand => Refusal::Mode,
+                StationUnavailable::Devices => TaskRefusal::Devices,
+                StationUnavailable::Incomplete => TaskRefusal::Incomplete,
+                StationUnavailable::ByHand => TaskRefusal::Mode,
             }
         } else {
             (self.heard.epoch, self.last, self.heard.slot) = (key.epoch, key.id, Some(key));
@@ -151,18 +151,18 @@ impl SimulatedStation {
             self.limit = now + order.limit.saturating_sub(self.fast);
             let (task, parameters) = (order.task.clone(), order.parameters.clone());
             self.done.push(BegunTask { key, task, parameters, part: *part, began: now });
-            return Some(Reply::Running);
+            return Some(TaskReply::Running);
         };
         self.refused.push(refusal);
-        Some(Reply::Refused(refusal))
+        Some(TaskReply::Refused(refusal))
     }
 
     /// Ends what it is doing when the time has come.
-    pub(super) fn tick(&mut self, now: Tick, rng: &mut Rng) -> Option<(OrderKey, Reply)> {
+    pub(super) fn tick(&mut self, now: Tick, rng: &mut Rng) -> Option<(OrderKey, TaskReply)> {
         self.ends().filter(|&until| until <= now)?;
         let (key, until) = self.doing.take()?;
         if let Some(failure) = self.is_securing.take() {
-            return Some((key, self.end(now, key, Outcome::Failed(failure))));
+            return Some((key, self.end(now, key, TaskOutcome::Failed(failure))));
         }
         if self.is_stuck || until > now {
             // Its time is over.
@@ -174,26 +174,26 @@ impl SimulatedStation {
         }
         let by_chance = self.failing > 0 && rng.below(self.failing) == 0;
         let code = self.fails_with.take().or(by_chance.then_some(CODE));
-        let outcome = code.map_or(Outcome::Done, |code| Outcome::Failed(TaskFailure::from_code(code)));
+        let outcome = code.map_or(TaskOutcome::Done, |code| TaskOutcome::Failed(TaskFailure::from_code(code)));
         Some((key, self.end(now, key, outcome)))
     }
 
-    fn end(&mut self, now: Tick, key: OrderKey, outcome: Outcome) -> Reply {
+    fn end(&mut self, now: Tick, key: OrderKey, outcome: TaskOutcome) -> TaskReply {
         (self.heard.slot, self.is_securing) = (None, None);
         self.ended.push((key, outcome, now));
         self.remember(key, outcome)
     }
 
-    fn remember(&mut self, key: OrderKey, outcome: Outcome) -> Reply {
+    fn remember(&mut self, key: OrderKey, outcome: TaskOutcome) -> TaskReply {
         self.heard.results.push((key, outcome));
         if self.heard.results.len() > RESULTS_MAX {
             self.heard.results.remove(0);
         }
-        Reply::Ended(outcome)
+        TaskReply::Ended(outcome)
     }
 
     /// What it answers when it is told to leave an order; none if it does not hear it.
-    pub(super) fn told_to_leave(&mut self, now: Tick, key: OrderKey, stop: bool) -> Option<Reply> {
+    pub(super) fn told_to_leave(&mut self, now: Tick, key: OrderKey, stop: bool) -> Option<TaskReply> {
         if self.is_away {
             return None;
         }
@@ -203,7 +203,7 @@ impl SimulatedStation {
                 return Some(self.end(
                     now,
                     key,
-                    Outcome::Failed(if stop { TaskFailure::Stopped } else { TaskFailure::Held }),
+                    TaskOutcome::Failed(if stop { TaskFailure::Stopped } else { TaskFailure::Held }),
                 ));
             }
             if self.is_securing.is_none() {
@@ -211,19 +211,19 @@ impl SimulatedStation {
                     self.waits_code.filter(|_| self.is_stuck).map_or(TaskFailure::Cancelled, TaskFailure::from_code);
                 (self.doing, self.is_securing) = (Some((key, now + WAY_BACK)), Some(failure));
             }
-            return Some(Reply::Running);
+            return Some(TaskReply::Running);
         }
         if let Some(&(_, outcome)) = self.heard.results.iter().find(|(had, _)| *had == key) {
-            return Some(Reply::Ended(outcome));
+            return Some(TaskReply::Ended(outcome));
         }
         if key.epoch < self.heard.epoch {
-            return Some(Reply::Refused(Refusal::OldEpoch));
+            return Some(TaskReply::Refused(TaskRefusal::OldEpoch));
         }
         if key.epoch == self.heard.epoch && key.id <= self.last {
-            return Some(Reply::Refused(Refusal::Old));
+            return Some(TaskReply::Refused(TaskRefusal::Old));
         }
         // Not heard of yet, and not to be done when it is.
         (self.heard.epoch, self.last) = (key.epoch, key.id);
-        Some(self.remember(key, Outcome::Failed(TaskFailure::Cancelled)))
+        Some(self.remember(key, TaskOutcome::Failed(TaskFailure::Cancelled)))
     }
 }

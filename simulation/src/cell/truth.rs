@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_coordinator_cell::exception::Whereabouts;
 use linewright_coordinator_cell::{
-    ActivityStep, CellTable, FiringId, ModeId, OrderKey, Outcome, PartId, Record, Reply, ResourceId,
+    ActivityStep, CellTable, FiringId, ModeId, OrderKey, PartId, Record, ResourceId, TaskOutcome, TaskReply,
 };
 
 /// Where the parts really are.
@@ -118,10 +118,10 @@ impl PartTruth {
     }
 
     /// A station has ended an order.
-    pub(super) fn ended(&mut self, table: &CellTable, key: OrderKey, reply: Reply) {
+    pub(super) fn ended(&mut self, table: &CellTable, key: OrderKey, reply: TaskReply) {
         let is_done = match reply {
-            Reply::Ended(Outcome::Done) => true,
-            Reply::Ended(Outcome::Failed(_)) | Reply::Running | Reply::Refused(_) => false,
+            TaskReply::Ended(TaskOutcome::Done) => true,
+            TaskReply::Ended(TaskOutcome::Failed(_)) | TaskReply::Running | TaskReply::Refused(_) => false,
         };
         let Some(&firing) = self.firing_of.get(&key).filter(|_| is_done) else { return };
         let Some(of) = self.moves.get_mut(&firing) else { return };

@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use linewright_canopen::{Frame, Manager, ManagerError, Outbox};
+use linewright_canopen::{BusOutbox, Frame, Manager, ManagerError};
 use linewright_line::{Device, Line, Tick};
 use linewright_plant::Rack;
 
@@ -25,7 +25,7 @@ pub(crate) struct SimulatedBus {
     devices: Vec<Device>,
     /// None while its reader is down.
     manager: Option<Manager>,
-    outbox: Outbox,
+    outbox: BusOutbox,
     /// Frames of devices that are not on the wire yet.
     from_devices: Vec<Frame>,
     /// On their way, the oldest first.
@@ -57,7 +57,7 @@ impl SimulatedBus {
             rack,
             devices,
             manager,
-            outbox: Outbox::default(),
+            outbox: BusOutbox::default(),
             from_devices: Vec::new(),
             to_devices: VecDeque::new(),
             to_manager: VecDeque::new(),
@@ -106,7 +106,7 @@ impl SimulatedBus {
     }
 
     /// Asks the manager for something.
-    pub(super) fn ask(&mut self, does: impl FnOnce(&mut Manager, &mut Outbox)) {
+    pub(super) fn ask(&mut self, does: impl FnOnce(&mut Manager, &mut BusOutbox)) {
         if let Some(manager) = &mut self.manager {
             does(manager, &mut self.outbox);
             self.find_manager_due();

@@ -4,8 +4,8 @@
 //! the manager there.
 
 use linewright_canopen::ManagerError;
-use linewright_line::{Bus as BusName, InputId, Line, OpId, Owner, StationId, Tick};
-use linewright_plant::{DeviceFault, Fault, Plant, PlantOptions, Rack};
+use linewright_line::{DeviceBus as BusName, InputId, Line, OpId, Owner, StationId, Tick};
+use linewright_plant::{DeviceFault, MotionFault, Plant, PlantOptions, Rack};
 
 use super::bus::{Played, SimulatedBus};
 
@@ -164,7 +164,7 @@ impl SimulatedBuses {
         now: Tick,
         (station, op): (StationId, OpId),
         normal: bool,
-        fault: Option<Fault>,
+        fault: Option<MotionFault>,
     ) {
         let axis = line.operation((station, op)).motion.axis;
         self.bus_of(Owner::Station(station)).disturb(now, |rack, out| {

@@ -5,8 +5,8 @@
 //! it comes back its outputs are off until its station asks for something else. That is what a CANopen device does
 //! (compare the full one in the plant crate), without the frames.
 
-use linewright_line::{Bus, Device, InputId, Line, OpId, Owner, StationId, Tick};
-use linewright_plant::{Fault, Plant, PlantOptions};
+use linewright_line::{Device, DeviceBus, InputId, Line, OpId, Owner, StationId, Tick};
+use linewright_plant::{MotionFault, Plant, PlantOptions};
 
 struct ImageSlot {
     device: usize,
@@ -165,7 +165,7 @@ impl Images {
     pub(crate) fn bus_read(&mut self, now: Tick, line: &Line, read: bool) {
         for at in 0..self.owned.len() {
             self.lose(now, at, |slot| {
-                if line.devices[slot.device].bus == Bus::Line {
+                if line.devices[slot.device].bus == DeviceBus::Line {
                     slot.unread = !read;
                 }
             });
@@ -201,7 +201,13 @@ impl Images {
         self.carry(now, at);
     }
 
-    pub(crate) fn fail(&mut self, now: Tick, (station, op): (StationId, OpId), normal: bool, fault: Option<Fault>) {
+    pub(crate) fn fail(
+        &mut self,
+        now: Tick,
+        (station, op): (StationId, OpId),
+        normal: bool,
+        fault: Option<MotionFault>,
+    ) {
         if normal {
             self.plant.inject(now, station, op, fault);
         } else {

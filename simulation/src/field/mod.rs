@@ -7,8 +7,8 @@ mod bus;
 mod frames;
 mod images;
 
-use linewright_line::{AxisId, InputId, Line, Module, OpId, Owner, StationId, Tick};
-use linewright_plant::{Fault, Plant, PlantOptions};
+use linewright_line::{AxisId, InputId, Line, OpId, OperationModule, Owner, StationId, Tick};
+use linewright_plant::{MotionFault, Plant, PlantOptions};
 
 use crate::lives::StartError;
 
@@ -63,8 +63,8 @@ impl SimulatedField {
         };
         let actuators = line.station(station).operations.iter().fold(0, |bits, operation| {
             let recovery = match &operation.module {
-                Module::Reversible { recovery, .. } => recovery.actuator.bit(),
-                Module::Irreversible { .. } => 0,
+                OperationModule::Reversible { recovery, .. } => recovery.actuator.bit(),
+                OperationModule::Irreversible { .. } => 0,
             };
             bits | operation.normal.actuator.bit() | recovery
         });
@@ -88,7 +88,14 @@ impl SimulatedField {
     }
 
     /// Makes a motion fail, the normal one or the one that undoes it, or work again.
-    pub(crate) fn fail(&mut self, line: &Line, now: Tick, op: (StationId, OpId), normal: bool, fault: Option<Fault>) {
+    pub(crate) fn fail(
+        &mut self,
+        line: &Line,
+        now: Tick,
+        op: (StationId, OpId),
+        normal: bool,
+        fault: Option<MotionFault>,
+    ) {
         match self {
             SimulatedField::Images(images) => images.fail(now, op, normal, fault),
             SimulatedField::Frames(frames) => frames.fail(line, now, op, normal, fault),

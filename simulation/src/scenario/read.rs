@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_line::{BUTTONS_MAX, Line, Module, Tick};
-use linewright_plant::Fault;
+use linewright_line::{BUTTONS_MAX, Line, OperationModule, Tick};
+use linewright_plant::MotionFault;
 
 use linewright_text::{Fields, Located, Problem, Report, TextRange};
 
@@ -139,12 +139,12 @@ impl Deeds {
         let way = motion.map_or(Some(MotionSelection::Both), |word| vocabulary::way(&word, report));
         let mut fails = false;
         let faults = [
-            ("jam", Some(Fault::Stick)),
-            ("slow", Some(Fault::Slip)),
-            ("break", Some(Fault::Break)),
-            ("slip_back", Some(Fault::SlipBack)),
-            ("miss", Some(Fault::Miss)),
-            ("drop", Some(Fault::Drop)),
+            ("jam", Some(MotionFault::Stick)),
+            ("slow", Some(MotionFault::Slip)),
+            ("break", Some(MotionFault::Break)),
+            ("slip_back", Some(MotionFault::SlipBack)),
+            ("miss", Some(MotionFault::Miss)),
+            ("drop", Some(MotionFault::Drop)),
             ("repair", None),
         ];
         for (key, fault) in faults {
@@ -153,7 +153,7 @@ impl Deeds {
             let at = word.at.clone();
             let op = vocabulary::operation(line, &word, report);
             if let (Some(op), Some(MotionSelection::Recovery), Some(at)) = (op, way, &motion_at)
-                && let Module::Irreversible { .. } = line.operation(op).module
+                && let OperationModule::Irreversible { .. } = line.operation(op).module
             {
                 let name = &line.operation(op).name;
                 let hint = "what its recovery path does are motions of the operations it names";

@@ -6,7 +6,7 @@ use std::time::Duration;
 use linewright_coordinator_cell::{ActivityPhase, PlayerInput};
 use linewright_line::net::ControlMode;
 use linewright_line::{Owner, StationId, Tick};
-use linewright_plant::Fault;
+use linewright_plant::MotionFault;
 use linewright_simulation::cell::CellSim;
 use linewright_station_logic::PanelCommand;
 
@@ -27,7 +27,7 @@ fn the_stations_of_a_failed_loading_go_into_emergency_stop_and_the_others_work_o
         let mut dispatcher = dispatcher(&of.cell, &of.table);
         let robot = of.line.station_named("robot").expect("there");
         // The first part that goes to M1 or M2 is missed.
-        grasps(&of, &mut sim, Some(Fault::Miss));
+        grasps(&of, &mut sim, Some(MotionFault::Miss));
         let mut now = Tick::ZERO;
         let firing = loop {
             now = now + MILLIS(10);

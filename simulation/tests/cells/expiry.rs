@@ -4,9 +4,9 @@
 use std::time::Duration;
 
 use linewright_coordinator_cell::exception::ExceptionStep;
-use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, Failure, PlayerInput, RecordKind};
+use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OrderFailure, PlayerInput, RecordKind};
 use linewright_line::{Owner, StationId, Tick};
-use linewright_plant::Fault;
+use linewright_plant::MotionFault;
 use linewright_simulation::Rng;
 use linewright_simulation::cell::{CellSim, CellSimOptions};
 
@@ -31,7 +31,7 @@ fn run(of: &Shipped, options: CellSimOptions, fast: Duration) -> bool {
     sim.floor.as_mut().expect("real stations").fast = fast;
     let mut dispatcher = dispatcher(&of.cell, &of.table);
     let robot = of.line.station_named("robot").expect("there");
-    grasps(of, &mut sim, Some(Fault::Miss));
+    grasps(of, &mut sim, Some(MotionFault::Miss));
     let (mut now, mut station_first, mut told) = (Tick::ZERO, None, None);
     loop {
         now = now + MILLIS(5);
@@ -50,7 +50,7 @@ fn run(of: &Shipped, options: CellSimOptions, fast: Duration) -> bool {
             let ActivityPhase::Failed(ActivityFailure::Order { key: _, failure }) = firing.phase else {
                 panic!("{seed}: {firing:?}")
             };
-            assert_eq!(failure, Failure::Code(22), "{seed}: what the robot waited for");
+            assert_eq!(failure, OrderFailure::Code(22), "{seed}: what the robot waited for");
             assert!(alarm.text.contains("Put the part back into slot 1 of ST"), "{seed}: {}", alarm.text);
             assert_eq!(alarm.words, ["in-store", "in-machine", "scrap"], "{seed}");
             told = Some(alarm.id);

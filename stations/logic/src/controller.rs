@@ -6,16 +6,16 @@
 //!   holds the motion — while the button is held;
 //! * done(o) ≤ started(o) ≤ cycle for every operation, and a count goes back only as [`crate::withdraw`] allows.
 
-use linewright_line::net::{Block, ControlMode, Place, Stage};
+use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace};
 use linewright_line::{BRANCHES_MAX, InputId, Line, OpId, Panel, StationId, Tick};
 use std::sync::Arc;
 use std::time::Duration;
 
 use crate::event::{HappeningKind, StationHappening, StopCause};
 use crate::ignored::{Handled, Ignored};
-use crate::order::{OrderKey, Reply, TaskCommand};
+use crate::order::{OrderKey, TaskCommand, TaskReply};
 use crate::panel::{Commands, ModeOrder, PanelCommand, RivalCoordinators};
-use crate::parts::{Agreement, Counts, Due, Fired, Image, Levels, Marking, Output, Token};
+use crate::parts::{Agreement, Counts, Due, Fired, Levels, StationImage, StationMarking, StationOutput, Token};
 use crate::program::{CompileError, Program, bit};
 use crate::report::{Restore, StationReport};
 use crate::rules::{OrderRules, Rules};
@@ -74,7 +74,7 @@ pub struct StationOutbox {
     /// What happened, in order. The caller drains it.
     pub events: Vec<StationHappening>,
     /// What is answered to orders, in order. The caller drains it; whatever of it gets lost, the report says as well.
-    pub replies: Vec<(OrderKey, Reply)>,
+    pub replies: Vec<(OrderKey, TaskReply)>,
 }
 
 /// The controller of one station.
@@ -88,16 +88,16 @@ pub struct Controller {
     stale: Duration,
     panel: Panel,
     pub(crate) now: Tick,
-    pub(crate) marking: Marking,
+    pub(crate) marking: StationMarking,
     pub(crate) counts: Counts,
-    pub(crate) image: Image,
+    pub(crate) image: StationImage,
     pub(crate) views: PeerViews,
     pub(crate) commands: Commands,
     pub(crate) levels: Levels,
     pub(crate) agreement: Agreement,
     /// Of a task-driven station.
     pub(crate) orders: Option<Box<OrderSlot>>,
-    pub(crate) output: Output,
+    pub(crate) output: StationOutput,
     pub(crate) due: Due,
     pub(crate) fired: Fired,
     pub(crate) events: Vec<StationHappening>,
@@ -123,7 +123,7 @@ impl Controller {
             boot_id,
             stale: line.timing.stale,
             now: Tick::ZERO,
-            marking: Marking {
+            marking: StationMarking {
                 tokens: [Token::at(program.home_place); BRANCHES_MAX],
                 count: 1,
                 path: None,
@@ -139,14 +139,14 @@ impl Controller {
                 at_home: described.op_ids().map(|op| described.home_count(op, 0)).collect(),
                 initial_round: round,
             },
-            image: Image::new(&described.panel),
+            image: StationImage::new(&described.panel),
             panel: described.panel.clone(),
             views,
             commands: Commands::new(),
             levels: Levels { now: 0, before: 0, mode: ControlMode::StandBy },
             agreement: Agreement { pending: None, next_request: 1, refusal: None },
             orders: program.on_order.as_ref().map(|_| Box::new(OrderSlot::new(boot_id))),
-            output: Output::default(),
+            output: StationOutput::default(),
             due: Due { outputs: true, report: true, settled: false, deadline: Tick::ZERO },
             fired: Fired::NONE,
             events: Vec::with_capacity(64),
@@ -175,12 +175,12 @@ impl Controller {
         &self.marking.tokens[..self.marking.count]
     }
 
-    pub(crate) fn place(&self, token: &Token) -> Place {
+    pub(crate) fn place(&self, token: &Token) -> StationPlace {
         self.program.places[token.place as usize].place
     }
 
     /// The places that hold a token.
-    pub fn marking(&self) -> impl Iterator<Item = Place> + '_ {
+    pub fn marking(&self) -> impl Iterator<Item = StationPlace> + '_ {
         self.tokens().iter().map(|t| self.place(t))
     }
 
@@ -316,7 +316,7 @@ impl Controller {
             if self.rules.positions { self.program.places[usize::from(self.program.home_place)].rest } else { 0 };
         let needed = self.home_switch() | at_rest;
         if self.image.bits & needed != needed {
-            self.marking.tokens[0].place = self.program.index_of(Place::incomplete(home));
+            self.marking.tokens[0].place = self.program.index_of(StationPlace::incomplete(home));
             self.marking.placed = false;
             self.counts.done[home.index()] -= 1;
             self.marking.causes_of_stop[home.index()] = StopCause::NotAtHome;
@@ -389,9 +389,9 @@ impl Controller {
         let after = (usize::from(self.program.step_of[self.program.home.index()]) + 1) % self.program.causes.len();
         self.marking.path.is_none()
             && self.marking().all(|place| {
-                place == Place::completed(self.program.home)
+                place == StationPlace::completed(self.program.home)
                     || (place.block == Block::Recovery
-                        && place.stage == Stage::Completed
+                        && place.stage == MotionStage::Completed
                         && usize::from(self.program.step_of[place.op.index()]) == after)
             })
     }

@@ -3,7 +3,7 @@
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, OpId, StationId, TaskId};
 
-use crate::order::{Refusal, TaskFailure};
+use crate::order::{TaskFailure, TaskRefusal};
 
 /// Why a motion stopped before its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -108,7 +108,7 @@ pub enum HappeningKind {
     /// It has taken on an order for a task.
     Ordered(TaskId),
     /// It has not, and will not.
-    OrderRefused(Refusal),
+    OrderRefused(TaskRefusal),
     /// It has done the task it was ordered to do.
     OrderDone(TaskId),
     /// It has not.

@@ -3,7 +3,7 @@
 //! Called when a state is published, never in the step; it reads the same tables the step reads, so it cannot give a
 //! reason the controller does not have.
 
-use linewright_line::net::{Block, ControlMode, Place, Stage};
+use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace};
 use linewright_line::{Line, OpId, StationId, Tick};
 
 use crate::controller::Controller;
@@ -22,15 +22,15 @@ impl Controller {
         parts.join(" + ")
     }
 
-    fn place_text(&self, line: &Line, place: Place) -> String {
+    fn place_text(&self, line: &Line, place: StationPlace) -> String {
         let name = self.op_name(line, place.op);
         match (place.block, place.stage) {
-            (Block::Normal, Stage::Operating) => name.to_owned(),
-            (Block::Normal, Stage::Incomplete) => format!("{name} (stopped)"),
-            (Block::Normal, Stage::Completed) => format!("{name} (done)"),
-            (Block::Recovery, Stage::Operating) => format!("undoing {name}"),
-            (Block::Recovery, Stage::Incomplete) => format!("undoing {name} (stopped)"),
-            (Block::Recovery, Stage::Completed) => format!("{name} (undone)"),
+            (Block::Normal, MotionStage::Operating) => name.to_owned(),
+            (Block::Normal, MotionStage::Incomplete) => format!("{name} (stopped)"),
+            (Block::Normal, MotionStage::Completed) => format!("{name} (done)"),
+            (Block::Recovery, MotionStage::Operating) => format!("undoing {name}"),
+            (Block::Recovery, MotionStage::Incomplete) => format!("undoing {name} (stopped)"),
+            (Block::Recovery, MotionStage::Completed) => format!("{name} (undone)"),
         }
     }
 
@@ -89,7 +89,7 @@ impl Controller {
         if !compares || !(is_lost || (forgot && !self.is_at_home())) {
             return;
         }
-        let not_home = |place: Place| self.marking.causes_of_stop[place.op.index()] == StopCause::NotAtHome;
+        let not_home = |place: StationPlace| self.marking.causes_of_stop[place.op.index()] == StopCause::NotAtHome;
         let why =
             if forgot { "it has no memory of where it stands" } else { "its axes are not where its chart has them" };
         reasons.push(match self.read_off() {
@@ -119,11 +119,11 @@ impl Controller {
         });
     }
 
-    fn explain_place(&self, line: &Line, place: Place, now: Tick, reasons: &mut Vec<String>) {
+    fn explain_place(&self, line: &Line, place: StationPlace, now: Tick, reasons: &mut Vec<String>) {
         let name = self.op_name(line, place.op);
         match place.stage {
-            Stage::Operating => self.explain_motion(line, place, reasons),
-            Stage::Incomplete => {
+            MotionStage::Operating => self.explain_motion(line, place, reasons),
+            MotionStage::Incomplete => {
                 // What it stands in is not known before rejoin.
                 let unknown = self.rules.generations && self.views.generation == 0 && self.program.on_order.is_none();
                 reasons.extend(match self.marking.causes_of_stop[place.op.index()] {
@@ -132,15 +132,15 @@ impl Controller {
                     cause => Some(format!("recovery of {name} in manual ({})", cause.text())),
                 });
                 if self.mode() == ControlMode::Manual {
-                    self.explain_guard(line, Place { stage: Stage::Operating, ..place }, reasons);
+                    self.explain_guard(line, StationPlace { stage: MotionStage::Operating, ..place }, reasons);
                 }
                 self.explain_way_home(line, place, now, reasons);
             }
-            Stage::Completed => self.explain_next(line, place, now, reasons),
+            MotionStage::Completed => self.explain_next(line, place, now, reasons),
         }
     }
 
-    fn explain_motion(&self, line: &Line, place: Place, reasons: &mut Vec<String>) {
+    fn explain_motion(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) {
         let held_by_hand = self.tokens().iter().any(|t| self.place(t) == place && !t.driven);
         if held_by_hand && self.image.valid && self.mode() != ControlMode::EStop {
             let hand = line.operation((self.program.station, place.op)).hand;
@@ -155,7 +155,7 @@ impl Controller {
         }
     }
 
-    fn explain_next(&self, line: &Line, place: Place, now: Tick, reasons: &mut Vec<String>) {
+    fn explain_next(&self, line: &Line, place: StationPlace, now: Tick, reasons: &mut Vec<String>) {
         let steps = self.program.causes.len();
         let step = usize::from(self.program.step_of[place.op.index()]);
         let next = if place.block == Block::Normal { (step + 1) % steps } else { step };
@@ -178,13 +178,13 @@ impl Controller {
             }
             ControlMode::Hand => {
                 reasons.push(format!("a button: {}", self.hand_choices(line, place)));
-                self.explain_positions(line, step, Place::undoing, reasons);
+                self.explain_positions(line, step, StationPlace::undoing, reasons);
                 self.explain_causes(line, next, now, reasons);
             }
             ControlMode::Manual => {
                 if self.panel_is_live() {
                     reasons.push("advance or return at its panel".to_owned());
-                    self.explain_positions(line, step, Place::undoing, reasons);
+                    self.explain_positions(line, step, StationPlace::undoing, reasons);
                     self.explain_causes(line, next, now, reasons);
                 } else {
                     reasons.push("its selector to be switched to manual".to_owned());
@@ -195,7 +195,7 @@ impl Controller {
         }
     }
 
-    fn hand_choices(&self, line: &Line, place: Place) -> String {
+    fn hand_choices(&self, line: &Line, place: StationPlace) -> String {
         let hand = line.operation((self.program.station, place.op)).hand;
         let name = |button: linewright_line::ButtonId| line.buttons[usize::from(button.0)].clone();
         let onward = match place.block {
@@ -217,7 +217,7 @@ impl Controller {
         }
     }
 
-    fn explain_way_home(&self, line: &Line, place: Place, now: Tick, reasons: &mut Vec<String>) {
+    fn explain_way_home(&self, line: &Line, place: StationPlace, now: Tick, reasons: &mut Vec<String>) {
         let Some(path) = self.program.paths.iter().position(|&op| op == place.op) else { return };
         if self.marking.path.is_some() || self.mode() != ControlMode::Manual {
             return;
@@ -240,18 +240,18 @@ impl Controller {
                 reasons.push(self.cause_text(line, cause, cycle, now));
             }
         }
-        self.explain_positions(line, step, Place::operating, reasons);
+        self.explain_positions(line, step, StationPlace::operating, reasons);
     }
 
     /// What the second barrier keeps from starting.
-    fn explain_positions(&self, line: &Line, step: usize, moves: fn(OpId) -> Place, reasons: &mut Vec<String>) {
+    fn explain_positions(&self, line: &Line, step: usize, moves: fn(OpId) -> StationPlace, reasons: &mut Vec<String>) {
         let ops = self.program.step_of.iter().enumerate().filter(|&(_, &at)| usize::from(at) == step);
         for op in ops.map(|(op, _)| OpId::at(op)) {
             self.explain_guard(line, moves(op), reasons);
         }
     }
 
-    fn explain_guard(&self, line: &Line, place: Place, reasons: &mut Vec<String>) {
+    fn explain_guard(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) {
         if let Some(guard) = self.violated(place, self.marking.path) {
             let text = self.interlock(&guard).detail(line, self.program.station);
             reasons.push(format!("{text}, for {}", self.op_name(line, place.op)));

@@ -21,7 +21,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_line::net::{Block, ControlMode, Kind, Place, Stage};
+use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace, TransitionKind};
 use linewright_line::{OpId, Tick};
 
 use crate::controller::{Controller, NO_DELAY};
@@ -35,49 +35,51 @@ impl Controller {
         self.fired.push(transition);
         let kind = self.program.actions[transition as usize].kind;
         match kind {
-            Kind::Stop(op, block) => {
+            TransitionKind::Stop(op, block) => {
                 let index = self.token_of(op);
                 let cause = self.cause_of_stop(index);
                 debug_assert_eq!(self.place(&self.marking.tokens[index]).block, block);
                 self.stop(index, cause);
             }
-            Kind::Resume(op, block) => self.go(op, Place { op, block, stage: Stage::Operating }, true),
-            Kind::Retract(op) => self.go(op, Place::undoing(op), true),
-            Kind::Again(op) => self.go(op, Place::operating(op), true),
-            Kind::Complete(op, Block::Normal) => self.completed(op),
-            Kind::Complete(op, Block::Recovery) => self.undone(op),
-            Kind::Undo(op) => {
-                self.withdraw_first(1 << op.0);
-                self.go(op, Place::undoing(op), false);
+            TransitionKind::Resume(op, block) => {
+                self.go(op, StationPlace { op, block, stage: MotionStage::Operating }, true)
             }
-            Kind::Restart(op) => {
+            TransitionKind::Retract(op) => self.go(op, StationPlace::undoing(op), true),
+            TransitionKind::Again(op) => self.go(op, StationPlace::operating(op), true),
+            TransitionKind::Complete(op, Block::Normal) => self.completed(op),
+            TransitionKind::Complete(op, Block::Recovery) => self.undone(op),
+            TransitionKind::Undo(op) => {
+                self.withdraw_first(1 << op.0);
+                self.go(op, StationPlace::undoing(op), false);
+            }
+            TransitionKind::Restart(op) => {
                 self.begin_cycle_with(op);
                 self.counts.started[op.index()] = self.count_of_start(op);
-                self.go(op, Place::operating(op), false);
+                self.go(op, StationPlace::operating(op), false);
             }
-            Kind::Next { to, .. } => {
+            TransitionKind::Next { to, .. } => {
                 self.counts.cycle = self.cycle_of_start(to as u8);
                 self.order_begins(to as u8);
                 self.spread(transition, |controller, op| {
                     controller.counts.started[op.index()] = controller.count_of_start(op);
                 });
             }
-            Kind::GiveUp(_) => {
+            TransitionKind::GiveUp(_) => {
                 // The same position by another name, and nothing is counted by it.
                 self.marking.tokens[0].place = self.program.actions[transition as usize].to[0];
             }
-            Kind::Back { .. } => {
+            TransitionKind::Back { .. } => {
                 self.withdraw_first(self.taken_back(kind));
                 self.spread(transition, |_, _| {});
             }
-            Kind::EnterPath(failed) => {
+            TransitionKind::EnterPath(failed) => {
                 self.withdraw_first(self.taken_back(kind));
                 self.marking.path = Some(failed);
                 self.claim_way_home(failed);
                 self.spread(transition, |_, _| {});
                 self.refresh_path();
             }
-            Kind::FollowPath { .. } => self.spread(transition, |_, _| {}),
+            TransitionKind::FollowPath { .. } => self.spread(transition, |_, _| {}),
         }
     }
 
@@ -88,12 +90,12 @@ impl Controller {
 
     /// Puts the token of `op` into an operating place. `from_between` is true when the motion does not start at its
     /// other end: its completion signal then counts as it stands.
-    fn go(&mut self, op: OpId, place: Place, from_between: bool) {
+    fn go(&mut self, op: OpId, place: StationPlace, from_between: bool) {
         let index = self.token_of(op);
         self.put(index, place, from_between);
     }
 
-    fn put(&mut self, index: usize, place: Place, from_between: bool) {
+    fn put(&mut self, index: usize, place: StationPlace, from_between: bool) {
         let table = self.program.index_of(place);
         let run = match self.commands.mode() {
             ControlMode::Hand => RunCommand::Hand,
@@ -150,7 +152,7 @@ impl Controller {
         })
     }
 
-    fn arrive(&mut self, index: usize, place: Place) {
+    fn arrive(&mut self, index: usize, place: StationPlace) {
         let token = &mut self.marking.tokens[index];
         token.place = self.program.index_of(place);
         token.driven = false;
@@ -160,7 +162,7 @@ impl Controller {
 
     fn completed(&mut self, op: OpId) {
         let index = self.token_of(op);
-        self.arrive(index, Place::completed(op));
+        self.arrive(index, StationPlace::completed(op));
         // Its switch has come on. Other axes are measured by the places' own switches.
         self.marking.placed |= op == self.program.home;
         match self.marking.path.take() {
@@ -185,7 +187,7 @@ impl Controller {
         let home = self.program.home.index();
         if self.rules.redo_round {
             if !self.rules.withdraw_first {
-                self.withdraw(self.taken_back(Kind::EnterPath(failed)));
+                self.withdraw(self.taken_back(TransitionKind::EnterPath(failed)));
             }
             let round = self.counts.done[home];
             for (op, home) in self.counts.at_home.iter().enumerate() {
@@ -201,7 +203,7 @@ impl Controller {
 
     fn undone(&mut self, op: OpId) {
         let index = self.token_of(op);
-        self.arrive(index, Place::undone(op));
+        self.arrive(index, StationPlace::undone(op));
         let late = if self.marking.path.is_none() { !self.rules.withdraw_first } else { !self.rules.redo_round };
         if late && self.counts.done[op.index()] == self.counts.started[op.index()] {
             self.withdraw(1 << op.0);

@@ -11,7 +11,7 @@
 //! The way back of a station without a generation: where its switches tell where it stands, [`Controller::rejoin`] puts the
 //! marking there; manual mode then leads it home under the second barrier; and the next founding takes it in.
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, Tick};
 
 use crate::controller::Controller;
@@ -73,11 +73,11 @@ impl Controller {
 
     /// The completion input of the home operation.
     pub(crate) fn home_switch(&self) -> u128 {
-        self.program.places[usize::from(self.program.index_of(Place::operating(self.program.home)))].complete
+        self.program.places[usize::from(self.program.index_of(StationPlace::operating(self.program.home)))].complete
     }
 
     fn count_from_home(&mut self) {
-        self.stand_at(&[Place::completed(self.program.home)]);
+        self.stand_at(&[StationPlace::completed(self.program.home)]);
         self.counts.cycle = self.counts.initial_round;
         for (op, home) in self.counts.at_home.iter().enumerate() {
             self.counts.done[op] = home + self.counts.initial_round;
@@ -86,7 +86,7 @@ impl Controller {
         self.refresh_stop();
     }
 
-    fn stand_at(&mut self, places: &[Place]) {
+    fn stand_at(&mut self, places: &[StationPlace]) {
         for (index, place) in places.iter().enumerate() {
             self.marking.tokens[index] = Token::at(self.program.index_of(*place));
         }
@@ -149,13 +149,13 @@ impl Controller {
                 self.count_from_home();
             }
             (Some(step), _) => {
-                let places: Vec<Place> = self.ops_of_step(step).map(Place::completed).collect();
+                let places: Vec<StationPlace> = self.ops_of_step(step).map(StationPlace::completed).collect();
                 self.stand_at(&places);
                 self.count_as_done(step);
                 self.counts.started.clone_from(&self.counts.done);
             }
             (None, Some(op)) if self.stands_within(op) => {
-                self.stand_at(&[Place::incomplete(op)]);
+                self.stand_at(&[StationPlace::incomplete(op)]);
                 self.marking.causes_of_stop[op.index()] = StopCause::Restart;
                 self.count_as_done(usize::from(self.program.step_of[op.index()]));
                 self.counts.started.clone_from(&self.counts.done);

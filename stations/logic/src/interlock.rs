@@ -16,7 +16,7 @@
 //! What this does not exclude by itself: two stations that start within the time a report takes see each other outside still.
 //! Both are stopped when the reports arrive. Against that stand the counts.
 
-use linewright_line::net::{ControlMode, Kind, Place, Stage};
+use linewright_line::net::{ControlMode, MotionStage, StationPlace, TransitionKind};
 use linewright_line::{InputId, OpId};
 
 use crate::controller::Controller;
@@ -28,7 +28,7 @@ use crate::views::Comparability;
 impl Program {
     /// The guards of a motion, which on a recovery path is a motion of that path, and for each whether the motion leads out
     /// of the state of this station that the guard is about.
-    pub fn guards(&self, place: Place, path: Option<OpId>) -> impl Iterator<Item = (PositionGuard, bool)> {
+    pub fn guards(&self, place: StationPlace, path: Option<OpId>) -> impl Iterator<Item = (PositionGuard, bool)> {
         let interlocks = &self.interlocks;
         let of_path = path.map_or(&[][..], |failed| interlocks.of_path(path_index(&self.paths, failed)));
         let all = interlocks.of_operation(place.op).iter().chain(of_path);
@@ -43,19 +43,19 @@ impl Program {
     }
 
     /// The inputs that must be on while this place is marked, but for a recovery path.
-    pub fn rest_inputs(&self, place: Place) -> u128 {
+    pub fn rest_inputs(&self, place: StationPlace) -> u128 {
         self.places[usize::from(self.index_of(place))].rest
     }
 }
 
 impl Controller {
     /// The first guard of a motion that does not hold now.
-    pub(crate) fn violated(&self, place: Place, path: Option<OpId>) -> Option<PositionGuard> {
+    pub(crate) fn violated(&self, place: StationPlace, path: Option<OpId>) -> Option<PositionGuard> {
         self.violated_leaving(place, path).map(|(guard, _)| guard)
     }
 
     /// The same, and whether the motion leads out of the state.
-    fn violated_leaving(&self, place: Place, path: Option<OpId>) -> Option<(PositionGuard, bool)> {
+    fn violated_leaving(&self, place: StationPlace, path: Option<OpId>) -> Option<(PositionGuard, bool)> {
         if !self.rules.positions {
             return None;
         }
@@ -104,7 +104,7 @@ impl Controller {
             return None;
         }
         // A station that is not at home claims nothing of its axes until it is led there.
-        let claims = |place: Place| {
+        let claims = |place: StationPlace| {
             !place.is_incomplete() || self.marking.causes_of_stop[place.op.index()] != StopCause::NotAtHome
         };
         let tokens = self.tokens().iter().filter(|token| claims(self.place(token)));
@@ -123,12 +123,12 @@ impl Controller {
             return None;
         }
         let path = match action.kind {
-            Kind::EnterPath(failed) => Some(failed),
+            TransitionKind::EnterPath(failed) => Some(failed),
             _ => self.marking.path,
         };
         for &to in &action.to {
             let place = self.program.places[usize::from(to)].place;
-            if place.stage != Stage::Operating {
+            if place.stage != MotionStage::Operating {
                 continue;
             }
             if let Some(guard) = self.violated(place, path) {

@@ -82,12 +82,12 @@ pub use event::{HappeningKind, StationHappening, StopCause};
 pub use explain::DEVICES_INVALID;
 pub use ignored::{Handled, Ignored};
 pub use order::{
-    OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, SlotReport, TaskCommand, TaskFailure, TaskOrder,
-    TaskOrderReport,
+    OrderKey, OrderMemory, RESULTS_MAX, SlotReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport, TaskOutcome,
+    TaskRefusal, TaskReply,
 };
 pub use panel::{Founding, ModeOrder, PanelCommand, RivalCoordinators};
 pub use position_guard::{OwnSide, PositionGuard, PositionsKnown};
 pub use program::{CompileError, Program};
 pub use report::{Restore, StationReport, StationSnapshot, WithdrawalAnswer, WithdrawalRequest};
 pub use rules::{OrderRules, Rules};
-pub use situation::{PeerSituation, Writer};
+pub use situation::{PeerSituation, RequestWriter};

@@ -5,7 +5,7 @@
 use linewright_line::{RestId, TaskId};
 
 pub use linewright_orders::{
-    EPOCH_AHEAD_MAX, OrderKey, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskFailure, TaskOrder,
+    EPOCH_AHEAD_MAX, OrderKey, RESULTS_MAX, TaskCommand, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply,
 };
 
 /// What a station says of its orders: everything, each time.
@@ -18,9 +18,9 @@ pub struct TaskOrderReport {
     /// The order it is doing, or going back from.
     pub slot: Option<SlotReport>,
     /// How the orders before have ended, those it still knows, the newest last.
-    pub results: Vec<(OrderKey, Outcome)>,
+    pub results: Vec<(OrderKey, TaskOutcome)>,
     /// The orders it has refused for good, those it still knows, the newest last.
-    pub refused: Vec<(OrderKey, Refusal)>,
+    pub refused: Vec<(OrderKey, TaskRefusal)>,
     /// The rest it stands at; none while it moves and between rests.
     pub rest: Option<RestId>,
 }
@@ -47,7 +47,7 @@ pub struct OrderMemory {
     /// The order it is doing, unless it is known how it has ended.
     pub slot: Option<OrderKey>,
     /// What it says to those before, the newest last.
-    pub results: Vec<(OrderKey, Reply)>,
+    pub results: Vec<(OrderKey, TaskReply)>,
     /// The order that it was told to leave last, once it had ended or was given up: told again, it does not move.
     pub secured: Option<OrderKey>,
 }

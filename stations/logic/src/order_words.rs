@@ -1,6 +1,6 @@
 //! Orders in words: what a station on order waits for.
 
-use linewright_line::net::{Block, ControlMode, Place};
+use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{InputId, Line, Owner, StationId, TaskId};
 
 use crate::controller::Controller;
@@ -12,7 +12,7 @@ pub(crate) fn task_name(line: &Line, station: StationId, task: TaskId) -> &str {
 impl Controller {
     /// Where a station on order stands between two motions: what it waits for. Gives false where it waits for what every
     /// station waits for.
-    pub(crate) fn explain_order(&self, line: &Line, place: Place, reasons: &mut Vec<String>) -> bool {
+    pub(crate) fn explain_order(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) -> bool {
         let Some(tasks) = &self.program.on_order else { return false };
         let station = line.station(self.program.station);
         match self.mode() {

@@ -44,7 +44,7 @@ pub(crate) struct Token {
 
 /// Where the station stands.
 #[derive(Clone, Debug)]
-pub(crate) struct Marking {
+pub(crate) struct StationMarking {
     /// The first `count` are in use.
     pub tokens: [Token; BRANCHES_MAX],
     pub count: usize,
@@ -75,7 +75,7 @@ pub(crate) struct Counts {
 
 /// The input image.
 #[derive(Clone, Debug)]
-pub(crate) struct Image {
+pub(crate) struct StationImage {
     /// Bit `i` is input `i` of the description; 0 while not valid.
     pub bits: u128,
     pub valid: bool,
@@ -89,11 +89,11 @@ pub(crate) struct Image {
     pub watched: u128,
 }
 
-impl Image {
+impl StationImage {
     pub fn new(panel: &Panel) -> Self {
         let wired = [panel.manual, panel.advance, panel.retract].into_iter().flatten();
         let panel = wired.fold(0, |bits, input| bits | 1 << input.0);
-        Image { bits: 0, valid: false, until: Tick::ZERO, under: 0, panel, watched: u128::MAX }
+        StationImage { bits: 0, valid: false, until: Tick::ZERO, under: 0, panel, watched: u128::MAX }
     }
 }
 
@@ -137,7 +137,7 @@ pub(crate) struct Agreement {
 
 /// The output image.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Output {
+pub(crate) struct StationOutput {
     /// Bit `i` is output `i` of the description.
     pub bits: u128,
     /// Grows with every change of the image, and with every motion that begins.

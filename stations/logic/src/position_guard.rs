@@ -1,7 +1,7 @@
 //! What must be measured for a motion, compiled from the conflicts of the line (see [`crate::PositionGuard`]).
 
 use linewright_line::net::Block;
-use linewright_line::{Line, OpId, Span, Station, StationId};
+use linewright_line::{Line, OpId, StateSpan, Station, StationId};
 
 /// What must be measured for a motion to start and to go on, for one conflict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,7 +148,7 @@ struct ConflictSide<'a> {
     conflict: u16,
     peer: u16,
     clear: u128,
-    own: &'a Span,
+    own: &'a StateSpan,
     own_clear: Option<u128>,
 }
 

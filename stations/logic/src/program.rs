@@ -8,8 +8,8 @@
 use std::fmt;
 use std::time::Duration;
 
-use linewright_line::net::{Block, ControlMode, Kind, Literal, Place, StationNet, Term, Var};
-use linewright_line::{ButtonId, Line, Module, OpId, Signals, StationId, TaskId};
+use linewright_line::net::{Block, Conjunction, ControlMode, Literal, StationNet, StationPlace, TransitionKind, Var};
+use linewright_line::{ButtonId, Line, MotionSignals, OpId, OperationModule, StationId, TaskId};
 
 use crate::position_guard::{Interlocks, partners};
 use crate::tasks::StationTasks;
@@ -85,7 +85,7 @@ pub(crate) struct ConditionRow {
 /// What a place does and watches.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaceTable {
-    pub place: Place,
+    pub place: StationPlace,
     /// Where its rows lie, for each mode.
     pub rows: [(u16, u16); 6],
     /// The actuator, while operating.
@@ -118,7 +118,7 @@ pub(crate) struct IncomingArrow {
 /// A transition, compiled.
 #[derive(Clone, Debug)]
 pub(crate) struct CompiledTransition {
-    pub kind: Kind,
+    pub kind: TransitionKind,
     /// Place indices the tokens come from.
     pub from: Vec<u16>,
     /// Place indices the tokens stand in afterwards.
@@ -236,7 +236,7 @@ impl Program {
         if peers.len() > PEERS_MAX {
             return Err(CompileError::TooManyPeers { station: described.name.clone(), has: peers.len() });
         }
-        let index_of = |place: Place| {
+        let index_of = |place: StationPlace| {
             let index = net.place_index(place).expect("a net's transitions join its own places");
             u16::try_from(index).expect("OPERATIONS_MAX keeps places far below u16::MAX")
         };
@@ -262,13 +262,13 @@ impl Program {
             ways_home: paths.iter().map(|&op| way_home(line, station, op)).collect(),
             first: OpId(0),
             home: described.home,
-            home_place: index_of(Place::completed(described.home)),
+            home_place: index_of(StationPlace::completed(described.home)),
             step_of: described.op_ids().map(|op| described.step_of(op) as u8).collect(),
             place_of: described
                 .op_ids()
                 .map(|op| {
                     std::array::from_fn(|n| {
-                        Place::from_number(op, n as u8).and_then(|p| net.place_index(p)).unwrap_or(0) as u16
+                        StationPlace::from_number(op, n as u8).and_then(|p| net.place_index(p)).unwrap_or(0) as u16
                     })
                 })
                 .collect(),
@@ -300,7 +300,7 @@ impl Program {
 
     /// The index of a place of this station.
     #[inline]
-    pub(crate) fn index_of(&self, place: Place) -> u16 {
+    pub(crate) fn index_of(&self, place: StationPlace) -> u16 {
         let index = self.place_of[place.op.index()][place.number() as usize];
         debug_assert_eq!(self.places[index as usize].place, place, "the place is one of this station's");
         index
@@ -308,7 +308,7 @@ impl Program {
 }
 
 fn is_reversible(line: &Line, station: StationId, op: OpId) -> bool {
-    matches!(line.operation((station, op)).module, Module::Reversible { .. })
+    matches!(line.operation((station, op)).module, OperationModule::Reversible { .. })
 }
 
 fn peers_of(line: &Line, station: StationId) -> Vec<StationId> {
@@ -360,16 +360,16 @@ fn compile_place(
     station: StationId,
     net: &StationNet,
     paths: &[OpId],
-    place: Place,
+    place: StationPlace,
     rows: &mut Vec<ConditionRow>,
 ) -> PlaceTable {
     let operation = line.operation((station, place.op));
     let (signals, watchdog, hold) = match (&operation.module, place.block) {
         (_, Block::Normal) => (operation.normal, operation.watchdog, Some(operation.hand.forward())),
-        (Module::Reversible { recovery, recovery_watchdog, .. }, Block::Recovery) => {
+        (OperationModule::Reversible { recovery, recovery_watchdog, .. }, Block::Recovery) => {
             (*recovery, *recovery_watchdog, operation.hand.back())
         }
-        (Module::Irreversible { .. }, Block::Recovery) => unreachable!("an I-module has no recovery block"),
+        (OperationModule::Irreversible { .. }, Block::Recovery) => unreachable!("an I-module has no recovery block"),
     };
     let ranges = ControlMode::ALL.map(|mode| {
         let start = rows.len() as u16;
@@ -399,7 +399,7 @@ fn compile_place(
     }
 }
 
-fn output(signals: &Signals) -> u128 {
+fn output(signals: &MotionSignals) -> u128 {
     1 << signals.actuator.0
 }
 
@@ -408,9 +408,9 @@ pub(crate) fn held(button: ButtonId) -> u128 {
 }
 
 fn compile_term(
-    term: &Term,
+    term: &Conjunction,
     transition: usize,
-    kind: Kind,
+    kind: TransitionKind,
     (join, starts): (bool, bool),
     paths: &[OpId],
 ) -> ConditionRow {
@@ -422,7 +422,7 @@ fn compile_term(
         causal: Causal::Free,
         join,
         starts,
-        withdraws: matches!(kind, Kind::Undo(_) | Kind::Back { .. } | Kind::EnterPath(_)),
+        withdraws: matches!(kind, TransitionKind::Undo(_) | TransitionKind::Back { .. } | TransitionKind::EnterPath(_)),
     };
     for &Literal { var, on } in term {
         let mask = match var {

@@ -2,7 +2,7 @@
 //!
 //! The whole state goes out each time, never a difference: a lost message then costs one period and nothing else.
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{InputId, OpId, StationId};
 use std::time::Duration;
 
@@ -81,7 +81,7 @@ pub struct WithdrawalAnswer {
 /// What a station keeps so that it can be restarted where it was.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StationSnapshot {
-    pub marking: Vec<Place>,
+    pub marking: Vec<StationPlace>,
     /// The generation of the counts; 0 for none. The node restores 0 when the record was written before the last start of the
     /// host, as it may be older than what was reported.
     pub generation: u64,

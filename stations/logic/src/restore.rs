@@ -45,7 +45,7 @@ impl Controller {
             return Err("it counts another number of operations");
         }
         let known = |op: linewright_line::OpId| op.index() < operations;
-        let exists = |p: &linewright_line::net::Place| {
+        let exists = |p: &linewright_line::net::StationPlace| {
             known(p.op) && (p.block == Block::Normal || !self.program.paths.contains(&p.op))
         };
         if !snapshot.marking.iter().all(exists) {

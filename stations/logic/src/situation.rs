@@ -12,7 +12,7 @@ use crate::report::{WithdrawalAnswer, WithdrawalRequest};
 
 /// What a situation is relative to, for one writer of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Writer {
+pub struct RequestWriter {
     /// Its present life.
     pub boot_id: u64,
     /// The number of its open request.
@@ -60,8 +60,8 @@ impl Controller {
     }
 
     /// This controller as a writer of requests.
-    pub fn writer(&self) -> Writer {
-        Writer { boot_id: self.boot_id, open: self.agreement.pending.map(|p| p.request.number) }
+    pub fn writer(&self) -> RequestWriter {
+        RequestWriter { boot_id: self.boot_id, open: self.agreement.pending.map(|p| p.request.number) }
     }
 
     /// Whether an answer to this number can still mean anything to this station.
@@ -71,7 +71,7 @@ impl Controller {
 
     /// Appends the situation to `out`. Two controllers of one station whose situations are equal do the same from then
     /// on, given the same inputs at times at which nothing expires.
-    pub fn situation(&self, origin: i32, writers: impl Fn(StationId) -> Writer, out: &mut Vec<i64>) {
+    pub fn situation(&self, origin: i32, writers: impl Fn(StationId) -> RequestWriter, out: &mut Vec<i64>) {
         for token in self.tokens() {
             let place = &self.program.places[token.place as usize];
             let moves = place.place.is_operating();

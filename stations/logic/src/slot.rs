@@ -29,14 +29,15 @@ mod stop;
 
 use std::cmp::Ordering;
 
-use linewright_line::net::{ControlMode, Kind, Place};
+use linewright_line::net::{ControlMode, StationPlace, TransitionKind};
 use linewright_line::{OpId, RestId, TaskId, Tick};
 
 use crate::controller::Controller;
 use crate::event::HappeningKind;
 use crate::ignored::Ignored;
 use crate::order::{
-    EPOCH_AHEAD_MAX, OrderKey, OrderMemory, Outcome, RESULTS_MAX, Refusal, Reply, TaskCommand, TaskFailure, TaskOrder,
+    EPOCH_AHEAD_MAX, OrderKey, OrderMemory, RESULTS_MAX, TaskCommand, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal,
+    TaskReply,
 };
 use crate::program::{bit, task_bit};
 use crate::rules::OrderRules;
@@ -48,12 +49,12 @@ pub(crate) struct OrderSlot {
     epoch: u64,
     last: u64,
     slot: Option<ActiveOrder>,
-    results: Vec<(OrderKey, Reply)>,
+    results: Vec<(OrderKey, TaskReply)>,
     /// The ended order that it has been told to secure.
     secured: Option<OrderKey>,
     pub rules: OrderRules,
     /// What has been answered since the last step.
-    pub replies: Vec<(OrderKey, Reply)>,
+    pub replies: Vec<(OrderKey, TaskReply)>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -91,23 +92,23 @@ impl OrderSlot {
         OrderSlot { memory, ..OrderSlot::default() }
     }
 
-    fn remember(&mut self, key: OrderKey, reply: Reply) {
+    fn remember(&mut self, key: OrderKey, reply: TaskReply) {
         if self.results.len() == RESULTS_MAX {
             self.results.remove(0);
         }
         self.results.push((key, reply));
     }
 
-    fn known(&self, key: OrderKey) -> Option<Reply> {
-        let slot = self.slot.filter(|slot| slot.key == key).map(|_| Reply::Running);
+    fn known(&self, key: OrderKey) -> Option<TaskReply> {
+        let slot = self.slot.filter(|slot| slot.key == key).map(|_| TaskReply::Running);
         slot.or_else(|| self.results.iter().find(|(known, _)| *known == key).map(|(_, reply)| *reply))
     }
 
     /// The station has nothing to do with a key that is not newer than this.
-    fn too_old(&self, key: OrderKey) -> Option<Refusal> {
+    fn too_old(&self, key: OrderKey) -> Option<TaskRefusal> {
         match key.epoch.cmp(&self.epoch) {
-            Ordering::Less => Some(Refusal::OldEpoch),
-            Ordering::Equal => (key.id <= self.last).then_some(Refusal::Old),
+            Ordering::Less => Some(TaskRefusal::OldEpoch),
+            Ordering::Equal => (key.id <= self.last).then_some(TaskRefusal::Old),
             Ordering::Greater => None,
         }
     }
@@ -115,8 +116,8 @@ impl OrderSlot {
     /// The last order has failed: the station may be told to go back from it.
     fn last_has_failed(&self) -> Option<OrderKey> {
         self.results.last().and_then(|(key, reply)| match reply {
-            Reply::Ended(Outcome::Failed(_)) => Some(*key),
-            Reply::Ended(Outcome::Done) | Reply::Running | Reply::Refused(_) => None,
+            TaskReply::Ended(TaskOutcome::Failed(_)) => Some(*key),
+            TaskReply::Ended(TaskOutcome::Done) | TaskReply::Running | TaskReply::Refused(_) => None,
         })
     }
 
@@ -165,7 +166,7 @@ impl OrderSlot {
         let surplus = orders.results.len().saturating_sub(RESULTS_MAX);
         orders.results.drain(..surplus);
         if let Some(key) = kept.slot {
-            orders.remember(key, Reply::Ended(Outcome::Failed(TaskFailure::Restarted)));
+            orders.remember(key, TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Restarted)));
         }
         orders
     }
@@ -193,16 +194,16 @@ impl Controller {
         if key.epoch <= ahead_of(epoch) { Ok(()) } else { Err(Ignored::EpochTooHigh) }
     }
 
-    fn run(&mut self, order: &TaskOrder) -> Reply {
+    fn run(&mut self, order: &TaskOrder) -> TaskReply {
         let now = self.now;
         let may_start = self.commands.granted(now) == ControlMode::Auto && !self.commands.is_stopping();
-        let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
+        let Some(orders) = &mut self.orders else { return TaskReply::Refused(TaskRefusal::Unknown) };
         let is_of_another = order.memory != orders.memory || order.key.epoch > ahead_of(orders.epoch);
         if is_of_another && orders.rules.own_memory {
-            return Reply::Refused(Refusal::OtherMemory);
+            return TaskReply::Refused(TaskRefusal::OtherMemory);
         }
         if let Some(refusal) = orders.too_old(order.key).filter(|_| orders.rules.does_once) {
-            return Reply::Refused(refusal);
+            return TaskReply::Refused(refusal);
         }
         if orders.epoch != order.key.epoch {
             // Numbers rise within a life; a coordinator that has lost its records begins anew with both.
@@ -210,13 +211,13 @@ impl Controller {
             self.due.report = true;
         }
         if orders.slot.is_some() {
-            return Reply::Refused(Refusal::Busy);
+            return TaskReply::Refused(TaskRefusal::Busy);
         }
         if !may_start {
-            return Reply::Refused(Refusal::Mode);
+            return TaskReply::Refused(TaskRefusal::Mode);
         }
         let begun = self.begin(order);
-        let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
+        let Some(orders) = &mut self.orders else { return TaskReply::Refused(TaskRefusal::Unknown) };
         orders.last = order.key.id;
         self.due.report = true;
         match begun {
@@ -224,41 +225,41 @@ impl Controller {
                 orders.slot = Some(slot);
                 self.due.outputs = true;
                 self.note(HappeningKind::Ordered(slot.task));
-                Reply::Running
+                TaskReply::Running
             }
             Err(refusal) => {
-                orders.remember(order.key, Reply::Refused(refusal));
+                orders.remember(order.key, TaskReply::Refused(refusal));
                 self.note(HappeningKind::OrderRefused(refusal));
-                Reply::Refused(refusal)
+                TaskReply::Refused(refusal)
             }
         }
     }
 
     /// The order as it would be done; why it will not be.
-    fn begin(&self, order: &TaskOrder) -> Result<ActiveOrder, Refusal> {
-        let tasks = self.program.on_order.as_ref().ok_or(Refusal::Unknown)?;
+    fn begin(&self, order: &TaskOrder) -> Result<ActiveOrder, TaskRefusal> {
+        let tasks = self.program.on_order.as_ref().ok_or(TaskRefusal::Unknown)?;
         if order.limit.is_zero() {
-            return Err(Refusal::Late);
+            return Err(TaskRefusal::Late);
         }
-        let index = tasks.tasks.iter().position(|task| *task.name == *order.task).ok_or(Refusal::Unknown)?;
+        let index = tasks.tasks.iter().position(|task| *task.name == *order.task).ok_or(TaskRefusal::Unknown)?;
         let task = &tasks.tasks[index];
         if order.parameters.len() != task.parameters.len() {
-            return Err(Refusal::Unknown);
+            return Err(TaskRefusal::Unknown);
         }
         let mut image = 0;
         for parameter in &task.parameters {
             // A number that is missing is not guessed.
             let given = order.parameters.iter().find(|(name, _)| **name == *parameter.name);
-            image |= given.and_then(|(_, value)| parameter.image(*value)).ok_or(Refusal::Unknown)?;
+            image |= given.and_then(|(_, value)| parameter.image(*value)).ok_or(TaskRefusal::Unknown)?;
         }
         if !self.image.valid {
-            return Err(Refusal::Devices);
+            return Err(TaskRefusal::Devices);
         }
-        if self.marking().any(Place::is_incomplete) {
-            return Err(Refusal::Incomplete);
+        if self.marking().any(StationPlace::is_incomplete) {
+            return Err(TaskRefusal::Incomplete);
         }
         if self.rest() != Some(task.from) {
-            return Err(Refusal::NotThere);
+            return Err(TaskRefusal::NotThere);
         }
         let limit = self.now + order.limit.min(task.limit);
         Ok(ActiveOrder {
@@ -271,7 +272,7 @@ impl Controller {
         })
     }
 
-    fn secure(&mut self, key: OrderKey) -> Reply {
+    fn secure(&mut self, key: OrderKey) -> TaskReply {
         // Where people move the station, nothing is told to move by itself later.
         let by_itself = match self.commands.granted(self.now) {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
@@ -281,7 +282,7 @@ impl Controller {
         let leads_back = place.filter(|&place| place.is_operating() || self.goes_back_from(place));
         let task = leads_back.and_then(|place| self.task_of(place.op));
         let failure = self.waited_for().map(TaskFailure::Waiting);
-        let Some(orders) = &mut self.orders else { return Reply::Refused(Refusal::Unknown) };
+        let Some(orders) = &mut self.orders else { return TaskReply::Refused(TaskRefusal::Unknown) };
         if let Some(slot) = orders.slot.as_mut().filter(|slot| slot.key == key) {
             if slot.phase == SlotPhase::Running {
                 self.give_up(failure);
@@ -298,17 +299,17 @@ impl Controller {
             }
         } else if orders.known(key).is_none() {
             if let Some(refusal) = orders.too_old(key) {
-                return Reply::Refused(refusal);
+                return TaskReply::Refused(refusal);
             }
             // Not heard of yet, and not to be done when it is.
             if orders.epoch == key.epoch {
                 orders.last = key.id;
             }
-            orders.remember(key, Reply::Ended(Outcome::Failed(TaskFailure::Cancelled)));
+            orders.remember(key, TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Cancelled)));
             orders.secured = Some(key);
             self.due.report = true;
         }
-        self.orders.as_ref().and_then(|orders| orders.known(key)).unwrap_or(Reply::Running)
+        self.orders.as_ref().and_then(|orders| orders.known(key)).unwrap_or(TaskReply::Running)
     }
 
     fn task_of(&self, op: OpId) -> Option<TaskId> {
@@ -320,10 +321,10 @@ impl Controller {
         let tasks = self.program.on_order.as_ref().filter(|_| self.marking.path.is_none())?;
         let place = self.marking().next()?;
         let task = tasks.task(tasks.task_of[place.op.index()]);
-        if place == Place::completed(task.last) {
+        if place == StationPlace::completed(task.last) {
             Some(task.to)
         } else {
-            (place == Place::undone(task.first)).then_some(task.from)
+            (place == StationPlace::undone(task.first)).then_some(task.from)
         }
     }
 
@@ -369,7 +370,7 @@ impl Controller {
     pub(crate) fn order_completes(&mut self, op: OpId) {
         let Some(slot) = self.slot().filter(|slot| slot.begun) else { return };
         if self.program.on_order.as_ref().is_some_and(|tasks| tasks.task(slot.task).last == op) {
-            self.conclude(Outcome::Done);
+            self.conclude(TaskOutcome::Done);
         }
     }
 
@@ -385,7 +386,7 @@ impl Controller {
                     }
                     None => return,
                 };
-                self.conclude(Outcome::Failed(failure));
+                self.conclude(TaskOutcome::Failed(failure));
             }
         }
     }
@@ -403,13 +404,13 @@ impl Controller {
         let Some(orders) = &mut self.orders else { return };
         let Some(slot) = &mut orders.slot else { return };
         if !slot.begun {
-            return self.conclude(Outcome::Failed(failure.unwrap_or(TaskFailure::Cancelled)));
+            return self.conclude(TaskOutcome::Failed(failure.unwrap_or(TaskFailure::Cancelled)));
         }
         slot.phase = SlotPhase::Securing { failure };
         let (key, task) = (slot.key, slot.task);
         if let Some(failure) = failure.filter(|_| !orders.rules.ends_standing) {
             slot.phase = SlotPhase::Returning;
-            orders.remember(key, Reply::Ended(Outcome::Failed(failure)));
+            orders.remember(key, TaskReply::Ended(TaskOutcome::Failed(failure)));
         }
         self.due.report = true;
         self.note(HappeningKind::Securing(task));
@@ -422,7 +423,7 @@ impl Controller {
             return Some(tasks.task(slot.task).first_step);
         }
         let place = self.marking().next()?;
-        (place == Place::completed(place.op)).then(|| self.program.step_of[place.op.index()] + 1)
+        (place == StationPlace::completed(place.op)).then(|| self.program.step_of[place.op.index()] + 1)
     }
 
     /// The code of the inputs that the order waits for.
@@ -446,7 +447,7 @@ impl Controller {
         }
         // At the first operation's beginning the token goes on to the rest; that is no way.
         let left = if self.rest().is_some() { TaskFailure::Cancelled } else { TaskFailure::Held };
-        self.conclude(Outcome::Failed(given_up.unwrap_or(left)));
+        self.conclude(TaskOutcome::Failed(given_up.unwrap_or(left)));
     }
 
     /// At a rest there is nothing to go back from, wherever a person leads it to before it is told to.
@@ -459,7 +460,7 @@ impl Controller {
     }
 
     /// Whether something leads back from a place in auto. On a recovery path nothing does by itself.
-    fn goes_back_from(&self, place: Place) -> bool {
+    fn goes_back_from(&self, place: StationPlace) -> bool {
         if self.marking.path.is_some() {
             return false;
         }
@@ -467,22 +468,22 @@ impl Controller {
             self.program.places[usize::from(self.program.index_of(place))].rows[ControlMode::Auto as usize];
         self.program.rows[usize::from(start)..usize::from(end)].iter().any(|row| {
             let kind = self.program.actions[usize::from(row.transition)].kind;
-            row.need & bit::SECURE != 0 || matches!(kind, Kind::GiveUp(_))
+            row.need & bit::SECURE != 0 || matches!(kind, TransitionKind::GiveUp(_))
         })
     }
 
     /// The order is over, by this unless it was before.
-    fn conclude(&mut self, outcome: Outcome) {
+    fn conclude(&mut self, outcome: TaskOutcome) {
         let Some(orders) = &mut self.orders else { return };
         let Some(slot) = orders.slot.take() else { return };
         if slot.phase != SlotPhase::Running {
             orders.secured = Some(slot.key);
         }
         if slot.phase != SlotPhase::Returning {
-            orders.remember(slot.key, Reply::Ended(outcome));
+            orders.remember(slot.key, TaskReply::Ended(outcome));
             self.note(match outcome {
-                Outcome::Done => HappeningKind::OrderDone(slot.task),
-                Outcome::Failed(failure) => HappeningKind::OrderFailed(slot.task, failure),
+                TaskOutcome::Done => HappeningKind::OrderDone(slot.task),
+                TaskOutcome::Failed(failure) => HappeningKind::OrderFailed(slot.task, failure),
             });
         }
         self.due.report = true;

@@ -3,7 +3,7 @@
 //! Every token is judged on the state before the pass; at most one transition of a token fires for an edge. A
 //! transition that takes counts back is handed to [`crate::withdraw`] instead of being fired.
 
-use linewright_line::net::{ControlMode, Kind, Stage};
+use linewright_line::net::{ControlMode, MotionStage, TransitionKind};
 use linewright_line::{BRANCHES_MAX, Tick};
 
 use crate::controller::{Controller, NO_DELAY, StationOutbox};
@@ -296,7 +296,7 @@ impl Controller {
                 .tokens()
                 .iter()
                 .map(|t| self.place(t))
-                .all(|place| mask & (1 << place.op.0) == 0 || place.stage == Stage::Completed)
+                .all(|place| mask & (1 << place.op.0) == 0 || place.stage == MotionStage::Completed)
     }
 
     fn joined(&self) -> bool {
@@ -361,29 +361,29 @@ impl Controller {
     }
 
     /// The operations whose counts a transition takes back.
-    pub(crate) fn taken_back(&self, kind: Kind) -> u64 {
+    pub(crate) fn taken_back(&self, kind: TransitionKind) -> u64 {
         match kind {
-            Kind::Undo(op) => 1 << op.0,
-            Kind::Back { to, .. } => {
+            TransitionKind::Undo(op) => 1 << op.0,
+            TransitionKind::Back { to, .. } => {
                 let ops = self.program.step_of.iter().enumerate().filter(|&(_, &step)| usize::from(step) == to);
                 ops.fold(0, |bits, (op, _)| bits | 1 << op)
             }
-            Kind::EnterPath(_) if !self.rules.redo_round => 0,
-            Kind::EnterPath(failed) if self.program.on_order.is_some() => self.done_in_task_before(failed),
-            Kind::EnterPath(_) => {
+            TransitionKind::EnterPath(_) if !self.rules.redo_round => 0,
+            TransitionKind::EnterPath(failed) if self.program.on_order.is_some() => self.done_in_task_before(failed),
+            TransitionKind::EnterPath(_) => {
                 let round = self.counts.done[self.program.home.index()];
                 let counted = |&(op, &done): &(usize, &i32)| done > self.counts.at_home[op] + round;
                 self.counts.done.iter().enumerate().filter(counted).fold(0, |bits, (op, _)| bits | 1 << op)
             }
-            Kind::Stop(..)
-            | Kind::Resume(..)
-            | Kind::Complete(..)
-            | Kind::Retract(_)
-            | Kind::Restart(_)
-            | Kind::Again(_)
-            | Kind::Next { .. }
-            | Kind::GiveUp(_)
-            | Kind::FollowPath { .. } => 0,
+            TransitionKind::Stop(..)
+            | TransitionKind::Resume(..)
+            | TransitionKind::Complete(..)
+            | TransitionKind::Retract(_)
+            | TransitionKind::Restart(_)
+            | TransitionKind::Again(_)
+            | TransitionKind::Next { .. }
+            | TransitionKind::GiveUp(_)
+            | TransitionKind::FollowPath { .. } => 0,
         }
     }
 

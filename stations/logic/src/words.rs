@@ -1,7 +1,7 @@
 //! What stopped a motion, in words that name the signal and where it is.
 
 use linewright_line::net::Block;
-use linewright_line::{Line, Module, OpId, Owner, StationId, duration_text};
+use linewright_line::{Line, OpId, OperationModule, Owner, StationId, duration_text};
 
 use crate::event::StopCause;
 
@@ -34,7 +34,7 @@ impl StopCause {
     pub fn text_of(self, line: &Line, station: StationId, op: OpId, block: Block) -> String {
         let operation = line.operation((station, op));
         let signals = match (block, &operation.module) {
-            (Block::Recovery, Module::Reversible { recovery, .. }) => recovery,
+            (Block::Recovery, OperationModule::Reversible { recovery, .. }) => recovery,
             _ => &operation.normal,
         };
         let input = |input| line.input_text(Owner::Station(station), input);

@@ -4,10 +4,11 @@
 //! another line, an edited one — gives no snapshot but the reason; the station then comes up without memory, and without a
 //! generation.
 
-use linewright_line::net::Place;
+use linewright_line::net::StationPlace;
 use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::{
-    CompileError, Controller, OrderKey, OrderMemory, Outcome, Refusal, Reply, Restore, StationSnapshot, TaskFailure,
+    CompileError, Controller, OrderKey, OrderMemory, Restore, StationSnapshot, TaskFailure, TaskOutcome, TaskRefusal,
+    TaskReply,
 };
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -43,7 +44,7 @@ pub enum RecordError {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Record {
+struct StationRecord {
     station: String,
     operations: Vec<String>,
     marking: Vec<(u16, u8)>,
@@ -80,12 +81,12 @@ struct OrderRecord {
 }
 
 /// Why an order was refused for good, in the words of the record.
-const REFUSALS: [(&str, Refusal); 5] = [
-    ("late", Refusal::Late),
-    ("not-there", Refusal::NotThere),
-    ("devices", Refusal::Devices),
-    ("unknown", Refusal::Unknown),
-    ("incomplete", Refusal::Incomplete),
+const REFUSALS: [(&str, TaskRefusal); 5] = [
+    ("late", TaskRefusal::Late),
+    ("not-there", TaskRefusal::NotThere),
+    ("devices", TaskRefusal::Devices),
+    ("unknown", TaskRefusal::Unknown),
+    ("incomplete", TaskRefusal::Incomplete),
 ];
 
 impl OrderRecord {
@@ -114,35 +115,35 @@ impl OrderRecord {
 }
 
 /// What a station remembers to have said; none for what it does not remember.
-fn word(reply: Reply) -> Option<String> {
+fn word(reply: TaskReply) -> Option<String> {
     match reply {
-        Reply::Ended(Outcome::Done) => Some("done".to_owned()),
-        Reply::Ended(Outcome::Failed(failure)) => Some(failure.code().to_string()),
-        Reply::Refused(refusal) => {
+        TaskReply::Ended(TaskOutcome::Done) => Some("done".to_owned()),
+        TaskReply::Ended(TaskOutcome::Failed(failure)) => Some(failure.code().to_string()),
+        TaskReply::Refused(refusal) => {
             REFUSALS.iter().find(|(_, known)| *known == refusal).map(|(word, _)| (*word).to_owned())
         }
-        Reply::Running => None,
+        TaskReply::Running => None,
     }
 }
 
-fn reply(word: &str) -> Option<Reply> {
+fn reply(word: &str) -> Option<TaskReply> {
     if word == "done" {
-        return Some(Reply::Ended(Outcome::Done));
+        return Some(TaskReply::Ended(TaskOutcome::Done));
     }
     if let Some((_, refusal)) = REFUSALS.iter().find(|(known, _)| *known == word) {
-        return Some(Reply::Refused(*refusal));
+        return Some(TaskReply::Refused(*refusal));
     }
     match TaskFailure::from_code(word.parse().ok()?) {
         // It never wrote that.
         TaskFailure::Other(_) => None,
-        failure => Some(Reply::Ended(Outcome::Failed(failure))),
+        failure => Some(TaskReply::Ended(TaskOutcome::Failed(failure))),
     }
 }
 
 /// The record of a snapshot, written in this start of the host.
 pub fn to_record(line: &Line, station: StationId, snapshot: &StationSnapshot, host: &str) -> Vec<u8> {
     let described = line.station(station);
-    let record = Record {
+    let record = StationRecord {
         station: described.name.clone(),
         operations: described.operations.iter().map(|o| o.name.clone()).collect(),
         marking: snapshot.marking.iter().map(|place| (place.op.0, place.number())).collect(),
@@ -166,7 +167,7 @@ pub fn to_record(line: &Line, station: StationId, snapshot: &StationSnapshot, ho
 pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -> Result<StationSnapshot, RecordError> {
     let described = line.station(station);
     let name = || described.name.clone();
-    let record: Record =
+    let record: StationRecord =
         serde_json::from_slice(record).map_err(|error| RecordError::Unreadable { station: name(), error })?;
     let other = |what| RecordError::OtherDescription { station: name(), what };
     let operations = described.operations.len();
@@ -183,10 +184,10 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
     }
     let net = linewright_line::net::StationNet::of(line, station);
     let place = |&(op, number): &(u16, u8)| {
-        let place = Place::from_number(OpId(op), number)?;
+        let place = StationPlace::from_number(OpId(op), number)?;
         net.place_index(place).map(|_| place)
     };
-    let marking: Option<Vec<Place>> = record.marking.iter().map(place).collect();
+    let marking: Option<Vec<StationPlace>> = record.marking.iter().map(place).collect();
     let marking = marking.filter(|m| is_one_step(described, m)).ok_or_else(|| other("marking"))?;
     let path = match record.path {
         Some(op) if usize::from(op) >= operations => return Err(other("recovery path")),
@@ -217,7 +218,7 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
 }
 
 /// The marking holds one token for each operation of exactly one step.
-fn is_one_step(station: &linewright_line::Station, marking: &[Place]) -> bool {
+fn is_one_step(station: &linewright_line::Station, marking: &[StationPlace]) -> bool {
     let Some(first) = marking.first() else { return false };
     let step = &station.steps[station.step_of(first.op)];
     step.len() == marking.len() && step.iter().all(|op| marking.iter().any(|place| place.op == *op))
@@ -262,9 +263,9 @@ mod tests {
         orders.slot = Some(OrderKey { epoch: 2, id: 6 });
         orders.secured = Some(OrderKey { epoch: 2, id: 4 });
         let failures = [1, 999, 1000, 1001, 1002, 1003, 1004, 1005, 1006].map(TaskFailure::from_code);
-        let ends = failures.map(|failure| Reply::Ended(Outcome::Failed(failure)));
-        let replies = [Reply::Ended(Outcome::Done)].into_iter().chain(ends);
-        let replies = replies.chain(REFUSALS.map(|(_, refusal)| Reply::Refused(refusal)));
+        let ends = failures.map(|failure| TaskReply::Ended(TaskOutcome::Failed(failure)));
+        let replies = [TaskReply::Ended(TaskOutcome::Done)].into_iter().chain(ends);
+        let replies = replies.chain(REFUSALS.map(|(_, refusal)| TaskReply::Refused(refusal)));
         orders.results = replies.enumerate().map(|(id, reply)| (OrderKey { epoch: 2, id: id as u64 }, reply)).collect();
         let record = to_record(&line, StationId(0), &kept, "host");
         assert_eq!(from_record(&line, StationId(0), &record, "host").expect("its own record"), kept);

@@ -4,11 +4,11 @@
 //! record, an output image, a report and events — in that order, so that nobody ever knows more of this station than
 //! it would remember after being killed. It decides nothing.
 
+mod device_texts;
 mod journal;
 mod node;
 mod orders;
 mod topics;
 mod waiting;
-mod words;
 
-pub use node::{NodeError, Options, run};
+pub use node::{StationNodeError, StationOptions, run};

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use linewright_fieldbus::{Clock, OpenError as NoBus};
+use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
-use linewright_line::{Bus, Line, OpId, Owner, StationId, Tick};
+use linewright_line::{DeviceBus, Line, OpId, Owner, StationId, Tick};
 use linewright_msgs::{ProcessImage, StationEvent, StationState, fitting};
-use linewright_node_line::devices::{Asked, Devices, Trouble};
+use linewright_node_line::devices::{DeviceDiagnosticsTopic, DeviceServiceRequest, Devices};
 use linewright_node_line::quoted;
 use linewright_node_line::{Waiting, open_buses};
 use linewright_node_line::{kind_of, order_from_message, report_from_message, report_to_message};
@@ -18,13 +18,13 @@ use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEff
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
+use crate::device_texts::DeviceTexts;
 use crate::journal::from_record;
-use crate::topics::{Arrived, Says, open};
-use crate::words::Words;
+use crate::topics::{StationInbound, StationPublishers, open};
 
 /// Why a station's node cannot run, or had to end.
 #[derive(Debug, Error)]
-pub enum NodeError {
+pub enum StationNodeError {
     /// The station does not compile.
     #[error(transparent)]
     Compile(#[from] CompileError),
@@ -57,7 +57,7 @@ pub enum NodeError {
 }
 
 /// What a station's node needs.
-pub struct Options {
+pub struct StationOptions {
     /// The checked description.
     pub line: Line,
     /// Which station to be.
@@ -65,7 +65,7 @@ pub struct Options {
     /// Where the journal is kept; `None`: nothing is remembered.
     pub state_dir: Option<PathBuf>,
     /// Where a bus of the station's own is found.
-    pub bus: linewright_fieldbus::Options,
+    pub bus: linewright_fieldbus::BusOptions,
     /// The process's clock.
     pub clock: Clock,
 }
@@ -75,9 +75,13 @@ pub struct Options {
 /// # Errors
 /// When it cannot start, or when the middleware or the journal fails under it. It lets go of its outputs on every way out;
 /// where it has none left, the devices watch the heartbeat of whoever drives them, and the gateway the age of the image.
-pub async fn run(options: Options, participant: &Participant, stop: watch::Receiver<bool>) -> Result<(), NodeError> {
+pub async fn run(
+    options: StationOptions,
+    participant: &Participant,
+    stop: watch::Receiver<bool>,
+) -> Result<(), StationNodeError> {
     let watchdog = Watchdog::start(&options.line.station(options.station).name, Watchdog::LIMIT);
-    let mut node = Shell::start(options, participant)?;
+    let mut node = StationLoop::start(options, participant)?;
     if let Some(last) = node.buses.as_ref().map(Joined::last_orders) {
         watchdog.before_the_end(last);
     }
@@ -93,7 +97,7 @@ pub(crate) async fn next_news(buses: &mut Option<Joined>) -> Result<Vec<News>, B
     }
 }
 
-async fn next_asked(devices: &mut Option<Devices>) -> Asked {
+async fn next_asked(devices: &mut Option<Devices>) -> DeviceServiceRequest {
     match devices {
         Some(devices) => devices.next().await,
         None => std::future::pending().await,
@@ -103,7 +107,7 @@ async fn next_asked(devices: &mut Option<Devices>) -> Asked {
 /// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
 const TAKEN_AT_ONCE: usize = 64;
 
-pub(crate) struct Shell {
+pub(crate) struct StationLoop {
     pub(crate) line: Line,
     pub(crate) station: StationId,
     pub(crate) name: String,
@@ -115,14 +119,14 @@ pub(crate) struct Shell {
     pub(crate) buses: Option<Joined>,
     /// What ROS 2 sees of the devices on them.
     devices: Option<Devices>,
-    trouble: Option<Trouble>,
-    words: Words,
+    trouble: Option<DeviceDiagnosticsTopic>,
+    words: DeviceTexts,
     pub(crate) journal: Option<JournalWriter>,
-    pub(crate) waiting: Waiting<Arrived>,
+    pub(crate) waiting: Waiting<StationInbound>,
     /// Which start of the host this is.
     pub(crate) host: String,
-    says: Says,
-    pub(crate) from: mpsc::Receiver<Arrived>,
+    says: StationPublishers,
+    pub(crate) from: mpsc::Receiver<StationInbound>,
     tasks: Vec<Forward>,
     event_sequence: u64,
     message: StationState,
@@ -132,15 +136,15 @@ pub(crate) struct Shell {
 }
 
 /// An end that nobody has planned lets go of the outputs as well.
-impl Drop for Shell {
+impl Drop for StationLoop {
     fn drop(&mut self) {
         self.end();
     }
 }
 
-impl Shell {
-    fn start(options: Options, participant: &Participant) -> Result<Self, NodeError> {
-        let Options { line, station, state_dir, bus, clock } = options;
+impl StationLoop {
+    fn start(options: StationOptions, participant: &Participant) -> Result<Self, StationNodeError> {
+        let StationOptions { line, station, state_dir, bus, clock } = options;
         let name = line.station(station).name.clone();
         let mut journal = None;
         let mut restore = Restore::Fresh;
@@ -164,8 +168,8 @@ impl Shell {
         let boot_id = fresh_boot_id();
         let shell = StationShell::new(&line, station, boot_id, restore)?;
         let buses = match &line.station(station).bus {
-            Bus::Line => None,
-            Bus::Own(interface) => {
+            DeviceBus::Line => None,
+            DeviceBus::Own(interface) => {
                 let own = line.devices_of(Owner::Station(station));
                 let buses = open_buses(own, interface, &bus, line.timing, clock)?;
                 tracing::info!(station = name, "devices on {}", buses.describe());
@@ -177,8 +181,9 @@ impl Shell {
         let own = line.devices_of(Owner::Station(station));
         let devices = buses.as_ref().map(|_| Devices::open(&mut node, &line, own)).transpose()?;
         let owner = Owner::Station(station);
-        let trouble = buses.as_ref().map(|_| Trouble::open(&mut node, "~/trouble", owner)).transpose()?;
-        Ok(Shell {
+        let trouble =
+            buses.as_ref().map(|_| DeviceDiagnosticsTopic::open(&mut node, "~/trouble", owner)).transpose()?;
+        Ok(StationLoop {
             line,
             station,
             name,
@@ -188,7 +193,7 @@ impl Shell {
             buses,
             devices,
             trouble,
-            words: Words::default(),
+            words: DeviceTexts::default(),
             journal,
             waiting: Waiting::default(),
             host,
@@ -202,7 +207,7 @@ impl Shell {
         })
     }
 
-    async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), NodeError> {
+    async fn work(&mut self, watchdog: &Watchdog, mut stop: watch::Receiver<bool>) -> Result<(), StationNodeError> {
         self.act().await?;
         loop {
             watchdog.feed();
@@ -221,7 +226,7 @@ impl Shell {
                         self.bus_news(&news);
                     }
                     // On another manager's bus nothing is sent, and on one that is gone nothing arrives.
-                    Err(error) => return Err(NodeError::BusLost { station: self.name.clone(), error }),
+                    Err(error) => return Err(StationNodeError::BusLost { station: self.name.clone(), error }),
                 },
                 arrived = self.from.recv() => match arrived {
                     Some(arrived) => self.waiting.arrived.push_back(arrived),
@@ -246,8 +251,8 @@ impl Shell {
         }
     }
 
-    pub(crate) fn cut_off(&self) -> NodeError {
-        NodeError::Middleware { station: self.name.clone() }
+    pub(crate) fn cut_off(&self) -> StationNodeError {
+        StationNodeError::Middleware { station: self.name.clone() }
     }
 
     fn deadline(&self) -> Tick {
@@ -262,19 +267,19 @@ impl Shell {
         self.shell.ignore(why, &mut self.effects);
     }
 
-    fn arrived(&mut self, arrived: Arrived) {
+    fn arrived(&mut self, arrived: StationInbound) {
         match arrived {
-            Arrived::Order(message) => match order_from_message(&message, (self.station, &self.name)) {
+            StationInbound::Order(message) => match order_from_message(&message, (self.station, &self.name)) {
                 Ok(order) => self.handle(StationArrival::Order { sequence: message.sequence, order }),
                 Err(error) => self.ignore(error),
             },
-            Arrived::State(message) => match report_from_message(&self.line, &message) {
+            StationInbound::State(message) => match report_from_message(&self.line, &message) {
                 Ok((station, report)) => {
                     self.handle(StationArrival::State { station, sequence: message.sequence, report: &report });
                 }
                 Err(error) => self.ignore(error),
             },
-            Arrived::Inputs(message) => self.handle(StationArrival::Inputs(InputsMessage {
+            StationInbound::Inputs(message) => self.handle(StationArrival::Inputs(InputsMessage {
                 boot_id: message.boot_id,
                 sequence: message.sequence,
                 bits: message.word(),
@@ -282,25 +287,25 @@ impl Shell {
                 lives: message.lives,
                 under: (message.number_boot_id, message.number),
             })),
-            Arrived::Trouble(text) => self.words.trouble(&text),
-            Arrived::Selector(text) => match text.trim() {
+            StationInbound::Trouble(text) => self.words.trouble(&text),
+            StationInbound::Selector(text) => match text.trim() {
                 "manual" => self.panel(PanelCommand::Selector(true)),
                 "auto" => self.panel(PanelCommand::Selector(false)),
                 other => self.ignore(format!("selector '{}': expected auto or manual", quoted(other))),
             },
-            Arrived::Goal(asked) => {
+            StationInbound::Goal(asked) => {
                 if let Some(told) = self.says.orders.as_mut().and_then(|orders| orders.asked(asked)) {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }
-            Arrived::Secure(key, stop) => {
+            StationInbound::Secure(key, stop) => {
                 if let Some(told) = self.says.orders.as_mut().map(|orders| orders.secure(key, stop)) {
                     self.handle(StationArrival::Task(told.command()));
                 }
             }
-            Arrived::Rejoin(text) => self.rejoin(text.trim()),
-            Arrived::Advance(held) => self.panel(PanelCommand::Advance(held)),
-            Arrived::Retract(held) => self.panel(PanelCommand::Retract(held)),
+            StationInbound::Rejoin(text) => self.rejoin(text.trim()),
+            StationInbound::Advance(held) => self.panel(PanelCommand::Advance(held)),
+            StationInbound::Retract(held) => self.panel(PanelCommand::Retract(held)),
         }
     }
 
@@ -346,7 +351,7 @@ impl Shell {
         }
     }
 
-    fn asked(&mut self, asked: Asked) {
+    fn asked(&mut self, asked: DeviceServiceRequest) {
         if let (Some(devices), Some(buses)) = (&mut self.devices, &mut self.buses) {
             devices.ask(asked, buses);
         }
@@ -357,7 +362,7 @@ impl Shell {
     /// # Errors
     /// When the journal cannot be written. A station restarted without its journal would tell a past state: better to
     /// end now, with the outputs off.
-    async fn act(&mut self) -> Result<(), NodeError> {
+    async fn act(&mut self) -> Result<(), StationNodeError> {
         let now = self.clock.now();
         if let (Some(devices), Some(buses)) = (&mut self.devices, &self.buses) {
             devices.act(now, buses);

@@ -16,16 +16,16 @@ use linewright_node_shell::{
     stamp,
 };
 use linewright_station_logic::{
-    Controller, OrderKey, Outcome, Refusal, Reply, SlotReport, StationReport, TaskCommand, TaskFailure, TaskOrder,
-    TaskOrderReport,
+    Controller, OrderKey, SlotReport, StationReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport, TaskOutcome,
+    TaskRefusal, TaskReply,
 };
 use tokio::sync::mpsc;
 
-use crate::topics::Arrived;
+use crate::topics::StationInbound;
 
 /// A command to the controller, as it came.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Told {
+pub enum OrderInbound {
     /// A task.
     Run(TaskOrder),
     /// To leave an order be.
@@ -34,60 +34,60 @@ pub enum Told {
     Stop(OrderKey),
 }
 
-impl Told {
+impl OrderInbound {
     /// As the controller takes it.
     pub fn command(&self) -> TaskCommand<'_> {
         match self {
-            Told::Run(order) => TaskCommand::Run(order),
-            Told::Secure(key) => TaskCommand::Secure(*key),
-            Told::Stop(key) => TaskCommand::Stop(*key),
+            OrderInbound::Run(order) => TaskCommand::Run(order),
+            OrderInbound::Secure(key) => TaskCommand::Secure(*key),
+            OrderInbound::Stop(key) => TaskCommand::Stop(*key),
         }
     }
 }
 
-struct Live {
+struct OngoingGoal {
     goal: GoalHandle,
     key: OrderKey,
     is_cancelled: bool,
 }
 
 /// A station's orders, as ROS 2 sees them.
-pub struct Orders {
+pub struct TaskOrderTopics {
     owner: ActionOwner<RunTask>,
     state: Publisher<OrderState>,
-    goals: Vec<Live>,
+    goals: Vec<OngoingGoal>,
     /// How far the order was that was last told of.
     told: Option<(OrderKey, RunTaskFeedback)>,
     report: StationReport,
     message: OrderState,
 }
 
-impl Orders {
+impl TaskOrderTopics {
     /// Opens the action and the topics of a station on order.
     pub fn open(
         node: &mut RosNode,
         station: &str,
         boot_id: u64,
-        to: &mpsc::Sender<Arrived>,
+        to: &mpsc::Sender<StationInbound>,
         tasks: &mut Vec<Forward>,
     ) -> Result<Self, TopicError> {
         let state = node.publisher("~/order", qos::latched_state())?;
-        let (owner, serving) = serve_action(node.action::<RunTask>("~/run_task")?, to.clone(), Arrived::Goal);
+        let (owner, serving) = serve_action(node.action::<RunTask>("~/run_task")?, to.clone(), StationInbound::Goal);
         tasks.push(serving);
         tasks.push(forward(node.subscription("~/secure", qos::command())?, to.clone(), |message: SecureOrder, _| {
-            Some(Arrived::Secure(OrderKey { epoch: message.epoch, id: message.id }, message.stop))
+            Some(StationInbound::Secure(OrderKey { epoch: message.epoch, id: message.id }, message.stop))
         }));
         let message = OrderState { boot_id, station: station.to_owned(), ..OrderState::default() };
-        Ok(Orders { owner, state, goals: Vec::new(), told: None, report: StationReport::default(), message })
+        Ok(TaskOrderTopics { owner, state, goals: Vec::new(), told: None, report: StationReport::default(), message })
     }
 
     /// What the controller is told when somebody asks.
-    pub fn asked(&mut self, asked: GoalRequest<RunTaskGoal>) -> Option<Told> {
+    pub fn asked(&mut self, asked: GoalRequest<RunTaskGoal>) -> Option<OrderInbound> {
         match asked {
             GoalRequest::Goal(goal, wanted) => {
                 let order = order(wanted);
-                self.goals.push(Live { goal, key: order.key, is_cancelled: false });
-                Some(Told::Run(order))
+                self.goals.push(OngoingGoal { goal, key: order.key, is_cancelled: false });
+                Some(OrderInbound::Run(order))
             }
             GoalRequest::Cancel(goal) => {
                 let live = self.goals.iter_mut().find(|live| live.goal == goal)?;
@@ -99,10 +99,10 @@ impl Orders {
     }
 
     /// What the controller is told when an order is to be left, or stopped.
-    pub fn secure(&mut self, key: OrderKey, stop: bool) -> Told {
+    pub fn secure(&mut self, key: OrderKey, stop: bool) -> OrderInbound {
         // Said from the next state on, which is made after the controller has taken it in.
         (self.message.secured_epoch, self.message.secured_id) = (key.epoch, key.id);
-        if stop { Told::Stop(key) } else { Told::Secure(key) }
+        if stop { OrderInbound::Stop(key) } else { OrderInbound::Secure(key) }
     }
 
     /// Says what has become of orders, once it is remembered. The whole state goes out when it is `due`.
@@ -110,15 +110,15 @@ impl Orders {
         &mut self,
         line: &Line,
         controller: &Controller,
-        replies: impl Iterator<Item = (OrderKey, Reply)>,
+        replies: impl Iterator<Item = (OrderKey, TaskReply)>,
         inputs: u128,
         due: bool,
     ) {
         for (key, reply) in replies {
             match reply {
-                Reply::Running => (),
-                Reply::Ended(outcome) => self.end(key, outcome),
-                Reply::Refused(refusal) => self.refuse(key, refusal),
+                TaskReply::Running => (),
+                TaskReply::Ended(outcome) => self.end(key, outcome),
+                TaskReply::Refused(refusal) => self.refuse(key, refusal),
             }
         }
         let mut report = std::mem::take(&mut self.report);
@@ -169,16 +169,16 @@ impl Orders {
         self.state.send(message.clone());
     }
 
-    fn end(&mut self, key: OrderKey, outcome: Outcome) {
+    fn end(&mut self, key: OrderKey, outcome: TaskOutcome) {
         let (end, code) = end_of(outcome);
         let text = match outcome {
-            Outcome::Done => String::new(),
-            Outcome::Failed(failure) => failure.text(),
+            TaskOutcome::Done => String::new(),
+            TaskOutcome::Failed(failure) => failure.text(),
         };
         self.conclude(key, RunTaskResult { epoch: key.epoch, id: key.id, end, code, text });
     }
 
-    fn refuse(&mut self, key: OrderKey, refusal: Refusal) {
+    fn refuse(&mut self, key: OrderKey, refusal: TaskRefusal) {
         let (end, code) = (RunTaskResult::END_REFUSED, refusal.code());
         let text = refusal.text().to_owned();
         self.conclude(key, RunTaskResult { epoch: key.epoch, id: key.id, end, code, text });
@@ -246,11 +246,11 @@ fn feedback(line: &Line, controller: &Controller, slot: &SlotReport) -> RunTaskF
 }
 
 /// How an order has ended, as messages say it.
-const fn end_of(outcome: Outcome) -> (u8, u16) {
+const fn end_of(outcome: TaskOutcome) -> (u8, u16) {
     match outcome {
-        Outcome::Done => (RunTaskResult::END_DONE, 0),
-        Outcome::Failed(TaskFailure::Cancelled) => (RunTaskResult::END_SECURED, TaskFailure::Cancelled.code()),
-        Outcome::Failed(failure) => (RunTaskResult::END_FAILED, failure.code()),
+        TaskOutcome::Done => (RunTaskResult::END_DONE, 0),
+        TaskOutcome::Failed(TaskFailure::Cancelled) => (RunTaskResult::END_SECURED, TaskFailure::Cancelled.code()),
+        TaskOutcome::Failed(failure) => (RunTaskResult::END_FAILED, failure.code()),
     }
 }
 
@@ -274,18 +274,18 @@ mod tests {
             RunTaskResult::REFUSED_ISOLATED,
         ];
         let refusals = [
-            Refusal::Busy,
-            Refusal::Mode,
-            Refusal::OtherMemory,
-            Refusal::OldEpoch,
-            Refusal::Old,
-            Refusal::Late,
-            Refusal::NotThere,
-            Refusal::Devices,
-            Refusal::Unknown,
-            Refusal::Incomplete,
-            Refusal::Isolated,
+            TaskRefusal::Busy,
+            TaskRefusal::Mode,
+            TaskRefusal::OtherMemory,
+            TaskRefusal::OldEpoch,
+            TaskRefusal::Old,
+            TaskRefusal::Late,
+            TaskRefusal::NotThere,
+            TaskRefusal::Devices,
+            TaskRefusal::Unknown,
+            TaskRefusal::Incomplete,
+            TaskRefusal::Isolated,
         ];
-        assert_eq!(refusals.map(Refusal::code), codes);
+        assert_eq!(refusals.map(TaskRefusal::code), codes);
     }
 }

@@ -1,16 +1,16 @@
 //! What a station says and hears over ROS 2.
 
-use linewright_line::{Bus, Line, StationId};
+use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, StationState, Text};
 use linewright_node_shell::{Forward, GoalRequest, Publisher, RosNode, TopicError, forward, qos, watch_middleware};
 use linewright_station_logic::OrderKey;
 use tokio::sync::mpsc;
 
-use crate::orders::Orders;
+use crate::orders::TaskOrderTopics;
 
 /// Something a subscription brought.
 #[derive(Debug)]
-pub enum Arrived {
+pub enum StationInbound {
     /// The coordinator's order.
     Order(ModeOrder),
     /// Another station's state.
@@ -35,13 +35,13 @@ pub enum Arrived {
 }
 
 /// The publishers of a station.
-pub struct Says {
+pub struct StationPublishers {
     pub state: Publisher<StationState>,
     pub event: Publisher<StationEvent>,
     /// Only behind the gateway.
     pub outputs: Option<Publisher<ProcessImage>>,
     /// Only where it works on order.
-    pub orders: Option<Orders>,
+    pub orders: Option<TaskOrderTopics>,
 }
 
 /// Enough for a burst of every station's state while the node is busy; what does not fit waits in the middleware.
@@ -54,9 +54,9 @@ pub fn open(
     station: StationId,
     boot_id: u64,
     peers: &[StationId],
-) -> Result<(Says, mpsc::Receiver<Arrived>, Vec<Forward>), TopicError> {
-    let gateway = line.station(station).bus == Bus::Line;
-    let mut says = Says {
+) -> Result<(StationPublishers, mpsc::Receiver<StationInbound>, Vec<Forward>), TopicError> {
+    let gateway = line.station(station).bus == DeviceBus::Line;
+    let mut says = StationPublishers {
         state: node.publisher("~/state", qos::latched_state())?,
         event: node.publisher("~/event", qos::event())?,
         outputs: if gateway { Some(node.publisher("~/outputs", qos::repeated())?) } else { None },
@@ -65,33 +65,35 @@ pub fn open(
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
         watch_middleware(),
-        forward(node.subscription("mode", qos::repeated())?, to.clone(), |m, _| Some(Arrived::Order(m))),
+        forward(node.subscription("mode", qos::repeated())?, to.clone(), |m, _| Some(StationInbound::Order(m))),
         forward(node.subscription("~/selector", qos::command())?, to.clone(), |m: Text, _| {
-            Some(Arrived::Selector(m.data))
+            Some(StationInbound::Selector(m.data))
         }),
-        forward(node.subscription("~/rejoin", qos::command())?, to.clone(), |m: Text, _| Some(Arrived::Rejoin(m.data))),
+        forward(node.subscription("~/rejoin", qos::command())?, to.clone(), |m: Text, _| {
+            Some(StationInbound::Rejoin(m.data))
+        }),
         forward(node.subscription("~/advance", qos::command())?, to.clone(), |m: Flag, _| {
-            Some(Arrived::Advance(m.data))
+            Some(StationInbound::Advance(m.data))
         }),
         forward(node.subscription("~/return", qos::command())?, to.clone(), |m: Flag, _| {
-            Some(Arrived::Retract(m.data))
+            Some(StationInbound::Retract(m.data))
         }),
     ];
     for &peer in peers {
         let topic = format!("{}/state", line.station(peer).name);
         tasks.push(forward(node.subscription(&topic, qos::latched_state())?, to.clone(), |m, _| {
-            Some(Arrived::State(Box::new(m)))
+            Some(StationInbound::State(Box::new(m)))
         }));
     }
     if line.station(station).works_on_order() {
-        says.orders = Some(Orders::open(node, &line.station(station).name, boot_id, &to, &mut tasks)?);
+        says.orders = Some(TaskOrderTopics::open(node, &line.station(station).name, boot_id, &to, &mut tasks)?);
     }
     if gateway {
         tasks.push(forward(node.subscription("~/inputs", qos::repeated())?, to.clone(), |m, _| {
-            Some(Arrived::Inputs(m))
+            Some(StationInbound::Inputs(m))
         }));
         tasks.push(forward(node.subscription("~/trouble", qos::latched_state())?, to.clone(), |m: Text, _| {
-            Some(Arrived::Trouble(m.data))
+            Some(StationInbound::Trouble(m.data))
         }));
     }
     Ok((says, from, tasks))

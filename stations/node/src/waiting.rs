@@ -8,13 +8,13 @@ use linewright_line::net::ControlMode;
 use linewright_node_line::order_from_message;
 
 use crate::journal::to_record;
-use crate::node::{NodeError, Shell, next_news};
-use crate::topics::Arrived;
+use crate::node::{StationLoop, StationNodeError, next_news};
+use crate::topics::StationInbound;
 
-impl Shell {
+impl StationLoop {
     /// Writes down what the shell knows. An emergency stop that arrives meanwhile turns the outputs off at once, and so does a
     /// record that takes longer than what was heard is known for.
-    pub(crate) async fn remember(&mut self) -> Result<(), NodeError> {
+    pub(crate) async fn remember(&mut self) -> Result<(), StationNodeError> {
         let Some(journal) = &mut self.journal else { return Ok(()) };
         journal.begin(to_record(&self.line, self.station, &self.shell.snapshot(), &self.host));
         let mut due = Some(self.clock.now() + self.line.timing.stale);
@@ -39,7 +39,7 @@ impl Shell {
                         self.waiting.news.extend(news);
                         false
                     }
-                    Err(error) => return Err(NodeError::BusLost { station: self.name.clone(), error }),
+                    Err(error) => return Err(StationNodeError::BusLost { station: self.name.clone(), error }),
                 },
             };
             if must_stop && due.take().is_some() {
@@ -51,7 +51,7 @@ impl Shell {
     }
 }
 
-fn is_emergency_stop(arrived: &Arrived, own: (StationId, &str)) -> bool {
-    let Arrived::Order(order) = arrived else { return false };
+fn is_emergency_stop(arrived: &StationInbound, own: (StationId, &str)) -> bool {
+    let StationInbound::Order(order) = arrived else { return false };
     order_from_message(order, own).is_ok_and(|order| order.mode == ControlMode::EStop)
 }

@@ -2,7 +2,7 @@
 
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::{
-    ModeOrder, OrderKey, PanelCommand, Reply, StationHappening, StationReport, TaskCommand,
+    ModeOrder, OrderKey, PanelCommand, StationHappening, StationReport, TaskCommand, TaskReply,
 };
 
 /// A station's input image as the gateway sends it.
@@ -88,7 +88,7 @@ pub enum StationEffect {
         sequence: u64,
     },
     /// Answer an order for a task.
-    Reply(OrderKey, Reply),
+    Reply(OrderKey, TaskReply),
     /// Tell what has happened.
     Happened(StationHappening),
     /// Log what was ignored and why: the 1st, 2nd, 4th, 8th … time.

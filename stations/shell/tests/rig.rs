@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, Module, OpId, StationId, Tick, TransferLine, parse};
+use linewright_line::{Line, OpId, OperationModule, StationId, Tick, TransferLine, parse};
 use linewright_station_logic::{Controller, ModeOrder, PanelCommand, Restore, Rules, StationReport};
 use linewright_station_shell::{Driven, InputsMessage, StationArrival, StationEffect, StationShell};
 
@@ -123,8 +123,8 @@ impl Rig {
         let operations = &self.line.station(self.station).operations;
         let actuators = operations.iter().fold(0, |bits, operation| {
             let recovery = match &operation.module {
-                Module::Reversible { recovery, .. } => 1 << recovery.actuator.0,
-                Module::Irreversible { .. } => 0,
+                OperationModule::Reversible { recovery, .. } => 1 << recovery.actuator.0,
+                OperationModule::Irreversible { .. } => 0,
             };
             bits | 1 << operation.normal.actuator.0 | recovery
         });

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::Member;
+use super::WorkspaceMember;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
@@ -208,7 +208,7 @@ const EVERYTHING: &[&str] = &[
 const TOPS: [&str; 3] = ["linewright", "linewright-tests", "xtask"];
 
 /// Checks every crate.
-pub fn check(root: &Path, members: &[Member]) -> Vec<String> {
+pub fn check(root: &Path, members: &[WorkspaceMember]) -> Vec<String> {
     let mut findings = Vec::new();
     let names: Vec<&str> = members.iter().map(|m| m.name.as_str()).collect();
     let builds_on = direct(root, "normal").unwrap_or_else(|error| noted(error, &mut findings));

@@ -3,13 +3,13 @@
 use std::fs;
 use std::path::Path;
 
-use super::Member;
+use super::WorkspaceMember;
 
 /// Documents whose paths are checked; of `docs/decisions` every page.
 const DOCUMENTS: [&str; 2] = ["CONTRIBUTING.md", "ARCHITECTURE.md"];
 
 /// Checks every document.
-pub fn check(root: &Path, members: &[Member]) -> Vec<String> {
+pub fn check(root: &Path, members: &[WorkspaceMember]) -> Vec<String> {
     let decisions = fs::read_dir(root.join("docs/decisions")).into_iter().flatten().flatten().map(|entry| entry.path());
     let documents = DOCUMENTS.iter().map(|name| root.join(name)).chain(decisions);
     let mut findings = Vec::new();

@@ -15,7 +15,7 @@ pub use crates::PURE;
 
 /// A crate of the workspace.
 #[derive(Clone, Debug)]
-pub struct Member {
+pub struct WorkspaceMember {
     /// Package name.
     pub name: String,
     /// Where it lies.
@@ -44,13 +44,13 @@ pub fn run(root: &Path) -> bool {
 }
 
 /// The crates named in the workspace's manifest. One that cannot be read has an empty manifest, which breaks rules.
-pub fn members(root: &Path) -> Vec<Member> {
+pub fn members(root: &Path) -> Vec<WorkspaceMember> {
     let text = std::fs::read_to_string(root.join("Cargo.toml")).unwrap_or_default();
     let list = text.split_once("\nmembers = [").and_then(|(_, rest)| rest.split_once(']')).map_or("", |(list, _)| list);
     let member = |dir: &str| {
         let manifest = std::fs::read_to_string(root.join(dir).join("Cargo.toml")).unwrap_or_default();
         let name = manifest.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
-        Member { name: name.unwrap_or(dir).to_owned(), dir: root.join(dir), manifest }
+        WorkspaceMember { name: name.unwrap_or(dir).to_owned(), dir: root.join(dir), manifest }
     };
     list.split('"').skip(1).step_by(2).map(member).collect()
 }

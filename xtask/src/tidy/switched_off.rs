@@ -3,11 +3,11 @@
 //! A library without unit tests says `test = false`, one without examples `doctest = false`; otherwise each would be
 //! compiled once more for nothing.
 
-use super::Member;
+use super::WorkspaceMember;
 use super::unused::sources;
 
 /// Checks one crate.
-pub fn check(member: &Member) -> Vec<String> {
+pub fn check(member: &WorkspaceMember) -> Vec<String> {
     if !member.dir.join("src/lib.rs").is_file() {
         return Vec::new();
     }

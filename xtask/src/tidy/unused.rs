@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::Member;
+use super::WorkspaceMember;
 
 /// Checks one crate's manifest against its sources.
-pub fn check(member: &Member) -> Vec<String> {
+pub fn check(member: &WorkspaceMember) -> Vec<String> {
     let product = sources(&member.dir.join("src"));
     let tests: String = ["tests", "benches", "examples"].map(|dir| sources(&member.dir.join(dir))).concat();
     let mut findings = named(&member.name, &member.manifest, "[dependencies]", &product);

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    ActivityTiming, CellMessage, CellTable, Coordination, Dispatcher, ModeId, OrderKey, Outcome, PlayerInput,
-    PlayerOutbox, PlayerState, RecordKind, Reply, TaskReport,
+    ActivityTiming, CellMessage, CellTable, Coordination, Dispatcher, ModeId, OrderKey, PlayerInput, PlayerOutbox,
+    PlayerState, RecordKind, TaskOutcome, TaskReply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 
@@ -19,7 +19,7 @@ pub struct Floor {
     pub player: Coordination,
     pub now: Tick,
     working: BinaryHeap<Reverse<(Tick, StationId, OrderKey)>>,
-    replies: Vec<(StationId, OrderKey, Reply)>,
+    replies: Vec<(StationId, OrderKey, TaskReply)>,
     out: PlayerOutbox,
     /// How many activities have started or happened.
     pub firings: u64,
@@ -79,7 +79,7 @@ impl Floor {
             {
                 debug_assert!(at <= self.now);
                 self.working.pop();
-                self.replies.push((station, key, Reply::Ended(Outcome::Done)));
+                self.replies.push((station, key, TaskReply::Ended(TaskOutcome::Done)));
             }
         }
         let inputs: Vec<_> = self.replies.drain(..).map(|(s, key, reply)| PlayerInput::Reply(s, key, reply)).collect();
@@ -113,7 +113,7 @@ impl Floor {
             let CellMessage::Order(order) = send else { panic!("nobody has to be secured here") };
             let (firing, _) = player.state().order(order.order.key).expect("what is sent is in progress");
             self.working.push(Reverse((self.now + time(table, firing.mode), order.station, order.order.key)));
-            self.replies.push((order.station, order.order.key, Reply::Running));
+            self.replies.push((order.station, order.order.key, TaskReply::Running));
         }
         assert!(self.out.events.is_empty(), "{:?}", self.out.events);
     }

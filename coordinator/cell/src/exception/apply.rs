@@ -4,7 +4,7 @@ use linewright_line::Tick;
 
 use super::super::firing::{ActivityPhase, OngoingActivity, OngoingOrder, OrderProgress};
 use super::super::ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ResourceId, TokenDemand};
-use super::super::record::Failure;
+use super::super::record::OrderFailure;
 use super::super::state::{PartPlace, PlayerState};
 use super::book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService, Retry};
 use super::fact::{AlarmSubject, ExceptionStep, RecoveryDecision, Strategy, Whereabouts};
@@ -117,12 +117,12 @@ impl PlayerState {
         let owes = |order: &&OngoingOrder| match order.state {
             OrderProgress::Ended => false,
             // It does not do it, or has come up anew since.
-            OrderProgress::Failed(Failure::Refused(_) | Failure::Forgotten) => false,
+            OrderProgress::Failed(OrderFailure::Refused(_) | OrderFailure::Forgotten) => false,
             OrderProgress::Written
             | OrderProgress::Running
-            | OrderProgress::Failed(Failure::Code(_) | Failure::TimedOut | Failure::Lost | Failure::DevicesLost) => {
-                true
-            }
+            | OrderProgress::Failed(
+                OrderFailure::Code(_) | OrderFailure::TimedOut | OrderFailure::Lost | OrderFailure::DevicesLost,
+            ) => true,
         };
         let open = firing.orders.iter().filter(owes);
         open.filter(|order| self.exceptions.stands(firing.id, order.key).is_none())

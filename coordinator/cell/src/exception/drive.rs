@@ -6,7 +6,7 @@ use super::super::firing::{ActivityPhase, OngoingActivity};
 use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::super::orders::{PlayerOutbox, TaskReport};
 use super::super::player::Coordination;
-use super::super::record::{ActivityFailure, Failure, RecordKind};
+use super::super::record::{ActivityFailure, OrderFailure, RecordKind};
 use super::book::ExceptionStage;
 use super::fact::{
     AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, SecuredState, SensorMismatch,
@@ -56,7 +56,7 @@ impl Coordination {
             let known = self.state.orders.keys().copied().filter(|&key| self.may_be_known(station, key));
             let lost: Vec<_> = known.filter(|&key| self.is_waited_for(key)).collect();
             for key in lost {
-                self.write(now, RecordKind::OrderFailed { key, failure: Failure::DevicesLost }, out);
+                self.write(now, RecordKind::OrderFailed { key, failure: OrderFailure::DevicesLost }, out);
             }
         }
     }
@@ -92,7 +92,7 @@ impl Coordination {
         while self.watch.missed_from.is_none_or(|at| at <= now) {
             match self.first_to_miss() {
                 Some((at, key)) if at <= now => {
-                    self.write(now, RecordKind::OrderFailed { key, failure: Failure::Lost }, out);
+                    self.write(now, RecordKind::OrderFailed { key, failure: OrderFailure::Lost }, out);
                 }
                 later => {
                     self.watch.missed_from = Some(later.map_or(Tick::NEVER, |(at, _)| at));

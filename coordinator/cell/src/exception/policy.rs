@@ -9,7 +9,7 @@ use std::time::Duration;
 use linewright_line::StationId;
 
 use super::super::ids::{CellId, ModeId, ResourceId, TokenDemand};
-use super::super::record::{ActivityFailure, Failure, Refusal};
+use super::super::record::{ActivityFailure, OrderFailure, TaskRefusal};
 use super::fact::{RecoveryDecision, Strategy, Whereabouts};
 
 /// What is known of a cell for the case that something fails.
@@ -192,22 +192,22 @@ pub(super) fn word(cause: ActivityFailure) -> String {
         ActivityFailure::TimedOut => TIME_OUT.to_owned(),
         ActivityFailure::ByHand { .. } => "alarm".to_owned(),
         ActivityFailure::Order { key: _, failure } => match failure {
-            Failure::TimedOut => TIME_OUT.to_owned(),
-            Failure::Code(code) => code.to_string(),
-            Failure::Refused(Refusal::Devices) | Failure::DevicesLost => "device-lost".to_owned(),
-            Failure::Refused(
-                Refusal::Busy
-                | Refusal::Mode
-                | Refusal::OtherMemory
-                | Refusal::OldEpoch
-                | Refusal::Old
-                | Refusal::Late
-                | Refusal::NotThere
-                | Refusal::Unknown
-                | Refusal::Incomplete
-                | Refusal::Isolated,
+            OrderFailure::TimedOut => TIME_OUT.to_owned(),
+            OrderFailure::Code(code) => code.to_string(),
+            OrderFailure::Refused(TaskRefusal::Devices) | OrderFailure::DevicesLost => "device-lost".to_owned(),
+            OrderFailure::Refused(
+                TaskRefusal::Busy
+                | TaskRefusal::Mode
+                | TaskRefusal::OtherMemory
+                | TaskRefusal::OldEpoch
+                | TaskRefusal::Old
+                | TaskRefusal::Late
+                | TaskRefusal::NotThere
+                | TaskRefusal::Unknown
+                | TaskRefusal::Incomplete
+                | TaskRefusal::Isolated,
             ) => "refused".to_owned(),
-            Failure::Lost | Failure::Forgotten => "station-lost".to_owned(),
+            OrderFailure::Lost | OrderFailure::Forgotten => "station-lost".to_owned(),
         },
     }
 }

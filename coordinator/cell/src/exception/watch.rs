@@ -6,7 +6,7 @@ use std::time::Duration;
 use linewright_line::{StationId, Tick};
 
 use super::super::ids::{AlarmId, OrderKey, ResourceId};
-use super::super::orders::{Reply, TaskReport};
+use super::super::orders::{TaskReply, TaskReport};
 use super::super::state::PlayerState;
 
 /// Whether a part is there, as a sensor says.
@@ -128,10 +128,10 @@ impl StationMonitor {
     }
 
     /// Takes what a station says when it was told to leave an order.
-    pub fn answered(&mut self, now: Tick, key: OrderKey, reply: Reply) {
+    pub fn answered(&mut self, now: Tick, key: OrderKey, reply: TaskReply) {
         let is_at_it = match reply {
-            Reply::Running => true,
-            Reply::Ended(_) | Reply::Refused(_) => false,
+            TaskReply::Running => true,
+            TaskReply::Ended(_) | TaskReply::Refused(_) => false,
         };
         self.told.get_mut(&key).into_iter().for_each(|told| told.answered = Some((now, is_at_it)));
     }

@@ -6,7 +6,7 @@ use linewright_line::{StationId, Tick};
 
 use super::super::firing::{OngoingActivity, OrderProgress};
 use super::super::ids::{ModeId, PartId};
-use super::super::record::{ActivityFailure, Failure};
+use super::super::record::{ActivityFailure, OrderFailure};
 use super::super::state::PlayerState;
 use super::fact::{RecoveryDecision, SecuredState, SensorMismatch};
 use super::policy::RecoveryPolicy;
@@ -46,7 +46,7 @@ fn facts(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, 
             (Some(SecuredState::AtRest), _) => "is at rest",
             (Some(SecuredState::Held), _) => "stands between rests",
             (Some(SecuredState::Unknown), _) => "was not heard to have come to rest",
-            (None, OrderProgress::Failed(Failure::Forgotten)) => "has come up without its memory",
+            (None, OrderProgress::Failed(OrderFailure::Forgotten)) => "has come up without its memory",
             (None, OrderProgress::Failed(_) | OrderProgress::Written | OrderProgress::Running) => "has not begun",
         };
         // Writing to a string does not fail.
@@ -71,15 +71,15 @@ fn cause_of(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailur
             let station = firing.orders.iter().find(|order| order.key == key).map(|order| order.station);
             let station = station.map_or_else(|| "a station".to_owned(), |station| handling.station_name(station));
             match failure {
-                Failure::Code(code) if failure.is_expiry() => {
+                OrderFailure::Code(code) if failure.is_expiry() => {
                     format!("{station} has not ended in time, what it waited for did not come (code {code})")
                 }
-                Failure::Code(code) => format!("{station} has ended with code {code}"),
-                Failure::Refused(refusal) => format!("{station} has refused ({refusal:?})"),
-                Failure::TimedOut => format!("{station} has not ended in time"),
-                Failure::Forgotten => format!("{station} does not remember it"),
-                Failure::Lost => format!("{station} is not heard any more"),
-                Failure::DevicesLost => format!("{station} has lost its devices"),
+                OrderFailure::Code(code) => format!("{station} has ended with code {code}"),
+                OrderFailure::Refused(refusal) => format!("{station} has refused ({refusal:?})"),
+                OrderFailure::TimedOut => format!("{station} has not ended in time"),
+                OrderFailure::Forgotten => format!("{station} does not remember it"),
+                OrderFailure::Lost => format!("{station} is not heard any more"),
+                OrderFailure::DevicesLost => format!("{station} has lost its devices"),
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Alarm given by hand: what the resource has to do with stops, and is put right like anything else that stands half-way.
 
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest};
-use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OngoingActivity, Outcome, PlayerInput};
+use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OngoingActivity, PlayerInput, TaskOutcome};
 use linewright_orders::TaskFailure;
 
 use super::bench::Bench;
@@ -52,7 +52,11 @@ fn an_alarm_stops_what_goes_back_from_another_failure() {
         assert_eq!(bench.sim.lives, 1 + usize::from(crash));
         bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
         let (_, outcome, _) = bench.at("m1").ended.last().copied().expect("it has ended");
-        assert_eq!((outcome, bench.at("m1").is_held), (Outcome::Failed(TaskFailure::Stopped), true), "crash: {crash}");
+        assert_eq!(
+            (outcome, bench.at("m1").is_held),
+            (TaskOutcome::Failed(TaskFailure::Stopped), true),
+            "crash: {crash}"
+        );
         assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Alarm { text: String::new() })]);
     }
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use linewright_coordinator_cell::{
-    ActivityPhase, CellMessage, Coordination, Failure, Fifo, OngoingOrder, OrderKey, OrderProgress, Outcome,
-    PlayerInput, PlayerOutbox, PlayerState, RecordKind, Reply, TaskReport,
+    ActivityPhase, CellMessage, Coordination, Fifo, OngoingOrder, OrderFailure, OrderKey, OrderProgress, PlayerInput,
+    PlayerOutbox, PlayerState, RecordKind, TaskOutcome, TaskReply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 use linewright_random::Random;
@@ -50,7 +50,7 @@ fn play(seed: u64) -> usize {
         let mut left = BTreeMap::new();
         for (key, (station, has_begun)) in std::mem::take(&mut told) {
             let (runs, ends) = (!has_begun && dice.one_in(2), has_begun && dice.one_in(30));
-            let reply = if ends { Reply::Ended(Outcome::Done) } else { Reply::Running };
+            let reply = if ends { TaskReply::Ended(TaskOutcome::Done) } else { TaskReply::Running };
             if runs || ends {
                 inputs.push(PlayerInput::Reply(station, key, reply));
             }
@@ -61,7 +61,7 @@ fn play(seed: u64) -> usize {
         told = left;
         player.step(now, &inputs, &mut Fifo, &mut out);
         for record in out.records.drain(..) {
-            if let RecordKind::OrderFailed { key, failure: Failure::Lost } = record.fact {
+            if let RecordKind::OrderFailed { key, failure: OrderFailure::Lost } = record.fact {
                 let (_, order) = player.state().order(key).expect("it is kept while it is not known what is true");
                 assert!(last[order.station.index()] + STALE <= now, "{seed}: {key} is lost too early");
                 lost += 1;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, ResourceRequest};
 use linewright_coordinator_cell::{
-    ActivityFailure, ActivityPhase, Failure, OrderProgress, Outcome, PlayerInput, TaskReport,
+    ActivityFailure, ActivityPhase, OrderFailure, OrderProgress, PlayerInput, TaskOutcome, TaskReport,
 };
 use linewright_orders::TaskFailure;
 
@@ -23,7 +23,7 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     bench.at("robot").is_away = true;
     let stands = TaskReport {
         slot: None,
-        results: vec![(key, Outcome::Failed(TaskFailure::Fault))],
+        results: vec![(key, TaskOutcome::Failed(TaskFailure::Fault))],
         ..bench.at("robot").heard()
     };
     let moves = TaskReport { slot: Some(key), ..stands.clone() };
@@ -31,7 +31,7 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
         bench.say(PlayerInput::Station(robot, &moves));
         bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 0.1);
     }
-    let failure = Failure::Code(1001);
+    let failure = OrderFailure::Code(1001);
     assert_eq!(bench.firing(LOAD).unwrap().phase, ActivityPhase::Failed(ActivityFailure::Order { key, failure }));
     assert_eq!(bench.state().exceptions().alarms().len(), 0, "the robot moves");
     bench.say(PlayerInput::Station(robot, &stands));
@@ -64,7 +64,7 @@ fn what_a_station_waited_for_is_why_it_failed_whoever_was_first() {
         bench.at("robot").fast = if first { Duration::from_secs(1) } else { Duration::ZERO };
         bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
         let of = bench.firing(LOAD).unwrap();
-        let cause = ActivityFailure::Order { key: of.orders[0].key, failure: Failure::Code(22) };
+        let cause = ActivityFailure::Order { key: of.orders[0].key, failure: OrderFailure::Code(22) };
         assert_eq!(of.phase, ActivityPhase::Failed(cause), "the station first: {first}");
         assert_eq!(bench.alarm().words, ["in-store", "in-machine", "scrap"]);
     }

@@ -8,8 +8,8 @@ use linewright_coordinator_cell::exception::{
     Strategy,
 };
 use linewright_coordinator_cell::{
-    ActivityFailure, ActivityPhase, CellEvent, Failure, FiringId, OngoingActivity, PartId, PlayerInput, PlayerState,
-    Presence, RecordKind, StationUnavailable,
+    ActivityFailure, ActivityPhase, CellEvent, FiringId, OngoingActivity, OrderFailure, PartId, PlayerInput,
+    PlayerState, Presence, RecordKind, StationUnavailable,
 };
 
 use super::bench::{Bench, workcell};
@@ -314,7 +314,7 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
     bench.at("m1").is_stuck = true;
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let firing = bench.firing(LOAD).expect("it has failed").clone();
-    let lost = ActivityFailure::Order { key: firing.orders[0].key, failure: Failure::Lost };
+    let lost = ActivityFailure::Order { key: firing.orders[0].key, failure: OrderFailure::Lost };
     assert_eq!(firing.phase, ActivityPhase::Failed(lost));
     assert!(
         bench.alarm().text.ends_with("robot was not heard to have come to rest, m1 is at rest)"),

@@ -3,7 +3,9 @@
 use linewright_coordinator_cell::exception::{
     AlarmSubject, AnsweredBy, ExceptionStep, RecoveryDecision, SecuredState, Strategy, Whereabouts,
 };
-use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, Failure, PartId, PartPlace, Presence, RecordKind};
+use linewright_coordinator_cell::{
+    ActivityFailure, ActivityPhase, OrderFailure, PartId, PartPlace, Presence, RecordKind,
+};
 use linewright_line::Tick;
 
 use super::bench::Bench;
@@ -36,11 +38,11 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     bench.news();
     bench.until(limit + 0.001);
     // "the associated task communicates the error to the exception handling module and finishes its execution" (L229).
-    let cause = ActivityFailure::Order { key: firing.orders[0].key, failure: Failure::TimedOut };
+    let cause = ActivityFailure::Order { key: firing.orders[0].key, failure: OrderFailure::TimedOut };
     assert_eq!(
         bench.news(),
         [
-            RecordKind::OrderFailed { key: firing.orders[0].key, failure: Failure::TimedOut },
+            RecordKind::OrderFailed { key: firing.orders[0].key, failure: OrderFailure::TimedOut },
             RecordKind::Raised { firing: firing.id, cause },
         ]
     );
@@ -127,6 +129,6 @@ fn without_a_fault_nobody_is_told_anything() {
     bench.until(7200.0);
     assert_eq!((bench.state().left(), bench.steps().len()), (6, 0));
     let orders = bench.sim.stations.iter().flat_map(|station| &station.ended);
-    assert!(orders.clone().all(|(_, outcome, _)| *outcome == linewright_coordinator_cell::Outcome::Done));
+    assert!(orders.clone().all(|(_, outcome, _)| *outcome == linewright_coordinator_cell::TaskOutcome::Done));
     assert_eq!(orders.count(), 6 * 10);
 }

@@ -11,8 +11,8 @@ use linewright_cell::net::Supply;
 use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, compile_cell};
 use linewright_coordinator_cell::production::{Production, ProductionChange, ProductionOrderRequest};
 use linewright_coordinator_cell::{
-    CellMessage, CellTable, Coordination, Dispatcher, ModeId, OrderKey, Outcome, PartId, PlayerInput, PlayerOutbox,
-    PlayerState, ProductionCommand, ProductionCommandError, ProductionId, Record, RecordKind, Reply, TaskReport,
+    CellMessage, CellTable, Coordination, Dispatcher, ModeId, OrderKey, PartId, PlayerInput, PlayerOutbox, PlayerState,
+    ProductionCommand, ProductionCommandError, ProductionId, Record, RecordKind, TaskOutcome, TaskReply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 use linewright_orders::TaskFailure;
@@ -84,7 +84,7 @@ pub struct Shop {
     pub really: BTreeMap<ModeId, Duration>,
     /// How often an order of a mode fails before it does not.
     pub fails: BTreeMap<ModeId, usize>,
-    doing: BTreeMap<(Tick, OrderKey), (StationId, Outcome)>,
+    doing: BTreeMap<(Tick, OrderKey), (StationId, TaskOutcome)>,
 }
 
 impl Shop {
@@ -160,7 +160,7 @@ impl Shop {
                         inputs.push(PlayerInput::Secured(
                             station,
                             key,
-                            Reply::Ended(Outcome::Failed(TaskFailure::Waiting(7))),
+                            TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Waiting(7))),
                         ));
                         continue;
                     }
@@ -170,13 +170,13 @@ impl Shop {
                 let linewright_coordinator_cell::ActivityTiming::Decided { time, .. } = kind else { unreachable!() };
                 let takes = self.really.get(&firing.mode).copied().unwrap_or(time);
                 let fails = self.fails.get_mut(&firing.mode).filter(|left| **left > 0);
-                let outcome = fails.map_or(Outcome::Done, |left| {
+                let outcome = fails.map_or(TaskOutcome::Done, |left| {
                     *left -= 1;
-                    Outcome::Failed(TaskFailure::Waiting(7))
+                    TaskOutcome::Failed(TaskFailure::Waiting(7))
                 });
                 let key = (firing.began + takes, order.order.key);
                 self.doing.insert(key, (order.station, outcome));
-                inputs.push(PlayerInput::Reply(order.station, order.order.key, Reply::Running));
+                inputs.push(PlayerInput::Reply(order.station, order.order.key, TaskReply::Running));
             }
             if !inputs.is_empty() {
                 continue;
@@ -191,7 +191,7 @@ impl Shop {
             while let Some(entry) = self.doing.first_entry().filter(|entry| entry.key().0 <= self.now) {
                 let (_, key) = *entry.key();
                 let (station, outcome) = entry.remove();
-                inputs.push(PlayerInput::Reply(station, key, Reply::Ended(outcome)));
+                inputs.push(PlayerInput::Reply(station, key, TaskReply::Ended(outcome)));
             }
         }
     }

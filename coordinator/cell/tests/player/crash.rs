@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use linewright_coordinator_cell::{Fifo, PartId, Refusal};
+use linewright_coordinator_cell::{Fifo, PartId, TaskRefusal};
 use linewright_line::Tick;
 use linewright_nets::NetBuilder;
 use linewright_nets::coloured::{Clause, ColouredBuilder, Guard, colour, id, proj};
@@ -154,7 +154,7 @@ fn orders_reach_a_station_in_their_order_whatever_the_network_does() {
         assert!(station.done.is_sorted_by_key(|done| done.key.id));
         assert_eq!((station.done.len(), world.state().firings().len()), (8, 0), "{:?}", world.state().firings().next());
         // While it is busy with one, it will not have another, and is asked again.
-        assert!(station.refused.contains(&Refusal::Busy) && !station.refused.contains(&Refusal::Old));
+        assert!(station.refused.contains(&TaskRefusal::Busy) && !station.refused.contains(&TaskRefusal::Old));
     }
 }
 

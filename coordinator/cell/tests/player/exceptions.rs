@@ -1,9 +1,9 @@
 //! Orders that are not done: the activity says so, and keeps what it has.
 
 use linewright_coordinator_cell::{
-    ActivityFailure, ActivityPhase, CellEvent, CellMessage, Coordination, Failure, Fifo, OrderKey, OrderMessage,
-    OrderProgress, Outcome, PartPlace, PlayerInput, PlayerOutbox, PlayerState, RecordKind, Refusal, Reply, Sending,
-    TaskReport,
+    ActivityFailure, ActivityPhase, CellEvent, CellMessage, Coordination, Fifo, OrderFailure, OrderKey, OrderMessage,
+    OrderProgress, PartPlace, PlayerInput, PlayerOutbox, PlayerState, RecordKind, Sending, TaskOutcome, TaskRefusal,
+    TaskReply, TaskReport,
 };
 use linewright_line::{StationId, Tick};
 use linewright_orders::TaskFailure;
@@ -92,11 +92,11 @@ impl Bench {
 }
 
 fn running(station: StationId, id: u64) -> PlayerInput<'static> {
-    PlayerInput::Reply(station, key(id), Reply::Running)
+    PlayerInput::Reply(station, key(id), TaskReply::Running)
 }
 
 fn done(station: StationId, id: u64) -> PlayerInput<'static> {
-    PlayerInput::Reply(station, key(id), Reply::Ended(Outcome::Done))
+    PlayerInput::Reply(station, key(id), TaskReply::Ended(TaskOutcome::Done))
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
     assert_eq!(bench.player.sending(key(1)), None);
     // Who is busy is asked again; who says no twice is not believed less.
     for at in [250, 300] {
-        bench.at(at, &[PlayerInput::Reply(MACHINE, key(2), Reply::Refused(Refusal::Busy))]);
+        bench.at(at, &[PlayerInput::Reply(MACHINE, key(2), TaskReply::Refused(TaskRefusal::Busy))]);
         assert_eq!(bench.sent(), []);
     }
     bench.at(400, &[]);
@@ -139,19 +139,22 @@ fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
 fn a_code_fails_it_and_what_other_stations_do_meanwhile_is_kept() {
     let mut bench = Bench::new();
     bench.at(10, &[running(ROBOT, 1), running(MACHINE, 2)]);
-    bench.at(20, &[PlayerInput::Reply(MACHINE, key(2), Reply::Ended(Outcome::Failed(TaskFailure::Waiting(12))))]);
+    bench.at(
+        20,
+        &[PlayerInput::Reply(MACHINE, key(2), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Waiting(12))))],
+    );
     bench.at(30, &[done(ROBOT, 1)]);
     let states: Vec<_> =
         bench.player.state().firings().next().unwrap().orders.iter().map(|order| order.state).collect();
-    assert_eq!(states, [OrderProgress::Ended, OrderProgress::Failed(Failure::Code(12))]);
-    bench.assert_failed(ActivityFailure::Order { key: key(2), failure: Failure::Code(12) });
+    assert_eq!(states, [OrderProgress::Ended, OrderProgress::Failed(OrderFailure::Code(12))]);
+    bench.assert_failed(ActivityFailure::Order { key: key(2), failure: OrderFailure::Code(12) });
 }
 
 #[test]
 fn a_refusal_that_does_not_pass_fails_it() {
     let mut bench = Bench::new();
-    bench.at(10, &[PlayerInput::Reply(ROBOT, key(1), Reply::Refused(Refusal::NotThere))]);
-    let failure = Failure::Refused(Refusal::NotThere);
+    bench.at(10, &[PlayerInput::Reply(ROBOT, key(1), TaskReply::Refused(TaskRefusal::NotThere))]);
+    let failure = OrderFailure::Refused(TaskRefusal::NotThere);
     bench.assert_failed(ActivityFailure::Order { key: key(1), failure });
 }
 
@@ -168,7 +171,7 @@ fn an_end_that_does_not_come_in_time_fails_it_and_one_that_comes_later_is_kept()
     bench.at(61_000, &[done(ROBOT, 1)]);
     let orders = &bench.player.state().firings().next().unwrap().orders;
     assert!(orders.iter().all(|order| order.state == OrderProgress::Ended), "known to whoever finds out what is true");
-    bench.assert_failed(ActivityFailure::Order { key: key(1), failure: Failure::TimedOut });
+    bench.assert_failed(ActivityFailure::Order { key: key(1), failure: OrderFailure::TimedOut });
 }
 
 #[test]
@@ -189,7 +192,7 @@ fn no_limit_runs_out_in_the_first_second_after_a_restart() {
     assert_eq!(bench.player.state().firings().next().unwrap().phase, ActivityPhase::Running);
     assert_eq!(bench.player.next_deadline(), Some(Tick::from_millis(101_000)));
     bench.at(101_000, &[]);
-    bench.assert_failed(ActivityFailure::Order { key: key(1), failure: Failure::TimedOut });
+    bench.assert_failed(ActivityFailure::Order { key: key(1), failure: OrderFailure::TimedOut });
 }
 
 /// A station with a new memory may have done what it was told or not: nobody sends it again.
@@ -208,7 +211,7 @@ fn an_order_to_a_station_that_has_lost_its_memory_fails_and_is_never_sent_again(
             bench.at(20, &[PlayerInput::Station(ROBOT, &fresh)]);
             let machine: Vec<_> = bench.sent().iter().map(|order| order.station).collect();
             assert_eq!(machine, [], "{acknowledged} {restarted}");
-            bench.assert_failed(ActivityFailure::Order { key: key(1), failure: Failure::Forgotten });
+            bench.assert_failed(ActivityFailure::Order { key: key(1), failure: OrderFailure::Forgotten });
         }
     }
 }
@@ -228,7 +231,7 @@ fn a_lost_memory_is_noticed_whichever_of_its_records_were_written() {
         bench.restart();
         bench.at(30, &[PlayerInput::Station(ROBOT, &fresh)]);
         assert_eq!(bench.sent(), [], "{written}");
-        bench.assert_failed(ActivityFailure::Order { key: key(1), failure: Failure::Forgotten });
+        bench.assert_failed(ActivityFailure::Order { key: key(1), failure: OrderFailure::Forgotten });
     }
 }
 
@@ -244,7 +247,7 @@ fn a_restarted_coordinator_sends_what_nobody_has_answered_once_it_hears_the_stat
     bench.at(30, &[PlayerInput::Station(MACHINE, &same), PlayerInput::Station(ROBOT, &same)]);
     assert_eq!(bench.keys_sent(), [key(2)], "the same key, and only what nobody has taken on");
     // What has ended is in the station's whole state.
-    let ended = |id| TaskReport { results: vec![(key(id), Outcome::Done)], ..same.clone() };
+    let ended = |id| TaskReport { results: vec![(key(id), TaskOutcome::Done)], ..same.clone() };
     bench.at(40, &[PlayerInput::Station(MACHINE, &ended(2)), PlayerInput::Station(ROBOT, &ended(1))]);
     let work = &bench.sent()[0];
     assert_eq!((work.order.key, &*work.order.task), (OrderKey { epoch: 2, id: 3 }, "work"));

@@ -1,7 +1,7 @@
 //! Records are the whole truth: what is replayed is what was; what does not fit changes nothing.
 
 use linewright_coordinator_cell::{
-    ActivityFailure, Coordination, Failure, Fifo, FiringId, ModeId, OrderKey, PartId, PlayerOutbox, PlayerState,
+    ActivityFailure, Coordination, Fifo, FiringId, ModeId, OrderFailure, OrderKey, PartId, PlayerOutbox, PlayerState,
     Record, RecordKind,
 };
 use linewright_line::Tick;
@@ -68,7 +68,7 @@ fn any_fact(dice: &mut Dice, state: &PlayerState) -> RecordKind {
         2 => RecordKind::Started { firing, mode, part, orders: vec![key; dice.below(3)] },
         3 => RecordKind::Acknowledged { key },
         4 => RecordKind::OrderEnded { key },
-        5 => RecordKind::OrderFailed { key, failure: Failure::TimedOut },
+        5 => RecordKind::OrderFailed { key, failure: OrderFailure::TimedOut },
         6 => RecordKind::Raised { firing, cause: ActivityFailure::TimedOut },
         7 => RecordKind::Ended { firing },
         _ => RecordKind::Fired { mode, part },

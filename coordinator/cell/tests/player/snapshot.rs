@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::dispatch::{DispatchRule, PartPriority, RuleDispatcher, words};
 use linewright_coordinator_cell::{
-    ActivityFailure, ActivityTiming, CellSnapshot, CellTable, Coordination, DecidingRule, Failure, Fifo, FiringId,
-    Gain, HoldReason, LostDecision, ModeId, OrderKey, PartId, PlayerInput, PlayerOutbox, PlayerState,
-    ProgressComparison, Record, RecordKind, Refusal,
+    ActivityFailure, ActivityTiming, CellSnapshot, CellTable, Coordination, DecidingRule, Fifo, FiringId, Gain,
+    HoldReason, LostDecision, ModeId, OrderFailure, OrderKey, PartId, PlayerInput, PlayerOutbox, PlayerState,
+    ProgressComparison, Record, RecordKind, TaskRefusal,
 };
 use linewright_line::{StationId, Tick};
 use linewright_nets::NetBuilder;
@@ -200,17 +200,17 @@ fn every_record_has_the_text_that_it_always_had() {
         (RecordKind::Acknowledged { key }, r#"{"acknowledged":{"key":{"epoch":2,"id":9}}}"#),
         (RecordKind::OrderEnded { key }, r#"{"order-ended":{"key":{"epoch":2,"id":9}}}"#),
         (
-            RecordKind::OrderFailed { key, failure: Failure::Refused(Refusal::OldEpoch) },
+            RecordKind::OrderFailed { key, failure: OrderFailure::Refused(TaskRefusal::OldEpoch) },
             r#"{"order-failed":{"key":{"epoch":2,"id":9},"failure":{"refused":"old-epoch"}}}"#,
         ),
         (
-            RecordKind::OrderFailed { key, failure: Failure::Forgotten },
+            RecordKind::OrderFailed { key, failure: OrderFailure::Forgotten },
             r#"{"order-failed":{"key":{"epoch":2,"id":9},"failure":"forgotten"}}"#,
         ),
         (
             RecordKind::Raised {
                 firing: FiringId(6),
-                cause: ActivityFailure::Order { key, failure: Failure::Code(12) },
+                cause: ActivityFailure::Order { key, failure: OrderFailure::Code(12) },
             },
             r#"{"raised":{"firing":6,"cause":{"order":{"key":{"epoch":2,"id":9},"failure":{"code":12}}}}}"#,
         ),

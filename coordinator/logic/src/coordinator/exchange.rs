@@ -6,7 +6,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 
 use crate::decision::ModeCommand;
-use crate::refusal::Refusal;
+use crate::refusal::RefusedCommand;
 
 /// What the coordinator needs of a station's report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -99,5 +99,5 @@ pub struct ModeOutbox {
     /// Modes entered, in order. The caller drains it.
     pub modes: Vec<ControlMode>,
     /// Commands refused, in order. The caller drains it.
-    pub refusals: Vec<Refusal>,
+    pub refusals: Vec<RefusedCommand>,
 }

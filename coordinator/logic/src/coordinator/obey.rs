@@ -4,14 +4,14 @@ use linewright_line::net::ControlMode;
 
 use super::Coordinator;
 use crate::decision::ModeCommand;
-use crate::refusal::{ModeRefusal, Refusal};
+use crate::refusal::{ModeRefusal, RefusedCommand};
 
 impl Coordinator {
     pub(super) fn command(&mut self, command: ModeCommand) {
         self.changed = true;
         let reasons = self.obey(command);
         if !reasons.is_empty() {
-            self.refusals.push(Refusal { command, mode: self.mode, reasons });
+            self.refusals.push(RefusedCommand { command, mode: self.mode, reasons });
         }
     }
 

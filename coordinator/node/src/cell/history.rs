@@ -2,7 +2,7 @@
 //!
 //! Whoever runs a cell writes a step's records into the log ([`super::CellLog::write`]), sends what is to be sent, and then
 //! tells the chronicle, which never waits. At the beginning of a life the two are compared, and what the database lacks is
-//! read from the log. A log forgets what its snapshot stands for, so one begins anew only when [`Chronicle::has`] says that
+//! read from the log. A log forgets what its snapshot stands for, so one begins anew only when [`HistoryFeeder::has`] says that
 //! nothing is lost by it, or when there is no database any more.
 
 use std::path::{Path, PathBuf};
@@ -16,15 +16,15 @@ use linewright_node_shell::log::{LogEntry, RecordLog};
 
 /// Feeds a database.
 #[derive(Debug)]
-pub struct Chronicle {
+pub struct HistoryFeeder {
     recorder: HistoryFeed,
 }
 
-impl Chronicle {
+impl HistoryFeeder {
     /// Begins a life: `state` is what the log at `log` says, which is the one that is written from here on.
     pub fn begin(history: History, log: &Path, state: &PlayerState) -> Self {
-        let source = OfLog { path: log.to_owned() };
-        Chronicle { recorder: HistoryFeed::start(history, Box::new(source), state.sequence()) }
+        let source = LogRecords { path: log.to_owned() };
+        HistoryFeeder { recorder: HistoryFeed::start(history, Box::new(source), state.sequence()) }
     }
 
     /// Tells what a step has left, after it is in the log. `state` is what the step has led to.
@@ -62,7 +62,7 @@ pub(super) fn begin(
     dir: &Path,
     (cell, line, made): (&Cell, &Line, &CompiledCell),
     state: &PlayerState,
-) -> Option<Chronicle> {
+) -> Option<HistoryFeeder> {
     let about = CellAbout {
         cell: cell.name.clone(),
         title: cell.title.clone(),
@@ -72,7 +72,7 @@ pub(super) fn begin(
         sheet: sheet(cell, made),
     };
     match History::open(&dir.join("cell.db"), &about) {
-        Ok(history) => Some(Chronicle::begin(history, &dir.join("cell.log"), state)),
+        Ok(history) => Some(HistoryFeeder::begin(history, &dir.join("cell.log"), state)),
         Err(error) => {
             tracing::error!("{error}; the cell goes on without");
             None
@@ -81,11 +81,11 @@ pub(super) fn begin(
 }
 
 /// The log on disk, read beside the one who writes it.
-struct OfLog {
+struct LogRecords {
     path: PathBuf,
 }
 
-impl RecordSource for OfLog {
+impl RecordSource for LogRecords {
     fn read(&mut self, take: &mut dyn FnMut(u64, Record)) -> Result<(), String> {
         let mut number = 0;
         let read = RecordLog::read(&self.path, |entry| {

@@ -47,15 +47,15 @@ pub enum CellLogError {
 /// What a log is about.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Identity {
+struct LogIdentity {
     format: u32,
     cell: String,
     table: String,
 }
 
-impl Identity {
+impl LogIdentity {
     /// What is different in a log that has this one; none if nothing is.
-    fn difference(&self, expected: &Identity) -> Option<(String, String)> {
+    fn difference(&self, expected: &LogIdentity) -> Option<(String, String)> {
         let of = |format: u32| format!("records in form {format}");
         if self.format != expected.format {
             return Some((of(self.format), of(expected.format)));
@@ -79,7 +79,7 @@ pub struct CellLog {
 
 /// A log, and what was in it.
 #[derive(Debug)]
-pub struct Found {
+pub struct OpenedLog {
     /// To go on with.
     pub log: CellLog,
     /// What it says.
@@ -93,13 +93,13 @@ impl CellLog {
     ///
     /// # Errors
     /// When there is a log and it cannot be used, or is about another cell or another description of it.
-    pub fn open(path: &Path, cell: &str, table: &Arc<CellTable>) -> Result<Found, CellLogError> {
-        let expected = Identity { format: FORMAT, cell: cell.to_owned(), table: format!("{:016x}", table.digest()) };
+    pub fn open(path: &Path, cell: &str, table: &Arc<CellTable>) -> Result<OpenedLog, CellLogError> {
+        let expected = LogIdentity { format: FORMAT, cell: cell.to_owned(), table: format!("{:016x}", table.digest()) };
         let (mut state, mut records) = (PlayerState::new(table.clone()), 0);
         let mut difference = None;
         let opened = RecordLog::open(path, &serde_json::to_vec(&expected)?, |entry| match entry {
             LogEntry::Identity(bytes) => {
-                let is: Identity = serde_json::from_slice(bytes).map_err(|_| "it is no log of a cell".to_owned())?;
+                let is: LogIdentity = serde_json::from_slice(bytes).map_err(|_| "it is no log of a cell".to_owned())?;
                 difference = is.difference(&expected);
                 difference.as_ref().map_or(Ok(()), |(is, _)| Err(is.clone()))
             }
@@ -115,7 +115,7 @@ impl CellLog {
             }
         });
         match (opened, difference) {
-            (Ok((log, cut)), _) => Ok(Found { log: CellLog { log, records }, state, cut }),
+            (Ok((log, cut)), _) => Ok(OpenedLog { log: CellLog { log, records }, state, cut }),
             (Err(_), Some((is, expected))) => Err(CellLogError::Other { path: path.to_owned(), is, expected }),
             (Err(error), None) => Err(error.into()),
         }

@@ -4,7 +4,7 @@
 
 mod history;
 mod log;
-mod people;
+mod pending_replies;
 mod play;
 mod situation;
 mod topics;
@@ -12,7 +12,7 @@ mod why;
 mod wire;
 mod words;
 
-pub use history::Chronicle;
-pub use log::{CellLog, CellLogError, Found, RECORDS_MAX};
-pub use play::{CellError, CellOptions, Playing};
-pub use situation::Situation;
+pub use history::HistoryFeeder;
+pub use log::{CellLog, CellLogError, OpenedLog, RECORDS_MAX};
+pub use play::{CellError, CellNodeOptions, CellThread};
+pub use situation::LineSituation;

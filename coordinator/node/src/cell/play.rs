@@ -18,22 +18,22 @@ use linewright_coordinator_cell::production::ProductionOrderRequest;
 use linewright_coordinator_cell::schedule::{PlanActualBar, ScheduleFollower};
 use linewright_coordinator_cell::{
     AlarmId, CellEvent, CellMessage, Coordination, OldEpoch, OrderKey, PlayerInput, PlayerOutbox, ProductionCommand,
-    RecordKind, Reply as Answered, RequestId, TaskReport,
+    RecordKind, RequestId, TaskReply as Answered, TaskReport,
 };
 use linewright_history::Note;
 use linewright_line::{InputId, Line, StationId, Tick};
 use linewright_msgs::{CellState, SetResourceRequest, SetResourceResponse, SubmitOrders, WhyNotResponse};
 use linewright_node_line::quoted;
-use linewright_node_shell::{Forward, Reply, RosNode, TopicError, fresh_key, stamp};
+use linewright_node_shell::{Forward, RosNode, ServiceReply, TopicError, fresh_key, stamp};
 use linewright_station_shell::NewestBySequence;
 use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
 
-use super::history::{Chronicle, begin};
+use super::history::{HistoryFeeder, begin};
 use super::log::{CellLog, CellLogError, known};
-use super::people::{Customer, Operator, People, denied_all};
-use super::situation::{Apart, Situation};
-use super::topics::{News, Says, open};
+use super::pending_replies::{AnsweringOperator, PendingReplies, Requester, denied_all};
+use super::situation::{IsolatedStations, LineSituation};
+use super::topics::{CellInbound, CellPublishers, open};
 use super::why::why;
 use super::wire;
 use super::words::describe;
@@ -67,7 +67,7 @@ pub enum CellError {
 }
 
 /// What a cell is played with.
-pub struct CellOptions {
+pub struct CellNodeOptions {
     /// The checked description.
     pub cell: Cell,
     /// Its line.
@@ -79,9 +79,9 @@ pub struct CellOptions {
 }
 
 /// A cell that is played.
-pub struct Playing {
-    situation: watch::Sender<Situation>,
-    apart: watch::Receiver<Apart>,
+pub struct CellThread {
+    situation: watch::Sender<LineSituation>,
+    apart: watch::Receiver<IsolatedStations>,
     ended: oneshot::Receiver<CellError>,
     tasks: Vec<Forward>,
 }
@@ -94,16 +94,16 @@ const TELL_AT_MOST_EVERY: Duration = Duration::from_millis(100);
 /// that; a process that is started again meanwhile says itself what has become of its order.
 const LOST: u32 = 20;
 
-impl Playing {
+impl CellThread {
     /// Opens everything and begins. Must be called inside a tokio runtime.
     ///
     /// # Errors
     /// When it cannot begin.
-    pub fn open(options: CellOptions, node: &mut RosNode) -> Result<Self, CellError> {
+    pub fn open(options: CellNodeOptions, node: &mut RosNode) -> Result<Self, CellError> {
         let (says, from, tasks) = open(node, &options.line)?;
-        let (say, situation) = watch::channel(Situation::new(options.line.stations.len()));
-        let (tell_apart, apart) = watch::channel(Apart::default());
-        let mut player = Player::new(options, says, from, situation, tell_apart)?;
+        let (say, situation) = watch::channel(LineSituation::new(options.line.stations.len()));
+        let (tell_apart, apart) = watch::channel(IsolatedStations::default());
+        let mut player = CellLoop::new(options, says, from, situation, tell_apart)?;
         // Before anybody is heard: a station that is stopped is no emergency stop of the line.
         player.tell_apart(false);
         let (end, ended) = oneshot::channel();
@@ -120,11 +120,11 @@ impl Playing {
         };
         let spawned = std::thread::Builder::new().name("cell".to_owned()).spawn(play);
         spawned.map_err(|error| CellError::Thread(error.to_string()))?;
-        Ok(Playing { situation: say, apart, ended, tasks })
+        Ok(CellThread { situation: say, apart, ended, tasks })
     }
 
     /// Says how the line stands, if it stands otherwise than before.
-    pub fn tell(&self, now: &Situation) {
+    pub fn tell(&self, now: &LineSituation) {
         self.situation.send_if_modified(|known| {
             let changed = known != now;
             if changed {
@@ -135,7 +135,7 @@ impl Playing {
     }
 
     /// The stations that are not treated like the others.
-    pub fn apart(&self) -> watch::Ref<'_, Apart> {
+    pub fn apart(&self) -> watch::Ref<'_, IsolatedStations> {
         self.apart.borrow()
     }
 
@@ -160,7 +160,7 @@ impl Playing {
 }
 
 /// Something for the token player.
-enum Told {
+enum PlayerMessage {
     State(StationId, TaskReport),
     Reply(StationId, OrderKey, Answered),
     Secured(StationId, OrderKey, Answered),
@@ -170,16 +170,20 @@ enum Told {
     Say(ResourceRequest, String),
 }
 
-impl Told {
+impl PlayerMessage {
     fn input(&self) -> PlayerInput<'_> {
         match self {
-            Told::State(station, heard) => PlayerInput::Station(*station, heard),
-            Told::Reply(station, key, reply) => PlayerInput::Reply(*station, *key, *reply),
-            Told::Secured(station, key, reply) => PlayerInput::Secured(*station, *key, *reply),
-            Told::Submit(ticket, requests) => PlayerInput::Production(*ticket, ProductionCommand::Submit(requests)),
-            Told::Cancel(ticket, name) => PlayerInput::Production(*ticket, ProductionCommand::Cancel(name)),
-            Told::Withdraw(ticket, name) => PlayerInput::Production(*ticket, ProductionCommand::Withdraw(name)),
-            Told::Say(said, text) => match *said {
+            PlayerMessage::State(station, heard) => PlayerInput::Station(*station, heard),
+            PlayerMessage::Reply(station, key, reply) => PlayerInput::Reply(*station, *key, *reply),
+            PlayerMessage::Secured(station, key, reply) => PlayerInput::Secured(*station, *key, *reply),
+            PlayerMessage::Submit(ticket, requests) => {
+                PlayerInput::Production(*ticket, ProductionCommand::Submit(requests))
+            }
+            PlayerMessage::Cancel(ticket, name) => PlayerInput::Production(*ticket, ProductionCommand::Cancel(name)),
+            PlayerMessage::Withdraw(ticket, name) => {
+                PlayerInput::Production(*ticket, ProductionCommand::Withdraw(name))
+            }
+            PlayerMessage::Say(said, text) => match *said {
                 ResourceRequest::Answer(alarm) => PlayerInput::Answer { alarm, word: text },
                 ResourceRequest::Alarm(resource) => PlayerInput::Alarm { resource, text },
                 ResourceRequest::Down(resource) => PlayerInput::Resource { resource, up: false },
@@ -190,7 +194,7 @@ impl Told {
     }
 }
 
-struct Player {
+struct CellLoop {
     line: Line,
     ways: ShortestRoutes,
     reasons: Reasons,
@@ -198,37 +202,37 @@ struct Player {
     follower: ScheduleFollower,
     log: Option<CellLog>,
     /// The database beside the log; none where there is no log, or it could not be used.
-    chronicle: Option<Chronicle>,
+    chronicle: Option<HistoryFeeder>,
     /// How the line stands, as the database was told.
-    noted: Situation,
-    says: Says,
-    from: mpsc::Receiver<News>,
-    situation: watch::Receiver<Situation>,
+    noted: LineSituation,
+    says: CellPublishers,
+    from: mpsc::Receiver<CellInbound>,
+    situation: watch::Receiver<LineSituation>,
     states: Vec<NewestBySequence>,
     /// The time when this life began, and by which clock it goes on.
     origin: Tick,
     began: tokio::time::Instant,
-    told: Vec<Told>,
-    people: People,
+    told: Vec<PlayerMessage>,
+    people: PendingReplies,
     /// Why stations could do nothing now, as they say; and the inputs that see their parts.
     unable: Vec<Option<StationUnavailable>>,
     sensors: Vec<Option<InputId>>,
-    apart: watch::Sender<Apart>,
+    apart: watch::Sender<IsolatedStations>,
     message: CellState,
     /// When the state was told, by the player's time; and whether it has changed since.
     said: Tick,
     changed: bool,
 }
 
-impl Player {
+impl CellLoop {
     fn new(
-        options: CellOptions,
-        says: Says,
-        from: mpsc::Receiver<News>,
-        situation: watch::Receiver<Situation>,
-        apart: watch::Sender<Apart>,
+        options: CellNodeOptions,
+        says: CellPublishers,
+        from: mpsc::Receiver<CellInbound>,
+        situation: watch::Receiver<LineSituation>,
+        apart: watch::Sender<IsolatedStations>,
     ) -> Result<Self, CellError> {
-        let CellOptions { cell, line, state_dir, boot_id } = options;
+        let CellNodeOptions { cell, line, state_dir, boot_id } = options;
         let pace = OrderTiming { refresh: line.timing.stale, grace: line.timing.stale * 2 };
         let mut made = compile_cell(&cell, Some(&line), Supply::Open, pace)?;
         let handling = RecoveryPolicy { stale: Some(line.timing.stale * LOST), ..made.table.handling().clone() };
@@ -251,14 +255,14 @@ impl Player {
         if let Some(chronicle) = &mut chronicle {
             chronicle.tell(coordination.state(), &out);
         }
-        Ok(Player {
+        Ok(CellLoop {
             ways: ShortestRoutes::new(&table),
             reasons: Reasons::default(),
             coordination,
             follower,
             log,
             chronicle,
-            noted: Situation::new(line.stations.len()),
+            noted: LineSituation::new(line.stations.len()),
             says,
             from,
             situation,
@@ -266,7 +270,7 @@ impl Player {
             origin,
             began: tokio::time::Instant::now(),
             told: Vec::new(),
-            people: People::default(),
+            people: PendingReplies::default(),
             unable: vec![None; line.stations.len()],
             sensors: wire::sensors(&cell, &line),
             apart,
@@ -309,47 +313,47 @@ impl Player {
         self.coordination.next_deadline().map_or(tell, |next| next.min(tell))
     }
 
-    fn take(&mut self, news: News) {
+    fn take(&mut self, news: CellInbound) {
         match news {
-            News::Heard(station, message) => {
+            CellInbound::Heard(station, message) => {
                 let (now, known) = (self.now(), self.states.get_mut(station.index()));
                 let newest = known.is_some_and(|known| known.offer(now, message.boot_id, message.sequence));
                 if newest && message.station == self.line.station(station).name {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
                     let (heard, refused) = wire::heard(&message, unable, sensor);
                     let secured = wire::secured(&message, &heard);
-                    self.told.push(Told::State(station, heard));
-                    self.told.extend(secured.map(|(key, reply)| Told::Secured(station, key, reply)));
-                    self.told.extend(refused.into_iter().map(|(key, reply)| Told::Reply(station, key, reply)));
+                    self.told.push(PlayerMessage::State(station, heard));
+                    self.told.extend(secured.map(|(key, reply)| PlayerMessage::Secured(station, key, reply)));
+                    self.told.extend(refused.into_iter().map(|(key, reply)| PlayerMessage::Reply(station, key, reply)));
                 }
             }
-            News::State(station, message) => {
+            CellInbound::State(station, message) => {
                 if message.station == self.line.station(station).name {
                     self.unable[station.index()] = wire::unable(&message);
                 }
             }
-            News::Answer(alarm, word, by, reply) => {
+            CellInbound::Answer(alarm, word, by, reply) => {
                 tracing::info!("alarm {alarm}: {} says {}", quoted(&by), quoted(&word));
-                self.say(ResourceRequest::Answer(AlarmId(alarm)), word, Operator::Answer(reply));
+                self.say(ResourceRequest::Answer(AlarmId(alarm)), word, AnsweringOperator::Answer(reply));
             }
-            News::Resource(said, reply) => {
+            CellInbound::Resource(said, reply) => {
                 let SetResourceRequest { resource, what, text, by } = said;
                 tracing::info!("{}: {} says {what} {}", quoted(&resource), quoted(&by), quoted(&text));
                 match wire::said(self.coordination.state(), &resource, what) {
-                    Ok(said) => self.say(said, text, Operator::Resource(reply)),
+                    Ok(said) => self.say(said, text, AnsweringOperator::Resource(reply)),
                     Err(reason) => reply.send(SetResourceResponse { accepted: false, reason }),
                 }
             }
-            News::Submit(asked, reply) => self.submit(&asked.requests, reply),
-            News::Cancel(name, reply) => {
-                let ticket = self.people.ticket(Customer::Change(reply));
-                self.told.push(Told::Cancel(ticket, name));
+            CellInbound::Submit(asked, reply) => self.submit(&asked.requests, reply),
+            CellInbound::Cancel(name, reply) => {
+                let ticket = self.people.ticket(Requester::Change(reply));
+                self.told.push(PlayerMessage::Cancel(ticket, name));
             }
-            News::Withdraw(name, reply) => {
-                let ticket = self.people.ticket(Customer::Change(reply));
-                self.told.push(Told::Withdraw(ticket, name));
+            CellInbound::Withdraw(name, reply) => {
+                let ticket = self.people.ticket(Requester::Change(reply));
+                self.told.push(PlayerMessage::Withdraw(ticket, name));
             }
-            News::Why(about, reply) => {
+            CellInbound::Why(about, reply) => {
                 let lines = why(&self.ways, &self.reasons, self.coordination.state(), self.now(), &about);
                 let known = lines.is_ok();
                 reply.send(WhyNotResponse { known, lines: lines.unwrap_or_else(|unknown| vec![unknown]) });
@@ -357,12 +361,12 @@ impl Player {
         }
     }
 
-    fn say(&mut self, said: ResourceRequest, text: String, operator: Operator) {
-        self.told.push(Told::Say(said, text));
+    fn say(&mut self, said: ResourceRequest, text: String, operator: AnsweringOperator) {
+        self.told.push(PlayerMessage::Say(said, text));
         self.people.expect(said, operator);
     }
 
-    fn submit(&mut self, asked: &[linewright_msgs::ProductionRequest], reply: Reply<SubmitOrders>) {
+    fn submit(&mut self, asked: &[linewright_msgs::ProductionRequest], reply: ServiceReply<SubmitOrders>) {
         let (mut requests, mut problems) = (Vec::new(), Vec::new());
         for request in asked {
             match wire::request(request, fresh_key()) {
@@ -371,8 +375,8 @@ impl Player {
             }
         }
         if problems.is_empty() {
-            let ticket = self.people.ticket(Customer::Submit(reply));
-            self.told.push(Told::Submit(ticket, requests));
+            let ticket = self.people.ticket(Requester::Submit(reply));
+            self.told.push(PlayerMessage::Submit(ticket, requests));
         } else {
             reply.send(denied_all(problems));
         }
@@ -383,7 +387,7 @@ impl Player {
         let (now, may_start) = (self.now(), self.situation.borrow_and_update().starts);
         let told = std::mem::take(&mut self.told);
         let mut inputs = vec![PlayerInput::Starts(may_start)];
-        inputs.extend(told.iter().map(Told::input));
+        inputs.extend(told.iter().map(PlayerMessage::input));
         let mut out = PlayerOutbox::default();
         self.coordination.step(now, &inputs, &mut self.follower, &mut out);
         // Like the line's, a station's emergency stop is in force before it is written down.
@@ -420,7 +424,7 @@ impl Player {
     /// Says which stations are the cell's affair alone. It follows from the state, which only records change. Before they are
     /// on disk it is only said which ones stop as well.
     fn tell_apart(&self, only_stops: bool) {
-        let apart = Apart::of(self.coordination.state());
+        let apart = IsolatedStations::of(self.coordination.state());
         self.apart.send_if_modified(|now| {
             let before = now.clone();
             if !only_stops {

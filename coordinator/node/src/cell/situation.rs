@@ -11,7 +11,7 @@ use linewright_line::net::ControlMode;
 
 /// How the line stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Situation {
+pub struct LineSituation {
     /// Activities may start.
     pub starts: bool,
     /// The mode.
@@ -24,24 +24,24 @@ pub struct Situation {
 
 /// What the cell tells the rest of the coordinator: stations that are not treated like the others.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Apart {
+pub struct IsolatedStations {
     /// Their trouble is the cell's alone.
     pub isolated: BTreeSet<StationId>,
     /// They are in emergency stop by themselves.
     pub stopped: BTreeSet<StationId>,
 }
 
-impl Apart {
+impl IsolatedStations {
     /// As it follows from what is known of the cell.
     pub fn of(state: &PlayerState) -> Self {
-        Apart { isolated: isolated(state), stopped: state.exceptions().stopped().collect() }
+        IsolatedStations { isolated: isolated(state), stopped: state.exceptions().stopped().collect() }
     }
 }
 
-impl Situation {
+impl LineSituation {
     /// Of a line of so many stations that has just begun: nothing may start, and nobody was heard.
     pub fn new(stations: usize) -> Self {
-        Situation {
+        LineSituation {
             starts: false,
             mode: ControlMode::StandBy,
             heard: vec![false; stations],
@@ -50,8 +50,8 @@ impl Situation {
     }
 
     /// What has changed since, for the database.
-    pub fn notes_since(&self, before: &Situation) -> impl Iterator<Item = Note> {
-        let is_stopped = |of: &Situation| of.mode == ControlMode::EStop;
+    pub fn notes_since(&self, before: &LineSituation) -> impl Iterator<Item = Note> {
+        let is_stopped = |of: &LineSituation| of.mode == ControlMode::EStop;
         let mode = ((self.mode, self.starts) != (before.mode, before.starts))
             .then(|| Note::Mode { name: self.mode.name().to_owned(), starts: self.starts });
         let stop = (is_stopped(self) != is_stopped(before)).then(|| Note::EmergencyStop { on: is_stopped(self) });
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn only_what_has_changed_is_noted() {
-        let before = Situation { heard: vec![true; 2], devices: vec![true; 2], ..Situation::new(2) };
+        let before = LineSituation { heard: vec![true; 2], devices: vec![true; 2], ..LineSituation::new(2) };
         assert_eq!(before.notes_since(&before).count(), 0);
         let mut after = before.clone();
         (after.mode, after.heard[1], after.devices[0]) = (ControlMode::EStop, false, false);

@@ -7,46 +7,46 @@ use linewright_msgs::{
     StationState, SubmitOrders, SubmitOrdersRequest, WhyNot,
 };
 use linewright_node_shell::{
-    ActionCaller, Forward, Mapping, Publisher, Reply, RosNode, TopicError, forward, qos, serve,
+    ActionCaller, Forward, Mapping, Publisher, RosNode, ServiceReply, TopicError, forward, qos, serve,
 };
 use tokio::sync::mpsc;
 
 use super::wire;
 
 /// What comes in.
-pub enum News {
+pub enum CellInbound {
     /// What a station says of its orders.
     Heard(StationId, Box<OrderState>),
     /// Somebody wants something to be made.
-    Submit(SubmitOrdersRequest, Reply<SubmitOrders>),
+    Submit(SubmitOrdersRequest, ServiceReply<SubmitOrders>),
     /// Nothing more of an order is to enter.
-    Cancel(String, Reply<ChangeOrder>),
+    Cancel(String, ServiceReply<ChangeOrder>),
     /// An order is to be as if it had never been.
-    Withdraw(String, Reply<ChangeOrder>),
+    Withdraw(String, ServiceReply<ChangeOrder>),
     /// What else a station on order says of itself.
     State(StationId, Box<StationState>),
     /// What an alarm asked for has been done: its number, the answer, and who says so.
-    Answer(u64, String, String, Reply<AnswerAlarm>),
+    Answer(u64, String, String, ServiceReply<AnswerAlarm>),
     /// What a person says of a resource.
-    Resource(SetResourceRequest, Reply<SetResource>),
+    Resource(SetResourceRequest, ServiceReply<SetResource>),
     /// Why something does not go on.
-    Why(String, Reply<WhyNot>),
+    Why(String, ServiceReply<WhyNot>),
 }
 
 /// A station that works on order.
-struct OnOrder {
+struct TaskStationTopics {
     station: StationId,
     tasks: ActionCaller<RunTask>,
     secure: Publisher<SecureOrder>,
 }
 
 /// What goes out.
-pub struct Says {
+pub struct CellPublishers {
     pub state: Publisher<CellState>,
-    stations: Vec<OnOrder>,
+    stations: Vec<TaskStationTopics>,
 }
 
-impl Says {
+impl CellPublishers {
     /// Gives an order to its station. Whether it has come its state will say.
     pub fn order(&self, order: &OrderMessage) {
         let Some(station) = self.station(order.station) else { return };
@@ -62,7 +62,7 @@ impl Says {
         }
     }
 
-    fn station(&self, id: StationId) -> Option<&OnOrder> {
+    fn station(&self, id: StationId) -> Option<&TaskStationTopics> {
         self.stations.iter().find(|known| known.station == id)
     }
 }
@@ -71,30 +71,34 @@ impl Says {
 const QUEUE: usize = 1024;
 
 /// Opens every topic and service of a cell.
-pub fn open(node: &mut RosNode, line: &Line) -> Result<(Says, mpsc::Receiver<News>, Vec<Forward>), TopicError> {
+pub fn open(
+    node: &mut RosNode,
+    line: &Line,
+) -> Result<(CellPublishers, mpsc::Receiver<CellInbound>, Vec<Forward>), TopicError> {
     let (to, from) = mpsc::channel(QUEUE);
     let mut tasks = vec![
-        serve(node.service::<SubmitOrders>("~/submit_order")?, to.clone(), News::Submit),
+        serve(node.service::<SubmitOrders>("~/submit_order")?, to.clone(), CellInbound::Submit),
         serve(node.service::<ChangeOrder>("~/cancel_order")?, to.clone(), |asked, reply| {
-            News::Cancel(asked.name, reply)
+            CellInbound::Cancel(asked.name, reply)
         }),
         serve(node.service::<ChangeOrder>("~/withdraw_order")?, to.clone(), |asked, reply| {
-            News::Withdraw(asked.name, reply)
+            CellInbound::Withdraw(asked.name, reply)
         }),
         serve(node.service::<AnswerAlarm>("~/answer_alarm")?, to.clone(), |asked, reply| {
-            News::Answer(asked.alarm, asked.word, asked.by, reply)
+            CellInbound::Answer(asked.alarm, asked.word, asked.by, reply)
         }),
-        serve(node.service::<SetResource>("~/set_resource")?, to.clone(), News::Resource),
-        serve(node.service::<WhyNot>("~/why_not")?, to.clone(), |asked, reply| News::Why(asked.about, reply)),
+        serve(node.service::<SetResource>("~/set_resource")?, to.clone(), CellInbound::Resource),
+        serve(node.service::<WhyNot>("~/why_not")?, to.clone(), |asked, reply| CellInbound::Why(asked.about, reply)),
     ];
-    let mut says = Says { state: node.publisher("~/cell_state", qos::latched_state())?, stations: Vec::new() };
+    let mut says =
+        CellPublishers { state: node.publisher("~/cell_state", qos::latched_state())?, stations: Vec::new() };
     for id in line.station_ids().filter(|&id| line.station(id).works_on_order()) {
         let name = &line.station(id).name;
         let state = node.subscription(&format!("{name}/order"), qos::latched_state())?;
-        tasks.push(forward(state, to.clone(), move |message, _| Some(News::Heard(id, Box::new(message)))));
+        tasks.push(forward(state, to.clone(), move |message, _| Some(CellInbound::Heard(id, Box::new(message)))));
         let state = node.subscription(&format!("{name}/state"), qos::latched_state())?;
-        tasks.push(forward(state, to.clone(), move |message, _| Some(News::State(id, Box::new(message)))));
-        says.stations.push(OnOrder {
+        tasks.push(forward(state, to.clone(), move |message, _| Some(CellInbound::State(id, Box::new(message)))));
+        says.stations.push(TaskStationTopics {
             station: id,
             tasks: node.action_caller::<RunTask>(&format!("{name}/run_task"), Mapping::Enhanced)?,
             secure: node.publisher(&format!("{name}/secure"), qos::command())?,

@@ -10,7 +10,7 @@ use linewright_line::{InputId, Line, Tick, suggestion};
 use linewright_msgs::{
     OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, SetResourceRequest, StationState, Time,
 };
-use linewright_orders::{OrderKey, Outcome, Refusal, Reply, TaskFailure};
+use linewright_orders::{OrderKey, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
 /// Why a station could do nothing now, as its state says.
 pub fn unable(state: &StationState) -> Option<StationUnavailable> {
@@ -55,7 +55,7 @@ pub fn heard(
     message: &OrderState,
     unable: Option<StationUnavailable>,
     sensor: Option<InputId>,
-) -> (TaskReport, Vec<(OrderKey, Reply)>) {
+) -> (TaskReport, Vec<(OrderKey, TaskReply)>) {
     let doing = OrderKey { epoch: message.doing_epoch, id: message.doing_id };
     let heard = TaskReport {
         memory: message.memory,
@@ -70,12 +70,12 @@ pub fn heard(
         .refused
         .as_slice()
         .iter()
-        .filter_map(|end| Some((key(end), Reply::Refused(Refusal::from_code(end.code)?))));
+        .filter_map(|end| Some((key(end), TaskReply::Refused(TaskRefusal::from_code(end.code)?))));
     (heard, refused.collect())
 }
 
 /// What a station says to having been told to leave an order: whether it is still at it.
-pub fn secured(message: &OrderState, heard: &TaskReport) -> Option<(OrderKey, Reply)> {
+pub fn secured(message: &OrderState, heard: &TaskReport) -> Option<(OrderKey, TaskReply)> {
     let key = OrderKey { epoch: message.secured_epoch, id: message.secured_id };
     (key.id != 0).then(|| (key, heard.secured(key)))
 }
@@ -84,8 +84,12 @@ fn key(end: &OrderEnd) -> OrderKey {
     OrderKey { epoch: end.epoch, id: end.id }
 }
 
-fn outcome(end: &OrderEnd) -> Outcome {
-    if end.end == RunTaskResult::END_DONE { Outcome::Done } else { Outcome::Failed(TaskFailure::from_code(end.code)) }
+fn outcome(end: &OrderEnd) -> TaskOutcome {
+    if end.end == RunTaskResult::END_DONE {
+        TaskOutcome::Done
+    } else {
+        TaskOutcome::Failed(TaskFailure::from_code(end.code))
+    }
 }
 
 /// An order, as its station's action takes it.
@@ -194,8 +198,8 @@ mod tests {
         let key = |id| OrderKey { epoch: 2, id };
         let (state, refused) = heard(&message, None, None);
         assert_eq!((state.memory, state.epoch, state.slot), (9, 2, Some(key(5))));
-        assert_eq!(state.results, [(key(3), Outcome::Done), (key(4), Outcome::Failed(TaskFailure::Cancelled))]);
-        assert_eq!(refused, [(key(1), Reply::Refused(Refusal::Late))], "what is not known is not believed");
+        assert_eq!(state.results, [(key(3), TaskOutcome::Done), (key(4), TaskOutcome::Failed(TaskFailure::Cancelled))]);
+        assert_eq!(refused, [(key(1), TaskReply::Refused(TaskRefusal::Late))], "what is not known is not believed");
         (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
         assert_eq!(heard(&message, None, None).0.slot, None);
     }
@@ -206,22 +210,25 @@ mod tests {
         let mut message = OrderState { doing_epoch: 2, doing_id: 5, phase: 2, ..OrderState::default() };
         assert_eq!(secured(&message, &heard(&message, None, None).0), None, "it was told nothing");
         (message.secured_epoch, message.secured_id) = (2, 5);
-        assert_eq!(secured(&message, &heard(&message, None, None).0), Some((key(5), Reply::Running)));
+        assert_eq!(secured(&message, &heard(&message, None, None).0), Some((key(5), TaskReply::Running)));
         (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
         let end = OrderEnd { epoch: 2, id: 5, end: RunTaskResult::END_FAILED, code: 1005 };
         message.ended = Bounded::new(vec![end]).expect("one");
         assert_eq!(
             secured(&message, &heard(&message, None, None).0),
-            Some((key(5), Reply::Ended(Outcome::Failed(TaskFailure::Held))))
+            Some((key(5), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Held))))
         );
         (message.doing_epoch, message.doing_id, message.phase) = (2, 5, 2);
         assert_eq!(
             secured(&message, &heard(&message, None, None).0),
-            Some((key(5), Reply::Running)),
+            Some((key(5), TaskReply::Running)),
             "in the slot it has not ended, whatever its results are"
         );
         (message.ended, message.doing_epoch, message.doing_id, message.phase) = (Bounded::default(), 0, 0, 0);
-        assert_eq!(secured(&message, &heard(&message, None, None).0), Some((key(5), Reply::Refused(Refusal::Old))));
+        assert_eq!(
+            secured(&message, &heard(&message, None, None).0),
+            Some((key(5), TaskReply::Refused(TaskRefusal::Old)))
+        );
     }
 
     #[test]

@@ -11,7 +11,7 @@ use std::time::Duration;
 use linewright_coordinator_cell::compile::{self, dispatcher, schedule_follower};
 use linewright_coordinator_cell::production::{DispatchConfiguration, ProductionOrderRequest};
 use linewright_coordinator_cell::{
-    ActivityFailure, ActivityPhase, CellTable, Dispatcher, Failure, PlayerState, ProductionId, Record,
+    ActivityFailure, ActivityPhase, CellTable, Dispatcher, OrderFailure, PlayerState, ProductionId, Record,
 };
 use linewright_coordinator_node::cell::CellLog;
 use linewright_line::Tick;
@@ -256,7 +256,7 @@ fn where_messages_are_slow_only_limits_leave_something_unfinished() {
             sim.run(&mut dispatcher(&of.cell, &of.table), LONG);
             production(&sim, true);
             for firing in sim.state().firings() {
-                let ran_out = |cause| matches!(cause, ActivityFailure::Order { failure: Failure::TimedOut, .. });
+                let ran_out = |cause| matches!(cause, ActivityFailure::Order { failure: OrderFailure::TimedOut, .. });
                 assert!(
                     matches!(firing.phase, ActivityPhase::Failed(cause) if ran_out(cause)),
                     "{name}, seed {seed}: {firing:?}"

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use linewright_coordinator_cell::compile::dispatcher;
 use linewright_coordinator_cell::{CellTable, PlayerOutbox, PlayerState, Record};
-use linewright_coordinator_node::cell::Chronicle;
+use linewright_coordinator_node::cell::HistoryFeeder;
 use linewright_history::{CellAbout, History, HistoryReader, TimeBase};
 use linewright_line::Tick;
 use linewright_simulation::Rng;
@@ -33,7 +33,7 @@ struct Both {
     log: OnDisk,
     dir: PathBuf,
     about: CellAbout,
-    chronicle: Option<Chronicle>,
+    chronicle: Option<HistoryFeeder>,
     /// Whether the chronicle is told of steps; if not, each life leaves that to the next.
     tells: bool,
     /// What the step in progress has written.
@@ -45,7 +45,7 @@ struct Both {
 impl Both {
     fn begin(&mut self, state: &PlayerState) {
         let history = History::open(&self.dir.join("cell.db"), &self.about).expect("opens");
-        self.chronicle = Some(Chronicle::begin(history, &self.dir.join("cell.log"), state));
+        self.chronicle = Some(HistoryFeeder::begin(history, &self.dir.join("cell.log"), state));
     }
 }
 
@@ -112,7 +112,7 @@ fn played(of: &Shipped, death: Death, crash_at: Vec<usize>, seed: u64, tells: bo
     // The last life ends, and another one begins that takes what is missing.
     drop(sim);
     let history = History::open(&dir.path().join("cell.db"), &about(of)).expect("opens");
-    Chronicle::begin(history, &dir.path().join("cell.log"), &state).close().expect("all is written");
+    HistoryFeeder::begin(history, &dir.path().join("cell.log"), &state).close().expect("all is written");
     assert!(records(&dir.path().join("cell.db")) == log, "seed {seed}, {death:?}: the database is the log");
     anew.load(Ordering::Relaxed)
 }

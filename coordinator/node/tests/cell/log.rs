@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use linewright_coordinator_cell::compile::dispatcher;
 use linewright_coordinator_cell::{CellTable, PlayerOutbox, PlayerState, Record, RecordKind};
-use linewright_coordinator_node::cell::{CellLog, CellLogError, Found, RECORDS_MAX};
+use linewright_coordinator_node::cell::{CellLog, CellLogError, OpenedLog, RECORDS_MAX};
 use linewright_line::Tick;
 use linewright_node_shell::log::{LogError, RecordLog};
 use linewright_simulation::cell::{CellSim, CellSimOptions};
@@ -14,7 +14,7 @@ use tempfile::TempDir;
 
 use crate::shipped::{Shipped, directory, shipped};
 
-fn open(path: &Path, table: &Arc<CellTable>) -> Result<Found, CellLogError> {
+fn open(path: &Path, table: &Arc<CellTable>) -> Result<OpenedLog, CellLogError> {
     CellLog::open(path, "assembly_cell", table)
 }
 
@@ -99,7 +99,7 @@ fn the_log_of_another_cell_or_another_description_is_refused_with_what_is_differ
     let of = shipped("assembly-cell", &[1, 0, 0]);
     let (_dir, path) = scratch();
     drop(open(&path, &of.table).expect("opens"));
-    let refused = |found: Result<Found, CellLogError>| found.expect_err("it is refused").to_string();
+    let refused = |found: Result<OpenedLog, CellLogError>| found.expect_err("it is refused").to_string();
     let other = CellLog::open(&path, "workcell_c1", &of.table);
     let what = "is about cell `assembly_cell`, not about cell `workcell_c1`; once the cell is empty, remove the log";
     assert!(refused(other).contains(what));

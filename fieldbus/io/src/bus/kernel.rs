@@ -9,7 +9,7 @@ use socketcan::frame::Frame as _;
 use socketcan::tokio::CanSocket;
 use socketcan::{CanDataFrame, CanFrame, CanRemoteFrame, SocketOptions};
 
-use linewright_canopen::{Frame, Kind};
+use linewright_canopen::{Frame, FrameKind};
 
 use super::BusStats;
 
@@ -112,10 +112,10 @@ pub(super) fn has_can() -> bool {
 pub(super) fn to_kernel(frame: &Frame) -> Option<CanFrame> {
     let id = embedded_can::Frame::id(frame);
     match frame.kind() {
-        Kind::Data => CanDataFrame::new(id, frame.data()).map(CanFrame::Data),
-        Kind::Remote => CanRemoteFrame::new_remote(id, frame.len()).map(CanFrame::Remote),
+        FrameKind::Data => CanDataFrame::new(id, frame.data()).map(CanFrame::Data),
+        FrameKind::Remote => CanRemoteFrame::new_remote(id, frame.len()).map(CanFrame::Remote),
         // The kernel makes error frames; nobody can send one.
-        Kind::Error(_) => None,
+        FrameKind::Error(_) => None,
     }
 }
 

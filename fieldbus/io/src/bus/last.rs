@@ -51,13 +51,13 @@ impl LastWire {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Bus, Options, Transport};
+    use super::super::{Bus, BusOptions, Transport};
     use super::*;
 
     #[tokio::test]
     async fn frames_reach_the_bus_past_its_first_owner() {
         let dir = tempfile::tempdir().expect("a directory");
-        let options = Options { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
+        let options = BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
         let stuck = Bus::open("vcan0", &options).expect("a virtual bus");
         let mut device = Bus::open("vcan0", &options).expect("a virtual bus");
         let last = stuck.last_wire().expect("a socket");

@@ -20,7 +20,7 @@ use linewright_canopen::FRAME_BYTES;
 const RESCAN: Duration = Duration::from_millis(20);
 
 /// One other participant.
-pub(super) struct Member {
+pub(super) struct BusMember {
     pub(super) path: PathBuf,
     /// Frames its queue had no room for, oldest first.
     pub(super) backlog: VecDeque<[u8; FRAME_BYTES]>,
@@ -30,7 +30,7 @@ pub(super) struct Member {
 pub(super) struct Members {
     dir: PathBuf,
     own: PathBuf,
-    others: Vec<Member>,
+    others: Vec<BusMember>,
     scanned: Option<(Instant, Option<SystemTime>)>,
 }
 
@@ -51,7 +51,7 @@ impl Members {
         self.own = own;
     }
 
-    pub(super) fn others(&mut self) -> &mut Vec<Member> {
+    pub(super) fn others(&mut self) -> &mut Vec<BusMember> {
         &mut self.others
     }
 
@@ -69,7 +69,7 @@ impl Members {
         self.others.retain(|m| found.contains(&m.path));
         for path in found {
             if path != self.own && !self.others.iter().any(|m| m.path == path) {
-                self.others.push(Member { path, backlog: VecDeque::new() });
+                self.others.push(BusMember { path, backlog: VecDeque::new() });
             }
         }
         present

@@ -21,13 +21,13 @@ use thiserror::Error;
 use kernel::KernelBus;
 pub(crate) use last::LastWire;
 use linewright_canopen::Frame;
-use linewright_canopen::candump::Recorder;
-pub use own::{Found, OwnBuses, find as find_bus};
+use linewright_canopen::candump::CandumpWriter;
+pub use own::{BusDirectory, OwnBuses, find as find_bus};
 use virtual_bus::VirtualBus;
 
 /// Where to look for the bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Options {
+pub struct BusOptions {
     /// Which kind of wire.
     pub transport: Transport,
     /// Where virtual buses live, one directory each. By default `$LINEWRIGHT_BUS_DIR`, else
@@ -115,7 +115,7 @@ pub struct BusStats {
     pub malformed: u64,
 }
 
-enum Wire {
+enum BusWire {
     Kernel(KernelBus),
     Virtual(VirtualBus),
 }
@@ -123,30 +123,30 @@ enum Wire {
 /// One participant's connection to a bus.
 pub struct Bus {
     name: String,
-    wire: Wire,
+    wire: BusWire,
     stats: BusStats,
-    recorder: Option<Recorder>,
+    recorder: Option<CandumpWriter>,
 }
 
 impl Bus {
     /// Connects to the bus `name`. Must be called within a tokio runtime.
-    pub fn open(name: &str, options: &Options) -> Result<Bus, BusError> {
+    pub fn open(name: &str, options: &BusOptions) -> Result<Bus, BusError> {
         if !is_bus_name(name) {
             return Err(BusError::Name { name: name.to_owned() });
         }
         let wire = match options.transport {
-            Transport::Virtual => Wire::Virtual(VirtualBus::open(name, options.dir.as_deref())?),
+            Transport::Virtual => BusWire::Virtual(VirtualBus::open(name, options.dir.as_deref())?),
             Transport::SocketCan => match KernelBus::open(name) {
-                Ok(bus) => Wire::Kernel(bus),
+                Ok(bus) => BusWire::Kernel(bus),
                 Err(error) if kernel::means_no_interface(&error) => {
                     return Err(BusError::Missing { name: name.to_owned(), error });
                 }
                 Err(error) => return Err(BusError::Kernel { name: name.to_owned(), error }),
             },
             Transport::Auto => match KernelBus::open(name) {
-                Ok(bus) => Wire::Kernel(bus),
+                Ok(bus) => BusWire::Kernel(bus),
                 Err(error) if kernel::means_no_interface(&error) => {
-                    Wire::Virtual(VirtualBus::open(name, options.dir.as_deref())?)
+                    BusWire::Virtual(VirtualBus::open(name, options.dir.as_deref())?)
                 }
                 // The interface is there and does not work: falling back would hide it.
                 Err(error) => return Err(BusError::Kernel { name: name.to_owned(), error }),
@@ -163,11 +163,11 @@ impl Bus {
     /// Which wire this is, for a person.
     pub fn describe(&self) -> String {
         match &self.wire {
-            Wire::Kernel(_) => format!("SocketCAN {}", self.name),
-            Wire::Virtual(bus) if kernel::has_can() => {
+            BusWire::Kernel(_) => format!("SocketCAN {}", self.name),
+            BusWire::Virtual(bus) if kernel::has_can() => {
                 format!("virtual bus '{}' in {} (no CAN interface of that name)", self.name, bus.dir().display())
             }
-            Wire::Virtual(bus) => {
+            BusWire::Virtual(bus) => {
                 format!("virtual bus '{}' in {} (this kernel has no CAN)", self.name, bus.dir().display())
             }
         }
@@ -175,20 +175,20 @@ impl Bus {
 
     /// Whether it is the virtual bus.
     pub fn is_virtual(&self) -> bool {
-        matches!(self.wire, Wire::Virtual(_))
+        matches!(self.wire, BusWire::Virtual(_))
     }
 
     /// A second way onto this bus, for another thread. None where the system gives no more sockets.
     pub(crate) fn last_wire(&self) -> Option<LastWire> {
         let opened = match &self.wire {
-            Wire::Kernel(_) => LastWire::kernel(&self.name),
-            Wire::Virtual(bus) => LastWire::of_directory(bus.dir().to_owned()),
+            BusWire::Kernel(_) => LastWire::kernel(&self.name),
+            BusWire::Virtual(bus) => LastWire::of_directory(bus.dir().to_owned()),
         };
         opened.map_err(|error| tracing::warn!("{}: no way to let go of outputs when stuck: {error}", self.name)).ok()
     }
 
     /// Records every frame sent and received from here on.
-    pub fn record(&mut self, recorder: Recorder) {
+    pub fn record(&mut self, recorder: CandumpWriter) {
         self.recorder = Some(recorder);
     }
 
@@ -198,8 +198,8 @@ impl Bus {
     /// False if the interface's queue is full, and the frame was not sent.
     pub fn send(&mut self, frame: &Frame) -> bool {
         let taken = match &mut self.wire {
-            Wire::Kernel(bus) => bus.send(frame, &mut self.stats),
-            Wire::Virtual(bus) => {
+            BusWire::Kernel(bus) => bus.send(frame, &mut self.stats),
+            BusWire::Virtual(bus) => {
                 bus.send(frame, &mut self.stats);
                 true
             }
@@ -217,10 +217,10 @@ impl Bus {
     /// The CAN interface is down or gone. What was sent last may not have left, and nothing is heard any more: a node ends.
     pub async fn recv(&mut self) -> Result<Frame, BusError> {
         let frame = match &mut self.wire {
-            Wire::Kernel(bus) => {
+            BusWire::Kernel(bus) => {
                 bus.recv(&mut self.stats).await.map_err(|error| BusError::Gone { name: self.name.clone(), error })?
             }
-            Wire::Virtual(bus) => bus.recv(&mut self.stats).await,
+            BusWire::Virtual(bus) => bus.recv(&mut self.stats).await,
         };
         self.stats.received += 1;
         self.note(&frame);
@@ -242,7 +242,7 @@ impl Bus {
 
 /// Where a bus is, without opening it: its interface's name, or the directory of a virtual one. Two programs that open
 /// buses of one place are on one bus.
-pub fn place(name: &str, options: &Options) -> String {
+pub fn place(name: &str, options: &BusOptions) -> String {
     let is_interface = is_bus_name(name) && Path::new("/sys/class/net").join(name).exists();
     if options.transport == Transport::SocketCan || (options.transport == Transport::Auto && is_interface) {
         return name.to_owned();
@@ -264,7 +264,7 @@ mod tests {
 
     #[tokio::test]
     async fn an_interface_that_is_missing_is_an_error_where_the_virtual_bus_was_not_asked_for() {
-        let options = Options { transport: Transport::SocketCan, ..Options::default() };
+        let options = BusOptions { transport: Transport::SocketCan, ..BusOptions::default() };
         let error = Bus::open("lw-absent", &options).err().expect("there is no such interface");
         assert!(matches!(&error, BusError::Missing { name, .. } if name == "lw-absent"), "{error:?}");
         let text = error.to_string();
@@ -274,7 +274,7 @@ mod tests {
     #[test]
     fn names_that_leave_the_directory_are_refused() {
         for name in ["", ".", "..", "../x", "a/b", "sixteen-letters-", "né"] {
-            assert!(matches!(Bus::open(name, &Options::default()), Err(BusError::Name { .. })), "{name}");
+            assert!(matches!(Bus::open(name, &BusOptions::default()), Err(BusError::Name { .. })), "{name}");
         }
         assert!(is_bus_name("vcan0") && is_bus_name("can-drill.1"));
     }

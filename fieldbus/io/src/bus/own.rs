@@ -92,7 +92,7 @@ fn has_members(bus: &Path) -> bool {
 
 /// A directory in which somebody is on a bus of the name that was looked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct BusDirectory {
     /// The run whose bus it is; `None` for the one that everybody shares.
     pub about: Option<String>,
     /// For [`Options::dir`](super::Options).
@@ -101,7 +101,7 @@ pub struct Found {
 
 /// Where somebody is on a virtual bus `name`: the shared one, and those of runs; only of the run `about` if that is given.
 /// Empty where the environment names a directory for all buses.
-pub fn find(name: &str, about: Option<&str>) -> Vec<Found> {
+pub fn find(name: &str, about: Option<&str>) -> Vec<BusDirectory> {
     if chosen_base().is_some() {
         return Vec::new();
     }
@@ -109,14 +109,14 @@ pub fn find(name: &str, about: Option<&str>) -> Vec<Found> {
     find_in(&base, name, about)
 }
 
-fn find_in(base: &Path, name: &str, about: Option<&str>) -> Vec<Found> {
-    let mut found: Vec<Found> = runs(base)
+fn find_in(base: &Path, name: &str, about: Option<&str>) -> Vec<BusDirectory> {
+    let mut found: Vec<BusDirectory> = runs(base)
         .filter(|dir| has_members(&dir.join(name)))
-        .map(|dir| Found { about: Some(fs::read_to_string(dir.join(ABOUT)).unwrap_or_default()), dir })
+        .map(|dir| BusDirectory { about: Some(fs::read_to_string(dir.join(ABOUT)).unwrap_or_default()), dir })
         .filter(|found| about.is_none() || found.about.as_deref() == about)
         .collect();
     if (about.is_none() || found.is_empty()) && has_members(&base.join(name)) {
-        found.push(Found { about: None, dir: base.to_owned() });
+        found.push(BusDirectory { about: None, dir: base.to_owned() });
     }
     found
 }
@@ -137,7 +137,7 @@ mod tests {
         let base = tempfile::tempdir().expect("a directory");
         let (member, mill) = run(base.path(), "1-0", "mill");
         let (other, rotary) = run(base.path(), "2-0", "rotary");
-        let of = |dir: &Path, about: &str| Found { about: Some(about.to_owned()), dir: dir.to_owned() };
+        let of = |dir: &Path, about: &str| BusDirectory { about: Some(about.to_owned()), dir: dir.to_owned() };
         let mut both = find_in(base.path(), "vcan0", None);
         both.sort_by_key(|found| found.about.clone());
         assert_eq!(both, [of(&mill, "mill"), of(&rotary, "rotary")]);

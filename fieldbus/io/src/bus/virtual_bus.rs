@@ -13,7 +13,7 @@ use std::time::Duration;
 use linewright_canopen::{FRAME_BYTES, Frame};
 use tokio::net::UnixDatagram;
 
-use super::members::{self, Member, Members};
+use super::members::{self, BusMember, Members};
 use super::{BusError, BusStats};
 
 /// Frames kept for a member that does not read. At 1 Mbit/s a real bus carries some 8,000 frames a second: this is
@@ -34,7 +34,7 @@ pub(super) struct VirtualBus {
 }
 
 /// What became of one datagram.
-enum Sent {
+enum DatagramResult {
     Yes,
     Full,
     Dead,
@@ -68,10 +68,10 @@ impl VirtualBus {
             flush(&self.sender, member);
             if member.backlog.is_empty() {
                 match send_to(&self.sender, &bytes, &member.path) {
-                    Sent::Yes => return true,
-                    Sent::Full => {}
-                    Sent::Dead => return bury(member),
-                    Sent::Refused => {
+                    DatagramResult::Yes => return true,
+                    DatagramResult::Full => {}
+                    DatagramResult::Dead => return bury(member),
+                    DatagramResult::Refused => {
                         stats.send_errors += 1;
                         return true;
                     }
@@ -118,7 +118,9 @@ impl VirtualBus {
     }
 
     fn flush(&mut self) {
-        self.members.others().retain_mut(|member| !matches!(flush(&self.sender, member), Sent::Dead) || bury(member));
+        self.members
+            .others()
+            .retain_mut(|member| !matches!(flush(&self.sender, member), DatagramResult::Dead) || bury(member));
         self.waiting = self.members.others().iter().any(|m| !m.backlog.is_empty());
     }
 
@@ -164,31 +166,31 @@ async fn receive(socket: &UnixDatagram, former: &mut Option<UnixDatagram>, bytes
 }
 
 /// Sends what is waiting for a member, as far as its queue takes it.
-fn flush(socket: &Sender, member: &mut Member) -> Sent {
+fn flush(socket: &Sender, member: &mut BusMember) -> DatagramResult {
     while let Some(bytes) = member.backlog.front() {
         match send_to(socket, bytes, &member.path) {
-            Sent::Yes | Sent::Refused => {
+            DatagramResult::Yes | DatagramResult::Refused => {
                 member.backlog.pop_front();
             }
             full_or_dead => return full_or_dead,
         }
     }
-    Sent::Yes
+    DatagramResult::Yes
 }
 
-fn send_to(socket: &Sender, bytes: &[u8], path: &Path) -> Sent {
+fn send_to(socket: &Sender, bytes: &[u8], path: &Path) -> DatagramResult {
     match socket.send_to(bytes, path) {
-        Ok(_) => Sent::Yes,
+        Ok(_) => DatagramResult::Yes,
         Err(error) => match (error.kind(), error.raw_os_error()) {
-            (io::ErrorKind::WouldBlock, _) | (_, Some(libc::ENOBUFS)) => Sent::Full,
-            (io::ErrorKind::ConnectionRefused | io::ErrorKind::NotFound, _) => Sent::Dead,
-            _ => Sent::Refused,
+            (io::ErrorKind::WouldBlock, _) | (_, Some(libc::ENOBUFS)) => DatagramResult::Full,
+            (io::ErrorKind::ConnectionRefused | io::ErrorKind::NotFound, _) => DatagramResult::Dead,
+            _ => DatagramResult::Refused,
         },
     }
 }
 
 /// Removes a dead member's socket. Always false: it is not to be kept.
-fn bury(member: &Member) -> bool {
+fn bury(member: &BusMember) -> bool {
     let _ = std::fs::remove_file(&member.path);
     false
 }

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use linewright_canopen::{Event, Frame, IgnoreReason, Manager, Message};
+use linewright_canopen::{BusEvent, CanopenMessage, Frame, IgnoreReason, Manager};
 use linewright_fieldbus::{Clock, Driver};
 use linewright_line::Timing;
 
@@ -119,7 +119,7 @@ fn play_devices(shared: &Shared) -> u32 {
                 shared.devices.fetch_add(1, Ordering::Relaxed);
                 continue;
             }
-            if let Ok(Message::Rpdo1 { node, payload }) = Message::decode(&frame) {
+            if let Ok(CanopenMessage::Rpdo1 { node, payload }) = CanopenMessage::decode(&frame) {
                 let (state, new) = (&mut states[usize::from(node.get()) - 1], payload.bits() as u16);
                 skipped += u32::from(new.wrapping_sub(*state) > 1);
                 if *state != new {
@@ -149,8 +149,10 @@ impl Exchange {
         let events = tokio::time::timeout(Duration::from_millis(5), self.driver.next()).await;
         for event in events.map(|events| events.expect("nobody else is there")).unwrap_or_default() {
             match event {
-                Event::DeviceUp { .. } => self.up += 1,
-                Event::DeviceLost { .. } | Event::DeviceLeft { .. } | Event::BootFailed { .. } => self.lost += 1,
+                BusEvent::DeviceUp { .. } => self.up += 1,
+                BusEvent::DeviceLost { .. } | BusEvent::DeviceLeft { .. } | BusEvent::BootFailed { .. } => {
+                    self.lost += 1
+                }
                 _ => {}
             }
         }

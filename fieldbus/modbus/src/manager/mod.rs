@@ -7,40 +7,40 @@
 mod peer;
 mod words;
 
-use linewright_fieldbus_seam::{Answer, InputImage, News, Refusal, Reply, Target, abort};
+use linewright_fieldbus_seam::{Answer, BusRefusal, BusReply, BusTarget, InputImage, News, abort};
 use linewright_line::{Device, DeviceKind, Owner, Tick};
 
-use crate::message::{Failure, Request};
-use peer::Peer;
+use crate::message::{ModbusFailure, ModbusRequest};
+use peer::ModbusPeer;
 
 /// What a connection has to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Act {
+pub struct LinkAct {
     /// Whose, by its place among the devices.
     pub device: usize,
     /// Which connection of that device: what an older one still brings is ignored.
     pub link: u32,
     /// What.
-    pub what: What,
+    pub what: LinkTask,
 }
 
 /// What a connection has to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum What {
+pub enum LinkTask {
     /// To be made.
     Connect,
     /// To ask this and bring the answer.
-    Ask(Request),
+    Ask(ModbusRequest),
     /// To be closed, whatever it is doing; before that, to send this without waiting for the answer.
     Close {
         /// What turns the outputs off.
-        last: Option<Request>,
+        last: Option<ModbusRequest>,
     },
 }
 
 /// What a connection has brought.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum LinkOutcome {
     /// It is made.
     Connected,
     /// What was read.
@@ -48,21 +48,21 @@ pub enum Outcome {
     /// What was written has been taken.
     Written,
     /// None of it.
-    Failed(Failure),
+    Failed(ModbusFailure),
 }
 
 /// What connections have to do, in order, and what to report.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outbox {
+pub struct ModbusOutbox {
     /// To be done.
-    pub acts: Vec<Act>,
+    pub acts: Vec<LinkAct>,
     /// To be reported.
     pub news: Vec<News>,
     /// What requests have come to.
     pub answers: Vec<(u64, Answer)>,
 }
 
-struct Image {
+struct OwnerImage {
     owner: Owner,
     /// What the owner last set; zero from the start and after every loss.
     outputs: u128,
@@ -70,16 +70,16 @@ struct Image {
 }
 
 /// The manager of a node's Modbus devices.
-pub struct Manager {
-    peers: Vec<Peer>,
-    images: Vec<Image>,
+pub struct ModbusManager {
+    peers: Vec<ModbusPeer>,
+    images: Vec<OwnerImage>,
     requests: u64,
     has_ended: bool,
 }
 
 /// What became of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Change {
+enum ModbusChange {
     Nothing,
     /// It has sent its inputs, or has come up.
     Inputs,
@@ -87,23 +87,23 @@ enum Change {
     Lost,
 }
 
-impl Manager {
-    /// The manager of those of these devices that speak Modbus. Nothing is done before the first [`Manager::poll`].
+impl ModbusManager {
+    /// The manager of those of these devices that speak Modbus. Nothing is done before the first [`ModbusManager::poll`].
     pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>) -> Self {
         let mut peers = Vec::new();
-        let mut images: Vec<Image> = Vec::new();
+        let mut images: Vec<OwnerImage> = Vec::new();
         for device in devices {
             let DeviceKind::Modbus(modbus) = &device.kind else { continue };
             if !images.iter().any(|image| image.owner == device.owner) {
-                images.push(Image { owner: device.owner, outputs: 0, inputs: InputImage::NEVER });
+                images.push(OwnerImage { owner: device.owner, outputs: 0, inputs: InputImage::NEVER });
             }
-            peers.push(Peer::new(peers.len(), &device.name, device.owner, modbus));
+            peers.push(ModbusPeer::new(peers.len(), &device.name, device.owner, modbus));
         }
-        Manager { peers, images, requests: 0, has_ended: false }
+        ModbusManager { peers, images, requests: 0, has_ended: false }
     }
 
     /// Takes what a connection has brought at `now`.
-    pub fn handle(&mut self, now: Tick, device: usize, link: u32, outcome: Outcome, out: &mut Outbox) {
+    pub fn handle(&mut self, now: Tick, device: usize, link: u32, outcome: LinkOutcome, out: &mut ModbusOutbox) {
         let Some(peer) = self.peers.get_mut(device).filter(|peer| peer.link == link) else { return };
         let change = peer.take(now, outcome, out);
         self.settle(now, device, change, out);
@@ -111,7 +111,7 @@ impl Manager {
     }
 
     /// Does what is due at `now`: connecting, asking, noticing that no answer comes.
-    pub fn poll(&mut self, now: Tick, out: &mut Outbox) {
+    pub fn poll(&mut self, now: Tick, out: &mut ModbusOutbox) {
         if self.has_ended {
             return;
         }
@@ -122,19 +122,19 @@ impl Manager {
         }
     }
 
-    /// When [`Manager::poll`] has something to do next; [`Tick::NEVER`] without devices.
+    /// When [`ModbusManager::poll`] has something to do next; [`Tick::NEVER`] without devices.
     pub fn next_deadline(&self) -> Tick {
         if self.has_ended {
             return Tick::NEVER;
         }
-        self.peers.iter().map(Peer::deadline).min().unwrap_or(Tick::NEVER)
+        self.peers.iter().map(ModbusPeer::deadline).min().unwrap_or(Tick::NEVER)
     }
 
     /// Sets the output image of `owner`: bit `i` is its output `i`. What changes is written with the next request, and all of
     /// it again in each cycle.
     ///
     /// A device that is not operational gets nothing, and once it is operational again the image set *since*.
-    pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128, out: &mut Outbox) {
+    pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128, out: &mut ModbusOutbox) {
         let Some(own) = self.images.iter_mut().find(|own| own.owner == owner) else { return };
         if self.has_ended {
             return;
@@ -147,7 +147,7 @@ impl Manager {
     }
 
     /// Lets go of every output and closes every connection, for an orderly end. Nothing is done after it.
-    pub fn release_outputs(&mut self, out: &mut Outbox) {
+    pub fn release_outputs(&mut self, out: &mut ModbusOutbox) {
         self.has_ended = true;
         for image in &mut self.images {
             image.outputs = 0;
@@ -159,7 +159,7 @@ impl Manager {
     }
 
     /// For each device, its unit and what turns its outputs off.
-    pub fn last_requests(&self) -> impl Iterator<Item = (u8, Option<Request>)> {
+    pub fn last_requests(&self) -> impl Iterator<Item = (u8, Option<ModbusRequest>)> {
         self.peers.iter().map(|peer| (peer.modbus.unit, peer.rest()))
     }
 
@@ -180,13 +180,13 @@ impl Manager {
     }
 
     /// What a change of one device means for its owner's images.
-    fn settle(&mut self, now: Tick, at: usize, change: Change, out: &mut Outbox) {
+    fn settle(&mut self, now: Tick, at: usize, change: ModbusChange, out: &mut ModbusOutbox) {
         let owner = self.peers[at].owner;
         let Some(image) = self.images.iter_mut().find(|image| image.owner == owner) else { return };
         match change {
-            Change::Nothing => return,
-            Change::Inputs => self.peers[at].want(image.outputs),
-            Change::Lost => {
+            ModbusChange::Nothing => return,
+            ModbusChange::Inputs => self.peers[at].want(image.outputs),
+            ModbusChange::Lost => {
                 // Its controller decided without knowing: none of its outputs is vouched for.
                 image.outputs = 0;
                 for peer in self.peers.iter_mut().filter(|peer| peer.owner == owner) {
@@ -199,10 +199,10 @@ impl Manager {
     }
 
     /// Recomputes an owner's input image, and reports a change.
-    fn gather(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
+    fn gather(&mut self, now: Tick, owner: Owner, out: &mut ModbusOutbox) {
         let valid = self.are_trusted(now, owner);
         let peers = || self.peers.iter().filter(|peer| peer.owner == owner);
-        let bits = peers().map(Peer::input_bits).fold(0, |all, bits| all | bits);
+        let bits = peers().map(ModbusPeer::input_bits).fold(0, |all, bits| all | bits);
         let updated = peers().filter_map(|peer| peer.updated).max();
         let Some(image) = self.images.iter_mut().find(|image| image.owner == owner) else { return };
         let before = image.inputs;
@@ -216,15 +216,15 @@ impl Manager {
     pub fn ask(
         &mut self,
         now: Tick,
-        target: &Target,
-        request: linewright_fieldbus_seam::Request,
-        out: &mut Outbox,
+        target: &BusTarget,
+        request: linewright_fieldbus_seam::BusRequest,
+        out: &mut ModbusOutbox,
     ) -> Option<u64> {
-        use linewright_fieldbus_seam::Request as Asked;
-        let Target::Device(name) = target else { return None };
+        use linewright_fieldbus_seam::BusRequest as Asked;
+        let BusTarget::Device(name) = target else { return None };
         let at = self.peers.iter().position(|peer| peer.name == *name)?;
         self.requests += 1;
-        let done = |text: &str| Ok(Reply { value: Vec::new(), text: text.to_owned() });
+        let done = |text: &str| Ok(BusReply { value: Vec::new(), text: text.to_owned() });
         let answer = match request {
             Asked::Reset => {
                 let change = self.peers[at].reset(now, out);
@@ -236,7 +236,7 @@ impl Manager {
                 self.peers[at].retry_now(now);
                 done("it is being looked at again")
             }
-            Asked::Read(_) | Asked::Write { .. } => Err(Refusal {
+            Asked::Read(_) | Asked::Write { .. } => Err(BusRefusal {
                 text: format!("{target}, {request}: it speaks Modbus, and has no objects"),
                 code: abort::UNSUPPORTED,
             }),

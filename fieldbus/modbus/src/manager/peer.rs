@@ -14,8 +14,8 @@ use std::time::Duration;
 use linewright_fieldbus_seam::{News, gather, scatter};
 use linewright_line::{Modbus, Owner, RegisterValue, Table, Tick};
 
-use super::{Act, Change, Outbox, Outcome, What};
-use crate::message::{Failure, Request, exception_text, kept_bits};
+use super::{LinkAct, LinkOutcome, LinkTask, ModbusChange, ModbusOutbox};
+use crate::message::{ModbusFailure, ModbusRequest, exception_text, kept_bits};
 
 /// How long a device has to take a connection.
 const CONNECT: Duration = Duration::from_secs(1);
@@ -53,7 +53,7 @@ enum Step {
 
 /// A part of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+enum ReadPart {
     Outputs,
     Feed,
     Inputs,
@@ -68,7 +68,7 @@ pub(super) struct Why {
 }
 
 /// A device.
-pub(super) struct Peer {
+pub(super) struct ModbusPeer {
     at: usize,
     pub name: String,
     pub owner: Owner,
@@ -76,9 +76,9 @@ pub(super) struct Peer {
     pub link: u32,
     phase: Phase,
     steps: Vec<Step>,
-    parts: Vec<Part>,
+    parts: Vec<ReadPart>,
     /// What it was asked and when; it has not answered yet.
-    asked: Option<(Request, Tick)>,
+    asked: Option<(ModbusRequest, Tick)>,
     /// The part of the cycle that comes next.
     part: usize,
     next_cycle: Tick,
@@ -101,7 +101,7 @@ pub(super) struct Peer {
     calm: u32,
 }
 
-impl Peer {
+impl ModbusPeer {
     pub fn new(at: usize, name: &str, owner: Owner, modbus: &Modbus) -> Self {
         let (has_inputs, has_outputs) = (!modbus.inputs.is_empty(), !modbus.outputs.is_empty());
         let expected = modbus.expect.iter().copied().map(Step::Expect);
@@ -111,9 +111,9 @@ impl Peer {
             .chain(set)
             .chain(modbus.watchdog.map(|_| Step::Feed))
             .chain(has_inputs.then_some(Step::Inputs));
-        let parts = has_outputs.then_some(Part::Outputs).into_iter();
-        let parts = parts.chain(modbus.watchdog.map(|_| Part::Feed)).chain(has_inputs.then_some(Part::Inputs));
-        Peer {
+        let parts = has_outputs.then_some(ReadPart::Outputs).into_iter();
+        let parts = parts.chain(modbus.watchdog.map(|_| ReadPart::Feed)).chain(has_inputs.then_some(ReadPart::Inputs));
+        ModbusPeer {
             at,
             name: name.to_owned(),
             owner,
@@ -158,7 +158,7 @@ impl Peer {
     }
 
     /// What it was asked and has not answered yet.
-    pub fn pending(&self) -> Option<Request> {
+    pub fn pending(&self) -> Option<ModbusRequest> {
         self.asked.map(|(request, _)| request)
     }
 
@@ -176,12 +176,12 @@ impl Peer {
     }
 
     /// What turns its outputs off, if it has any.
-    pub fn rest(&self) -> Option<Request> {
+    pub fn rest(&self) -> Option<ModbusRequest> {
         (!self.modbus.outputs.is_empty()).then(|| self.write(0))
     }
 
-    fn write(&self, bits: u64) -> Request {
-        Request::write_bits(self.modbus.outputs_at, self.modbus.outputs.len(), bits)
+    fn write(&self, bits: u64) -> ModbusRequest {
+        ModbusRequest::write_bits(self.modbus.outputs_at, self.modbus.outputs.len(), bits)
     }
 
     /// Takes its share of the image its owner has set. One that is not operational gets none of it.
@@ -198,12 +198,12 @@ impl Peer {
         }
     }
 
-    pub fn poll(&mut self, now: Tick, out: &mut Outbox) -> Change {
+    pub fn poll(&mut self, now: Tick, out: &mut ModbusOutbox) -> ModbusChange {
         match self.phase {
             Phase::Down { retry } if retry <= now => {
                 self.link += 1;
                 self.phase = Phase::Connecting { until: now + CONNECT };
-                self.act(What::Connect, out);
+                self.act(LinkTask::Connect, out);
             }
             Phase::Connecting { until } if until <= now => {
                 let text = format!("it does not take a connection within {} ms", CONNECT.as_millis());
@@ -216,24 +216,24 @@ impl Peer {
                 let text = format!("no answer within {} ms ({request})", self.modbus.timeout.as_millis());
                 self.lose(now, Why { text, is_refusal: false }, out)
             }
-            _ => Change::Nothing,
+            _ => ModbusChange::Nothing,
         }
     }
 
     /// Takes what its connection has brought.
-    pub fn take(&mut self, now: Tick, outcome: Outcome, out: &mut Outbox) -> Change {
-        if let Outcome::Connected = outcome {
+    pub fn take(&mut self, now: Tick, outcome: LinkOutcome, out: &mut ModbusOutbox) -> ModbusChange {
+        if let LinkOutcome::Connected = outcome {
             return if matches!(self.phase, Phase::Connecting { .. }) {
                 self.prepare(now, 0, out)
             } else {
-                Change::Nothing
+                ModbusChange::Nothing
             };
         }
         let asked = self.asked.take();
         let value = match outcome {
-            Outcome::Failed(failure) => return self.lose(now, why(asked.map(|asked| asked.0), failure), out),
-            Outcome::Read(value) => Some(value),
-            Outcome::Written | Outcome::Connected => None,
+            LinkOutcome::Failed(failure) => return self.lose(now, why(asked.map(|asked| asked.0), failure), out),
+            LinkOutcome::Read(value) => Some(value),
+            LinkOutcome::Written | LinkOutcome::Connected => None,
         };
         if let Some((_, since)) = asked {
             (self.took, self.answered) = (now.since(since), now);
@@ -242,21 +242,21 @@ impl Peer {
         match self.phase {
             Phase::Preparing(step) => self.prepared(now, step, value, out),
             Phase::Operational => match (asked, value) {
-                (Some((Request::Read { .. }, _)), Some(value)) => self.hear(now, value),
-                _ => Change::Nothing,
+                (Some((ModbusRequest::Read { .. }, _)), Some(value)) => self.hear(now, value),
+                _ => ModbusChange::Nothing,
             },
-            Phase::Down { .. } | Phase::Connecting { .. } => Change::Nothing,
+            Phase::Down { .. } | Phase::Connecting { .. } => ModbusChange::Nothing,
         }
     }
 
-    fn hear(&mut self, now: Tick, value: u64) -> Change {
+    fn hear(&mut self, now: Tick, value: u64) -> ModbusChange {
         self.heard = kept_bits(value, self.modbus.inputs.len());
         self.updated = Some(now);
-        Change::Inputs
+        ModbusChange::Inputs
     }
 
     /// A step of its preparation is answered.
-    fn prepared(&mut self, now: Tick, step: usize, value: Option<u64>, out: &mut Outbox) -> Change {
+    fn prepared(&mut self, now: Tick, step: usize, value: Option<u64>, out: &mut ModbusOutbox) -> ModbusChange {
         match (self.steps.get(step), value) {
             (Some(Step::Expect(expected)), Some(value)) if value != u64::from(expected.value) => {
                 let RegisterValue { register, value: wanted } = expected;
@@ -272,35 +272,35 @@ impl Peer {
     }
 
     /// Asks the next step of its preparation, or is operational after the last one.
-    fn prepare(&mut self, now: Tick, step: usize, out: &mut Outbox) -> Change {
+    fn prepare(&mut self, now: Tick, step: usize, out: &mut ModbusOutbox) -> ModbusChange {
         self.phase = Phase::Preparing(step);
         let request = match self.steps.get(step) {
             Some(Step::Expect(RegisterValue { register, .. })) => {
-                Request::Read { table: Table::HoldingRegisters, first: *register, count: 1 }
+                ModbusRequest::Read { table: Table::HoldingRegisters, first: *register, count: 1 }
             }
             Some(Step::Release) => self.write(0),
-            Some(Step::Set(RegisterValue { register, value })) => Request::write_register(*register, *value),
+            Some(Step::Set(RegisterValue { register, value })) => ModbusRequest::write_register(*register, *value),
             Some(Step::Feed) => self.next_feed(),
-            Some(Step::Inputs) => Request::read_bits(self.modbus.inputs_at, self.modbus.inputs.len()),
+            Some(Step::Inputs) => ModbusRequest::read_bits(self.modbus.inputs_at, self.modbus.inputs.len()),
             None => {
                 self.phase = Phase::Operational;
                 (self.why, self.up_since, self.wanted, self.sent) = (None, now, 0, Some(0));
                 (self.part, self.next_cycle) = (self.parts.len(), now + self.modbus.cycle);
                 out.news.push(News::Noted(format!("{} is operational", self.name)));
-                return Change::Inputs;
+                return ModbusChange::Inputs;
             }
         };
         self.ask(now, request, out);
-        Change::Nothing
+        ModbusChange::Nothing
     }
 
-    fn next_feed(&mut self) -> Request {
+    fn next_feed(&mut self) -> ModbusRequest {
         self.feed = self.feed.wrapping_add(1);
-        Request::write_register(self.modbus.watchdog.map_or(0, |watchdog| watchdog.register), self.feed)
+        ModbusRequest::write_register(self.modbus.watchdog.map_or(0, |watchdog| watchdog.register), self.feed)
     }
 
     /// Asks what is due next, unless an answer is awaited.
-    pub fn go_on(&mut self, now: Tick, out: &mut Outbox) {
+    pub fn go_on(&mut self, now: Tick, out: &mut ModbusOutbox) {
         if !self.is_operational() || self.asked.is_some() {
             return;
         }
@@ -318,32 +318,32 @@ impl Peer {
         let Some(part) = self.parts.get(self.part).copied() else { return };
         self.part += 1;
         match part {
-            Part::Outputs => self.send_outputs(now, out),
-            Part::Feed => {
+            ReadPart::Outputs => self.send_outputs(now, out),
+            ReadPart::Feed => {
                 let request = self.next_feed();
                 self.ask(now, request, out);
             }
-            Part::Inputs => {
-                self.ask(now, Request::read_bits(self.modbus.inputs_at, self.modbus.inputs.len()), out);
+            ReadPart::Inputs => {
+                self.ask(now, ModbusRequest::read_bits(self.modbus.inputs_at, self.modbus.inputs.len()), out);
             }
         }
     }
 
-    fn send_outputs(&mut self, now: Tick, out: &mut Outbox) {
+    fn send_outputs(&mut self, now: Tick, out: &mut ModbusOutbox) {
         self.sent = Some(self.wanted);
         self.ask(now, self.write(self.wanted), out);
     }
 
-    fn ask(&mut self, now: Tick, request: Request, out: &mut Outbox) {
+    fn ask(&mut self, now: Tick, request: ModbusRequest, out: &mut ModbusOutbox) {
         self.asked = Some((request, now));
-        self.act(What::Ask(request), out);
+        self.act(LinkTask::Ask(request), out);
     }
 
-    fn act(&self, what: What, out: &mut Outbox) {
-        out.acts.push(Act { device: self.at, link: self.link, what });
+    fn act(&self, what: LinkTask, out: &mut ModbusOutbox) {
+        out.acts.push(LinkAct { device: self.at, link: self.link, what });
     }
 
-    fn judge_pace(&mut self, out: &mut Outbox) {
+    fn judge_pace(&mut self, out: &mut ModbusOutbox) {
         if self.took > self.modbus.cycle {
             self.calm = 0;
             if !self.is_slow {
@@ -365,7 +365,7 @@ impl Peer {
     }
 
     /// It cannot be used, or not any more.
-    fn lose(&mut self, now: Tick, why: Why, out: &mut Outbox) -> Change {
+    fn lose(&mut self, now: Tick, why: Why, out: &mut ModbusOutbox) -> ModbusChange {
         let was_up = self.is_operational();
         if was_up && self.up_since + PROVEN <= now {
             self.failures = 0;
@@ -380,11 +380,11 @@ impl Peer {
         self.losses += u32::from(was_up);
         self.hang_up(out);
         self.phase = Phase::Down { retry: now + wait.min(RETRY_MAX) };
-        if was_up { Change::Lost } else { Change::Nothing }
+        if was_up { ModbusChange::Lost } else { ModbusChange::Nothing }
     }
 
     /// Lets go of its outputs and closes its connection.
-    fn hang_up(&mut self, out: &mut Outbox) {
+    fn hang_up(&mut self, out: &mut ModbusOutbox) {
         if !matches!(self.phase, Phase::Down { .. }) {
             let is_connected = !matches!(self.phase, Phase::Connecting { .. });
             // One that may be another device is told nothing.
@@ -392,20 +392,20 @@ impl Peer {
                 Phase::Preparing(step) => !matches!(self.steps.get(step), Some(Step::Expect(_))),
                 _ => true,
             };
-            self.act(What::Close { last: self.rest().filter(|_| is_connected && is_known) }, out);
+            self.act(LinkTask::Close { last: self.rest().filter(|_| is_connected && is_known) }, out);
         }
         self.link += 1;
         (self.asked, self.sent, self.wanted, self.updated) = (None, None, 0, None);
     }
 
     /// For an orderly end.
-    pub fn close(&mut self, out: &mut Outbox) {
+    pub fn close(&mut self, out: &mut ModbusOutbox) {
         self.hang_up(out);
         self.phase = Phase::Down { retry: Tick::NEVER };
     }
 
     /// Starts anew at somebody's request.
-    pub fn reset(&mut self, now: Tick, out: &mut Outbox) -> Change {
+    pub fn reset(&mut self, now: Tick, out: &mut ModbusOutbox) -> ModbusChange {
         let change = self.lose(now, Why { text: "reset by request".to_owned(), is_refusal: false }, out);
         self.retry_now(now);
         change
@@ -420,16 +420,16 @@ impl Peer {
     }
 }
 
-fn why(asked: Option<Request>, failure: Failure) -> Why {
+fn why(asked: Option<ModbusRequest>, failure: ModbusFailure) -> Why {
     let doing = asked.map_or_else(|| "connecting".to_owned(), |request| request.to_string());
     match failure {
-        Failure::Gone(text) => Why { text: format!("no connection: {text}"), is_refusal: false },
-        Failure::Exception(code) => {
+        ModbusFailure::Gone(text) => Why { text: format!("no connection: {text}"), is_refusal: false },
+        ModbusFailure::Exception(code) => {
             // The two by which a device says that there is nothing at an address, or not so much.
             let map = if matches!(code, 2 | 3) { "wrong register map: " } else { "" };
             let text = format!("{map}{doing} is refused: {} (exception {code})", exception_text(code));
             Why { text, is_refusal: true }
         }
-        Failure::Malformed(text) => Why { text: format!("{doing}: {text}"), is_refusal: true },
+        ModbusFailure::Malformed(text) => Why { text: format!("{doing}: {text}"), is_refusal: true },
     }
 }

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus_seam::{Level, Request as Asked};
-use linewright_line::{Bus, InputId, Modbus, OutputId, RegisterValue, StationId, Table, Watchdog};
+use linewright_fieldbus_seam::{BusRequest as Asked, Level};
+use linewright_line::{DeviceBus, InputId, Modbus, OutputId, RegisterValue, StationId, Table, WatchdogRegister};
 
 use super::*;
 
@@ -20,7 +20,7 @@ fn modbus() -> Modbus {
         inputs_at: (Table::DiscreteInputs, 10),
         outputs: vec![Some(OutputId(0)), Some(OutputId(1))],
         outputs_at: (Table::Coils, 0),
-        watchdog: Some(Watchdog { register: 16, timeout: Duration::from_millis(300) }),
+        watchdog: Some(WatchdogRegister { register: 16, timeout: Duration::from_millis(300) }),
         without_watchdog: None,
         expect: vec![RegisterValue { register: 0, value: 0x401 }],
         settings: vec![RegisterValue { register: 17, value: 300 }],
@@ -28,7 +28,7 @@ fn modbus() -> Modbus {
 }
 
 fn device(name: &str, owner: Owner, modbus: Modbus) -> Device {
-    Device { name: name.to_owned(), owner, bus: Bus::Line, kind: DeviceKind::Modbus(modbus) }
+    Device { name: name.to_owned(), owner, bus: DeviceBus::Line, kind: DeviceKind::Modbus(modbus) }
 }
 
 /// A device as the tests have it, behind a line that takes a while.
@@ -50,24 +50,24 @@ struct Station {
 }
 
 impl Station {
-    fn answer(&mut self, request: Request) -> Outcome {
+    fn answer(&mut self, request: ModbusRequest) -> LinkOutcome {
         if let Some(code) = self.refuses {
-            return Outcome::Failed(Failure::Exception(code));
+            return LinkOutcome::Failed(ModbusFailure::Exception(code));
         }
         match request {
-            Request::Read { table: Table::DiscreteInputs, first: 10, count: 3 } => Outcome::Read(self.inputs),
-            Request::Read { table: Table::HoldingRegisters, first: 0, count: 1 } => Outcome::Read(self.code),
-            Request::WriteCoils { first: 0, count: 2, bits } => {
+            ModbusRequest::Read { table: Table::DiscreteInputs, first: 10, count: 3 } => LinkOutcome::Read(self.inputs),
+            ModbusRequest::Read { table: Table::HoldingRegisters, first: 0, count: 1 } => LinkOutcome::Read(self.code),
+            ModbusRequest::WriteCoils { first: 0, count: 2, bits } => {
                 self.coils = bits;
-                Outcome::Written
+                LinkOutcome::Written
             }
-            Request::WriteRegisters { first: 16, count: 1, words } => {
+            ModbusRequest::WriteRegisters { first: 16, count: 1, words } => {
                 self.fed.push(words);
-                Outcome::Written
+                LinkOutcome::Written
             }
-            Request::WriteRegisters { first, count: 1, words } => {
+            ModbusRequest::WriteRegisters { first, count: 1, words } => {
                 self.set.push((first, words));
-                Outcome::Written
+                LinkOutcome::Written
             }
             other => panic!("{other}"),
         }
@@ -75,12 +75,12 @@ impl Station {
 }
 
 struct Bench {
-    manager: Manager,
+    manager: ModbusManager,
     now: Tick,
-    out: Outbox,
+    out: ModbusOutbox,
     stations: Vec<Station>,
     /// What is under way: when it arrives, and of which connection.
-    coming: Vec<(Tick, usize, u32, Outcome)>,
+    coming: Vec<(Tick, usize, u32, LinkOutcome)>,
     news: Vec<News>,
 }
 
@@ -88,9 +88,9 @@ impl Bench {
     fn new(devices: &[Device]) -> Self {
         let station = Station { code: 0x401, takes: Duration::from_millis(2), ..Station::default() };
         Bench {
-            manager: Manager::new(devices),
+            manager: ModbusManager::new(devices),
             now: Tick::from_millis(1000),
-            out: Outbox::default(),
+            out: ModbusOutbox::default(),
             stations: vec![station; devices.len()],
             coming: Vec::new(),
             news: Vec::new(),
@@ -118,29 +118,29 @@ impl Bench {
     }
 
     fn act(&mut self) {
-        for Act { device, link, what } in std::mem::take(&mut self.out.acts) {
+        for LinkAct { device, link, what } in std::mem::take(&mut self.out.acts) {
             let station = &mut self.stations[device];
             let arrives = self.now + station.takes;
             match what {
-                What::Connect if station.gone => {
-                    let refused = Outcome::Failed(Failure::Gone("connection refused".to_owned()));
+                LinkTask::Connect if station.gone => {
+                    let refused = LinkOutcome::Failed(ModbusFailure::Gone("connection refused".to_owned()));
                     self.coming.push((arrives, device, link, refused));
                 }
-                What::Connect => {
+                LinkTask::Connect => {
                     station.connected = Some(link);
                     station.connections += 1;
-                    self.coming.push((arrives, device, link, Outcome::Connected));
+                    self.coming.push((arrives, device, link, LinkOutcome::Connected));
                 }
-                What::Ask(_) if station.gone => {
-                    let closed = Outcome::Failed(Failure::Gone("connection closed".to_owned()));
+                LinkTask::Ask(_) if station.gone => {
+                    let closed = LinkOutcome::Failed(ModbusFailure::Gone("connection closed".to_owned()));
                     self.coming.push((arrives, device, link, closed));
                 }
-                What::Ask(request) => {
+                LinkTask::Ask(request) => {
                     assert_eq!(station.connected, Some(link));
                     let outcome = station.answer(request);
                     self.coming.push((arrives, device, link, outcome));
                 }
-                What::Close { last } => {
+                LinkTask::Close { last } => {
                     if let Some(last) = last.filter(|_| station.refuses.is_none()) {
                         station.answer(last);
                     }
@@ -158,7 +158,7 @@ impl Bench {
             self.now = self.now + Duration::from_millis(1);
             let (arrived, coming) = std::mem::take(&mut self.coming).into_iter().partition(|(at, ..)| *at <= self.now);
             self.coming = coming;
-            let arrived: Vec<(Tick, usize, u32, Outcome)> = arrived;
+            let arrived: Vec<(Tick, usize, u32, LinkOutcome)> = arrived;
             for (_, device, link, outcome) in arrived {
                 self.manager.handle(self.now, device, link, outcome, &mut self.out);
                 self.act();
@@ -342,11 +342,11 @@ fn requests_are_answered_and_objects_refused_in_words() {
     let mut bench = Bench::up();
     bench.set(0b11);
     bench.run(50);
-    let io = Target::Device("io".to_owned());
-    let object = linewright_fieldbus_seam::Object { index: 0x1018, sub: 1 };
-    assert_eq!(bench.manager.ask(bench.now, &Target::Node(4), Asked::Reset, &mut bench.out), None);
+    let io = BusTarget::Device("io".to_owned());
+    let object = linewright_fieldbus_seam::ObjectAddress { index: 0x1018, sub: 1 };
+    assert_eq!(bench.manager.ask(bench.now, &BusTarget::Node(4), Asked::Reset, &mut bench.out), None);
     let number = bench.manager.ask(bench.now, &io, Asked::Read(object), &mut bench.out);
-    let refusal = Refusal {
+    let refusal = BusRefusal {
         text: "io, read object 1018h:01: it speaks Modbus, and has no objects".to_owned(),
         code: abort::UNSUPPORTED,
     };

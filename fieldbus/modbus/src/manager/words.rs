@@ -3,10 +3,10 @@
 use linewright_fieldbus_seam::{Diagnosis, Level, NOT_HEARD};
 use linewright_line::{Owner, Tick};
 
-use super::Manager;
-use super::peer::Peer;
+use super::ModbusManager;
+use super::peer::ModbusPeer;
 
-impl Manager {
+impl ModbusManager {
     /// What keeps the inputs of `owner` from being valid at `now`: a sentence for each of its devices that is in the way.
     pub fn trouble(&self, now: Tick, owner: Owner) -> Vec<String> {
         let own = self.peers.iter().filter(|peer| peer.owner == owner && !peer.is_trusted(now));
@@ -24,7 +24,7 @@ impl Manager {
     }
 }
 
-impl Peer {
+impl ModbusPeer {
     fn state(&self) -> &'static str {
         if self.is_operational() {
             "START"

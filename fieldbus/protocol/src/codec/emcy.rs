@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{DecodeError, Message, NodeId, emcy_codes};
+use super::{CanopenMessage, FrameDecodeError, NodeId, emcy_codes};
 use crate::profile::drive;
 
 /// Error code "life guard error or heartbeat error" (CiA 301 table 26).
@@ -73,10 +73,10 @@ impl fmt::Display for Emergency {
     }
 }
 
-pub(super) fn decode(cob_id: u16, node: NodeId, data: &[u8]) -> Result<Message, DecodeError> {
+pub(super) fn decode(cob_id: u16, node: NodeId, data: &[u8]) -> Result<CanopenMessage, FrameDecodeError> {
     let &[low, high, register, a, b, c, d, e] = data else {
-        return Err(DecodeError::Length { cob_id, expected: "8", actual: data.len() });
+        return Err(FrameDecodeError::Length { cob_id, expected: "8", actual: data.len() });
     };
     let emergency = Emergency { code: u16::from_le_bytes([low, high]), register, vendor: [a, b, c, d, e] };
-    Ok(Message::Emergency { node, emergency })
+    Ok(CanopenMessage::Emergency { node, emergency })
 }

@@ -1,7 +1,7 @@
-//! CANopen messages: frame ↔ [`Message`], total in both directions.
+//! CANopen messages: frame ↔ [`CanopenMessage`], total in both directions.
 //!
 //! Pure translation by the predefined connection set (CiA 301 §7.3.5, table 40): which COB-ID means what, and how its
-//! bytes are laid out (§7.2). Unknown codes survive as values; whatever else does not fit is a [`DecodeError`] that
+//! bytes are laid out (§7.2). Unknown codes survive as values; whatever else does not fit is a [`FrameDecodeError`] that
 //! says what was expected. What a message is good for, and whether it comes at the right moment, is decided elsewhere.
 
 mod emcy;
@@ -17,9 +17,9 @@ pub use emcy::{BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST, NO_ERROR, Profile};
 pub use nmt::{NmtCommand, NmtState};
 pub use pdo::Payload;
 
-use crate::frame::{Frame, Kind};
+use crate::frame::{Frame, FrameKind};
 pub use crate::sdo::Abort;
-use crate::sdo::wire::Raw;
+use crate::sdo::wire::SdoBytes;
 
 /// A CANopen node id, 1 to 127 (CiA 301 §7.3.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -45,7 +45,7 @@ impl fmt::Display for NodeId {
 
 /// One message of the predefined connection set, as far as Linewright speaks it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Message {
+pub enum CanopenMessage {
     /// Network management order, COB-ID 0x000 (CiA 301 §7.2.8.3.1). `node` `None` addresses all.
     Nmt {
         /// NMT command.
@@ -105,14 +105,14 @@ pub enum Message {
         /// The server.
         node: NodeId,
         /// Its answer.
-        raw: Raw,
+        raw: SdoBytes,
     },
     /// SDO request, COB-ID 0x600 + node (CiA 301 §7.2.4). [`sdo::Server`](crate::sdo::Server) knows what it says.
     SdoRequest {
         /// The server.
         node: NodeId,
         /// What is asked of it.
-        raw: Raw,
+        raw: SdoBytes,
     },
     /// Heartbeat, or boot-up in state [`NmtState::BootUp`], COB-ID 0x700 + node (CiA 301 §7.2.8.3.2, §7.2.8.3.3).
     Heartbeat {
@@ -125,7 +125,7 @@ pub enum Message {
 
 /// Why a frame is not one of the messages.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-pub enum DecodeError {
+pub enum FrameDecodeError {
     /// An extended identifier: CANopen's predefined connections use standard ones.
     #[error("identifier {id:08X}h is extended, CANopen uses 11-bit identifiers")]
     Extended {
@@ -190,52 +190,52 @@ const SDO_RESPONSE: u16 = 0x580;
 const SDO_REQUEST: u16 = 0x600;
 const HEARTBEAT: u16 = 0x700;
 
-impl Message {
+impl CanopenMessage {
     /// The message `frame` carries.
-    pub fn decode(frame: &Frame) -> Result<Message, DecodeError> {
+    pub fn decode(frame: &Frame) -> Result<CanopenMessage, FrameDecodeError> {
         let word = frame.id_word();
         let cob_id = match (frame.cob_id(), frame.kind()) {
             (Some(cob_id), _) => cob_id,
-            (None, Kind::Error(class)) => return Err(DecodeError::ErrorFrame { class }),
-            (None, Kind::Remote) => return Err(DecodeError::Remote { id: word & 0x1FFF_FFFF }),
-            (None, Kind::Data) => return Err(DecodeError::Extended { id: word & 0x1FFF_FFFF }),
+            (None, FrameKind::Error(class)) => return Err(FrameDecodeError::ErrorFrame { class }),
+            (None, FrameKind::Remote) => return Err(FrameDecodeError::Remote { id: word & 0x1FFF_FFFF }),
+            (None, FrameKind::Data) => return Err(FrameDecodeError::Extended { id: word & 0x1FFF_FFFF }),
         };
         let data = frame.data();
         match (cob_id & 0x780, NodeId::new((cob_id & 0x7F) as u8)) {
             (NMT, None) => nmt::decode(data),
             (SYNC, None) => decode_sync(data),
             (EMERGENCY, Some(node)) => emcy::decode(cob_id, node, data),
-            (TPDO1, Some(node)) => Ok(Message::Tpdo1 { node, payload: Payload::of(data) }),
-            (RPDO1, Some(node)) => Ok(Message::Rpdo1 { node, payload: Payload::of(data) }),
+            (TPDO1, Some(node)) => Ok(CanopenMessage::Tpdo1 { node, payload: Payload::of(data) }),
+            (RPDO1, Some(node)) => Ok(CanopenMessage::Rpdo1 { node, payload: Payload::of(data) }),
             (base @ (TPDO2 | TPDO3 | TPDO4), Some(node)) => {
-                Ok(Message::Tpdo { node, number: number(base, TPDO2), payload: Payload::of(data) })
+                Ok(CanopenMessage::Tpdo { node, number: number(base, TPDO2), payload: Payload::of(data) })
             }
             (base @ (RPDO2 | RPDO3 | RPDO4), Some(node)) => {
-                Ok(Message::Rpdo { node, number: number(base, RPDO2), payload: Payload::of(data) })
+                Ok(CanopenMessage::Rpdo { node, number: number(base, RPDO2), payload: Payload::of(data) })
             }
-            (SDO_RESPONSE, Some(node)) => Ok(Message::SdoResponse { node, raw: eight(cob_id, data)? }),
-            (SDO_REQUEST, Some(node)) => Ok(Message::SdoRequest { node, raw: eight(cob_id, data)? }),
+            (SDO_RESPONSE, Some(node)) => Ok(CanopenMessage::SdoResponse { node, raw: eight(cob_id, data)? }),
+            (SDO_REQUEST, Some(node)) => Ok(CanopenMessage::SdoRequest { node, raw: eight(cob_id, data)? }),
             (HEARTBEAT, Some(node)) => {
                 let state = nmt::decode_state(cob_id, data)?;
-                Ok(Message::Heartbeat { node, state })
+                Ok(CanopenMessage::Heartbeat { node, state })
             }
-            _ => Err(DecodeError::UnknownCobId { cob_id }),
+            _ => Err(FrameDecodeError::UnknownCobId { cob_id }),
         }
     }
 
     /// The frame that carries this message.
     pub fn encode(&self) -> Frame {
         match self {
-            Message::Nmt { command, node } => frame(NMT, None, &[command.code(), node.map_or(0, NodeId::get)]),
-            Message::Sync { counter } => frame(SYNC, None, counter.as_ref().map_or(&[], std::slice::from_ref)),
-            Message::Emergency { node, emergency } => frame(EMERGENCY, Some(*node), &emergency.to_bytes()),
-            Message::Tpdo1 { node, payload } => frame(TPDO1, Some(*node), payload.bytes()),
-            Message::Rpdo1 { node, payload } => frame(RPDO1, Some(*node), payload.bytes()),
-            Message::Tpdo { node, number, payload } => frame(base(TPDO2, *number), Some(*node), payload.bytes()),
-            Message::Rpdo { node, number, payload } => frame(base(RPDO2, *number), Some(*node), payload.bytes()),
-            Message::SdoResponse { node, raw } => frame(SDO_RESPONSE, Some(*node), raw),
-            Message::SdoRequest { node, raw } => frame(SDO_REQUEST, Some(*node), raw),
-            Message::Heartbeat { node, state } => frame(HEARTBEAT, Some(*node), &[state.code()]),
+            CanopenMessage::Nmt { command, node } => frame(NMT, None, &[command.code(), node.map_or(0, NodeId::get)]),
+            CanopenMessage::Sync { counter } => frame(SYNC, None, counter.as_ref().map_or(&[], std::slice::from_ref)),
+            CanopenMessage::Emergency { node, emergency } => frame(EMERGENCY, Some(*node), &emergency.to_bytes()),
+            CanopenMessage::Tpdo1 { node, payload } => frame(TPDO1, Some(*node), payload.bytes()),
+            CanopenMessage::Rpdo1 { node, payload } => frame(RPDO1, Some(*node), payload.bytes()),
+            CanopenMessage::Tpdo { node, number, payload } => frame(base(TPDO2, *number), Some(*node), payload.bytes()),
+            CanopenMessage::Rpdo { node, number, payload } => frame(base(RPDO2, *number), Some(*node), payload.bytes()),
+            CanopenMessage::SdoResponse { node, raw } => frame(SDO_RESPONSE, Some(*node), raw),
+            CanopenMessage::SdoRequest { node, raw } => frame(SDO_REQUEST, Some(*node), raw),
+            CanopenMessage::Heartbeat { node, state } => frame(HEARTBEAT, Some(*node), &[state.code()]),
         }
     }
 }
@@ -257,16 +257,16 @@ fn base(second: u16, number: u8) -> u16 {
 }
 
 /// SDO frames always have eight bytes (CiA 301 §7.2.4.3).
-fn eight(cob_id: u16, data: &[u8]) -> Result<Raw, DecodeError> {
-    data.try_into().map_err(|_| DecodeError::Length { cob_id, expected: "8", actual: data.len() })
+fn eight(cob_id: u16, data: &[u8]) -> Result<SdoBytes, FrameDecodeError> {
+    data.try_into().map_err(|_| FrameDecodeError::Length { cob_id, expected: "8", actual: data.len() })
 }
 
 /// CiA 301 §7.2.5.3.1: no data, or a counter of one byte.
-fn decode_sync(data: &[u8]) -> Result<Message, DecodeError> {
+fn decode_sync(data: &[u8]) -> Result<CanopenMessage, FrameDecodeError> {
     match data {
-        [] => Ok(Message::Sync { counter: None }),
-        [counter] => Ok(Message::Sync { counter: Some(*counter) }),
-        _ => Err(DecodeError::Length { cob_id: SYNC, expected: "0 or 1", actual: data.len() }),
+        [] => Ok(CanopenMessage::Sync { counter: None }),
+        [counter] => Ok(CanopenMessage::Sync { counter: Some(*counter) }),
+        _ => Err(FrameDecodeError::Length { cob_id: SYNC, expected: "0 or 1", actual: data.len() }),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Network management: orders to devices and the states they report (CiA 301 §7.2.8, §7.3.2).
 
-use super::{DecodeError, HEARTBEAT, Message, NMT, NodeId};
+use super::{CanopenMessage, FrameDecodeError, HEARTBEAT, NMT, NodeId};
 
 /// An order to a device's state machine (CiA 301 §7.2.8.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -84,20 +84,20 @@ impl NmtState {
     }
 }
 
-pub(super) fn decode(data: &[u8]) -> Result<Message, DecodeError> {
+pub(super) fn decode(data: &[u8]) -> Result<CanopenMessage, FrameDecodeError> {
     let &[command, node] = data else {
-        return Err(DecodeError::Length { cob_id: NMT, expected: "2", actual: data.len() });
+        return Err(FrameDecodeError::Length { cob_id: NMT, expected: "2", actual: data.len() });
     };
     if node > 127 {
-        return Err(DecodeError::Field { cob_id: NMT, field: "node id", expected: "0 to 127", actual: node });
+        return Err(FrameDecodeError::Field { cob_id: NMT, field: "node id", expected: "0 to 127", actual: node });
     }
-    Ok(Message::Nmt { command: NmtCommand::from_code(command), node: NodeId::new(node) })
+    Ok(CanopenMessage::Nmt { command: NmtCommand::from_code(command), node: NodeId::new(node) })
 }
 
-pub(super) fn decode_state(cob_id: u16, data: &[u8]) -> Result<NmtState, DecodeError> {
+pub(super) fn decode_state(cob_id: u16, data: &[u8]) -> Result<NmtState, FrameDecodeError> {
     debug_assert_eq!(cob_id & 0x780, HEARTBEAT);
     match data {
         [code] => Ok(NmtState::from_code(*code)),
-        _ => Err(DecodeError::Length { cob_id, expected: "1", actual: data.len() }),
+        _ => Err(FrameDecodeError::Length { cob_id, expected: "1", actual: data.len() }),
     }
 }

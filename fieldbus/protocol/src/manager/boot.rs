@@ -11,19 +11,19 @@
 use std::fmt;
 use std::time::Duration;
 
-use linewright_line::{Identity, Setup, Tick, Timing};
+use linewright_line::{DeviceIdentity, DeviceSetup, Tick, Timing};
 
 use super::errors::ERROR_REGISTER;
-use super::event::{Event, Outbox};
+use super::event::{BusEvent, BusOutbox};
 use super::on_error::{is_one, judged};
-use super::peer::{Peer, Phase};
-use super::process::Process;
+use super::peer::{Peer, PeerPhase};
+use super::process::ProcessData;
 use super::transfer::Transfer;
 use super::{MANAGER_NODE, RETRY};
 use crate::codec::{NmtCommand, NodeId};
 use crate::frame::Frame;
-use crate::sdo::wire::Raw;
-use crate::sdo::{Abort, Cause, ObjectId, Progress, Setting, TransferError};
+use crate::sdo::wire::SdoBytes;
+use crate::sdo::{Abort, ObjectId, SdoWrite, TransferError, TransferFailure, TransferProgress};
 
 /// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
 /// that whoever has mended it need not do anything else.
@@ -31,11 +31,11 @@ pub(super) const REFUSED_RETRY: Duration = Duration::from_secs(5);
 
 /// What a device is to be before it is started.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Plan {
+pub(super) struct BootPlan {
     /// Who it has to be.
-    pub identity: Identity,
+    pub identity: DeviceIdentity,
     /// What is written, in this order.
-    pub settings: Vec<Setting>,
+    pub settings: Vec<SdoWrite>,
 }
 
 /// Why a device is not started.
@@ -138,7 +138,7 @@ fn what(object: ObjectId) -> &'static str {
 
 /// How far a boot is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Step {
+pub(super) enum BootStep {
     /// Under way.
     Busy,
     /// Everything is as it has to be. With the error register, from a device that has one.
@@ -170,12 +170,12 @@ const READ: [ObjectId; 5] = [
     ObjectId::new(0x1018, 4),
 ];
 
-fn expected(identity: &Identity, nth: usize) -> Option<u32> {
-    let Identity { device_type, vendor, product, revision, serial } = *identity;
+fn expected(identity: &DeviceIdentity, nth: usize) -> Option<u32> {
+    let DeviceIdentity { device_type, vendor, product, revision, serial } = *identity;
     [device_type, vendor, product, revision, serial][nth]
 }
 
-fn compare(identity: &Identity, nth: usize, bytes: &[u8]) -> Result<(), BootError> {
+fn compare(identity: &DeviceIdentity, nth: usize, bytes: &[u8]) -> Result<(), BootError> {
     let object = READ[nth];
     let Some(expected) = expected(identity, nth) else { return Ok(()) };
     let number = bytes.try_into().map_err(|_| BootError::NotANumber { object, bytes: bytes.len() })?;
@@ -189,7 +189,7 @@ fn compare(identity: &Identity, nth: usize, bytes: &[u8]) -> Result<(), BootErro
 }
 
 /// What has come of reading a setting back.
-fn read_back(setting: &Setting, result: Result<Vec<u8>, TransferError>) -> Result<(), BootError> {
+fn read_back(setting: &SdoWrite, result: Result<Vec<u8>, TransferError>) -> Result<(), BootError> {
     let number = |bytes: &[u8]| bytes.iter().take(4).rev().fold(0, |all, byte| all << 8 | u32::from(*byte));
     match result {
         Ok(bytes) if setting.excused || setting.is_kept(&bytes) => Ok(()),
@@ -197,7 +197,7 @@ fn read_back(setting: &Setting, result: Result<Vec<u8>, TransferError>) -> Resul
             let (written, found) = (number(&setting.data), number(&bytes));
             Err(BootError::NotKept { object: setting.object, written, found })
         }
-        Err(TransferError { cause: Cause::Refused(code), .. }) if setting.may_be_refused(code) => Ok(()),
+        Err(TransferError { cause: TransferFailure::Refused(code), .. }) if setting.may_be_refused(code) => Ok(()),
         Err(error) => Err(BootError::NotReadBack(error)),
     }
 }
@@ -209,13 +209,13 @@ impl Boot {
     }
 
     /// Takes eight bytes of the device's SDO server.
-    pub fn handle(&mut self, now: Tick, plan: &Plan, raw: &Raw, out: &mut Vec<Frame>) -> Step {
+    pub fn handle(&mut self, now: Tick, plan: &BootPlan, raw: &SdoBytes, out: &mut Vec<Frame>) -> BootStep {
         let progress = self.transfer.handle(now, raw, out);
         self.go_on(now, plan, progress, out)
     }
 
     /// Does what is due.
-    pub fn poll(&mut self, now: Tick, plan: &Plan, out: &mut Vec<Frame>) -> Step {
+    pub fn poll(&mut self, now: Tick, plan: &BootPlan, out: &mut Vec<Frame>) -> BootStep {
         let progress = self.transfer.poll(now, out);
         self.go_on(now, plan, progress, out)
     }
@@ -236,7 +236,7 @@ impl Boot {
     }
 
     /// What it waits for, in words.
-    pub fn explain(&self, plan: &Plan) -> String {
+    pub fn explain(&self, plan: &BootPlan) -> String {
         let object = self.transfer.object();
         match self.at.checked_sub(READ.len()) {
             None => format!("being identified: waits for its {} (object {object})", what(object)),
@@ -250,23 +250,23 @@ impl Boot {
         }
     }
 
-    fn go_on(&mut self, now: Tick, plan: &Plan, progress: Progress, out: &mut Vec<Frame>) -> Step {
+    fn go_on(&mut self, now: Tick, plan: &BootPlan, progress: TransferProgress, out: &mut Vec<Frame>) -> BootStep {
         match progress {
-            Progress::Busy => Step::Busy,
-            Progress::Done(result) if self.at == READ.len() + plan.settings.len() => match result {
-                Ok(bytes) => Step::Done(bytes.first().copied()),
+            TransferProgress::Busy => BootStep::Busy,
+            TransferProgress::Done(result) if self.at == READ.len() + plan.settings.len() => match result {
+                Ok(bytes) => BootStep::Done(bytes.first().copied()),
                 // Every device should have one (CiA 301 §7.5.2.2); what it does not have it cannot report.
-                Err(TransferError { cause: Cause::Refused(_), .. }) => Step::Done(None),
-                Err(error) => Step::Failed(BootError::Transfer { writing: false, error }),
+                Err(TransferError { cause: TransferFailure::Refused(_), .. }) => BootStep::Done(None),
+                Err(error) => BootStep::Failed(BootError::Transfer { writing: false, error }),
             },
-            Progress::Done(result) => match self.setting(plan) {
+            TransferProgress::Done(result) => match self.setting(plan) {
                 None => match result {
                     Ok(bytes) => self.done(now, plan, &bytes, out),
-                    Err(error) => Step::Failed(BootError::Transfer { writing: false, error }),
+                    Err(error) => BootStep::Failed(BootError::Transfer { writing: false, error }),
                 },
                 Some(setting) if self.reads_back => match read_back(setting, result) {
                     Ok(()) => self.done(now, plan, &[], out),
-                    Err(why) => Step::Failed(why),
+                    Err(why) => BootStep::Failed(why),
                 },
                 Some(setting) => self.written(now, plan, setting, result.err(), out),
             },
@@ -274,7 +274,7 @@ impl Boot {
     }
 
     /// The setting that is being written or read back.
-    fn setting<'a>(&self, plan: &'a Plan) -> Option<&'a Setting> {
+    fn setting<'a>(&self, plan: &'a BootPlan) -> Option<&'a SdoWrite> {
         self.at.checked_sub(READ.len()).and_then(|nth| plan.settings.get(nth))
     }
 
@@ -282,30 +282,30 @@ impl Boot {
     fn written(
         &mut self,
         now: Tick,
-        plan: &Plan,
-        setting: &Setting,
+        plan: &BootPlan,
+        setting: &SdoWrite,
         error: Option<TransferError>,
         out: &mut Vec<Frame>,
-    ) -> Step {
+    ) -> BootStep {
         match error.map(|error| (error, error.cause)) {
             // One that cannot be changed may be as it has to be.
-            None | Some((_, Cause::Refused(Abort::READ_ONLY))) if setting.compared.is_some() => {
+            None | Some((_, TransferFailure::Refused(Abort::READ_ONLY))) if setting.compared.is_some() => {
                 self.reads_back = true;
                 self.transfer = Transfer::read(now, self.node, setting.object, out);
-                Step::Busy
+                BootStep::Busy
             }
             None => self.done(now, plan, &[], out),
-            Some((_, Cause::Refused(code))) if setting.may_be_refused(code) => self.done(now, plan, &[], out),
-            Some((error, _)) => Step::Failed(BootError::Transfer { writing: true, error }),
+            Some((_, TransferFailure::Refused(code))) if setting.may_be_refused(code) => self.done(now, plan, &[], out),
+            Some((error, _)) => BootStep::Failed(BootError::Transfer { writing: true, error }),
         }
     }
 
     /// One transfer is done; the next begins.
-    fn done(&mut self, now: Tick, plan: &Plan, bytes: &[u8], out: &mut Vec<Frame>) -> Step {
+    fn done(&mut self, now: Tick, plan: &BootPlan, bytes: &[u8], out: &mut Vec<Frame>) -> BootStep {
         if self.at < READ.len()
             && let Err(error) = compare(&plan.identity, self.at, bytes)
         {
-            return Step::Failed(error);
+            return BootStep::Failed(error);
         }
         self.at += 1;
         self.reads_back = false;
@@ -318,70 +318,70 @@ impl Boot {
             (None, Some(setting)) => Transfer::write(now, self.node, setting, out),
             (None, None) => Transfer::read(now, self.node, ERROR_REGISTER, out),
         };
-        Step::Busy
+        BootStep::Busy
     }
 }
 
 impl Peer {
-    pub(super) fn order_start(&mut self, now: Tick, out: &mut Outbox) {
-        self.phase = Phase::Starting { retry: now + RETRY };
+    pub(super) fn order_start(&mut self, now: Tick, out: &mut BusOutbox) {
+        self.phase = PeerPhase::Starting { retry: now + RETRY };
         if self.orders.take(now) {
             self.order(NmtCommand::Start, out);
         }
     }
 
     /// Begins, or begins again, to bring it up.
-    pub(super) fn boot(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn boot(&mut self, now: Tick, out: &mut BusOutbox) {
         self.process.lost(now);
         self.lent = false;
         self.held = false;
         if !self.orders.take(now) {
             // It boots again and again: it is asked for after a while, like one that is absent.
-            self.phase = Phase::Absent { probe: now + RETRY };
+            self.phase = PeerPhase::Absent { probe: now + RETRY };
             return;
         }
-        self.phase = Phase::Booting(Boot::start(now, self.node, &mut out.frames));
+        self.phase = PeerPhase::Booting(Boot::start(now, self.node, &mut out.frames));
     }
 
     /// What a step of its boot leads to.
-    pub(super) fn booted(&mut self, now: Tick, step: Step, out: &mut Outbox) {
+    pub(super) fn booted(&mut self, now: Tick, step: BootStep, out: &mut BusOutbox) {
         let why = match step {
-            Step::Busy => return,
-            Step::Done(register) => {
+            BootStep::Busy => return,
+            BootStep::Done(register) => {
                 self.refusal = None;
                 self.register_read(now, register, out);
                 return self.order_start(now, out);
             }
-            Step::Failed(why) => why,
+            BootStep::Failed(why) => why,
         };
         if self.refusal != Some(why) {
             self.refusal = Some(why);
-            out.events.push(Event::BootFailed { node: self.node, why });
+            out.events.push(BusEvent::BootFailed { node: self.node, why });
         }
         let silent = matches!(
             why,
-            BootError::Transfer { error, .. } | BootError::NotReadBack(error) if matches!(error.cause, Cause::Silent { .. })
+            BootError::Transfer { error, .. } | BootError::NotReadBack(error) if matches!(error.cause, TransferFailure::Silent { .. })
         );
         self.phase = if silent && self.heard + self.timeout <= now {
-            Phase::Absent { probe: now + RETRY }
+            PeerPhase::Absent { probe: now + RETRY }
         } else {
-            Phase::Refused { why, retry: now + if silent { RETRY } else { REFUSED_RETRY } }
+            PeerPhase::Refused { why, retry: now + if silent { RETRY } else { REFUSED_RETRY } }
         };
     }
 }
 
 /// What every device has to be, and what it is told before it is started.
-pub(super) fn plan(node: NodeId, setup: &Setup, process: &Process, timing: &Timing) -> Plan {
+pub(super) fn plan(node: NodeId, setup: &DeviceSetup, process: &ProcessData, timing: &Timing) -> BootPlan {
     let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
     // Object 1017h, producer heartbeat time in ms.
-    let produce = Setting::new(0x1017, 0, millis(timing.heartbeat).to_le_bytes());
+    let produce = SdoWrite::new(0x1017, 0, millis(timing.heartbeat).to_le_bytes());
     // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. What makes outputs safe when
     // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
     let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
-    let consume = process.has_outputs().then(|| Setting::new(0x1016, 1, watched.to_le_bytes()));
+    let consume = process.has_outputs().then(|| SdoWrite::new(0x1016, 1, watched.to_le_bytes()));
     // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
-    let described = setup.settings.iter().map(|own| Setting::new(own.index, own.sub, own.data.clone()));
+    let described = setup.settings.iter().map(|own| SdoWrite::new(own.index, own.sub, own.data.clone()));
     let described = described.chain(super::sync::settings(setup, timing));
     let settings = described.chain([produce]).chain(consume).chain(process.settings(node, &setup.settings));
-    Plan { identity: setup.identity, settings: judged(setup, settings) }
+    BootPlan { identity: setup.identity, settings: judged(setup, settings) }
 }

@@ -5,13 +5,13 @@ use linewright_line::{Canopen, Device, DeviceKind, FrameId, Timing};
 use thiserror::Error;
 
 use super::event::IGNORE_REASONS;
-use super::pace::Pace;
+use super::pace::SendQueue;
 use super::peer::Peer;
-use super::process::Process;
+use super::process::ProcessData;
 use super::request::Requests;
 use super::rival::Rival;
-use super::status::Record;
-use super::{Image, MANAGER_NODE, Manager, TOLD};
+use super::status::DeviceMemory;
+use super::{MANAGER_NODE, ManagedImage, Manager, TOLD};
 use crate::codec::NodeId;
 
 /// Why a manager cannot be built from a set of devices.
@@ -67,11 +67,11 @@ impl Manager {
     /// The manager of the bus that carries these devices. Nothing is sent before the first [`Manager::poll`].
     pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>, timing: Timing) -> Result<Self, ManagerError> {
         let mut peers: Vec<Peer> = Vec::new();
-        let mut images: Vec<Image> = Vec::new();
+        let mut images: Vec<ManagedImage> = Vec::new();
         let mut plains = Vec::new();
         for device in devices.into_iter().filter(|device| device.is_on_can()) {
             if !images.iter().any(|i| i.owner == device.owner) {
-                images.push(Image { owner: device.owner, outputs: 0, inputs: InputImage::NEVER });
+                images.push(ManagedImage { owner: device.owner, outputs: 0, inputs: InputImage::NEVER });
             }
             let (canopen, process) = match &device.kind {
                 DeviceKind::Frames(frames) => {
@@ -80,8 +80,8 @@ impl Manager {
                     plains.push((device, frames.bound.as_ref().ok_or_else(unread)?));
                     continue;
                 }
-                DeviceKind::Io(canopen, io) => (canopen, Process::of_io(io, &timing)),
-                DeviceKind::Drive(canopen, drive) => (canopen, Process::of_drive(drive)),
+                DeviceKind::Io(canopen, io) => (canopen, ProcessData::of_io(io, &timing)),
+                DeviceKind::Drive(canopen, drive) => (canopen, ProcessData::of_drive(drive)),
                 DeviceKind::Modbus(_) => continue,
             };
             let Canopen { node_id, setup } = canopen;
@@ -97,7 +97,7 @@ impl Manager {
             }
             peers.push(Peer::new(node, device, setup, process, &timing));
         }
-        let records = vec![Record::default(); peers.len()];
+        let records = vec![DeviceMemory::default(); peers.len()];
         let mut manager = Manager {
             timing,
             peers,
@@ -111,7 +111,7 @@ impl Manager {
             ignored: [0; IGNORE_REASONS],
             told: [TOLD; IGNORE_REASONS + 1],
             rival: Rival::new(&timing),
-            pace: Pace::new(),
+            pace: SendQueue::new(),
             turn: 0,
         };
         for (device, binding) in plains {

@@ -9,9 +9,9 @@
 
 use linewright_line::Tick;
 
-use super::peer::{Peer, Phase};
-use super::trouble::Why;
-use super::{Manager, Outbox, RETRY};
+use super::not_operational::NotOperationalReason;
+use super::peer::{Peer, PeerPhase};
+use super::{BusOutbox, Manager, RETRY};
 
 /// Error class "bus off" (`CAN_ERR_BUSOFF` in `linux/can/error.h`).
 pub(super) const BUS_OFF: u32 = 0x40;
@@ -25,7 +25,7 @@ impl Manager {
     }
 
     /// The kernel reports these error classes.
-    pub(super) fn bus_error(&mut self, now: Tick, class: u32, out: &mut Outbox) {
+    pub(super) fn bus_error(&mut self, now: Tick, class: u32, out: &mut BusOutbox) {
         if class & BUS_OFF != 0 {
             if self.off.is_some() {
                 return;
@@ -39,7 +39,7 @@ impl Manager {
     }
 
     /// The interface is on the bus: something has been heard.
-    pub(super) fn back_on_the_bus(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn back_on_the_bus(&mut self, now: Tick, out: &mut BusOutbox) {
         if self.off.take().is_none() || self.rival.is_mute() {
             return;
         }
@@ -47,10 +47,10 @@ impl Manager {
     }
 
     /// From here on nothing is known of any device, and every output is let go.
-    pub(super) fn cut_off_all(&mut self, now: Tick, out: &mut Outbox) {
-        let why = if self.off.is_some() { Why::BusOff } else { Why::Contested };
+    pub(super) fn cut_off_all(&mut self, now: Tick, out: &mut BusOutbox) {
+        let why = if self.off.is_some() { NotOperationalReason::BusOff } else { NotOperationalReason::Contested };
         for at in 0..self.peers.len() {
-            let outcome = self.peers[at].leave(now, Phase::Absent { probe: now + RETRY }, why);
+            let outcome = self.peers[at].leave(now, PeerPhase::Absent { probe: now + RETRY }, why);
             self.settle(now, at, outcome, out);
         }
         // Also those whose devices all speak no CANopen, which may be silent for longer than the bus was off.
@@ -61,7 +61,7 @@ impl Manager {
     }
 
     /// Every output is let go, and every device brought up as one that was lost.
-    pub(super) fn bring_back(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn bring_back(&mut self, now: Tick, out: &mut BusOutbox) {
         self.next_heartbeat = Some(now);
         for peer in &mut self.peers {
             peer.send_rest(out);
@@ -76,7 +76,7 @@ impl Manager {
 impl Peer {
     /// Asks for it at once, if it is absent.
     pub(super) fn ask_soon(&mut self, now: Tick) {
-        if let Phase::Absent { probe } = &mut self.phase {
+        if let PeerPhase::Absent { probe } = &mut self.phase {
             *probe = now;
         }
     }

@@ -26,10 +26,10 @@ use std::time::Duration;
 
 use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, InputId, Tick, Timing};
 
-use super::event::{Event, IgnoreReason, Outbox};
-use super::peer::{Outcome, Peer};
+use super::event::{BusEvent, BusOutbox, IgnoreReason};
+use super::peer::{Peer, PeerChange};
 use crate::codec::{NodeId, Payload};
-use crate::sdo::Setting;
+use crate::sdo::SdoWrite;
 
 /// The first process data object with channels, and how many there are.
 const FIRST: u8 = 2;
@@ -81,18 +81,18 @@ impl fmt::Display for ChannelFault {
 }
 
 #[derive(Debug)]
-struct Input {
+struct ChannelInput {
     of: AnalogueInput,
     /// What it last gave; `None` since the last boot or loss.
     number: Option<i16>,
     /// Which of its limits' inputs are on, by its numbers since the last that was none; kept for showing after a loss.
     on: Vec<bool>,
     /// Why it counts as no measurement; `None` while it is one.
-    broken: Option<Broken>,
+    broken: Option<BrokenChannel>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Broken {
+struct BrokenChannel {
     /// The last number that was no measurement.
     number: i16,
     /// When it is one again, if its numbers stay so; `None` while the last was none.
@@ -101,8 +101,8 @@ struct Broken {
 
 /// The channels of one device.
 #[derive(Debug)]
-pub(super) struct Channels {
-    inputs: Vec<Input>,
+pub(super) struct AnalogueChannels {
+    inputs: Vec<ChannelInput>,
     outputs: Vec<AnalogueOutput>,
     /// How long inputs may stay away, and how long they are measurements again before that counts.
     within: Duration,
@@ -116,11 +116,15 @@ pub(super) struct Channels {
     sound: bool,
 }
 
-impl Channels {
+impl AnalogueChannels {
     pub fn of(analogue: &Analogue, timing: &Timing) -> Self {
-        let input =
-            |of: &AnalogueInput| Input { of: of.clone(), number: None, on: vec![false; of.inputs.len()], broken: None };
-        Channels {
+        let input = |of: &AnalogueInput| ChannelInput {
+            of: of.clone(),
+            number: None,
+            on: vec![false; of.inputs.len()],
+            broken: None,
+        };
+        AnalogueChannels {
             inputs: analogue.inputs.iter().map(input).collect(),
             outputs: analogue.outputs.clone(),
             within: (EVERY * MISSING).max(timing.heartbeat_timeout),
@@ -141,28 +145,28 @@ impl Channels {
     }
 
     /// What the device is told before it is started. `own` is what its description has it told already.
-    pub fn settings(&self, node: NodeId, own: &[linewright_line::Setting]) -> Vec<Setting> {
+    pub fn settings(&self, node: NodeId, own: &[linewright_line::ObjectWrite]) -> Vec<SdoWrite> {
         let mut settings = Vec::new();
         for output in &self.outputs {
             let sub = output.channel.number;
-            settings.push(Setting::new(0x6443, sub, [1]));
+            settings.push(SdoWrite::new(0x6443, sub, [1]));
             // An INTEGER32 in CiA 401. Of the devices that have it in two bytes instead the description tells.
             if !own.iter().any(|setting| (setting.index, setting.sub) == (0x6444, sub)) {
-                settings.push(Setting::new(0x6444, sub, i32::from(output.at_rest()).to_le_bytes()));
+                settings.push(SdoWrite::new(0x6444, sub, i32::from(output.at_rest()).to_le_bytes()));
             }
         }
         for at in (0..OBJECTS as u16).filter(|at| self.last_input(FIRST + *at as u8).is_some()) {
             let (index, cob_id) = (0x1801 + at, NO_REMOTE | u32::from(0x280 + 0x100 * at) | u32::from(node.get()));
             settings.extend([
-                Setting::new(index, 1, (INVALID | cob_id).to_le_bytes()),
-                Setting::new(index, 2, [EVENT_DRIVEN]),
-                Setting { optional: true, ..Setting::new(index, 3, INHIBIT.to_le_bytes()) },
-                Setting::new(index, 5, (EVERY.as_millis() as u16).to_le_bytes()),
-                Setting::new(index, 1, cob_id.to_le_bytes()),
+                SdoWrite::new(index, 1, (INVALID | cob_id).to_le_bytes()),
+                SdoWrite::new(index, 2, [EVENT_DRIVEN]),
+                SdoWrite { optional: true, ..SdoWrite::new(index, 3, INHIBIT.to_le_bytes()) },
+                SdoWrite::new(index, 5, (EVERY.as_millis() as u16).to_le_bytes()),
+                SdoWrite::new(index, 1, cob_id.to_le_bytes()),
             ]);
         }
         if !self.inputs.is_empty() {
-            settings.push(Setting::new(0x6423, 0, [1]));
+            settings.push(SdoWrite::new(0x6423, 0, [1]));
         }
         settings
     }
@@ -186,7 +190,7 @@ impl Channels {
 
     /// Its bits of its owner's input image.
     pub fn bits(&self) -> u128 {
-        let on = |input: &Input| {
+        let on = |input: &ChannelInput| {
             if input.broken.is_some() {
                 return input.of.broken.map_or(0, InputId::bit);
             }
@@ -198,7 +202,7 @@ impl Channels {
 
     /// Why its owner's inputs cannot be valid, if they cannot.
     pub fn fault(&self, now: Tick) -> Option<ChannelFault> {
-        let late = |input: &&Input| {
+        let late = |input: &&ChannelInput| {
             let heard = self.heard.get(usize::from(input.of.channel.pdo() - FIRST)).copied().flatten();
             heard.is_none_or(|heard| heard + self.within <= now)
         };
@@ -233,7 +237,7 @@ impl Channels {
     pub fn deadline(&self) -> Tick {
         let used = self.heard.iter().flatten().filter(|_| self.sound);
         let late = used.map(|heard| *heard + self.within);
-        late.chain(self.inputs.iter().filter_map(Input::mended_at)).fold(Tick::NEVER, Tick::min)
+        late.chain(self.inputs.iter().filter_map(ChannelInput::mended_at)).fold(Tick::NEVER, Tick::min)
     }
 
     /// Takes the image its owner has set, or the one without outputs after a loss.
@@ -294,7 +298,7 @@ impl Channels {
         let measured = self.inputs.iter().map(|input| {
             let channel = &input.of.channel;
             match (input.number, input.broken) {
-                (Some(_), Some(Broken { number, .. })) => {
+                (Some(_), Some(BrokenChannel { number, .. })) => {
                     format!("analogue input {}: no measurement ({number})", channel.number)
                 }
                 (Some(number), None) => {
@@ -318,7 +322,7 @@ impl Channels {
     }
 }
 
-impl Input {
+impl ChannelInput {
     /// Takes a number; one that was none counts as measured again after it has been so for `steady`.
     fn take(&mut self, now: Tick, number: i16, steady: Duration) {
         // What was on before a loss, or before the wire broke, is no memory to go on with.
@@ -326,9 +330,11 @@ impl Input {
         let measured = self.of.is_measured(number);
         self.number = Some(number);
         self.broken = match self.broken {
-            _ if !measured => Some(Broken { number, mended: None }),
-            Some(Broken { mended: Some(at), .. }) if at <= now => None,
-            Some(Broken { number, mended }) => Some(Broken { number, mended: mended.or(Some(now + steady)) }),
+            _ if !measured => Some(BrokenChannel { number, mended: None }),
+            Some(BrokenChannel { mended: Some(at), .. }) if at <= now => None,
+            Some(BrokenChannel { number, mended }) => {
+                Some(BrokenChannel { number, mended: mended.or(Some(now + steady)) })
+            }
             None => None,
         };
         for (at, on) in self.on.iter_mut().enumerate() {
@@ -344,20 +350,20 @@ impl Input {
 
 impl Peer {
     /// Looks again at its channels: whether they are heard and measured, and what follows if that has changed.
-    pub(super) fn judge_channels(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
+    pub(super) fn judge_channels(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
         if !self.is_operational() {
-            return Outcome::Unchanged;
+            return PeerChange::Unchanged;
         }
-        let Some(channels) = self.process.channels_mut() else { return Outcome::Unchanged };
+        let Some(channels) = self.process.channels_mut() else { return PeerChange::Unchanged };
         let mended = channels.mend(now);
         match channels.news(now) {
             // One with an input of its own for it.
-            None if mended => Outcome::Inputs,
-            None => Outcome::Unchanged,
-            Some(Ok(())) => Outcome::Inputs,
+            None if mended => PeerChange::Inputs,
+            None => PeerChange::Unchanged,
+            Some(Ok(())) => PeerChange::Inputs,
             Some(Err(fault)) => {
-                out.events.push(Event::ChannelFault { node: self.node, fault });
-                Outcome::Lost
+                out.events.push(BusEvent::ChannelFault { node: self.node, fault });
+                PeerChange::Lost
             }
         }
     }

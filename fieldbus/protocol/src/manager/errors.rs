@@ -21,14 +21,14 @@ use std::time::Duration;
 
 use linewright_line::{Reaction, Tick};
 
-use super::event::{Event, Outbox};
-use super::peer::{Outcome, Peer, Phase};
+use super::event::{BusEvent, BusOutbox};
+use super::not_operational::NotOperationalReason;
+use super::peer::{Peer, PeerChange, PeerPhase};
 use super::transfer::Transfer;
-use super::trouble::Why;
 use crate::codec::{BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST, NodeId, Profile};
 use crate::frame::Frame;
-use crate::sdo::wire::Raw;
-use crate::sdo::{ObjectId, Progress};
+use crate::sdo::wire::SdoBytes;
+use crate::sdo::{ObjectId, TransferProgress};
 
 /// The error register.
 pub(super) const ERROR_REGISTER: ObjectId = ObjectId::new(0x1001, 0);
@@ -41,7 +41,7 @@ const COMMUNICATION: u8 = 0x10;
 
 /// An error that stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Standing {
+struct ActiveError {
     /// By which emergency it was reported; `None` if only the register says so.
     emergency: Option<Emergency>,
     register: u8,
@@ -51,7 +51,7 @@ struct Standing {
 #[derive(Debug)]
 pub(super) struct Errors {
     reaction: Reaction,
-    standing: Option<Standing>,
+    standing: Option<ActiveError>,
     reading: Option<Transfer>,
     /// A reading is due, and the channel was not free.
     waits: bool,
@@ -85,7 +85,7 @@ impl Errors {
             }
         } else if counts {
             let emergency = Some(emergency).filter(|emergency| !emergency.is_reset());
-            self.standing = Some(Standing { emergency, register });
+            self.standing = Some(ActiveError { emergency, register });
             self.next_read = now + READ_EVERY;
         }
     }
@@ -99,7 +99,7 @@ impl Errors {
             Some(standing) => standing.register = register,
             None if is_the_wire_alone(register) => {}
             None => {
-                self.standing = Some(Standing { emergency: None, register });
+                self.standing = Some(ActiveError { emergency: None, register });
                 self.next_read = now + READ_EVERY;
             }
         }
@@ -115,7 +115,7 @@ impl Errors {
 
     /// What made the error stand is gone from the register, and what has come instead would not have made it stand.
     fn only_the_wire_is_left(&self, register: u8) -> bool {
-        let others = |standing: Standing| {
+        let others = |standing: ActiveError| {
             standing.register & !WIRE != 0 && standing.emergency.is_none_or(|emergency| emergency.code >> 8 != 0x81)
         };
         self.standing.is_some_and(others) && is_the_wire_alone(register)
@@ -161,13 +161,13 @@ impl Errors {
     }
 
     /// Takes eight bytes of its server. Gives the register if it has just been read.
-    pub fn answer(&mut self, now: Tick, raw: &Raw, out: &mut Vec<Frame>) -> Option<u8> {
+    pub fn answer(&mut self, now: Tick, raw: &SdoBytes, out: &mut Vec<Frame>) -> Option<u8> {
         let progress = self.reading.as_mut()?.handle(now, raw, out);
         self.done(progress)
     }
 
-    fn done(&mut self, progress: Progress) -> Option<u8> {
-        let Progress::Done(result) = progress else { return None };
+    fn done(&mut self, progress: TransferProgress) -> Option<u8> {
+        let TransferProgress::Done(result) = progress else { return None };
         self.reading = None;
         // One that cannot be asked stays in error until it says otherwise by itself.
         result.ok()?.first().copied()
@@ -181,7 +181,7 @@ impl Errors {
 
     /// The error that stands, in words, whatever it leads to.
     pub fn explain(&self, profile: Profile) -> Option<String> {
-        let Standing { emergency, register } = self.standing?;
+        let ActiveError { emergency, register } = self.standing?;
         Some(match emergency {
             Some(emergency) => {
                 let meaning = emergency.meaning(profile).unwrap_or("unknown error");
@@ -193,12 +193,12 @@ impl Errors {
 }
 
 impl Peer {
-    pub(super) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut Outbox) -> Outcome {
-        self.tell(now, Event::Emergency { node: self.node, emergency, profile: self.process.profile() }, out);
+    pub(super) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut BusOutbox) -> PeerChange {
+        self.tell(now, BusEvent::Emergency { node: self.node, emergency, profile: self.process.profile() }, out);
         // It has let go of its outputs because it did not hear us; its next heartbeat would say the same, later. While it
         // was away it may have booted unheard, so it is not started as it is.
         if matches!(emergency.code, HEARTBEAT_LOST | BUS_OFF_RECOVERED) && self.is_operational() {
-            let outcome = self.leave(now, Phase::Stopped, Why::Reported(emergency));
+            let outcome = self.leave(now, PeerPhase::Stopped, NotOperationalReason::Reported(emergency));
             self.boot(now, out);
             return outcome;
         }
@@ -207,18 +207,18 @@ impl Peer {
         self.errors.hear(now, emergency);
         self.send_if_wanted(now, out);
         match (stood, self.errors.stand()) {
-            (false, true) if self.is_operational() => Outcome::Lost,
-            (true, false) => Outcome::Inputs,
-            _ => Outcome::Unchanged,
+            (false, true) if self.is_operational() => PeerChange::Lost,
+            (true, false) => PeerChange::Inputs,
+            _ => PeerChange::Unchanged,
         }
     }
 
     /// Its error register has been read, or not. Whether it can be trusted has changed by that.
-    pub(super) fn register_read(&mut self, now: Tick, register: Option<u8>, out: &mut Outbox) -> bool {
+    pub(super) fn register_read(&mut self, now: Tick, register: Option<u8>, out: &mut BusOutbox) -> bool {
         let Some(register) = register else { return false };
         let news = self.errors.register(now, register);
         if news {
-            self.tell(now, Event::ErrorRegister { node: self.node, register }, out);
+            self.tell(now, BusEvent::ErrorRegister { node: self.node, register }, out);
         }
         news
     }

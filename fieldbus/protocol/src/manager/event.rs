@@ -9,27 +9,27 @@ use super::MANAGER_NODE;
 use super::boot::BootError;
 use super::bus_off::{BUS_OFF, RESTARTED};
 use super::channels::ChannelFault;
+use super::dbc_device::FrameFault;
 use super::errors::bits;
-use super::flood::{FRAMES_MAX, WINDOW};
-use super::plain::FrameFault;
-use super::request::Answer;
+use super::rate_limit::{FRAMES_MAX, WINDOW};
+use super::request::RequestResult;
 use crate::codec::{Emergency, NmtState, NodeId, Profile};
 use crate::frame::Frame;
 
 /// Frames to send, in order, and events to report, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Outbox {
+pub struct BusOutbox {
     /// To be sent on the manager's bus.
     pub frames: Vec<Frame>,
     /// To be reported.
-    pub events: Vec<Event>,
-    /// What requests have come to ([`Manager::ask`](super::Manager::ask)), each told by an [`Event::Answered`].
-    pub answers: Vec<(u64, Answer)>,
+    pub events: Vec<BusEvent>,
+    /// What requests have come to ([`Manager::ask`](super::Manager::ask)), each told by an [`BusEvent::Answered`].
+    pub answers: Vec<(u64, RequestResult)>,
 }
 
 /// Something the owner of a manager should know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
+pub enum BusEvent {
     /// The device is configured and operational; it exchanges process data from here on.
     DeviceUp {
         /// CANopen node id.
@@ -147,7 +147,7 @@ pub enum IgnoreReason {
     Extended,
     /// It is a remote request.
     Remote,
-    /// It is the kernel's report about the bus; reported as [`Event::BusError`].
+    /// It is the kernel's report about the bus; reported as [`BusEvent::BusError`].
     ErrorFrame,
     /// Its COB-ID has no meaning here.
     UnknownCobId,
@@ -200,53 +200,53 @@ impl fmt::Display for IgnoreReason {
     }
 }
 
-impl fmt::Display for Event {
+impl fmt::Display for BusEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Event::DeviceUp { node } => write!(f, "node {node} is operational"),
-            Event::DeviceLost { node, silent_for } => {
+            BusEvent::DeviceUp { node } => write!(f, "node {node} is operational"),
+            BusEvent::DeviceLost { node, silent_for } => {
                 write!(f, "node {node} is lost: silent for {} ms", silent_for.as_millis())
             }
-            Event::DeviceRebooted { node } => write!(f, "node {node} has rebooted"),
-            Event::DeviceLeft { node, state } => {
+            BusEvent::DeviceRebooted { node } => write!(f, "node {node} has rebooted"),
+            BusEvent::DeviceLeft { node, state } => {
                 write!(f, "node {node} has left the operational state (now {:02X}h)", state.code())
             }
-            Event::NoSync { node, silent_for } => {
+            BusEvent::NoSync { node, silent_for } => {
                 write!(f, "node {node} hears no SYNC: its inputs have not come for {} ms", silent_for.as_millis())
             }
-            Event::ChannelFault { node, fault } => write!(f, "node {node} is not trusted: {fault}"),
-            Event::FramesUp { id } => write!(f, "the sender of {id} is live"),
-            Event::FramesLost { id, silent_for, why } => {
+            BusEvent::ChannelFault { node, fault } => write!(f, "node {node} is not trusted: {fault}"),
+            BusEvent::FramesUp { id } => write!(f, "the sender of {id} is live"),
+            BusEvent::FramesLost { id, silent_for, why } => {
                 write!(f, "the sender of {id} is lost: nothing of it for {} ms: {why}", silent_for.as_millis())
             }
-            Event::BootFailed { node, why } => write!(f, "node {node} is not started: {why}"),
-            Event::Emergency { node, emergency, profile } => {
+            BusEvent::BootFailed { node, why } => write!(f, "node {node} is not started: {why}"),
+            BusEvent::Emergency { node, emergency, profile } => {
                 write!(f, "node {node} reports {}", emergency.text(*profile))
             }
-            Event::ErrorRegister { node, register: 0 } => {
+            BusEvent::ErrorRegister { node, register: 0 } => {
                 write!(f, "node {node} is in error no longer: its error register 1001h = 00h")
             }
-            Event::ErrorRegister { node, register } => {
+            BusEvent::ErrorRegister { node, register } => {
                 write!(f, "node {node} is in error: its error register 1001h = {register:02X}h ({})", bits(*register))
             }
-            Event::Babbles { node } => write!(
+            BusEvent::Babbles { node } => write!(
                 f,
                 "node {node} babbles: more than {FRAMES_MAX} frames within {} ms; it is not listened to",
                 WINDOW.as_millis()
             ),
-            Event::InputsChanged { owner: Owner::Station(id) } => write!(f, "inputs of station {} changed", id.0),
-            Event::InputsChanged { owner: Owner::Console } => f.write_str("inputs of the console changed"),
-            Event::Answered { number } => write!(f, "request {number} is answered"),
-            Event::AnotherManager => {
+            BusEvent::InputsChanged { owner: Owner::Station(id) } => write!(f, "inputs of station {} changed", id.0),
+            BusEvent::InputsChanged { owner: Owner::Console } => f.write_str("inputs of the console changed"),
+            BusEvent::Answered { number } => write!(f, "request {number} is answered"),
+            BusEvent::AnotherManager => {
                 write!(f, "another CANopen manager (node {MANAGER_NODE}, heartbeat 77Fh) is on this bus: nothing moves")
             }
-            Event::AloneAgain => {
+            BusEvent::AloneAgain => {
                 write!(f, "the other CANopen manager (node {MANAGER_NODE}) is silent: the devices are brought up")
             }
-            Event::BusError { class } if class & BUS_OFF != 0 => f.write_str("the bus is off"),
-            Event::BusError { class } if class & RESTARTED != 0 => f.write_str("the bus is on again"),
-            Event::BusError { class } => write!(f, "bus error, classes {class:#X}"),
-            Event::Ignored { reason, frame } => write!(f, "ignored {frame}: {reason}"),
+            BusEvent::BusError { class } if class & BUS_OFF != 0 => f.write_str("the bus is off"),
+            BusEvent::BusError { class } if class & RESTARTED != 0 => f.write_str("the bus is on again"),
+            BusEvent::BusError { class } => write!(f, "bus error, classes {class:#X}"),
+            BusEvent::Ignored { reason, frame } => write!(f, "ignored {frame}: {reason}"),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The CANopen manager of one bus.
 //!
-//! Pure: it is called with the time and a frame, and fills an [`Outbox`] with frames to send and events to report. It
+//! Pure: it is called with the time and a frame, and fills an [`BusOutbox`] with frames to send and events to report. It
 //! brings every device of the description up (configure, start), watches its heartbeat, and moves bits between the
 //! devices' PDOs and their owners' process images. It does not know what a bit means or whether a motion is allowed;
 //! it knows which bits can be trusted.
@@ -14,21 +14,21 @@ mod boot;
 mod build;
 mod bus_off;
 mod channels;
+mod dbc_device;
 mod errors;
 mod event;
-mod flood;
-mod guard;
+mod not_operational;
 mod on_error;
 mod pace;
 mod peer;
-mod plain;
 mod process;
+mod protected_objects;
+mod rate_limit;
 mod request;
 mod rival;
 mod status;
 mod sync;
 mod transfer;
-mod trouble;
 
 use std::time::Duration;
 
@@ -38,20 +38,20 @@ use linewright_line::{Owner, Tick, Timing};
 pub use boot::BootError;
 pub use build::ManagerError;
 pub use channels::ChannelFault;
-pub use event::{Event, IgnoreReason, Outbox};
-pub use plain::{FrameFault, PlainStatus};
-pub use request::{Answer, Ask, AskError};
-pub use status::{Condition, Status};
+pub use dbc_device::{DbcDeviceState, FrameFault};
+pub use event::{BusEvent, BusOutbox, IgnoreReason};
+pub use request::{DeviceRequest, DeviceRequestError, RequestResult};
+pub use status::{DeviceCondition, DeviceStatus};
 
-use crate::codec::{DecodeError, Message, NmtState, NodeId};
-use crate::frame::{Frame, Kind};
+use crate::codec::{CanopenMessage, FrameDecodeError, NmtState, NodeId};
+use crate::frame::{Frame, FrameKind};
+use dbc_device::DbcDevice;
 use event::IGNORE_REASONS;
-use pace::Pace;
-use peer::{Outcome, Peer};
-use plain::Plain;
+use pace::SendQueue;
+use peer::{Peer, PeerChange};
 use request::Requests;
 use rival::Rival;
-use status::Record;
+use status::DeviceMemory;
 
 /// The manager's own node id: the highest one, so that every device's traffic wins arbitration against it except its
 /// network management orders, which have COB-ID 0.
@@ -60,7 +60,7 @@ pub const MANAGER_NODE: NodeId = match NodeId::new(127) {
     None => panic!("127 is a node id"),
 };
 
-struct Image {
+struct ManagedImage {
     owner: Owner,
     /// What the owner last set; zero from the start and after every loss.
     outputs: u128,
@@ -72,18 +72,18 @@ pub struct Manager {
     timing: Timing,
     peers: Vec<Peer>,
     /// Devices that speak no CANopen.
-    plains: Vec<Plain>,
+    plains: Vec<DbcDevice>,
     /// What is remembered of each, in the same order.
-    records: Vec<Record>,
+    records: Vec<DeviceMemory>,
     requests: Requests,
-    images: Vec<Image>,
+    images: Vec<ManagedImage>,
     /// `None` until the first poll: nothing has been sent yet.
     next_heartbeat: Option<Tick>,
     next_sync: Option<Tick>,
     /// Since when the interface is off the bus.
     off: Option<Tick>,
     ignored: [u64; IGNORE_REASONS],
-    pace: Pace,
+    pace: SendQueue,
     /// Whose turn it is to send a segment of a block.
     turn: usize,
     /// How much is said of ignored frames, by reason, and at the end of errors of the bus.
@@ -93,7 +93,7 @@ pub struct Manager {
 
 impl Manager {
     /// Takes one frame heard on the bus at `now`.
-    pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
+    pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) {
         let (start, told) = (out.frames.len(), out.events.len());
         self.pace.heard(now);
         if self.rival.is_mute() {
@@ -106,37 +106,37 @@ impl Manager {
         self.pass(now, start, out);
     }
 
-    fn take(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
-        if !matches!(frame.kind(), Kind::Error(_)) {
+    fn take(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) {
+        if !matches!(frame.kind(), FrameKind::Error(_)) {
             self.back_on_the_bus(now, out);
         }
         if self.take_plain(now, frame, out) {
             return;
         }
-        let message = match Message::decode(frame) {
+        let message = match CanopenMessage::decode(frame) {
             Ok(message) => message,
             Err(error) => return self.undecodable(now, error, *frame, out),
         };
         match message {
-            Message::Heartbeat { node, .. } if node == MANAGER_NODE => self.hear_rival(now, out),
+            CanopenMessage::Heartbeat { node, .. } if node == MANAGER_NODE => self.hear_rival(now, out),
             // It may be what the other has brought about: nothing follows from it until this one is alone.
             _ if self.rival.since().is_some() => self.ignored[IgnoreReason::NotForManager as usize] += 1,
-            Message::Heartbeat { node, state } => {
+            CanopenMessage::Heartbeat { node, state } => {
                 if let Some(record) = self.record_of(node.get()) {
                     record.nmt = Some(state);
                 }
                 self.unless_babbling(now, node, frame, out, |peer, out| peer.heartbeat(now, state, out));
             }
-            Message::Tpdo1 { node, payload } => {
+            CanopenMessage::Tpdo1 { node, payload } => {
                 self.unless_babbling(now, node, frame, out, |peer, out| peer.inputs_heard(now, 1, payload, out));
             }
-            Message::Tpdo { node, number, payload } => {
+            CanopenMessage::Tpdo { node, number, payload } => {
                 self.unless_babbling(now, node, frame, out, |peer, out| peer.inputs_heard(now, number, payload, out));
             }
-            Message::Emergency { node, emergency } => {
+            CanopenMessage::Emergency { node, emergency } => {
                 self.unless_babbling(now, node, frame, out, |peer, out| peer.emergency(now, emergency, out));
             }
-            Message::SdoResponse { node, raw } => {
+            CanopenMessage::SdoResponse { node, raw } => {
                 let asked = self.peers.iter_mut().find(|peer| peer.node == node);
                 if asked.is_some_and(|peer| self.requests.answered(now, peer, &raw, out)) {
                     return;
@@ -144,11 +144,11 @@ impl Manager {
                 self.with_peer(now, node, frame, out, |peer, out| peer.sdo_answer(now, &raw, out));
             }
             // Orders and outputs from a technician's tool or another client; the devices answer for themselves.
-            Message::Nmt { .. }
-            | Message::Sync { .. }
-            | Message::Rpdo1 { .. }
-            | Message::Rpdo { .. }
-            | Message::SdoRequest { .. } => {
+            CanopenMessage::Nmt { .. }
+            | CanopenMessage::Sync { .. }
+            | CanopenMessage::Rpdo1 { .. }
+            | CanopenMessage::Rpdo { .. }
+            | CanopenMessage::SdoRequest { .. } => {
                 self.ignored[IgnoreReason::NotForManager as usize] += 1;
             }
         }
@@ -156,7 +156,7 @@ impl Manager {
 
     /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, noticing silence. For the first
     /// four periods of its heartbeat that is listening alone.
-    pub fn poll(&mut self, now: Tick, out: &mut Outbox) {
+    pub fn poll(&mut self, now: Tick, out: &mut BusOutbox) {
         let (start, told) = (out.frames.len(), out.events.len());
         if !self.may_send(now, out) {
             return;
@@ -167,7 +167,7 @@ impl Manager {
         // A beat missed by a late caller is not made up for: the next one counts from now.
         if self.next_heartbeat.is_none_or(|due| due <= now) {
             let state = NmtState::Operational;
-            out.frames.push(Message::Heartbeat { node: MANAGER_NODE, state }.encode());
+            out.frames.push(CanopenMessage::Heartbeat { node: MANAGER_NODE, state }.encode());
             self.next_heartbeat = Some(now + self.timing.heartbeat);
         }
         self.send_sync(now, out);
@@ -205,13 +205,13 @@ impl Manager {
     ///
     /// A device that is not operational gets nothing, and once it is operational again the image set *since*. An
     /// owner unknown on this bus is ignored.
-    pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128, out: &mut Outbox) {
+    pub fn set_outputs(&mut self, now: Tick, owner: Owner, image: u128, out: &mut BusOutbox) {
         let start = out.frames.len();
         self.give_image(now, owner, image, out);
         self.pass(now, start, out);
     }
 
-    fn give_image(&mut self, now: Tick, owner: Owner, outputs: u128, out: &mut Outbox) {
+    fn give_image(&mut self, now: Tick, owner: Owner, outputs: u128, out: &mut BusOutbox) {
         let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
         // With another manager on the bus nothing is energised, also later: what is set then is set anew.
         let outputs = if self.rival.since().is_some() { 0 } else { outputs };
@@ -226,7 +226,7 @@ impl Manager {
 
     /// Takes frames back that the interface had no room for, in the order in which they were to be sent. They go as
     /// soon as there may be room, unless newer ones have taken their place.
-    pub fn give_back(&mut self, now: Tick, frames: Vec<Frame>) {
+    pub fn return_unsent(&mut self, now: Tick, frames: Vec<Frame>) {
         self.pace.give_back(now, frames);
     }
 
@@ -234,7 +234,7 @@ impl Manager {
     /// any other end the devices' own heartbeat consumers do it; those that speak no CANopen have none and come first.)
     ///
     /// A manager that has never sent anything, because another one was there first, disturbs nothing by ending either.
-    pub fn release_outputs(&mut self, now: Tick, out: &mut Outbox) {
+    pub fn release_outputs(&mut self, now: Tick, out: &mut BusOutbox) {
         if !self.rival.has_sent() {
             return;
         }
@@ -246,7 +246,7 @@ impl Manager {
             plain.release(now, out);
         }
         // What they were sent last may still have waited: each is told, whatever it is thought to have.
-        let mut differing = Outbox::default();
+        let mut differing = BusOutbox::default();
         for peer in &mut self.peers {
             peer.set_image(now, 0, &mut differing);
             peer.send_rest(out);
@@ -284,15 +284,15 @@ impl Manager {
 
     /// Before anything else every output is let go: a manager that ended a moment ago may have left some energised
     /// that this one knows nothing of. Zero (for a drive: quick stop) is safe in every state of the device.
-    fn first_poll(&mut self, out: &mut Outbox) {
-        out.frames.push(Message::Heartbeat { node: MANAGER_NODE, state: NmtState::BootUp }.encode());
+    fn first_poll(&mut self, out: &mut BusOutbox) {
+        out.frames.push(CanopenMessage::Heartbeat { node: MANAGER_NODE, state: NmtState::BootUp }.encode());
         for peer in &self.peers {
             peer.send_rest(out);
         }
     }
 
     /// Of the frames from `start` on, those go that may go now, and of those that wait the ones whose turn it is.
-    fn pass(&mut self, now: Tick, start: usize, out: &mut Outbox) {
+    fn pass(&mut self, now: Tick, start: usize, out: &mut BusOutbox) {
         self.pace.pass(now, start, &mut out.frames);
         while self.pace.may_stream(now) {
             // One after the other, and then somebody's request.
@@ -324,8 +324,8 @@ impl Manager {
         now: Tick,
         node: NodeId,
         frame: &Frame,
-        out: &mut Outbox,
-        act: impl FnOnce(&mut Peer, &mut Outbox) -> Outcome,
+        out: &mut BusOutbox,
+        act: impl FnOnce(&mut Peer, &mut BusOutbox) -> PeerChange,
     ) {
         self.with_peer(now, node, frame, out, |peer, out| peer.unless_babbling(now, out, act));
     }
@@ -335,12 +335,12 @@ impl Manager {
         now: Tick,
         node: NodeId,
         frame: &Frame,
-        out: &mut Outbox,
-        act: impl FnOnce(&mut Peer, &mut Outbox) -> Outcome,
+        out: &mut BusOutbox,
+        act: impl FnOnce(&mut Peer, &mut BusOutbox) -> PeerChange,
     ) {
         match self.peers.iter().position(|p| p.node == node) {
             Some(at) => match act(&mut self.peers[at], out) {
-                Outcome::Ignored(reason) => self.ignore(now, reason, *frame, out),
+                PeerChange::Ignored(reason) => self.ignore(now, reason, *frame, out),
                 outcome => self.settle(now, at, outcome, out),
             },
             None => self.ignore(now, IgnoreReason::UnknownNode, *frame, out),
@@ -348,16 +348,16 @@ impl Manager {
     }
 
     /// What a change of one device means for its owner's images.
-    fn settle(&mut self, now: Tick, at: usize, outcome: Outcome, out: &mut Outbox) {
+    fn settle(&mut self, now: Tick, at: usize, outcome: PeerChange, out: &mut BusOutbox) {
         let owner = self.peers[at].owner;
         match outcome {
-            Outcome::Unchanged | Outcome::Ignored(_) => return,
-            Outcome::Inputs => {}
-            Outcome::Up => {
+            PeerChange::Unchanged | PeerChange::Ignored(_) => return,
+            PeerChange::Inputs => {}
+            PeerChange::Up => {
                 // Operational at last: it starts from zero and gets what the owner has set since its last loss.
                 self.peers[at].send_outputs(now, out);
             }
-            Outcome::Lost => {
+            PeerChange::Lost => {
                 self.forget_what_waits(at);
                 self.records[at].losses += 1;
                 // On one that may be lost nothing depends.
@@ -378,53 +378,53 @@ impl Manager {
     }
 
     /// One of an owner's devices is lost. Its controller decided without knowing: none of its outputs is vouched for.
-    pub(super) fn let_go(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
+    pub(super) fn let_go(&mut self, now: Tick, owner: Owner, out: &mut BusOutbox) {
         self.give_image(now, owner, 0, out);
     }
 
     /// Recomputes an owner's input image, and reports a change. However it came to be invalid, outputs are let go.
-    fn gather(&mut self, now: Tick, owner: Owner, out: &mut Outbox) {
+    fn gather(&mut self, now: Tick, owner: Owner, out: &mut BusOutbox) {
         let peers = || self.peers.iter().filter(|p| p.owner == owner);
         let plains = || self.plains.iter().filter(|p| p.owner == owner);
-        let own = peers().map(|peer| peer.input_bits(now)).chain(plains().map(Plain::input_bits));
+        let own = peers().map(|peer| peer.input_bits(now)).chain(plains().map(DbcDevice::input_bits));
         let bits = own.fold(0, |all, bits| all | bits);
         let valid = self.are_trusted(now, owner);
-        let updated = peers().filter_map(Peer::updated).chain(plains().filter_map(Plain::updated)).max();
+        let updated = peers().filter_map(Peer::updated).chain(plains().filter_map(DbcDevice::updated)).max();
         let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
         let before = image.inputs;
         image.inputs = before.followed_by(now, bits, valid, updated);
         if (before.bits, before.valid) != (bits, valid) {
-            out.events.push(Event::InputsChanged { owner });
+            out.events.push(BusEvent::InputsChanged { owner });
         }
         if before.valid && !valid {
             self.let_go(now, owner, out);
         }
     }
 
-    fn undecodable(&mut self, now: Tick, error: DecodeError, frame: Frame, out: &mut Outbox) {
+    fn undecodable(&mut self, now: Tick, error: FrameDecodeError, frame: Frame, out: &mut BusOutbox) {
         let reason = match error {
-            DecodeError::Extended { .. } => IgnoreReason::Extended,
-            DecodeError::Remote { .. } => IgnoreReason::Remote,
-            DecodeError::ErrorFrame { class } => {
+            FrameDecodeError::Extended { .. } => IgnoreReason::Extended,
+            FrameDecodeError::Remote { .. } => IgnoreReason::Remote,
+            FrameDecodeError::ErrorFrame { class } => {
                 self.ignored[IgnoreReason::ErrorFrame as usize] += 1;
                 if self.told[IGNORE_REASONS].take(now) {
-                    out.events.push(Event::BusError { class });
+                    out.events.push(BusEvent::BusError { class });
                 }
                 return self.bus_error(now, class, out);
             }
-            DecodeError::UnknownCobId { .. } => IgnoreReason::UnknownCobId,
-            DecodeError::Length { .. } | DecodeError::Field { .. } => IgnoreReason::Malformed,
+            FrameDecodeError::UnknownCobId { .. } => IgnoreReason::UnknownCobId,
+            FrameDecodeError::Length { .. } | FrameDecodeError::Field { .. } => IgnoreReason::Malformed,
         };
         self.ignore(now, reason, frame, out);
     }
 
-    fn ignore(&mut self, now: Tick, reason: IgnoreReason, frame: Frame, out: &mut Outbox) {
+    fn ignore(&mut self, now: Tick, reason: IgnoreReason, frame: Frame, out: &mut BusOutbox) {
         self.ignored[reason as usize] += 1;
         // An answer to somebody else's question is everyday traffic, not worth an event. Of the rest, enough is told to
         // understand it; the counters have all of it.
         let everyday = matches!(reason, IgnoreReason::NotForManager | IgnoreReason::Babbling);
         if !everyday && self.told[reason as usize].take(now) {
-            out.events.push(Event::Ignored { reason, frame });
+            out.events.push(BusEvent::Ignored { reason, frame });
         }
     }
 }

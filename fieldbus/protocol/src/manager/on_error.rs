@@ -4,16 +4,16 @@
 //! That a device lets go by itself is what stands between an output and a manager that is dead. So it is not left to how
 //! the device comes out of its box: each of these objects is written before the device is started, and read back, since
 //! some devices take a write and keep what they had. One that lacks an object, or gives back something else, is not
-//! started, unless the description says why it may be without ([`Setup::without_error_values`]); it is then told all the
+//! started, unless the description says why it may be without ([`DeviceSetup::without_error_values`]); it is then told all the
 //! same, and what it does not take is passed over.
 //!
 //! What the description writes to one of these objects itself stays, and is read back as well.
 //!
-//! [`Setup::without_error_values`]: linewright_line::Setup::without_error_values
+//! [`DeviceSetup::without_error_values`]: linewright_line::Setup::without_error_values
 
-use linewright_line::{OutputId, Setup, wired_bits};
+use linewright_line::{DeviceSetup, OutputId, wired_bits};
 
-use crate::sdo::Setting;
+use crate::sdo::SdoWrite;
 
 /// Error behaviour: where a communication error leads. 0 is pre-operational, which a device without the object does
 /// anyway (CiA 301 §7.5.2.32).
@@ -28,18 +28,22 @@ pub(super) fn is_one(index: u16) -> bool {
 }
 
 /// What is written to an I/O device with outputs. `own` are the settings in its description; they replace these.
-pub(super) fn settings(outputs: &[Option<OutputId>], sets: bool, own: &[linewright_line::Setting]) -> Vec<Setting> {
+pub(super) fn settings(
+    outputs: &[Option<OutputId>],
+    sets: bool,
+    own: &[linewright_line::ObjectWrite],
+) -> Vec<SdoWrite> {
     if outputs.is_empty() && !sets {
         return Vec::new();
     }
     let (index, sub) = BEHAVIOUR;
-    let mut settings = vec![Setting::u8(index, sub, 0).optional().read_back()];
+    let mut settings = vec![SdoWrite::u8(index, sub, 0).optional().read_back()];
     for (nth, byte) in (1..).zip(outputs.chunks(8)) {
         // What no wire hangs on may be anything: many devices have fewer outputs than a byte has bits.
         let mask = wired_bits(byte);
         if mask != 0 {
-            settings.push(Setting::u8(MODE, nth, 0xFF).read_back_bits(mask));
-            settings.push(Setting::u8(VALUE, nth, 0).read_back_bits(mask));
+            settings.push(SdoWrite::u8(MODE, nth, 0xFF).read_back_bits(mask));
+            settings.push(SdoWrite::u8(VALUE, nth, 0).read_back_bits(mask));
         }
     }
     settings
@@ -49,12 +53,12 @@ pub(super) fn settings(outputs: &[Option<OutputId>], sets: bool, own: &[linewrig
 
 /// How a plan's settings that belong here are taken: those of the description are read back like the manager's own, and
 /// all of them are excused where the description says why.
-pub(super) fn judged(setup: &Setup, settings: impl Iterator<Item = Setting>) -> Vec<Setting> {
+pub(super) fn judged(setup: &DeviceSetup, settings: impl Iterator<Item = SdoWrite>) -> Vec<SdoWrite> {
     let excused = setup.without_error_values.is_some();
-    let judge = |setting: Setting| {
+    let judge = |setting: SdoWrite| {
         let concerned = is_one(setting.object.index);
         let setting = if concerned && setting.compared.is_none() { setting.read_back() } else { setting };
-        Setting { excused: concerned && excused, ..setting }
+        SdoWrite { excused: concerned && excused, ..setting }
     };
     settings.map(judge).collect()
 }

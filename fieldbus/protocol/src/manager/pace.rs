@@ -8,9 +8,9 @@
 //!   old: an order to let go takes the place of the one it revokes;
 //! - **service data** have what is left, also by what others send, and at least one frame each millisecond. Requests go
 //!   in the order in which they came; segments of blocks, which could fill any queue, are asked of the transfers one by
-//!   one and in turn when there is room for them ([`Pace::may_stream`]).
+//!   one and in turn when there is room for them ([`SendQueue::may_stream`]).
 //!
-//! What the interface refuses all the same, because others keep the bus busy, comes back ([`Pace::give_back`]) and is the
+//! What the interface refuses all the same, because others keep the bus busy, comes back ([`SendQueue::give_back`]) and is the
 //! first to go.
 //!
 //! A transfer that is alone has the whole rate. Nothing here knows what a frame is for beyond its COB-ID.
@@ -36,7 +36,7 @@ const REQUESTS_MAX: usize = 4;
 
 /// Frames that wait, and when they may go.
 #[derive(Debug, Default)]
-pub(super) struct Pace {
+pub(super) struct SendQueue {
     at: Tick,
     /// Microseconds of the bus that may be used, by the manager's own frames.
     own: i64,
@@ -50,39 +50,39 @@ pub(super) struct Pace {
     service: VecDeque<Frame>,
     /// When service data may go in any case.
     next_service: Tick,
-    /// What [`Pace::pass`] has been given, for the time it takes: kept, so that steady traffic allocates nothing.
+    /// What [`SendQueue::pass`] has been given, for the time it takes: kept, so that steady traffic allocates nothing.
     given: Vec<Frame>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Class {
+enum SendClass {
     Urgent,
     Process,
     Service,
 }
 
-fn class(frame: &Frame) -> Class {
+fn class(frame: &Frame) -> SendClass {
     match frame.cob_id().map(|id| id & 0x780) {
         // Of what a manager sends: RPDO 1 to 4, and frames that are no CANopen's.
-        Some(0x200 | 0x300 | 0x400 | 0x500) | None => Class::Process,
-        Some(0x600) => Class::Service,
-        Some(_) => Class::Urgent,
+        Some(0x200 | 0x300 | 0x400 | 0x500) | None => SendClass::Process,
+        Some(0x600) => SendClass::Service,
+        Some(_) => SendClass::Urgent,
     }
 }
 
-impl Pace {
+impl SendQueue {
     /// From here on frames with this id word are process data, whatever they would be in CANopen.
     pub fn treat_as_process_data(&mut self, id_word: u32) {
         self.plain.push(id_word);
     }
 
-    fn class(&self, frame: &Frame) -> Class {
-        if self.plain.contains(&frame.id_word()) { Class::Process } else { class(frame) }
+    fn class(&self, frame: &Frame) -> SendClass {
+        if self.plain.contains(&frame.id_word()) { SendClass::Process } else { class(frame) }
     }
 
     /// With its whole burst to spend.
     pub fn new() -> Self {
-        Pace { own: BURST * FRAME, shared: BURST * FRAME, ..Pace::default() }
+        SendQueue { own: BURST * FRAME, shared: BURST * FRAME, ..SendQueue::default() }
     }
 
     /// Somebody else has sent a frame.
@@ -98,13 +98,13 @@ impl Pace {
         given.extend(frames.drain(start..));
         for frame in given.drain(..) {
             match self.class(&frame) {
-                Class::Urgent if !self.urgent.is_empty() => self.queue_urgent(frame),
-                Class::Urgent => {
+                SendClass::Urgent if !self.urgent.is_empty() => self.queue_urgent(frame),
+                SendClass::Urgent => {
                     self.spend();
                     frames.push(frame);
                 }
-                Class::Process => self.queue_process(frame),
-                Class::Service => self.queue_service(frame),
+                SendClass::Process => self.queue_process(frame),
+                SendClass::Service => self.queue_service(frame),
             }
             self.release(now, frames);
         }
@@ -138,12 +138,12 @@ impl Pace {
             let waits = |queue: &VecDeque<Frame>| queue.iter().any(|waiting| waiting.id_word() == frame.id_word());
             match self.class(&frame) {
                 // A heartbeat or SYNC that is late is no better than the next; orders all count.
-                Class::Urgent if frame.cob_id() != Some(0) && waits(&self.urgent) => {}
-                Class::Urgent if self.urgent.len() >= URGENT_MAX => {}
-                Class::Urgent => self.urgent.push_front(frame),
-                Class::Process if waits(&self.process) => {}
-                Class::Process => self.process.push_front(frame),
-                Class::Service => self.service.push_front(frame),
+                SendClass::Urgent if frame.cob_id() != Some(0) && waits(&self.urgent) => {}
+                SendClass::Urgent if self.urgent.len() >= URGENT_MAX => {}
+                SendClass::Urgent => self.urgent.push_front(frame),
+                SendClass::Process if waits(&self.process) => {}
+                SendClass::Process => self.process.push_front(frame),
+                SendClass::Service => self.service.push_front(frame),
             }
         }
     }
@@ -245,7 +245,7 @@ impl Pace {
 mod tests {
     use super::*;
 
-    fn pass(pace: &mut Pace, micros: u64, frames: &[&str]) -> Vec<String> {
+    fn pass(pace: &mut SendQueue, micros: u64, frames: &[&str]) -> Vec<String> {
         let mut frames: Vec<Frame> = frames.iter().map(|text| text.parse().unwrap()).collect();
         pace.pass(Tick::from_micros(micros), 0, &mut frames);
         frames.iter().map(Frame::to_string).collect()
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn of_each_device_the_newest_process_data_wait_and_urgent_frames_do_not() {
-        let mut pace = Pace::new();
+        let mut pace = SendQueue::new();
         let eight = ["201#00", "202#00", "203#00", "204#00", "205#00", "206#00", "207#00", "208#00"];
         assert_eq!(pass(&mut pace, 0, &eight), eight);
         assert!(pass(&mut pace, 0, &["209#01", "20A#00", "601#4000100000000000"]).is_empty());
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn a_busy_bus_leaves_service_data_a_frame_each_millisecond() {
-        let mut pace = Pace::new();
+        let mut pace = SendQueue::new();
         let mut sent = 0;
         for micros in (0..100_000).step_by(100) {
             pace.heard(Tick::from_micros(micros));

@@ -20,25 +20,25 @@
 use std::time::Duration;
 
 use linewright_fieldbus_seam::Budget;
-use linewright_line::{Device, Owner, Reaction, Setup, Tick, Timing};
+use linewright_line::{Device, DeviceSetup, Owner, Reaction, Tick, Timing};
 
-use super::boot::{Boot, BootError, DEVICE_TYPE, Plan, plan};
-use super::channels::Channels;
+use super::boot::{Boot, BootError, BootPlan, DEVICE_TYPE, plan};
+use super::channels::AnalogueChannels;
 use super::errors::Errors;
-use super::event::{Event, IgnoreReason, Outbox};
-use super::flood::Flood;
-use super::process::Process;
+use super::event::{BusEvent, BusOutbox, IgnoreReason};
+use super::not_operational::NotOperationalReason;
+use super::process::ProcessData;
+use super::rate_limit::NodeRateLimits;
 use super::sync;
 use super::transfer::Transfer;
-use super::trouble::Why;
 use super::{RETRY, TOLD};
-use crate::codec::{Message, NmtCommand, NmtState, NodeId, Payload};
-use crate::sdo::Setting;
-use crate::sdo::wire::{Raw, Request};
+use crate::codec::{CanopenMessage, NmtCommand, NmtState, NodeId, Payload};
+use crate::sdo::SdoWrite;
+use crate::sdo::wire::{ClientFrame, SdoBytes};
 
 /// What a frame or the passing of time did to a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Outcome {
+pub(super) enum PeerChange {
     /// Nothing its owner need know.
     Unchanged,
     /// The frame says nothing.
@@ -52,7 +52,7 @@ pub(super) enum Outcome {
 }
 
 #[derive(Debug)]
-pub(super) enum Phase {
+pub(super) enum PeerPhase {
     /// Not heard; asked for again at `probe`.
     Absent { probe: Tick },
     /// Alive; it is being identified and configured.
@@ -73,22 +73,22 @@ pub(super) struct Peer {
     pub(super) owner: Owner,
     /// Its owner depends on it.
     pub(super) is_vital: bool,
-    pub(super) process: Process,
+    pub(super) process: ProcessData,
     pub(super) errors: Errors,
-    pub(super) flood: Flood,
+    pub(super) flood: NodeRateLimits,
     /// How much is reported of it, and how often it is ordered to start and booted.
     pub(super) told: Budget,
     pub(super) orders: Budget,
     /// What it is being written while it runs.
-    pub(super) writing: Option<(Setting, Transfer)>,
+    pub(super) writing: Option<(SdoWrite, Transfer)>,
     /// Its SDO channel is lent to a request (`request.rs`). Whatever the manager begins there takes it back.
     pub(super) lent: bool,
-    pub(super) plan: Plan,
+    pub(super) plan: BootPlan,
     /// Why it was last refused, so that it is reported once.
     pub(super) refusal: Option<BootError>,
     pub(super) timeout: Duration,
     pub(super) refresh: Duration,
-    pub(super) phase: Phase,
+    pub(super) phase: PeerPhase,
     /// When it last gave a sign of life; meaningless while absent.
     pub(super) heard: Tick,
     /// When its last heartbeat came, if one ever did.
@@ -96,7 +96,7 @@ pub(super) struct Peer {
     /// Somebody else has stopped it, and it has not been brought up since.
     pub(super) held: bool,
     /// Why it was last lost; `None` while it is operational, or was never lost.
-    pub(super) why: Option<Why>,
+    pub(super) why: Option<NotOperationalReason>,
     /// When it last sent its first process data object; `None` since the last boot or loss.
     pub(super) updated: Option<Tick>,
     /// When it was last sent its outputs; `None` since the last boot or loss.
@@ -110,7 +110,13 @@ pub(super) struct Peer {
 }
 
 impl Peer {
-    pub(super) fn new(node: NodeId, device: &Device, setup: &Setup, process: Process, timing: &Timing) -> Self {
+    pub(super) fn new(
+        node: NodeId,
+        device: &Device,
+        setup: &DeviceSetup,
+        process: ProcessData,
+        timing: &Timing,
+    ) -> Self {
         Peer {
             node,
             name: device.name.clone(),
@@ -119,7 +125,7 @@ impl Peer {
             is_vital: setup.when_lost == Reaction::Fault,
             process,
             errors: Errors::new(device.on_emergency()),
-            flood: Flood::default(),
+            flood: NodeRateLimits::default(),
             told: TOLD,
             orders: ORDERS,
             writing: None,
@@ -127,7 +133,7 @@ impl Peer {
             refusal: None,
             timeout: timing.heartbeat_timeout,
             refresh: timing.refresh,
-            phase: Phase::Absent { probe: Tick::ZERO },
+            phase: PeerPhase::Absent { probe: Tick::ZERO },
             heard: Tick::ZERO,
             beat: None,
             held: false,
@@ -142,7 +148,7 @@ impl Peer {
 
     /// Its inputs may be acted upon: it is operational, recently heard, and has sent them since it came up.
     pub(super) fn trusted(&self, now: Tick) -> bool {
-        matches!(self.phase, Phase::Operational)
+        matches!(self.phase, PeerPhase::Operational)
             && now.since(self.heard) < self.timeout
             && !self.errors.stand()
             && (!self.process.has_inputs() || self.updated.is_some())
@@ -151,7 +157,7 @@ impl Peer {
 
     /// It was lost because its heartbeat stopped, and none has come since.
     pub(super) fn lacks_heartbeat(&self) -> bool {
-        self.why == Some(Why::Silent)
+        self.why == Some(NotOperationalReason::Silent)
     }
 
     /// Its share of its owner's inputs. What it last said is kept for showing after a loss that makes the whole image
@@ -161,22 +167,22 @@ impl Peer {
     }
 
     pub(super) fn updated(&self) -> Option<Tick> {
-        self.updated.max(self.process.channels().and_then(Channels::updated))
+        self.updated.max(self.process.channels().and_then(AnalogueChannels::updated))
     }
 
     pub(super) fn is_operational(&self) -> bool {
-        matches!(self.phase, Phase::Operational)
+        matches!(self.phase, PeerPhase::Operational)
     }
 
     pub(super) fn deadline(&self) -> Tick {
         let lost = self.heard + self.timeout;
         match &self.phase {
-            Phase::Absent { probe } => *probe,
-            Phase::Booting(boot) => boot.deadline(),
-            Phase::Refused { retry, .. } => *retry,
-            Phase::Starting { retry } => lost.min(*retry),
-            Phase::Stopped => lost,
-            Phase::Operational => {
+            PeerPhase::Absent { probe } => *probe,
+            PeerPhase::Booting(boot) => boot.deadline(),
+            PeerPhase::Refused { retry, .. } => *retry,
+            PeerPhase::Starting { retry } => lost.min(*retry),
+            PeerPhase::Stopped => lost,
+            PeerPhase::Operational => {
                 let refresh = self.sent.map_or(Tick::NEVER, |at| at + self.refresh);
                 let writing = self.writing.as_ref().map_or(Tick::NEVER, |(_, transfer)| transfer.deadline());
                 lost.min(refresh)
@@ -190,43 +196,44 @@ impl Peer {
     }
 
     /// Does what is due: noticing silence, asking again, refreshing outputs.
-    pub(super) fn poll(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
+    pub(super) fn poll(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
         self.flood.ends(now);
         // A device that is being configured may be silent for longer than its heartbeats are apart: it may not have
         // been told to send them yet, or be writing to its memory. The transfer knows how long to wait.
         // One that is refused may never have been told; its next boot finds out whether it is still there.
-        let watched = !matches!(self.phase, Phase::Absent { .. } | Phase::Booting(_) | Phase::Refused { .. });
+        let watched =
+            !matches!(self.phase, PeerPhase::Absent { .. } | PeerPhase::Booting(_) | PeerPhase::Refused { .. });
         if watched && self.heard + self.timeout <= now {
             // Said once: one that is heard otherwise is looked at again and again.
             if !self.lacks_heartbeat() {
-                out.events.push(Event::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
+                out.events.push(BusEvent::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
             }
             // Perhaps its heartbeat alone has ceased: then it hears this manager's, and would keep its outputs.
             self.send_rest(out);
-            return self.leave(now, Phase::Absent { probe: now + RETRY }, Why::Silent);
+            return self.leave(now, PeerPhase::Absent { probe: now + RETRY }, NotOperationalReason::Silent);
         }
         if self.is_operational() && self.misses_inputs_at() <= now {
             return self.lose_sync(now, out);
         }
         match &mut self.phase {
-            Phase::Absent { probe } if *probe <= now => {
+            PeerPhase::Absent { probe } if *probe <= now => {
                 *probe = now + RETRY;
                 if self.flood.is_on() {
-                    return Outcome::Unchanged;
+                    return PeerChange::Unchanged;
                 }
-                let raw = Request::Upload { object: DEVICE_TYPE }.encode();
-                out.frames.push(Message::SdoRequest { node: self.node, raw }.encode());
+                let raw = ClientFrame::Upload { object: DEVICE_TYPE }.encode();
+                out.frames.push(CanopenMessage::SdoRequest { node: self.node, raw }.encode());
             }
-            Phase::Booting(boot) => {
+            PeerPhase::Booting(boot) => {
                 let step = boot.poll(now, &self.plan, &mut out.frames);
                 self.booted(now, step, out);
             }
-            Phase::Refused { retry, .. } if *retry <= now => self.boot(now, out),
+            PeerPhase::Refused { retry, .. } if *retry <= now => self.boot(now, out),
             // One that watches SYNC by itself gives up before it is heard to run.
-            Phase::Starting { retry } if *retry <= now && self.sync_losses > 0 => return self.lose_sync(now, out),
+            PeerPhase::Starting { retry } if *retry <= now && self.sync_losses > 0 => return self.lose_sync(now, out),
             // It is not started as it is: perhaps it has booted since, and nobody heard.
-            Phase::Starting { retry } if *retry <= now => self.boot(now, out),
-            Phase::Operational => {
+            PeerPhase::Starting { retry } if *retry <= now => self.boot(now, out),
+            PeerPhase::Operational => {
                 self.process.poll(now);
                 self.go_on_writing(now, None, out);
                 let free = self.writing.is_none() && !self.lent;
@@ -237,16 +244,16 @@ impl Peer {
                 }
                 self.send_if_wanted(now, out);
                 match self.judge_channels(now, out) {
-                    Outcome::Unchanged if news => return Outcome::Inputs,
+                    PeerChange::Unchanged if news => return PeerChange::Inputs,
                     outcome => return outcome,
                 }
             }
             _ => {}
         }
-        Outcome::Unchanged
+        PeerChange::Unchanged
     }
 
-    pub(super) fn heartbeat(&mut self, now: Tick, state: NmtState, out: &mut Outbox) -> Outcome {
+    pub(super) fn heartbeat(&mut self, now: Tick, state: NmtState, out: &mut BusOutbox) -> PeerChange {
         self.heard = now;
         self.beat = Some(now);
         if self.lacks_heartbeat() {
@@ -260,81 +267,83 @@ impl Peer {
         }
         match (&self.phase, state) {
             // Nothing was heard of it for a while, and it is as somebody left it.
-            (Phase::Absent { .. }, NmtState::Stopped) if self.held => self.leave(now, Phase::Stopped, Why::Left(state)),
-            (Phase::Absent { .. }, _) => {
+            (PeerPhase::Absent { .. }, NmtState::Stopped) if self.held => {
+                self.leave(now, PeerPhase::Stopped, NotOperationalReason::Left(state))
+            }
+            (PeerPhase::Absent { .. }, _) => {
                 self.boot(now, out);
-                Outcome::Unchanged
+                PeerChange::Unchanged
             }
             (_, NmtState::BootUp) => {
-                self.tell(now, Event::DeviceRebooted { node: self.node }, out);
-                let outcome = self.leave(now, Phase::Starting { retry: now }, Why::Booted);
+                self.tell(now, BusEvent::DeviceRebooted { node: self.node }, out);
+                let outcome = self.leave(now, PeerPhase::Starting { retry: now }, NotOperationalReason::Booted);
                 self.boot(now, out);
                 outcome
             }
             // The order to stop it was lost: its outputs wait for a SYNC.
-            (Phase::Refused { why: BootError::NoSync { .. }, .. }, NmtState::Operational) => {
+            (PeerPhase::Refused { why: BootError::NoSync { .. }, .. }, NmtState::Operational) => {
                 if self.orders.take(now) {
                     self.order(NmtCommand::Stop, out);
                 }
-                Outcome::Unchanged
+                PeerChange::Unchanged
             }
             // A stopped device answers no SDO: to be configured it must be woken.
-            (Phase::Booting(_), NmtState::Stopped) => {
+            (PeerPhase::Booting(_), NmtState::Stopped) => {
                 if self.orders.take(now) {
                     self.order(NmtCommand::EnterPreOperational, out);
                 }
-                Outcome::Unchanged
+                PeerChange::Unchanged
             }
-            (Phase::Starting { .. } | Phase::Stopped, NmtState::Operational) => self.up(now, out),
+            (PeerPhase::Starting { .. } | PeerPhase::Stopped, NmtState::Operational) => self.up(now, out),
             // Still pre-operational after an order to start: this heartbeat may have crossed it, or `retry` boots it anew.
-            (Phase::Booting(_) | Phase::Refused { .. }, _)
-            | (Phase::Starting { .. }, NmtState::PreOperational)
-            | (Phase::Operational, NmtState::Operational) => Outcome::Unchanged,
+            (PeerPhase::Booting(_) | PeerPhase::Refused { .. }, _)
+            | (PeerPhase::Starting { .. }, NmtState::PreOperational)
+            | (PeerPhase::Operational, NmtState::Operational) => PeerChange::Unchanged,
             // Somebody sent it there, or it has booted and nobody heard: its boot-up message was lost, and with it all it
             // had been told, the watch of this manager's heartbeat among it. It is never started as it is.
-            (Phase::Stopped, NmtState::PreOperational) => {
+            (PeerPhase::Stopped, NmtState::PreOperational) => {
                 self.boot(now, out);
-                Outcome::Unchanged
+                PeerChange::Unchanged
             }
             // It was started, and gave up before anything came with SYNC: one that watches SYNC by itself.
-            (Phase::Operational, NmtState::PreOperational)
+            (PeerPhase::Operational, NmtState::PreOperational)
                 if self.inputs_within.is_some() && self.updated.is_none() =>
             {
                 self.lose_sync(now, out)
             }
-            (Phase::Operational, NmtState::PreOperational) => {
-                self.tell(now, Event::DeviceLeft { node: self.node, state }, out);
-                let outcome = self.leave(now, Phase::Stopped, Why::Left(state));
+            (PeerPhase::Operational, NmtState::PreOperational) => {
+                self.tell(now, BusEvent::DeviceLeft { node: self.node, state }, out);
+                let outcome = self.leave(now, PeerPhase::Stopped, NotOperationalReason::Left(state));
                 self.boot(now, out);
                 outcome
             }
-            (Phase::Starting { .. } | Phase::Operational, NmtState::Stopped | NmtState::Unknown(_)) => {
-                self.tell(now, Event::DeviceLeft { node: self.node, state }, out);
-                self.leave(now, Phase::Stopped, Why::Left(state))
+            (PeerPhase::Starting { .. } | PeerPhase::Operational, NmtState::Stopped | NmtState::Unknown(_)) => {
+                self.tell(now, BusEvent::DeviceLeft { node: self.node, state }, out);
+                self.leave(now, PeerPhase::Stopped, NotOperationalReason::Left(state))
             }
-            (Phase::Stopped, NmtState::Stopped | NmtState::Unknown(_)) => Outcome::Unchanged,
+            (PeerPhase::Stopped, NmtState::Stopped | NmtState::Unknown(_)) => PeerChange::Unchanged,
         }
     }
 
     /// Takes its first process data object (its bits, or a drive's words), or one with channels, 2 to 4.
     /// Only an operational device sends process data (CiA 301 §7.3.2.2), so hearing it is as good as being told.
-    pub(super) fn inputs_heard(&mut self, now: Tick, object: u8, payload: Payload, out: &mut Outbox) -> Outcome {
+    pub(super) fn inputs_heard(&mut self, now: Tick, object: u8, payload: Payload, out: &mut BusOutbox) -> PeerChange {
         match &self.phase {
             // Without heartbeats nobody would notice its end: process data alone do not make up for them. It is asked
             // and configured anew as one that is absent.
-            Phase::Absent { .. } | Phase::Starting { .. } if self.lacks_heartbeat() => {
-                return Outcome::Ignored(IgnoreReason::NotOperational);
+            PeerPhase::Absent { .. } | PeerPhase::Starting { .. } if self.lacks_heartbeat() => {
+                return PeerChange::Ignored(IgnoreReason::NotOperational);
             }
-            Phase::Absent { .. } => {
+            PeerPhase::Absent { .. } => {
                 // Alive, but not configured by this manager: its inputs wait until it is.
                 self.heard = now;
                 self.boot(now, out);
-                return Outcome::Ignored(IgnoreReason::NotOperational);
+                return PeerChange::Ignored(IgnoreReason::NotOperational);
             }
-            Phase::Booting(_) | Phase::Refused { .. } | Phase::Stopped => {
-                return Outcome::Ignored(IgnoreReason::NotOperational);
+            PeerPhase::Booting(_) | PeerPhase::Refused { .. } | PeerPhase::Stopped => {
+                return PeerChange::Ignored(IgnoreReason::NotOperational);
             }
-            Phase::Starting { .. } | Phase::Operational => {}
+            PeerPhase::Starting { .. } | PeerPhase::Operational => {}
         }
         match self.process.take(now, object, payload) {
             Ok(()) if object == 1 => {
@@ -342,7 +351,7 @@ impl Peer {
                 self.hears_sync(now);
             }
             Ok(()) => {}
-            Err(why) => return Outcome::Ignored(why),
+            Err(why) => return PeerChange::Ignored(why),
         }
         if !self.is_operational() {
             return self.up(now, out);
@@ -350,46 +359,46 @@ impl Peer {
         // What it says may call for an answer: a drive's handshake.
         self.send_if_wanted(now, out);
         match self.judge_channels(now, out) {
-            Outcome::Unchanged => Outcome::Inputs,
+            PeerChange::Unchanged => PeerChange::Inputs,
             news => news,
         }
     }
 
     /// Eight bytes of its SDO server. Those of a transfer between others are none of the manager's business.
-    pub(super) fn sdo_answer(&mut self, now: Tick, raw: &Raw, out: &mut Outbox) -> Outcome {
+    pub(super) fn sdo_answer(&mut self, now: Tick, raw: &SdoBytes, out: &mut BusOutbox) -> PeerChange {
         match &mut self.phase {
-            Phase::Absent { .. } if !self.flood.is_on() => {
+            PeerPhase::Absent { .. } if !self.flood.is_on() => {
                 self.heard = now;
                 self.boot(now, out);
             }
-            Phase::Booting(boot) => {
+            PeerPhase::Booting(boot) => {
                 self.heard = now;
                 let step = boot.handle(now, &self.plan, raw, &mut out.frames);
                 self.booted(now, step, out);
             }
-            Phase::Operational if self.errors.is_reading() => {
+            PeerPhase::Operational if self.errors.is_reading() => {
                 let read = self.errors.answer(now, raw, &mut out.frames);
                 let news = self.register_read(now, read, out);
                 self.send_if_wanted(now, out);
-                return if news { Outcome::Inputs } else { Outcome::Unchanged };
+                return if news { PeerChange::Inputs } else { PeerChange::Unchanged };
             }
-            Phase::Operational if self.writing.is_some() => {
+            PeerPhase::Operational if self.writing.is_some() => {
                 self.go_on_writing(now, Some(raw), out);
                 self.send_if_wanted(now, out);
             }
-            _ => return Outcome::Ignored(IgnoreReason::NotForManager),
+            _ => return PeerChange::Ignored(IgnoreReason::NotForManager),
         }
-        Outcome::Unchanged
+        PeerChange::Unchanged
     }
 
     /// Takes the image its owner has set, and sends its share if it is operational and has something else.
-    pub(super) fn set_image(&mut self, now: Tick, image: u128, out: &mut Outbox) {
+    pub(super) fn set_image(&mut self, now: Tick, image: u128, out: &mut BusOutbox) {
         self.process.set_image(now, image);
         self.send_if_wanted(now, out);
     }
 
     /// Sends its share of the image if that is something else than it has.
-    pub(super) fn send_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn send_if_wanted(&mut self, now: Tick, out: &mut BusOutbox) {
         if self.process.wants_to_send() {
             self.send_outputs(now, out);
         }
@@ -398,7 +407,7 @@ impl Peer {
 
     /// Sends its share of the image, provided it is operational: before that it would drop the frame, and the manager
     /// would believe it has the outputs.
-    pub(super) fn send_outputs(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn send_outputs(&mut self, now: Tick, out: &mut BusOutbox) {
         if self.is_operational() && self.process.has_outputs() {
             let node = self.node;
             self.process.give(|object, payload| out.frames.push(rpdo(node, object, payload)));
@@ -407,25 +416,25 @@ impl Peer {
     }
 
     /// Lets go of all outputs, whatever state it is in.
-    pub(super) fn send_rest(&self, out: &mut Outbox) {
+    pub(super) fn send_rest(&self, out: &mut BusOutbox) {
         if self.process.has_outputs() {
             self.process.rest(|object, payload| out.frames.push(rpdo(self.node, object, payload)));
         }
     }
 
-    fn up(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
+    fn up(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
         self.up_since = now;
-        self.phase = Phase::Operational;
+        self.phase = PeerPhase::Operational;
         self.why = None;
-        out.events.push(Event::DeviceUp { node: self.node });
-        Outcome::Up
+        out.events.push(BusEvent::DeviceUp { node: self.node });
+        PeerChange::Up
     }
 
     /// Leaves for `phase`. From here on its inputs are unknown and its outputs are taken to be off.
-    pub(super) fn leave(&mut self, now: Tick, phase: Phase, why: Why) -> Outcome {
+    pub(super) fn leave(&mut self, now: Tick, phase: PeerPhase, why: NotOperationalReason) -> PeerChange {
         let was_operational = self.is_operational();
         self.phase = phase;
-        self.held |= matches!(why, Why::Left(NmtState::Stopped));
+        self.held |= matches!(why, NotOperationalReason::Left(NmtState::Stopped));
         self.why = Some(why);
         self.updated = None;
         self.sent = None;
@@ -433,11 +442,11 @@ impl Peer {
         self.lent = false;
         self.errors.lost();
         self.process.lost(now);
-        if was_operational { Outcome::Lost } else { Outcome::Unchanged }
+        if was_operational { PeerChange::Lost } else { PeerChange::Unchanged }
     }
 
-    pub(super) fn order(&self, command: NmtCommand, out: &mut Outbox) {
-        out.frames.push(Message::Nmt { command, node: Some(self.node) }.encode());
+    pub(super) fn order(&self, command: NmtCommand, out: &mut BusOutbox) {
+        out.frames.push(CanopenMessage::Nmt { command, node: Some(self.node) }.encode());
     }
 }
 
@@ -448,8 +457,8 @@ const ORDERS: Budget = Budget::new(20, Duration::from_millis(200));
 /// A process data object for a device: its first, or one with channels, 2 to 4.
 fn rpdo(node: NodeId, object: u8, payload: Payload) -> crate::Frame {
     match object {
-        1 => Message::Rpdo1 { node, payload },
-        number => Message::Rpdo { node, number, payload },
+        1 => CanopenMessage::Rpdo1 { node, payload },
+        number => CanopenMessage::Rpdo { node, number, payload },
     }
     .encode()
 }

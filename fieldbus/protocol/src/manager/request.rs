@@ -15,13 +15,13 @@ use linewright_line::Tick;
 use thiserror::Error;
 
 use super::Manager;
-use super::event::{Event, Outbox};
-use super::guard::guarded;
-use super::peer::{Peer, Phase};
+use super::event::{BusEvent, BusOutbox};
+use super::peer::{Peer, PeerPhase};
+use super::protected_objects::guarded;
 use super::transfer::Transfer;
 use crate::codec::{NmtCommand, NodeId};
-use crate::sdo::wire::Raw;
-use crate::sdo::{Abort, Cause, ObjectId, Progress, Setting, TransferError};
+use crate::sdo::wire::SdoBytes;
+use crate::sdo::{Abort, ObjectId, SdoWrite, TransferError, TransferFailure, TransferProgress};
 
 /// Requests that may wait, for all devices together.
 pub const WAITING_MAX: usize = 32;
@@ -30,7 +30,7 @@ pub const PATIENCE: Duration = Duration::from_secs(5);
 
 /// What is asked of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ask {
+pub enum DeviceRequest {
     /// An object's value.
     Read(ObjectId),
     /// To write a number.
@@ -44,18 +44,18 @@ pub enum Ask {
     },
 }
 
-impl Ask {
+impl DeviceRequest {
     /// The object.
     pub fn object(&self) -> ObjectId {
         match self {
-            Ask::Read(object) | Ask::Write { object, .. } => *object,
+            DeviceRequest::Read(object) | DeviceRequest::Write { object, .. } => *object,
         }
     }
 }
 
 /// Why a request was not fulfilled.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum AskError {
+pub enum DeviceRequestError {
     /// No device of this bus has that node id.
     #[error("no device of this bus has node id {node}")]
     UnknownNode {
@@ -97,45 +97,45 @@ pub enum AskError {
     Transfer(#[from] TransferError),
 }
 
-impl AskError {
+impl DeviceRequestError {
     /// The abort code that says it best, for answers that have only room for a number.
     pub fn abort(&self) -> Abort {
         match self {
-            AskError::UnknownNode { .. } | AskError::NotReady(_) => Abort::NO_CONNECTION,
-            AskError::Full => Abort::OUT_OF_MEMORY,
-            AskError::Waited(_) => Abort::TIMEOUT,
-            AskError::Overtaken(_) => Abort::DEVICE_STATE,
-            AskError::Guarded { .. } => Abort::LOCAL_CONTROL,
-            AskError::TooLarge { .. } => Abort::VALUE_HIGH,
-            AskError::Transfer(TransferError { cause: Cause::Refused(code), .. }) => *code,
-            AskError::Transfer(TransferError { cause, .. }) => cause.abort().unwrap_or(Abort::GENERAL),
+            DeviceRequestError::UnknownNode { .. } | DeviceRequestError::NotReady(_) => Abort::NO_CONNECTION,
+            DeviceRequestError::Full => Abort::OUT_OF_MEMORY,
+            DeviceRequestError::Waited(_) => Abort::TIMEOUT,
+            DeviceRequestError::Overtaken(_) => Abort::DEVICE_STATE,
+            DeviceRequestError::Guarded { .. } => Abort::LOCAL_CONTROL,
+            DeviceRequestError::TooLarge { .. } => Abort::VALUE_HIGH,
+            DeviceRequestError::Transfer(TransferError { cause: TransferFailure::Refused(code), .. }) => *code,
+            DeviceRequestError::Transfer(TransferError { cause, .. }) => cause.abort().unwrap_or(Abort::GENERAL),
         }
     }
 }
 
 /// What a request has come to: the bytes read, or nothing for a write.
-pub type Answer = Result<Vec<u8>, AskError>;
+pub type RequestResult = Result<Vec<u8>, DeviceRequestError>;
 
 #[derive(Debug)]
-struct Waiting {
+struct QueuedRequest {
     number: u64,
     node: NodeId,
-    ask: Ask,
+    ask: DeviceRequest,
     until: Tick,
 }
 
 #[derive(Debug)]
-struct Active {
+struct ActiveRequest {
     number: u64,
     node: NodeId,
-    ask: Ask,
+    ask: DeviceRequest,
     transfer: Transfer,
-    step: Step,
+    step: RequestStep,
 }
 
 /// What the transfer of a request is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
+enum RequestStep {
     /// To learn how long the object is.
     Measure,
     /// To find that out by writing so many bytes.
@@ -147,9 +147,9 @@ enum Step {
 /// The requests of one manager.
 #[derive(Debug, Default)]
 pub(super) struct Requests {
-    waiting: VecDeque<Waiting>,
+    waiting: VecDeque<QueuedRequest>,
     /// At most one for each device.
-    active: Vec<Active>,
+    active: Vec<ActiveRequest>,
     /// Whose turn it is to send a segment of a block.
     turn: usize,
     last: u64,
@@ -162,7 +162,7 @@ impl Requests {
     }
 
     /// Sends one of them, those of the requests in turn; false if there is none.
-    pub fn stream(&mut self, now: Tick, out: &mut Outbox) -> bool {
+    pub fn stream(&mut self, now: Tick, out: &mut BusOutbox) -> bool {
         let Some(at) = self.streaming(self.turn).or_else(|| self.streaming(0)) else { return false };
         self.active[at].transfer.stream(now, &mut out.frames);
         self.turn = at + 1;
@@ -175,7 +175,7 @@ impl Requests {
     }
 
     /// Takes eight bytes of a device's SDO server, if they belong to a request.
-    pub fn answered(&mut self, now: Tick, peer: &mut Peer, raw: &Raw, out: &mut Outbox) -> bool {
+    pub fn answered(&mut self, now: Tick, peer: &mut Peer, raw: &SdoBytes, out: &mut BusOutbox) -> bool {
         let Some(at) = self.active.iter().position(|active| active.node == peer.node && peer.lent) else {
             return false;
         };
@@ -185,7 +185,7 @@ impl Requests {
     }
 
     /// Goes on with all of them: what was overtaken, what is late, what may begin.
-    pub fn poll(&mut self, now: Tick, peers: &mut [Peer], out: &mut Outbox) {
+    pub fn poll(&mut self, now: Tick, peers: &mut [Peer], out: &mut BusOutbox) {
         for at in (0..self.active.len()).rev() {
             let Some(peer) = peers.iter_mut().find(|peer| peer.node == self.active[at].node) else { continue };
             if peer.lent {
@@ -194,53 +194,61 @@ impl Requests {
             } else {
                 // No abort to the device: what the manager has begun there meanwhile has ended the transfer.
                 let request = self.active.swap_remove(at);
-                tell(request.number, Err(AskError::Overtaken(peer.explain(now))), out);
+                tell(request.number, Err(DeviceRequestError::Overtaken(peer.explain(now))), out);
             }
         }
         for _ in 0..self.waiting.len() {
             let Some(request) = self.waiting.pop_front() else { break };
             let Some(peer) = peers.iter_mut().find(|peer| peer.node == request.node) else { continue };
             match peer.channel() {
-                Channel::Free => self.begin(now, &request, peer, out),
-                Channel::None => tell(request.number, Err(AskError::NotReady(peer.explain(now))), out),
-                Channel::Busy if request.until <= now => {
-                    tell(request.number, Err(AskError::Waited(peer.explain(now))), out);
+                SdoChannelState::Free => self.begin(now, &request, peer, out),
+                SdoChannelState::None => {
+                    tell(request.number, Err(DeviceRequestError::NotReady(peer.explain(now))), out)
+                }
+                SdoChannelState::Busy if request.until <= now => {
+                    tell(request.number, Err(DeviceRequestError::Waited(peer.explain(now))), out);
                 }
                 // Back to the end: the order of those of one device stays as it is.
-                Channel::Busy => self.waiting.push_back(request),
+                SdoChannelState::Busy => self.waiting.push_back(request),
             }
         }
     }
 
-    fn begin(&mut self, now: Tick, request: &Waiting, peer: &mut Peer, out: &mut Outbox) {
-        let Waiting { number, node, ask, .. } = *request;
+    fn begin(&mut self, now: Tick, request: &QueuedRequest, peer: &mut Peer, out: &mut BusOutbox) {
+        let QueuedRequest { number, node, ask, .. } = *request;
         let (transfer, step) = match ask {
-            Ask::Read(object) => (Transfer::read(now, node, object, &mut out.frames), Step::Last),
-            Ask::Write { object, value, bytes } => match bytes.map(|bytes| setting(object, value, bytes)) {
-                Some(Ok(setting)) => (Transfer::write(now, node, &setting, &mut out.frames), Step::Last),
+            DeviceRequest::Read(object) => (Transfer::read(now, node, object, &mut out.frames), RequestStep::Last),
+            DeviceRequest::Write { object, value, bytes } => match bytes.map(|bytes| setting(object, value, bytes)) {
+                Some(Ok(setting)) => (Transfer::write(now, node, &setting, &mut out.frames), RequestStep::Last),
                 Some(Err(error)) => return tell(number, Err(error), out),
-                None => (Transfer::read(now, node, object, &mut out.frames), Step::Measure),
+                None => (Transfer::read(now, node, object, &mut out.frames), RequestStep::Measure),
             },
         };
         peer.lent = true;
-        self.active.push(Active { number, node, ask, transfer, step });
+        self.active.push(ActiveRequest { number, node, ask, transfer, step });
     }
 
-    fn go_on(&mut self, now: Tick, at: usize, progress: Progress, peer: &mut Peer, out: &mut Outbox) {
-        let Progress::Done(result) = progress else { return };
+    fn go_on(&mut self, now: Tick, at: usize, progress: TransferProgress, peer: &mut Peer, out: &mut BusOutbox) {
+        let TransferProgress::Done(result) = progress else { return };
         let active = &mut self.active[at];
         let answer = match (active.step, active.ask, result) {
-            (Step::Measure, Ask::Write { .. }, Ok(bytes)) => active.write(now, bytes.len(), Step::Last, out),
-            (Step::Measure, Ask::Write { .. }, Err(TransferError { cause: Cause::Refused(Abort::WRITE_ONLY), .. })) => {
-                active.try_longer_than(now, 0, out)
+            (RequestStep::Measure, DeviceRequest::Write { .. }, Ok(bytes)) => {
+                active.write(now, bytes.len(), RequestStep::Last, out)
             }
-            (Step::Try(bytes), Ask::Write { .. }, Err(TransferError { cause: Cause::Refused(code), .. }))
-                if bytes < 4 && matches!(code, Abort::LENGTH | Abort::TOO_LONG | Abort::TOO_SHORT) =>
-            {
+            (
+                RequestStep::Measure,
+                DeviceRequest::Write { .. },
+                Err(TransferError { cause: TransferFailure::Refused(Abort::WRITE_ONLY), .. }),
+            ) => active.try_longer_than(now, 0, out),
+            (
+                RequestStep::Try(bytes),
+                DeviceRequest::Write { .. },
+                Err(TransferError { cause: TransferFailure::Refused(code), .. }),
+            ) if bytes < 4 && matches!(code, Abort::LENGTH | Abort::TOO_LONG | Abort::TOO_SHORT) => {
                 active.try_longer_than(now, bytes, out)
             }
-            (_, Ask::Write { .. }, Ok(_)) => Some(Ok(Vec::new())),
-            (_, Ask::Read(_), Ok(bytes)) => Some(Ok(bytes)),
+            (_, DeviceRequest::Write { .. }, Ok(_)) => Some(Ok(Vec::new())),
+            (_, DeviceRequest::Read(_), Ok(bytes)) => Some(Ok(bytes)),
             (_, _, Err(error)) => Some(Err(error.into())),
         };
         let Some(answer) = answer else { return };
@@ -250,10 +258,10 @@ impl Requests {
     }
 }
 
-impl Active {
+impl ActiveRequest {
     /// Writes the number in so many bytes; an answer if that cannot be.
-    fn write(&mut self, now: Tick, bytes: usize, step: Step, out: &mut Outbox) -> Option<Answer> {
-        let Ask::Write { object, value, .. } = self.ask else { return None };
+    fn write(&mut self, now: Tick, bytes: usize, step: RequestStep, out: &mut BusOutbox) -> Option<RequestResult> {
+        let DeviceRequest::Write { object, value, .. } = self.ask else { return None };
         match setting(object, value, bytes) {
             Ok(setting) => {
                 self.step = step;
@@ -264,34 +272,34 @@ impl Active {
         }
     }
 
-    fn try_longer_than(&mut self, now: Tick, bytes: usize, out: &mut Outbox) -> Option<Answer> {
-        let Ask::Write { object, value, .. } = self.ask else { return None };
+    fn try_longer_than(&mut self, now: Tick, bytes: usize, out: &mut BusOutbox) -> Option<RequestResult> {
+        let DeviceRequest::Write { object, value, .. } = self.ask else { return None };
         let longer = [1, 2, 4].into_iter().filter(|&length| length > bytes);
         let fits = longer.into_iter().find(|&length| setting(object, value, length).is_ok());
         // Four bytes hold any number, and after four nothing is tried.
-        self.write(now, fits.unwrap_or(4), Step::Try(fits.unwrap_or(4)), out)
+        self.write(now, fits.unwrap_or(4), RequestStep::Try(fits.unwrap_or(4)), out)
     }
 }
 
-fn tell(number: u64, answer: Answer, out: &mut Outbox) {
+fn tell(number: u64, answer: RequestResult, out: &mut BusOutbox) {
     out.answers.push((number, answer));
-    out.events.push(Event::Answered { number });
+    out.events.push(BusEvent::Answered { number });
 }
 
 /// A number in the bytes an object has.
-fn setting(object: ObjectId, value: u32, bytes: usize) -> Result<Setting, AskError> {
+fn setting(object: ObjectId, value: u32, bytes: usize) -> Result<SdoWrite, DeviceRequestError> {
     let all = value.to_le_bytes();
     let fits = (1..=4).contains(&bytes) && all[bytes..].iter().all(|&byte| byte == 0);
     if fits {
-        Ok(Setting::new(object.index, object.sub, all[..bytes].to_vec()))
+        Ok(SdoWrite::new(object.index, object.sub, all[..bytes].to_vec()))
     } else {
-        Err(AskError::TooLarge { object, value, bytes })
+        Err(DeviceRequestError::TooLarge { object, value, bytes })
     }
 }
 
 /// Whether a request may use a device's SDO channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Channel {
+enum SdoChannelState {
     /// Now.
     Free,
     /// Later: the manager has something to do there.
@@ -302,18 +310,18 @@ enum Channel {
 
 impl Peer {
     /// Whether a request may use its SDO channel.
-    fn channel(&self) -> Channel {
+    fn channel(&self) -> SdoChannelState {
         match self.phase {
             // A stopped device answers no SDO (CiA 301 §7.3.2.2.4).
-            Phase::Absent { .. } | Phase::Stopped => Channel::None,
-            Phase::Booting(_) => Channel::Busy,
-            _ if self.lent || self.writing.is_some() || self.errors.want_channel() => Channel::Busy,
-            Phase::Refused { .. } | Phase::Starting { .. } | Phase::Operational => Channel::Free,
+            PeerPhase::Absent { .. } | PeerPhase::Stopped => SdoChannelState::None,
+            PeerPhase::Booting(_) => SdoChannelState::Busy,
+            _ if self.lent || self.writing.is_some() || self.errors.want_channel() => SdoChannelState::Busy,
+            PeerPhase::Refused { .. } | PeerPhase::Starting { .. } | PeerPhase::Operational => SdoChannelState::Free,
         }
     }
 
     /// The channel is the manager's again; what had to wait for it comes first.
-    fn give_back(&mut self, now: Tick, out: &mut Outbox) {
+    fn give_back(&mut self, now: Tick, out: &mut BusOutbox) {
         self.lent = false;
         if self.writing.is_none() && self.is_operational() {
             self.errors.ask(now, self.node, &mut out.frames);
@@ -322,48 +330,48 @@ impl Peer {
     }
 
     /// Somebody wants it started. It never is before it is identified and configured.
-    fn start_by_request(&mut self, now: Tick, out: &mut Outbox) -> Result<String, String> {
+    fn start_by_request(&mut self, now: Tick, out: &mut BusOutbox) -> Result<String, String> {
         let text = self.explain(now);
         match self.phase {
-            Phase::Operational | Phase::Starting { .. } => Ok(text),
+            PeerPhase::Operational | PeerPhase::Starting { .. } => Ok(text),
             // Not as it is: nobody knows what it has been through since it was stopped. And a stopped device answers no
             // SDO.
-            Phase::Stopped => {
+            PeerPhase::Stopped => {
                 self.order(NmtCommand::EnterPreOperational, out);
                 self.boot(now, out);
                 Ok("woken, to be configured and started".to_owned())
             }
-            Phase::Refused { .. } => {
+            PeerPhase::Refused { .. } => {
                 self.boot(now, out);
                 Err(format!("{text}. It is being looked at again"))
             }
-            Phase::Absent { .. } | Phase::Booting(_) => Err(text),
+            PeerPhase::Absent { .. } | PeerPhase::Booting(_) => Err(text),
         }
     }
 }
 
 impl Manager {
-    /// Asks a device; the answer comes as [`Event::Answered`] with the number given here, and is in
-    /// [`Outbox::answers`]. At once if it is refused.
-    pub fn ask(&mut self, now: Tick, node: u8, ask: Ask, out: &mut Outbox) -> u64 {
+    /// Asks a device; the answer comes as [`BusEvent::Answered`] with the number given here, and is in
+    /// [`BusOutbox::answers`]. At once if it is refused.
+    pub fn ask(&mut self, now: Tick, node: u8, ask: DeviceRequest, out: &mut BusOutbox) -> u64 {
         let start = out.frames.len();
         self.requests.last += 1;
         let number = self.requests.last;
         let Some(peer) = self.peers.iter().find(|peer| peer.node.get() == node) else {
-            tell(number, Err(AskError::UnknownNode { node }), out);
+            tell(number, Err(DeviceRequestError::UnknownNode { node }), out);
             return number;
         };
         if let Some(why) = self.rival.keeps_off(now) {
-            tell(number, Err(AskError::NotReady(format!("is not asked: {why}"))), out);
-        } else if let Ask::Write { object, .. } = ask
+            tell(number, Err(DeviceRequestError::NotReady(format!("is not asked: {why}"))), out);
+        } else if let DeviceRequest::Write { object, .. } = ask
             && let Some(why) = guarded(object, &peer.plan.settings)
         {
-            tell(number, Err(AskError::Guarded { object, why }), out);
+            tell(number, Err(DeviceRequestError::Guarded { object, why }), out);
         } else if self.requests.waiting.len() >= WAITING_MAX {
-            tell(number, Err(AskError::Full), out);
+            tell(number, Err(DeviceRequestError::Full), out);
         } else {
             let node = peer.node;
-            self.requests.waiting.push_back(Waiting { number, node, ask, until: now + PATIENCE });
+            self.requests.waiting.push_back(QueuedRequest { number, node, ask, until: now + PATIENCE });
             self.requests.poll(now, &mut self.peers, out);
             self.pass(now, start, out);
         }
@@ -372,7 +380,7 @@ impl Manager {
 
     /// Resets a device (NMT 81h), whatever it does: it lets go of its outputs, its owner loses it, and it is booted
     /// again. That fails safe, so it is allowed at any time; only not where another manager may drive the bus.
-    pub fn reset_node(&mut self, now: Tick, node: NodeId, out: &mut Outbox) {
+    pub fn reset_node(&mut self, now: Tick, node: NodeId, out: &mut BusOutbox) {
         if self.rival.keeps_off(now).is_some() {
             return;
         }
@@ -388,7 +396,7 @@ impl Manager {
     ///
     /// # Errors
     /// In words, why it is not started now.
-    pub fn start_node(&mut self, now: Tick, node: NodeId, out: &mut Outbox) -> Result<String, String> {
+    pub fn start_node(&mut self, now: Tick, node: NodeId, out: &mut BusOutbox) -> Result<String, String> {
         if let Some(why) = self.rival.keeps_off(now) {
             return Err(why);
         }

@@ -24,9 +24,9 @@ use std::time::Duration;
 
 use linewright_line::{Tick, Timing};
 
-use super::event::{Event, Outbox};
+use super::event::{BusEvent, BusOutbox};
 use super::{MANAGER_NODE, Manager};
-use crate::codec::Message;
+use crate::codec::CanopenMessage;
 use crate::frame::Frame;
 
 /// How often another manager is reported at most while it is there.
@@ -144,7 +144,7 @@ impl Manager {
     }
 
     /// Takes the heartbeat of another manager.
-    pub(super) fn hear_rival(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn hear_rival(&mut self, now: Tick, out: &mut BusOutbox) {
         let rival = &mut self.rival;
         if let Takeover::Yielded { .. } = rival.stage {
             return;
@@ -153,7 +153,7 @@ impl Manager {
         rival.heard = Some((rival.since().unwrap_or(now), now));
         if rival.told.is_none_or(|told| told + TOLD_EVERY <= now) {
             rival.told = Some(now);
-            out.events.push(Event::AnotherManager);
+            out.events.push(BusEvent::AnotherManager);
         }
         let has_sent = rival.has_sent();
         if !matches!(rival.stage, Takeover::Settled) {
@@ -169,25 +169,25 @@ impl Manager {
     }
 
     /// What is heard while nothing may be sent: of other managers, and of devices that are only listened to.
-    pub(super) fn listen(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) {
+    pub(super) fn listen(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) {
         if self.take_plain(now, frame, out) {
             return;
         }
-        match Message::decode(frame) {
-            Ok(Message::Heartbeat { node, .. }) if node == MANAGER_NODE => self.hear_rival(now, out),
+        match CanopenMessage::decode(frame) {
+            Ok(CanopenMessage::Heartbeat { node, .. }) if node == MANAGER_NODE => self.hear_rival(now, out),
             Err(error) => self.undecodable(now, error, *frame, out),
             Ok(_) => {}
         }
     }
 
     /// Lets time pass for what is known of another manager: whether this one may send anything at all.
-    pub(super) fn may_send(&mut self, now: Tick, out: &mut Outbox) -> bool {
+    pub(super) fn may_send(&mut self, now: Tick, out: &mut BusOutbox) -> bool {
         if !self.rival.may_send(now, self.off.is_none()) {
             return false;
         }
         if self.rival.heard.is_some_and(|(_, last)| last + self.rival.hold <= now) {
             self.rival.heard = None;
-            out.events.push(Event::AloneAgain);
+            out.events.push(BusEvent::AloneAgain);
             self.bring_back(now, out);
         }
         true

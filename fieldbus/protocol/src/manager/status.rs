@@ -3,13 +3,13 @@
 use linewright_line::{Owner, Tick};
 
 use super::Manager;
-use super::event::Event;
-use super::peer::{Peer, Phase};
+use super::event::BusEvent;
+use super::peer::{Peer, PeerPhase};
 use crate::codec::{Emergency, NmtState, NodeId, Profile};
 
 /// How a device is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Condition {
+pub enum DeviceCondition {
     /// Not heard.
     Absent,
     /// Being identified, configured or started.
@@ -24,7 +24,7 @@ pub enum Condition {
 
 /// A device, as its manager knows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Status<'a> {
+pub struct DeviceStatus<'a> {
     /// Its node id.
     pub node: NodeId,
     /// Name of the device.
@@ -32,7 +32,7 @@ pub struct Status<'a> {
     /// Whose image it carries.
     pub owner: Owner,
     /// How it is.
-    pub condition: Condition,
+    pub condition: DeviceCondition,
     /// Its network management state as it last said it; `None` while it is not heard.
     pub nmt: Option<NmtState>,
     /// The emergency it reported last, and when; with code 0 its errors are gone.
@@ -47,7 +47,7 @@ pub struct Status<'a> {
 
 /// What is remembered of a device while it comes and goes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Record {
+pub(super) struct DeviceMemory {
     pub nmt: Option<NmtState>,
     pub emergency: Option<(Tick, Emergency)>,
     pub losses: u32,
@@ -55,13 +55,13 @@ pub(super) struct Record {
 }
 
 impl Peer {
-    fn condition(&self) -> Condition {
+    fn condition(&self) -> DeviceCondition {
         match self.phase {
-            Phase::Absent { .. } => Condition::Absent,
-            Phase::Booting(_) | Phase::Starting { .. } => Condition::Booting,
-            Phase::Refused { .. } => Condition::Refused,
-            Phase::Operational => Condition::Operational,
-            Phase::Stopped => Condition::Stopped,
+            PeerPhase::Absent { .. } => DeviceCondition::Absent,
+            PeerPhase::Booting(_) | PeerPhase::Starting { .. } => DeviceCondition::Booting,
+            PeerPhase::Refused { .. } => DeviceCondition::Refused,
+            PeerPhase::Operational => DeviceCondition::Operational,
+            PeerPhase::Stopped => DeviceCondition::Stopped,
         }
     }
 }
@@ -71,37 +71,37 @@ impl Manager {
     pub(super) fn forget_states(&mut self, now: Tick) {
         for (peer, record) in self.peers.iter().zip(&mut self.records) {
             let said = peer.beat.is_some_and(|beat| now < beat + peer.timeout);
-            if matches!(peer.phase, Phase::Absent { .. } | Phase::Refused { .. }) && !said {
+            if matches!(peer.phase, PeerPhase::Absent { .. } | PeerPhase::Refused { .. }) && !said {
                 record.nmt = None;
             }
         }
     }
 
     /// Every device, in the order of the description.
-    pub fn statuses(&self) -> impl Iterator<Item = Status<'_>> {
+    pub fn statuses(&self) -> impl Iterator<Item = DeviceStatus<'_>> {
         self.peers.iter().zip(&self.records).map(|(peer, record)| {
-            let Record { nmt, emergency, losses, ignored } = *record;
+            let DeviceMemory { nmt, emergency, losses, ignored } = *record;
             let (node, name, owner) = (peer.node, peer.name.as_str(), peer.owner);
             let (condition, profile) = (peer.condition(), peer.process.profile());
-            Status { node, name, owner, condition, nmt, emergency, profile, losses, ignored }
+            DeviceStatus { node, name, owner, condition, nmt, emergency, profile, losses, ignored }
         })
     }
 
     /// Remembers what these events say.
-    pub(super) fn record(&mut self, now: Tick, events: &[Event]) {
+    pub(super) fn record(&mut self, now: Tick, events: &[BusEvent]) {
         for event in events {
             let (node, is) = match event {
-                Event::DeviceUp { node } => (node.get(), Some(NmtState::Operational)),
-                Event::DeviceLost { node, .. } => (node.get(), None),
-                Event::DeviceLeft { node, state } => (node.get(), Some(*state)),
-                Event::DeviceRebooted { node } => (node.get(), Some(NmtState::BootUp)),
-                Event::Emergency { node, emergency, .. } => {
+                BusEvent::DeviceUp { node } => (node.get(), Some(NmtState::Operational)),
+                BusEvent::DeviceLost { node, .. } => (node.get(), None),
+                BusEvent::DeviceLeft { node, state } => (node.get(), Some(*state)),
+                BusEvent::DeviceRebooted { node } => (node.get(), Some(NmtState::BootUp)),
+                BusEvent::Emergency { node, emergency, .. } => {
                     if let Some(record) = self.record_of(node.get()) {
                         record.emergency = Some((now, *emergency));
                     }
                     continue;
                 }
-                Event::Ignored { frame, .. } => {
+                BusEvent::Ignored { frame, .. } => {
                     // In the predefined connection set the lower seven bits are the node id.
                     let node = frame.cob_id().map_or(0, |id| (id & 0x7F) as u8);
                     if let Some(record) = self.record_of(node) {
@@ -117,7 +117,7 @@ impl Manager {
         }
     }
 
-    pub(super) fn record_of(&mut self, node: u8) -> Option<&mut Record> {
+    pub(super) fn record_of(&mut self, node: u8) -> Option<&mut DeviceMemory> {
         let at = self.peers.iter().position(|peer| peer.node.get() == node)?;
         self.records.get_mut(at)
     }

@@ -10,15 +10,15 @@
 
 use std::time::Duration;
 
-use linewright_line::{Device, Setup, Tick, Timing};
+use linewright_line::{Device, DeviceSetup, Tick, Timing};
 
 use super::boot::{BootError, REFUSED_RETRY};
-use super::event::Event;
-use super::peer::{Outcome, Peer, Phase};
-use super::trouble::Why;
-use super::{Manager, Outbox};
-use crate::codec::{Message, NmtCommand};
-use crate::sdo::Setting;
+use super::event::BusEvent;
+use super::not_operational::NotOperationalReason;
+use super::peer::{Peer, PeerChange, PeerPhase};
+use super::{BusOutbox, Manager};
+use crate::codec::{CanopenMessage, NmtCommand};
+use crate::sdo::SdoWrite;
 
 /// So many frames of inputs in a row may be missing.
 const MISSING: u32 = 3;
@@ -35,16 +35,16 @@ pub(super) fn inputs_within(device: &Device, timing: &Timing) -> Option<Duration
 }
 
 /// What a device is told of SYNC before it is started.
-pub(super) fn settings(setup: &Setup, timing: &Timing) -> Vec<Setting> {
+pub(super) fn settings(setup: &DeviceSetup, timing: &Timing) -> Vec<SdoWrite> {
     let transmission = setup.transmission;
     let mut settings = Vec::new();
     if let Some(period) = timing.sync.filter(|_| transmission.is_synchronous()) {
         let micros = u32::try_from(period.as_micros()).unwrap_or(u32::MAX);
         // A device need not know how often SYNC comes: its inputs show whether it does.
-        settings.push(Setting { optional: true, ..Setting::new(0x1006, 0, micros.to_le_bytes()) });
+        settings.push(SdoWrite { optional: true, ..SdoWrite::new(0x1006, 0, micros.to_le_bytes()) });
     }
-    settings.extend(transmission.outputs.map(|kind| Setting::new(0x1400, 2, [kind])));
-    settings.extend(transmission.inputs.map(|kind| Setting::new(0x1800, 2, [kind])));
+    settings.extend(transmission.outputs.map(|kind| SdoWrite::new(0x1400, 2, [kind])));
+    settings.extend(transmission.inputs.map(|kind| SdoWrite::new(0x1800, 2, [kind])));
     settings
 }
 
@@ -67,20 +67,20 @@ impl Peer {
 
     /// It hears no SYNC, so outputs that wait for one stay as they are whatever it is sent. It is stopped, by which they
     /// take their error values, and brought up anew, or left stopped for a while.
-    pub(super) fn lose_sync(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
+    pub(super) fn lose_sync(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
         let silent_for = now.since(self.updated.unwrap_or(self.up_since));
-        out.events.push(Event::NoSync { node: self.node, silent_for });
+        out.events.push(BusEvent::NoSync { node: self.node, silent_for });
         self.sync_losses += 1;
-        let outcome = self.leave(now, Phase::Stopped, Why::NoSync);
+        let outcome = self.leave(now, PeerPhase::Stopped, NotOperationalReason::NoSync);
         self.order(NmtCommand::Stop, out);
         if self.sync_losses < LOSSES {
             self.boot(now, out);
         } else {
             let why = BootError::NoSync { times: self.sync_losses };
             if self.sync_losses == LOSSES {
-                out.events.push(Event::BootFailed { node: self.node, why });
+                out.events.push(BusEvent::BootFailed { node: self.node, why });
             }
-            self.phase = Phase::Refused { why, retry: now + REFUSED_RETRY };
+            self.phase = PeerPhase::Refused { why, retry: now + REFUSED_RETRY };
         }
         outcome
     }
@@ -88,11 +88,11 @@ impl Peer {
 
 impl Manager {
     /// Sends SYNC if it is due. One that a late caller missed is not made up for.
-    pub(super) fn send_sync(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn send_sync(&mut self, now: Tick, out: &mut BusOutbox) {
         let Some(period) = self.timing.sync else { return };
         let due = *self.next_sync.get_or_insert(now);
         if due <= now {
-            out.frames.push(Message::Sync { counter: None }.encode());
+            out.frames.push(CanopenMessage::Sync { counter: None }.encode());
             // In step with the last one, as long as it is no whole period late.
             self.next_sync = Some(if due + period > now { due + period } else { now + period });
         }

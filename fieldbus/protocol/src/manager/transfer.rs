@@ -4,19 +4,21 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::event::Outbox;
-use super::peer::{Peer, Phase};
-use crate::codec::{Message, NodeId};
+use super::event::BusOutbox;
+use super::peer::{Peer, PeerPhase};
+use crate::codec::{CanopenMessage, NodeId};
 use crate::frame::Frame;
-use crate::sdo::wire::Raw;
-use crate::sdo::{Abort, Cause, Client, Mode, ObjectId, Options, Progress, Setting};
+use crate::sdo::wire::SdoBytes;
+use crate::sdo::{
+    Abort, ObjectId, SdoClient, SdoWrite, TransferFailure, TransferMode, TransferOptions, TransferProgress,
+};
 
 /// How long a device may take for an answer. Half a second is slow for reading a dictionary, and quick for writing a
 /// flash memory; the first frame is repeated once. Segments of blocks wait for [`Transfer::stream`].
-const SDO: Options = Options {
+const SDO: TransferOptions = TransferOptions {
     timeout: Duration::from_millis(500),
     retries: 1,
-    mode: Mode::Auto,
+    mode: TransferMode::Auto,
     block_above: 64,
     burst: 0,
     len_max: 4096,
@@ -26,22 +28,22 @@ const SDO: Options = Options {
 #[derive(Debug)]
 pub(super) struct Transfer {
     node: NodeId,
-    client: Client,
-    frames: Vec<Raw>,
+    client: SdoClient,
+    frames: Vec<SdoBytes>,
 }
 
 impl Transfer {
     /// Begins to read an object.
     pub fn read(now: Tick, node: NodeId, object: ObjectId, out: &mut Vec<Frame>) -> Self {
-        Transfer::start(now, node, Client::upload(object, SDO), out)
+        Transfer::start(now, node, SdoClient::upload(object, SDO), out)
     }
 
     /// Begins to write one.
-    pub fn write(now: Tick, node: NodeId, setting: &Setting, out: &mut Vec<Frame>) -> Self {
-        Transfer::start(now, node, Client::download(setting.object, setting.data.clone(), SDO), out)
+    pub fn write(now: Tick, node: NodeId, setting: &SdoWrite, out: &mut Vec<Frame>) -> Self {
+        Transfer::start(now, node, SdoClient::download(setting.object, setting.data.clone(), SDO), out)
     }
 
-    fn start(now: Tick, node: NodeId, client: Client, out: &mut Vec<Frame>) -> Self {
+    fn start(now: Tick, node: NodeId, client: SdoClient, out: &mut Vec<Frame>) -> Self {
         let mut transfer = Transfer { node, client, frames: Vec::new() };
         transfer.client.start(now, &mut transfer.frames);
         transfer.flush(out);
@@ -49,14 +51,14 @@ impl Transfer {
     }
 
     /// Takes eight bytes of the device's SDO server.
-    pub fn handle(&mut self, now: Tick, raw: &Raw, out: &mut Vec<Frame>) -> Progress {
+    pub fn handle(&mut self, now: Tick, raw: &SdoBytes, out: &mut Vec<Frame>) -> TransferProgress {
         let progress = self.client.handle(now, raw, &mut self.frames);
         self.flush(out);
         progress
     }
 
     /// Does what is due.
-    pub fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) -> Progress {
+    pub fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) -> TransferProgress {
         let progress = self.client.poll(now, &mut self.frames);
         self.flush(out);
         progress
@@ -85,7 +87,7 @@ impl Transfer {
 
     fn flush(&mut self, out: &mut Vec<Frame>) {
         let node = self.node;
-        out.extend(self.frames.drain(..).map(|raw| Message::SdoRequest { node, raw }.encode()));
+        out.extend(self.frames.drain(..).map(|raw| CanopenMessage::SdoRequest { node, raw }.encode()));
     }
 }
 
@@ -93,15 +95,15 @@ impl Peer {
     /// Whether a transfer of it has segments of a block to send.
     pub(super) fn streams(&self) -> bool {
         match &self.phase {
-            Phase::Booting(boot) => boot.transfer().streams(),
+            PeerPhase::Booting(boot) => boot.transfer().streams(),
             _ => self.writing.as_ref().is_some_and(|(_, transfer)| transfer.streams()),
         }
     }
 
     /// Sends one of them.
-    pub(super) fn stream(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn stream(&mut self, now: Tick, out: &mut BusOutbox) {
         match &mut self.phase {
-            Phase::Booting(boot) => boot.transfer_mut().stream(now, &mut out.frames),
+            PeerPhase::Booting(boot) => boot.transfer_mut().stream(now, &mut out.frames),
             _ => {
                 if let Some((_, transfer)) = &mut self.writing {
                     transfer.stream(now, &mut out.frames);
@@ -111,7 +113,7 @@ impl Peer {
     }
 
     /// Writes an object that it needs written while it runs.
-    pub(super) fn write_if_wanted(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn write_if_wanted(&mut self, now: Tick, out: &mut BusOutbox) {
         if self.writing.is_some() || self.lent || self.errors.is_reading() || !self.is_operational() {
             return;
         }
@@ -122,17 +124,17 @@ impl Peer {
     }
 
     /// Goes on with that: with what the device has answered, or with the time that has passed.
-    pub(super) fn go_on_writing(&mut self, now: Tick, raw: Option<&Raw>, out: &mut Outbox) {
+    pub(super) fn go_on_writing(&mut self, now: Tick, raw: Option<&SdoBytes>, out: &mut BusOutbox) {
         let Some((_, transfer)) = &mut self.writing else { return };
         let progress = match raw {
             Some(raw) => transfer.handle(now, raw, &mut out.frames),
             None => transfer.poll(now, &mut out.frames),
         };
-        if let Progress::Done(result) = progress
+        if let TransferProgress::Done(result) = progress
             && let Some((setting, _)) = self.writing.take()
         {
             let answer = result.map(|_| ()).map_err(|error| match error.cause {
-                Cause::Refused(code) => code,
+                TransferFailure::Refused(code) => code,
                 other => other.abort().unwrap_or(Abort::GENERAL),
             });
             self.process.written(now, &setting, answer);

@@ -7,8 +7,8 @@
 
 use std::time::Duration;
 
-use super::cause::Cause;
-use super::wire::{BlockAck, BlockSegment, Raw};
+use super::cause::TransferFailure;
+use super::wire::{BlockAck, BlockSegment, SdoBytes};
 
 /// Segments in a block at most (CiA 301 §7.2.4.3.9).
 pub(super) const BLOCK_MAX: u8 = 127;
@@ -36,7 +36,7 @@ pub(super) fn unused(len: usize) -> u8 {
 
 /// Where the sending side of a block transfer is. The bytes themselves are their owner's.
 #[derive(Debug)]
-pub(super) struct Sender {
+pub(super) struct BlockSender {
     /// Bytes the receiver has in order.
     acked: usize,
     /// Segments sent of the present block.
@@ -46,12 +46,12 @@ pub(super) struct Sender {
     stalls: u8,
 }
 
-impl Sender {
-    pub(super) fn new(size: u8) -> Result<Self, Cause> {
+impl BlockSender {
+    pub(super) fn new(size: u8) -> Result<Self, TransferFailure> {
         if !(1..=BLOCK_MAX).contains(&size) {
-            return Err(Cause::BlockSize { size });
+            return Err(TransferFailure::BlockSize { size });
         }
-        Ok(Sender { acked: 0, sent: 0, size, stalls: 0 })
+        Ok(BlockSender { acked: 0, sent: 0, size, stalls: 0 })
     }
 
     /// Bytes the receiver has.
@@ -70,7 +70,7 @@ impl Sender {
     }
 
     /// Sends up to `burst` segments of the present block.
-    pub(super) fn send(&mut self, data: &[u8], burst: u8, out: &mut Vec<Raw>) {
+    pub(super) fn send(&mut self, data: &[u8], burst: u8, out: &mut Vec<SdoBytes>) {
         for _ in 0..burst {
             if self.waits(data) {
                 return;
@@ -85,9 +85,9 @@ impl Sender {
     }
 
     /// Takes the receiver's word; whether all of `data` has arrived.
-    pub(super) fn acknowledged(&mut self, ack: BlockAck, data: &[u8]) -> Result<bool, Cause> {
+    pub(super) fn acknowledged(&mut self, ack: BlockAck, data: &[u8]) -> Result<bool, TransferFailure> {
         if ack.good > self.sent {
-            return Err(Cause::Sequence { number: ack.good });
+            return Err(TransferFailure::Sequence { number: ack.good });
         }
         let all = ack.good > 0 && self.acked + usize::from(ack.good) * 7 >= data.len();
         if all {
@@ -95,11 +95,11 @@ impl Sender {
             return Ok(true);
         }
         if !(1..=BLOCK_MAX).contains(&ack.next) {
-            return Err(Cause::BlockSize { size: ack.next });
+            return Err(TransferFailure::BlockSize { size: ack.next });
         }
         self.stalls = if ack.good == 0 { self.stalls + 1 } else { 0 };
         if self.stalls > STALLS_MAX {
-            return Err(Cause::Sequence { number: ack.good });
+            return Err(TransferFailure::Sequence { number: ack.good });
         }
         self.acked += usize::from(ack.good) * 7;
         self.sent = 0;
@@ -110,7 +110,7 @@ impl Sender {
 
 /// The receiving side of a block transfer.
 #[derive(Debug)]
-pub(super) struct Receiver {
+pub(super) struct BlockReceiver {
     data: Vec<u8>,
     size: Option<u32>,
     len_max: usize,
@@ -121,9 +121,9 @@ pub(super) struct Receiver {
     stalls: u8,
 }
 
-impl Receiver {
+impl BlockReceiver {
     pub(super) fn new(size: Option<u32>, len_max: usize) -> Self {
-        Receiver { data: reserve(size, len_max), size, len_max, good: 0, complete: false, stalls: 0 }
+        BlockReceiver { data: reserve(size, len_max), size, len_max, good: 0, complete: false, stalls: 0 }
     }
 
     /// Bytes received in order, those of the last segment that do not count included.
@@ -137,7 +137,7 @@ impl Receiver {
     }
 
     /// Takes a segment; whether the sender waits for an acknowledgement after it.
-    pub(super) fn take(&mut self, segment: &BlockSegment) -> Result<bool, Cause> {
+    pub(super) fn take(&mut self, segment: &BlockSegment) -> Result<bool, TransferFailure> {
         // Anything else is of a block whose beginning was lost, or came twice: the acknowledgement sorts it out.
         if segment.number == self.good + 1 {
             let most = self.size.map_or(self.len_max, |size| self.len_max.min(size as usize));
@@ -160,7 +160,7 @@ impl Receiver {
     }
 
     /// The bytes, if they are what the sender meant. `crc` is `None` where the sender computes none.
-    pub(super) fn finish(&mut self, unused: u8, crc: Option<u16>) -> Result<Vec<u8>, Cause> {
+    pub(super) fn finish(&mut self, unused: u8, crc: Option<u16>) -> Result<Vec<u8>, TransferFailure> {
         let mut data = std::mem::take(&mut self.data);
         data.truncate(data.len().saturating_sub(unused.into()));
         check_size(self.size, data.len())?;
@@ -168,7 +168,7 @@ impl Receiver {
             return Err(too_long(self.size, self.len_max));
         }
         match crc {
-            Some(sent) if sent != self::crc(&data) => Err(Cause::Crc { sent, computed: self::crc(&data) }),
+            Some(sent) if sent != self::crc(&data) => Err(TransferFailure::Crc { sent, computed: self::crc(&data) }),
             _ => Ok(data),
         }
     }
@@ -180,17 +180,19 @@ pub(super) fn reserve(size: Option<u32>, len_max: usize) -> Vec<u8> {
 }
 
 /// Whether as much came as was announced.
-pub(super) fn check_size(size: Option<u32>, came: usize) -> Result<(), Cause> {
+pub(super) fn check_size(size: Option<u32>, came: usize) -> Result<(), TransferFailure> {
     match size {
-        Some(announced) if announced as usize != came => Err(Cause::Length { announced, came }),
+        Some(announced) if announced as usize != came => Err(TransferFailure::Length { announced, came }),
         _ => Ok(()),
     }
 }
 
 /// More came than was announced, or than there is room for.
-pub(super) fn too_long(size: Option<u32>, len_max: usize) -> Cause {
+pub(super) fn too_long(size: Option<u32>, len_max: usize) -> TransferFailure {
     match size {
-        Some(announced) if announced as usize <= len_max => Cause::Length { announced, came: announced as usize + 1 },
-        _ => Cause::TooLong { len_max },
+        Some(announced) if announced as usize <= len_max => {
+            TransferFailure::Length { announced, came: announced as usize + 1 }
+        }
+        _ => TransferFailure::TooLong { len_max },
     }
 }

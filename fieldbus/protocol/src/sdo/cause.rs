@@ -14,12 +14,12 @@ pub struct TransferError {
     /// The object.
     pub object: ObjectId,
     /// What went wrong.
-    pub cause: Cause,
+    pub cause: TransferFailure,
 }
 
 /// Why a transfer was given up, and by whom.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-pub enum Cause {
+pub enum TransferFailure {
     /// The other side aborted it.
     #[error("refused: {0}")]
     Refused(Abort),
@@ -92,22 +92,22 @@ pub enum Cause {
     Cancelled,
 }
 
-impl Cause {
+impl TransferFailure {
     /// The code with which this side tells the other. `None` where the other side knows, or is no longer listening to
     /// this one.
     pub fn abort(&self) -> Option<Abort> {
         match self {
-            Cause::Refused(_) | Cause::Interrupted { .. } => None,
-            Cause::Silent { .. } => Some(Abort::TIMEOUT),
-            Cause::Toggle { .. } => Some(Abort::TOGGLE),
-            Cause::Sequence { .. } => Some(Abort::SEQUENCE),
-            Cause::BlockSize { .. } => Some(Abort::BLOCK_SIZE),
-            Cause::Crc { .. } => Some(Abort::CRC),
-            Cause::Length { announced, came } if *came > *announced as usize => Some(Abort::TOO_LONG),
-            Cause::Length { .. } => Some(Abort::TOO_SHORT),
-            Cause::TooLong { .. } => Some(Abort::OUT_OF_MEMORY),
-            Cause::Command { .. } => Some(Abort::COMMAND),
-            Cause::Cancelled => Some(Abort::GENERAL),
+            TransferFailure::Refused(_) | TransferFailure::Interrupted { .. } => None,
+            TransferFailure::Silent { .. } => Some(Abort::TIMEOUT),
+            TransferFailure::Toggle { .. } => Some(Abort::TOGGLE),
+            TransferFailure::Sequence { .. } => Some(Abort::SEQUENCE),
+            TransferFailure::BlockSize { .. } => Some(Abort::BLOCK_SIZE),
+            TransferFailure::Crc { .. } => Some(Abort::CRC),
+            TransferFailure::Length { announced, came } if *came > *announced as usize => Some(Abort::TOO_LONG),
+            TransferFailure::Length { .. } => Some(Abort::TOO_SHORT),
+            TransferFailure::TooLong { .. } => Some(Abort::OUT_OF_MEMORY),
+            TransferFailure::Command { .. } => Some(Abort::COMMAND),
+            TransferFailure::Cancelled => Some(Abort::GENERAL),
         }
     }
 }

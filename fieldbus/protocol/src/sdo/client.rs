@@ -17,14 +17,14 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::block::{self, BURST, PACE, Receiver, STALL, Sender, check_size, reserve, too_long, unused};
-use super::cause::{Cause, TransferError};
-use super::wire::{ABORT, BlockSegment, Content, Raw, Request, Response, Segment};
+use super::block::{self, BURST, BlockReceiver, BlockSender, PACE, STALL, check_size, reserve, too_long, unused};
+use super::cause::{TransferError, TransferFailure};
+use super::wire::{ABORT, BlockSegment, ClientFrame, InitiateContent, SdoBytes, Segment, ServerFrame};
 use super::{Abort, ObjectId};
 
 /// Which kind of transfer is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
+pub enum TransferMode {
     /// Blocks where they pay, else segments. To read, the device is asked how long the object is, and asked again for
     /// blocks if that is long.
     #[default]
@@ -37,29 +37,29 @@ pub enum Mode {
 
 /// How a transfer is carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Options {
+pub struct TransferOptions {
     /// How long an answer may take. Some devices write to flash before they answer.
     pub timeout: Duration,
     /// How often the first frame is repeated when no answer comes.
     pub retries: u8,
     /// Which kind of transfer.
-    pub mode: Mode,
-    /// Objects longer than this go in blocks, in [`Mode::Auto`].
+    pub mode: TransferMode,
+    /// Objects longer than this go in blocks, in [`TransferMode::Auto`].
     pub block_above: usize,
     /// Segments of a block sent each millisecond. Too many overflow the interface's transmit queue. With 0 none is sent
-    /// but by [`Client::stream`]: whoever has several transfers on one bus sees to all of them.
+    /// but by [`SdoClient::stream`]: whoever has several transfers on one bus sees to all of them.
     pub burst: u8,
     /// Bytes read at most.
     pub len_max: usize,
 }
 
-impl Default for Options {
+impl Default for TransferOptions {
     /// One second, two repetitions, blocks above 64 bytes, four segments each millisecond, one MiB.
     fn default() -> Self {
-        Options {
+        TransferOptions {
             timeout: Duration::from_secs(1),
             retries: 2,
-            mode: Mode::Auto,
+            mode: TransferMode::Auto,
             block_above: 64,
             burst: BURST,
             len_max: 1 << 20,
@@ -69,7 +69,7 @@ impl Default for Options {
 
 /// How far a transfer is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Progress {
+pub enum TransferProgress {
     /// Under way. Also what an ended transfer says to whatever comes after its end.
     Busy,
     /// Ended, and this is said once: the bytes read, none after a write; or why not.
@@ -77,33 +77,33 @@ pub enum Progress {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Direction {
+enum TransferDirection {
     Upload,
     Download,
 }
 
 #[derive(Debug)]
-enum State {
+enum ClientState {
     /// Not started.
     Fresh,
     /// The first frame is out; `blocks` says for what kind it asked.
-    Asking { frame: Raw, asked: u8, blocks: bool },
+    Asking { frame: SdoBytes, asked: u8, blocks: bool },
     /// The segment up to `at` is out.
     Sending { at: usize, toggle: bool },
     /// The segment with this toggle is asked for.
     Receiving { size: Option<u32>, toggle: bool },
     /// Blocks go out.
-    BlockSending(Sender),
+    BlockSending(BlockSender),
     /// All blocks are out, and the end frame too.
     BlockEnding,
     /// Blocks come in.
-    BlockReceiving(Receiver),
+    BlockReceiving(BlockReceiver),
     /// Ended.
     Over,
 }
 
 /// What a frame does to the transfer.
-enum Step {
+enum TransferStep {
     Ignored,
     On,
     End,
@@ -111,14 +111,14 @@ enum Step {
 
 /// One transfer of one object, from or to one device.
 #[derive(Debug)]
-pub struct Client {
+pub struct SdoClient {
     object: ObjectId,
-    direction: Direction,
-    options: Options,
+    direction: TransferDirection,
+    options: TransferOptions,
     /// What is written, or what has been read so far.
     data: Vec<u8>,
-    state: State,
-    /// When [`Client::poll`] has something to do.
+    state: ClientState,
+    /// When [`SdoClient::poll`] has something to do.
     due: Tick,
     /// The first frame was repeated: its answer may come twice.
     repeated: bool,
@@ -126,24 +126,24 @@ pub struct Client {
     no_blocks: bool,
 }
 
-impl Client {
-    /// Reads an object. Nothing is sent before [`Client::start`].
-    pub fn upload(object: ObjectId, options: Options) -> Self {
-        Client::new(object, Direction::Upload, Vec::new(), options)
+impl SdoClient {
+    /// Reads an object. Nothing is sent before [`SdoClient::start`].
+    pub fn upload(object: ObjectId, options: TransferOptions) -> Self {
+        SdoClient::new(object, TransferDirection::Upload, Vec::new(), options)
     }
 
-    /// Writes an object. Nothing is sent before [`Client::start`].
-    pub fn download(object: ObjectId, data: impl Into<Vec<u8>>, options: Options) -> Self {
-        Client::new(object, Direction::Download, data.into(), options)
+    /// Writes an object. Nothing is sent before [`SdoClient::start`].
+    pub fn download(object: ObjectId, data: impl Into<Vec<u8>>, options: TransferOptions) -> Self {
+        SdoClient::new(object, TransferDirection::Download, data.into(), options)
     }
 
-    fn new(object: ObjectId, direction: Direction, data: Vec<u8>, options: Options) -> Self {
-        Client {
+    fn new(object: ObjectId, direction: TransferDirection, data: Vec<u8>, options: TransferOptions) -> Self {
+        SdoClient {
             object,
             direction,
             options,
             data,
-            state: State::Fresh,
+            state: ClientState::Fresh,
             due: Tick::NEVER,
             repeated: false,
             no_blocks: false,
@@ -156,251 +156,266 @@ impl Client {
     }
 
     /// Sends the first frame. A transfer is started once; starting it again does nothing.
-    pub fn start(&mut self, now: Tick, out: &mut Vec<Raw>) {
-        if matches!(self.state, State::Fresh) {
+    pub fn start(&mut self, now: Tick, out: &mut Vec<SdoBytes>) {
+        if matches!(self.state, ClientState::Fresh) {
             let blocks = match (self.options.mode, self.direction) {
-                (Mode::Segmented, _) | (Mode::Auto, Direction::Upload) => false,
-                (Mode::Auto, Direction::Download) => self.data.len() > self.options.block_above,
-                (Mode::Block, _) => true,
+                (TransferMode::Segmented, _) | (TransferMode::Auto, TransferDirection::Upload) => false,
+                (TransferMode::Auto, TransferDirection::Download) => self.data.len() > self.options.block_above,
+                (TransferMode::Block, _) => true,
             };
             self.ask(now, blocks, out);
         }
     }
 
     /// Takes a frame from the server.
-    pub fn handle(&mut self, now: Tick, raw: &Raw, out: &mut Vec<Raw>) -> Progress {
+    pub fn handle(&mut self, now: Tick, raw: &SdoBytes, out: &mut Vec<SdoBytes>) -> TransferProgress {
         let step = match &self.state {
-            State::Fresh | State::Over => Ok(Step::Ignored),
-            State::BlockReceiving(receiver) if !receiver.complete() && raw[0] != ABORT => self.block(raw, out),
-            _ => match Response::decode(raw) {
+            ClientState::Fresh | ClientState::Over => Ok(TransferStep::Ignored),
+            ClientState::BlockReceiving(receiver) if !receiver.complete() && raw[0] != ABORT => self.block(raw, out),
+            _ => match ServerFrame::decode(raw) {
                 Some(response) => self.response(now, response, raw[0], out),
                 None => self.unexpected(raw[0], None),
             },
         };
         match step {
-            Ok(Step::Ignored) => Progress::Busy,
-            Ok(Step::On) => {
+            Ok(TransferStep::Ignored) => TransferProgress::Busy,
+            Ok(TransferStep::On) => {
                 self.due = now + self.patience();
-                Progress::Busy
+                TransferProgress::Busy
             }
-            Ok(Step::End) => self.end(Ok(())),
+            Ok(TransferStep::End) => self.end(Ok(())),
             Err(cause) => self.fail(cause, out),
         }
     }
 
     /// Does what is due: repeating the first frame, sending more of a block, giving up.
-    pub fn poll(&mut self, now: Tick, out: &mut Vec<Raw>) -> Progress {
+    pub fn poll(&mut self, now: Tick, out: &mut Vec<SdoBytes>) -> TransferProgress {
         if now < self.due {
-            return Progress::Busy;
+            return TransferProgress::Busy;
         }
         let done = self.done();
         let waited = self.options.timeout;
-        let silent = Cause::Silent { waited, done, asked: 1 };
+        let silent = TransferFailure::Silent { waited, done, asked: 1 };
         match &mut self.state {
-            State::Fresh | State::Over => return Progress::Busy,
-            State::Asking { asked, .. } if *asked > self.options.retries => {
+            ClientState::Fresh | ClientState::Over => return TransferProgress::Busy,
+            ClientState::Asking { asked, .. } if *asked > self.options.retries => {
                 let asked = *asked;
-                return self.fail(Cause::Silent { waited, done, asked }, out);
+                return self.fail(TransferFailure::Silent { waited, done, asked }, out);
             }
-            State::Asking { frame, asked, .. } => {
+            ClientState::Asking { frame, asked, .. } => {
                 *asked += 1;
                 self.repeated = true;
                 out.push(*frame);
             }
-            State::BlockSending(sender) if !sender.waits(&self.data) => {
+            ClientState::BlockSending(sender) if !sender.waits(&self.data) => {
                 sender.send(&self.data, self.options.burst, out);
             }
             // Perhaps only the end of the block was lost.
-            State::BlockReceiving(receiver) if !receiver.complete() => match receiver.acknowledge() {
-                Some(ack) => out.push(Request::BlockAck(ack).encode()),
+            ClientState::BlockReceiving(receiver) if !receiver.complete() => match receiver.acknowledge() {
+                Some(ack) => out.push(ClientFrame::BlockAck(ack).encode()),
                 None => return self.fail(silent, out),
             },
-            State::Sending { .. }
-            | State::Receiving { .. }
-            | State::BlockSending(_)
-            | State::BlockReceiving(_)
-            | State::BlockEnding => return self.fail(silent, out),
+            ClientState::Sending { .. }
+            | ClientState::Receiving { .. }
+            | ClientState::BlockSending(_)
+            | ClientState::BlockReceiving(_)
+            | ClientState::BlockEnding => return self.fail(silent, out),
         }
         self.due = now + self.patience();
-        Progress::Busy
+        TransferProgress::Busy
     }
 
     /// Whether it has segments of a block to send.
     pub fn streams(&self) -> bool {
-        matches!(&self.state, State::BlockSending(sender) if !sender.waits(&self.data))
+        matches!(&self.state, ClientState::BlockSending(sender) if !sender.waits(&self.data))
     }
 
     /// Sends up to `count` of them now.
-    pub fn stream(&mut self, now: Tick, count: u8, out: &mut Vec<Raw>) {
-        if let State::BlockSending(sender) = &mut self.state {
+    pub fn stream(&mut self, now: Tick, count: u8, out: &mut Vec<SdoBytes>) {
+        if let ClientState::BlockSending(sender) = &mut self.state {
             sender.send(&self.data, count, out);
             self.due = now + self.patience();
         }
     }
 
-    /// When [`Client::poll`] has something to do next; `None` before the start and after the end.
+    /// When [`SdoClient::poll`] has something to do next; `None` before the start and after the end.
     pub fn next_deadline(&self) -> Option<Tick> {
-        (!matches!(self.state, State::Fresh | State::Over)).then_some(self.due)
+        (!matches!(self.state, ClientState::Fresh | ClientState::Over)).then_some(self.due)
     }
 
     /// Gives the transfer up, and tells the server.
-    pub fn cancel(&mut self, out: &mut Vec<Raw>) -> Progress {
+    pub fn cancel(&mut self, out: &mut Vec<SdoBytes>) -> TransferProgress {
         match self.state {
-            State::Fresh => self.end(Err(Cause::Cancelled)),
-            State::Over => Progress::Busy,
-            _ => self.fail(Cause::Cancelled, out),
+            ClientState::Fresh => self.end(Err(TransferFailure::Cancelled)),
+            ClientState::Over => TransferProgress::Busy,
+            _ => self.fail(TransferFailure::Cancelled, out),
         }
     }
 
     /// How many bytes have been transferred for certain.
     pub fn done(&self) -> usize {
         match &self.state {
-            State::Fresh | State::Asking { .. } => 0,
-            State::Sending { at, .. } => at.saturating_sub(7),
-            State::BlockSending(sender) => sender.acked(),
-            State::BlockReceiving(receiver) => receiver.len(),
-            State::Receiving { .. } | State::BlockEnding | State::Over => self.data.len(),
+            ClientState::Fresh | ClientState::Asking { .. } => 0,
+            ClientState::Sending { at, .. } => at.saturating_sub(7),
+            ClientState::BlockSending(sender) => sender.acked(),
+            ClientState::BlockReceiving(receiver) => receiver.len(),
+            ClientState::Receiving { .. } | ClientState::BlockEnding | ClientState::Over => self.data.len(),
         }
     }
 
     /// Sends the first frame of a transfer of that kind.
-    fn ask(&mut self, now: Tick, blocks: bool, out: &mut Vec<Raw>) {
+    fn ask(&mut self, now: Tick, blocks: bool, out: &mut Vec<SdoBytes>) {
         let object = self.object;
         let len = self.data.len() as u32;
         let request = match (self.direction, blocks) {
-            (Direction::Upload, false) => Request::Upload { object },
-            (Direction::Upload, true) => {
-                Request::BlockUpload { object, crc: true, block: block::BLOCK_MAX, switch_at: 0 }
+            (TransferDirection::Upload, false) => ClientFrame::Upload { object },
+            (TransferDirection::Upload, true) => {
+                ClientFrame::BlockUpload { object, crc: true, block: block::BLOCK_MAX, switch_at: 0 }
             }
-            (Direction::Download, false) => {
-                let segmented = Content::Segmented { size: Some(len) };
-                Request::Download { object, content: Content::expedited(&self.data).unwrap_or(segmented) }
+            (TransferDirection::Download, false) => {
+                let segmented = InitiateContent::Segmented { size: Some(len) };
+                ClientFrame::Download { object, content: InitiateContent::expedited(&self.data).unwrap_or(segmented) }
             }
-            (Direction::Download, true) => Request::BlockDownload { object, crc: true, size: Some(len) },
+            (TransferDirection::Download, true) => ClientFrame::BlockDownload { object, crc: true, size: Some(len) },
         };
         let frame = request.encode();
         out.push(frame);
-        self.state = State::Asking { frame, asked: 1, blocks };
+        self.state = ClientState::Asking { frame, asked: 1, blocks };
         self.due = now + self.options.timeout;
     }
 
-    fn response(&mut self, now: Tick, response: Response, command: u8, out: &mut Vec<Raw>) -> Result<Step, Cause> {
+    fn response(
+        &mut self,
+        now: Tick,
+        response: ServerFrame,
+        command: u8,
+        out: &mut Vec<SdoBytes>,
+    ) -> Result<TransferStep, TransferFailure> {
         match (&mut self.state, response) {
-            (State::Asking { blocks, .. }, response) => {
+            (ClientState::Asking { blocks, .. }, response) => {
                 let blocks = *blocks;
                 if response.object() == Some(self.object) {
                     self.answered(now, blocks, response, out)
                 } else {
-                    Ok(Step::Ignored)
+                    Ok(TransferStep::Ignored)
                 }
             }
             // Within a transfer there is but one that could be meant.
-            (_, Response::Abort { code, .. }) => Err(Cause::Refused(code)),
-            (State::Sending { at, toggle }, Response::DownloadSegment { toggle: answer }) => {
+            (_, ServerFrame::Abort { code, .. }) => Err(TransferFailure::Refused(code)),
+            (ClientState::Sending { at, toggle }, ServerFrame::DownloadSegment { toggle: answer }) => {
                 if answer != *toggle {
-                    return Err(Cause::Toggle { done: at.saturating_sub(7) });
+                    return Err(TransferFailure::Toggle { done: at.saturating_sub(7) });
                 }
                 if *at >= self.data.len() {
-                    return Ok(Step::End);
+                    return Ok(TransferStep::End);
                 }
                 *toggle = !*toggle;
-                out.push(Request::DownloadSegment(Segment::of(&self.data, *at, *toggle)).encode());
+                out.push(ClientFrame::DownloadSegment(Segment::of(&self.data, *at, *toggle)).encode());
                 *at += 7;
-                Ok(Step::On)
+                Ok(TransferStep::On)
             }
-            (State::Receiving { .. }, Response::UploadSegment(segment)) => self.segment(segment, out),
-            (State::BlockSending(sender), Response::BlockAck(ack)) => {
+            (ClientState::Receiving { .. }, ServerFrame::UploadSegment(segment)) => self.segment(segment, out),
+            (ClientState::BlockSending(sender), ServerFrame::BlockAck(ack)) => {
                 if sender.acknowledged(ack, &self.data)? {
                     let (unused, crc) = (unused(self.data.len()), block::crc(&self.data));
-                    out.push(Request::BlockDownloadEnd { unused, crc }.encode());
-                    self.state = State::BlockEnding;
+                    out.push(ClientFrame::BlockDownloadEnd { unused, crc }.encode());
+                    self.state = ClientState::BlockEnding;
                 } else {
                     sender.send(&self.data, self.options.burst, out);
                 }
-                Ok(Step::On)
+                Ok(TransferStep::On)
             }
-            (State::BlockEnding, Response::BlockDownloadEnd) => Ok(Step::End),
-            (State::BlockReceiving(receiver), Response::BlockUploadEnd { unused, crc }) => {
+            (ClientState::BlockEnding, ServerFrame::BlockDownloadEnd) => Ok(TransferStep::End),
+            (ClientState::BlockReceiving(receiver), ServerFrame::BlockUploadEnd { unused, crc }) => {
                 self.data = receiver.finish(unused, Some(crc))?;
-                out.push(Request::BlockUploadEnd.encode());
-                Ok(Step::End)
+                out.push(ClientFrame::BlockUploadEnd.encode());
+                Ok(TransferStep::End)
             }
             (_, response) => self.unexpected(command, response.object()),
         }
     }
 
     /// The server has answered the first frame, for this object.
-    fn answered(&mut self, now: Tick, blocks: bool, response: Response, out: &mut Vec<Raw>) -> Result<Step, Cause> {
+    fn answered(
+        &mut self,
+        now: Tick,
+        blocks: bool,
+        response: ServerFrame,
+        out: &mut Vec<SdoBytes>,
+    ) -> Result<TransferStep, TransferFailure> {
         match (self.direction, response) {
-            (_, Response::Abort { code: Abort::COMMAND, .. }) if blocks => {
+            (_, ServerFrame::Abort { code: Abort::COMMAND, .. }) if blocks => {
                 self.no_blocks = true;
                 self.ask(now, false, out);
-                Ok(Step::On)
+                Ok(TransferStep::On)
             }
-            (_, Response::Abort { code, .. }) => Err(Cause::Refused(code)),
-            (Direction::Upload, Response::Upload { content: Content::Expedited { bytes, len, .. }, .. }) => {
+            (_, ServerFrame::Abort { code, .. }) => Err(TransferFailure::Refused(code)),
+            (
+                TransferDirection::Upload,
+                ServerFrame::Upload { content: InitiateContent::Expedited { bytes, len, .. }, .. },
+            ) => {
                 self.data.extend_from_slice(&bytes[..usize::from(len)]);
-                Ok(Step::End)
+                Ok(TransferStep::End)
             }
-            (Direction::Upload, Response::Upload { content: Content::Segmented { size }, .. }) => {
+            (TransferDirection::Upload, ServerFrame::Upload { content: InitiateContent::Segmented { size }, .. }) => {
                 self.announced(size)?;
                 let long = size.is_some_and(|size| size as usize > self.options.block_above);
                 // Not if the first frame was repeated: a second answer to it would be taken for that to the next.
-                if long && !blocks && self.options.mode == Mode::Auto && !self.no_blocks && !self.repeated {
+                if long && !blocks && self.options.mode == TransferMode::Auto && !self.no_blocks && !self.repeated {
                     self.change(now, true, out);
-                    return Ok(Step::On);
+                    return Ok(TransferStep::On);
                 }
                 self.data = reserve(size, self.options.len_max);
-                self.state = State::Receiving { size, toggle: false };
-                out.push(Request::UploadSegment { toggle: false }.encode());
-                Ok(Step::On)
+                self.state = ClientState::Receiving { size, toggle: false };
+                out.push(ClientFrame::UploadSegment { toggle: false }.encode());
+                Ok(TransferStep::On)
             }
-            (Direction::Upload, Response::BlockUpload { crc: true, size, .. }) if blocks => {
+            (TransferDirection::Upload, ServerFrame::BlockUpload { crc: true, size, .. }) if blocks => {
                 self.announced(size)?;
-                self.state = State::BlockReceiving(Receiver::new(size, self.options.len_max));
-                out.push(Request::BlockUploadStart.encode());
-                Ok(Step::On)
+                self.state = ClientState::BlockReceiving(BlockReceiver::new(size, self.options.len_max));
+                out.push(ClientFrame::BlockUploadStart.encode());
+                Ok(TransferStep::On)
             }
-            (Direction::Download, Response::Download { .. }) if !blocks => {
+            (TransferDirection::Download, ServerFrame::Download { .. }) if !blocks => {
                 if (1..=4).contains(&self.data.len()) {
-                    return Ok(Step::End);
+                    return Ok(TransferStep::End);
                 }
-                out.push(Request::DownloadSegment(Segment::of(&self.data, 0, false)).encode());
-                self.state = State::Sending { at: 7, toggle: false };
-                Ok(Step::On)
+                out.push(ClientFrame::DownloadSegment(Segment::of(&self.data, 0, false)).encode());
+                self.state = ClientState::Sending { at: 7, toggle: false };
+                Ok(TransferStep::On)
             }
-            (Direction::Download, Response::BlockDownload { crc: true, block, .. }) if blocks => {
-                let mut sender = Sender::new(block)?;
+            (TransferDirection::Download, ServerFrame::BlockDownload { crc: true, block, .. }) if blocks => {
+                let mut sender = BlockSender::new(block)?;
                 sender.send(&self.data, self.options.burst, out);
-                self.state = State::BlockSending(sender);
-                Ok(Step::On)
+                self.state = ClientState::BlockSending(sender);
+                Ok(TransferStep::On)
             }
-            (Direction::Upload, Response::BlockUpload { crc: false, .. })
-            | (Direction::Download, Response::BlockDownload { crc: false, .. })
+            (TransferDirection::Upload, ServerFrame::BlockUpload { crc: false, .. })
+            | (TransferDirection::Download, ServerFrame::BlockDownload { crc: false, .. })
                 if blocks =>
             {
                 self.change(now, false, out);
-                Ok(Step::On)
+                Ok(TransferStep::On)
             }
             // The answer to another client's question about the same object, or to one that was given up.
-            _ => Ok(Step::Ignored),
+            _ => Ok(TransferStep::Ignored),
         }
     }
 
     /// Tells the server that the transfer is over, and asks again for the other kind.
-    fn change(&mut self, now: Tick, blocks: bool, out: &mut Vec<Raw>) {
+    fn change(&mut self, now: Tick, blocks: bool, out: &mut Vec<SdoBytes>) {
         let code = if blocks { Abort::GENERAL } else { Abort::CRC };
-        out.push(Request::Abort { object: self.object, code }.encode());
+        out.push(ClientFrame::Abort { object: self.object, code }.encode());
         self.no_blocks |= !blocks;
         self.ask(now, blocks, out);
     }
 
     /// Takes a segment of a segmented upload.
-    fn segment(&mut self, segment: Segment, out: &mut Vec<Raw>) -> Result<Step, Cause> {
-        let State::Receiving { size, toggle } = &mut self.state else { return Ok(Step::Ignored) };
+    fn segment(&mut self, segment: Segment, out: &mut Vec<SdoBytes>) -> Result<TransferStep, TransferFailure> {
+        let ClientState::Receiving { size, toggle } = &mut self.state else { return Ok(TransferStep::Ignored) };
         let (len_max, done) = (self.options.len_max, self.data.len());
         if segment.toggle != *toggle {
-            return Err(Cause::Toggle { done });
+            return Err(TransferFailure::Toggle { done });
         }
         let most = size.map_or(len_max, |size| len_max.min(size as usize));
         if done + segment.bytes().len() > most {
@@ -409,71 +424,75 @@ impl Client {
         self.data.extend_from_slice(segment.bytes());
         if segment.last {
             check_size(*size, self.data.len())?;
-            return Ok(Step::End);
+            return Ok(TransferStep::End);
         }
         // A transfer of empty segments would never end.
         if segment.bytes().is_empty() {
-            return Err(Cause::Toggle { done });
+            return Err(TransferFailure::Toggle { done });
         }
         *toggle = !*toggle;
-        out.push(Request::UploadSegment { toggle: *toggle }.encode());
-        Ok(Step::On)
+        out.push(ClientFrame::UploadSegment { toggle: *toggle }.encode());
+        Ok(TransferStep::On)
     }
 
     /// Takes a segment of a block.
-    fn block(&mut self, raw: &Raw, out: &mut Vec<Raw>) -> Result<Step, Cause> {
-        let State::BlockReceiving(receiver) = &mut self.state else { return Ok(Step::Ignored) };
-        let segment = BlockSegment::decode(raw).ok_or(Cause::Sequence { number: 0 })?;
+    fn block(&mut self, raw: &SdoBytes, out: &mut Vec<SdoBytes>) -> Result<TransferStep, TransferFailure> {
+        let ClientState::BlockReceiving(receiver) = &mut self.state else { return Ok(TransferStep::Ignored) };
+        let segment = BlockSegment::decode(raw).ok_or(TransferFailure::Sequence { number: 0 })?;
         let before = receiver.len();
         let ends = receiver.take(&segment)?;
         if ends {
-            let ack = receiver.acknowledge().ok_or(Cause::Sequence { number: segment.number })?;
-            out.push(Request::BlockAck(ack).encode());
+            let ack = receiver.acknowledge().ok_or(TransferFailure::Sequence { number: segment.number })?;
+            out.push(ClientFrame::BlockAck(ack).encode());
         }
         // What brings nothing new buys no time: a server that babbles is given up like a silent one.
-        Ok(if ends || receiver.len() > before { Step::On } else { Step::Ignored })
+        Ok(if ends || receiver.len() > before { TransferStep::On } else { TransferStep::Ignored })
     }
 
     /// Whether an object announced with this size is taken.
-    fn announced(&self, size: Option<u32>) -> Result<(), Cause> {
+    fn announced(&self, size: Option<u32>) -> Result<(), TransferFailure> {
         let len_max = self.options.len_max;
-        if size.is_some_and(|size| size as usize > len_max) { Err(Cause::TooLong { len_max }) } else { Ok(()) }
-    }
-
-    /// A frame that does not belong where the transfer is.
-    fn unexpected(&self, command: u8, object: Option<ObjectId>) -> Result<Step, Cause> {
-        match (&self.state, object) {
-            (State::Asking { .. }, _) => Ok(Step::Ignored),
-            (_, Some(by)) if by != self.object => Err(Cause::Interrupted { by }),
-            // The answer to the first frame once more, before anything else was answered.
-            (_, Some(_)) if self.repeated && self.done() == 0 => Ok(Step::Ignored),
-            _ => Err(Cause::Command { command, done: self.done() }),
+        if size.is_some_and(|size| size as usize > len_max) {
+            Err(TransferFailure::TooLong { len_max })
+        } else {
+            Ok(())
         }
     }
 
-    /// How long to wait from here on before [`Client::poll`] acts.
+    /// A frame that does not belong where the transfer is.
+    fn unexpected(&self, command: u8, object: Option<ObjectId>) -> Result<TransferStep, TransferFailure> {
+        match (&self.state, object) {
+            (ClientState::Asking { .. }, _) => Ok(TransferStep::Ignored),
+            (_, Some(by)) if by != self.object => Err(TransferFailure::Interrupted { by }),
+            // The answer to the first frame once more, before anything else was answered.
+            (_, Some(_)) if self.repeated && self.done() == 0 => Ok(TransferStep::Ignored),
+            _ => Err(TransferFailure::Command { command, done: self.done() }),
+        }
+    }
+
+    /// How long to wait from here on before [`SdoClient::poll`] acts.
     fn patience(&self) -> Duration {
         match &self.state {
-            State::BlockSending(sender) if self.options.burst > 0 && !sender.waits(&self.data) => PACE,
-            State::BlockReceiving(receiver) if !receiver.complete() => STALL.min(self.options.timeout / 2),
+            ClientState::BlockSending(sender) if self.options.burst > 0 && !sender.waits(&self.data) => PACE,
+            ClientState::BlockReceiving(receiver) if !receiver.complete() => STALL.min(self.options.timeout / 2),
             _ => self.options.timeout,
         }
     }
 
-    fn fail(&mut self, cause: Cause, out: &mut Vec<Raw>) -> Progress {
+    fn fail(&mut self, cause: TransferFailure, out: &mut Vec<SdoBytes>) -> TransferProgress {
         if let Some(code) = cause.abort() {
-            out.push(Request::Abort { object: self.object, code }.encode());
+            out.push(ClientFrame::Abort { object: self.object, code }.encode());
         }
         self.end(Err(cause))
     }
 
-    fn end(&mut self, result: Result<(), Cause>) -> Progress {
-        self.state = State::Over;
+    fn end(&mut self, result: Result<(), TransferFailure>) -> TransferProgress {
+        self.state = ClientState::Over;
         let data = std::mem::take(&mut self.data);
         let object = self.object;
-        Progress::Done(match (result, self.direction) {
-            (Ok(()), Direction::Upload) => Ok(data),
-            (Ok(()), Direction::Download) => Ok(Vec::new()),
+        TransferProgress::Done(match (result, self.direction) {
+            (Ok(()), TransferDirection::Upload) => Ok(data),
+            (Ok(()), TransferDirection::Download) => Ok(Vec::new()),
             (Err(cause), _) => Err(TransferError { object, cause }),
         })
     }

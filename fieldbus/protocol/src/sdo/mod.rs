@@ -1,7 +1,7 @@
 //! Service data objects: reading and writing a device's object dictionary (CiA 301 §7.2.4).
 //!
 //! Expedited, segmented and block transfers, in both directions and on both sides, without clock or socket:
-//! - [`Client`] is one transfer to one device; [`Server`] answers for a [`Dictionary`];
+//! - [`SdoClient`] is one transfer to one device; [`SdoServer`] answers for a [`Dictionary`];
 //! - [`wire`] is what the eight bytes of a frame say; [`Abort`] is why a transfer ended without result.
 //!
 //! Neither side knows whose frames it is given: the caller picks those of one channel (COB-IDs 600h and 580h plus the
@@ -18,11 +18,11 @@ mod setting;
 pub mod wire;
 
 pub use abort::Abort;
-pub use cause::{Cause, TransferError};
-pub use client::{Client, Mode, Options, Progress};
+pub use cause::{TransferError, TransferFailure};
+pub use client::{SdoClient, TransferMode, TransferOptions, TransferProgress};
 pub use object::{ObjectId, ObjectIdError};
-pub use server::{Dictionary, Server};
-pub use setting::Setting;
+pub use server::{Dictionary, SdoServer};
+pub use setting::SdoWrite;
 
 #[cfg(test)]
 mod tests;

@@ -16,12 +16,14 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::block::{self, BLOCK_MAX, BURST, PACE, Receiver, STALL, Sender, check_size, reserve, too_long, unused};
-use super::cause::Cause;
-use super::wire::{ABORT, BlockSegment, Content, Raw, Request, Response, Segment};
+use super::block::{
+    self, BLOCK_MAX, BURST, BlockReceiver, BlockSender, PACE, STALL, check_size, reserve, too_long, unused,
+};
+use super::cause::TransferFailure;
+use super::wire::{ABORT, BlockSegment, ClientFrame, InitiateContent, SdoBytes, Segment, ServerFrame};
 use super::{Abort, ObjectId};
 
-/// A device's objects, as a [`Server`] reaches them.
+/// A device's objects, as a [`SdoServer`] reaches them.
 pub trait Dictionary {
     /// The bytes of an object, least significant first.
     fn read(&mut self, object: ObjectId) -> Result<Cow<'_, [u8]>, Abort>;
@@ -38,7 +40,7 @@ pub trait Dictionary {
 }
 
 #[derive(Debug)]
-enum State {
+enum ServerState {
     Idle,
     /// Bytes up to `at` are sent; the segment asked for next has this toggle.
     Sending {
@@ -60,16 +62,16 @@ enum State {
     },
     BlockSending {
         data: Vec<u8>,
-        sender: Sender,
+        sender: BlockSender,
         crc: bool,
     },
     /// The end frame is out.
     BlockEnding,
     /// `first` is the frame that began it: it may come again.
     BlockReceiving {
-        receiver: Receiver,
+        receiver: BlockReceiver,
         crc: bool,
-        first: Raw,
+        first: SdoBytes,
     },
 }
 
@@ -78,33 +80,33 @@ const TIMEOUT: Duration = Duration::from_secs(3);
 
 /// The SDO server of one device.
 #[derive(Debug)]
-pub struct Server {
+pub struct SdoServer {
     len_max: usize,
-    state: State,
+    state: ServerState,
     /// The object of the transfer under way.
     object: ObjectId,
-    /// When [`Server::poll`] has something to do.
+    /// When [`SdoServer::poll`] has something to do.
     due: Tick,
 }
 
 /// What a frame comes to: nothing to answer here, or a reason to abort.
-type Outcome = Result<(), Cause>;
+type ServerResult = Result<(), TransferFailure>;
 
-impl Server {
+impl SdoServer {
     /// A server that takes objects of up to `len_max` bytes.
     pub fn new(len_max: usize) -> Self {
-        Server { len_max, state: State::Idle, object: ObjectId::new(0, 0), due: Tick::NEVER }
+        SdoServer { len_max, state: ServerState::Idle, object: ObjectId::new(0, 0), due: Tick::NEVER }
     }
 
     /// Forgets a transfer under way: the device boots, or may not communicate.
     pub fn reset(&mut self) {
-        self.state = State::Idle;
+        self.state = ServerState::Idle;
     }
 
     /// Takes a frame from a client.
-    pub fn handle(&mut self, now: Tick, raw: &Raw, dictionary: &mut impl Dictionary, out: &mut Vec<Raw>) {
+    pub fn handle(&mut self, now: Tick, raw: &SdoBytes, dictionary: &mut impl Dictionary, out: &mut Vec<SdoBytes>) {
         let outcome = match &self.state {
-            State::BlockReceiving { receiver, first, .. } if !receiver.complete() && raw[0] != ABORT => {
+            ServerState::BlockReceiving { receiver, first, .. } if !receiver.complete() && raw[0] != ABORT => {
                 if receiver.len() == 0 && raw == first {
                     self.request(now, raw, dictionary, out)
                 } else {
@@ -119,17 +121,17 @@ impl Server {
     }
 
     /// Does what is due: sending more of a block, or giving up a client that is gone.
-    pub fn poll(&mut self, now: Tick, out: &mut Vec<Raw>) {
+    pub fn poll(&mut self, now: Tick, out: &mut Vec<SdoBytes>) {
         if now < self.due {
             return;
         }
-        let silent = Cause::Silent { waited: TIMEOUT, done: 0, asked: 1 };
+        let silent = TransferFailure::Silent { waited: TIMEOUT, done: 0, asked: 1 };
         match &mut self.state {
-            State::Idle => return,
-            State::BlockSending { data, sender, .. } if !sender.waits(data) => sender.send(data, BURST, out),
+            ServerState::Idle => return,
+            ServerState::BlockSending { data, sender, .. } if !sender.waits(data) => sender.send(data, BURST, out),
             // Perhaps only the end of the block was lost.
-            State::BlockReceiving { receiver, .. } if !receiver.complete() => match receiver.acknowledge() {
-                Some(ack) => out.push(Response::BlockAck(ack).encode()),
+            ServerState::BlockReceiving { receiver, .. } if !receiver.complete() => match receiver.acknowledge() {
+                Some(ack) => out.push(ServerFrame::BlockAck(ack).encode()),
                 None => return self.abort(&silent, out),
             },
             _ => return self.abort(&silent, out),
@@ -137,39 +139,45 @@ impl Server {
         self.due = now + self.patience();
     }
 
-    /// When [`Server::poll`] has something to do next.
+    /// When [`SdoServer::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
-        (!matches!(self.state, State::Idle)).then_some(self.due)
+        (!matches!(self.state, ServerState::Idle)).then_some(self.due)
     }
 
     /// Whether a transfer is under way.
     pub fn is_busy(&self) -> bool {
-        !matches!(self.state, State::Idle)
+        !matches!(self.state, ServerState::Idle)
     }
 
-    fn request(&mut self, now: Tick, raw: &Raw, dictionary: &mut impl Dictionary, out: &mut Vec<Raw>) -> Outcome {
-        let Some(request) = Request::decode(raw) else { return Err(self.unexpected(raw[0])) };
+    fn request(
+        &mut self,
+        now: Tick,
+        raw: &SdoBytes,
+        dictionary: &mut impl Dictionary,
+        out: &mut Vec<SdoBytes>,
+    ) -> ServerResult {
+        let Some(request) = ClientFrame::decode(raw) else { return Err(self.unexpected(raw[0])) };
         match request {
-            Request::Upload { object } => self.upload(object, None, dictionary, out)?,
-            Request::BlockUpload { object, crc, block, switch_at } => {
+            ClientFrame::Upload { object } => self.upload(object, None, dictionary, out)?,
+            ClientFrame::BlockUpload { object, crc, block, switch_at } => {
                 self.upload(object, Some((crc, block, switch_at)), dictionary, out)?;
             }
-            Request::Download { object, content } => self.download(object, content, dictionary, out)?,
-            Request::BlockDownload { object, crc, size } => {
+            ClientFrame::Download { object, content } => self.download(object, content, dictionary, out)?,
+            ClientFrame::BlockDownload { object, crc, size } => {
                 self.begin_write(object, size, dictionary)?;
-                let receiver = Receiver::new(size, self.len_max);
-                self.state = State::BlockReceiving { receiver, crc, first: *raw };
+                let receiver = BlockReceiver::new(size, self.len_max);
+                self.state = ServerState::BlockReceiving { receiver, crc, first: *raw };
                 // A checksum is used if both sides have one, and some clients go by this answer alone.
-                out.push(Response::BlockDownload { object, crc, block: BLOCK_MAX }.encode());
+                out.push(ServerFrame::BlockDownload { object, crc, block: BLOCK_MAX }.encode());
             }
-            Request::UploadSegment { toggle } => self.send_segment(raw[0], toggle, out)?,
-            Request::DownloadSegment(segment) => self.take_segment(raw[0], &segment, dictionary, out)?,
+            ClientFrame::UploadSegment { toggle } => self.send_segment(raw[0], toggle, out)?,
+            ClientFrame::DownloadSegment(segment) => self.take_segment(raw[0], &segment, dictionary, out)?,
             // No matter which object it names: some clients name none.
-            Request::Abort { .. } => self.state = State::Idle,
-            Request::BlockUploadStart | Request::BlockAck(_) | Request::BlockUploadEnd => {
+            ClientFrame::Abort { .. } => self.state = ServerState::Idle,
+            ClientFrame::BlockUploadStart | ClientFrame::BlockAck(_) | ClientFrame::BlockUploadEnd => {
                 self.blocks_out(raw[0], request, out)?;
             }
-            Request::BlockDownloadEnd { unused, crc } => self.end_blocks(raw[0], unused, crc, dictionary, out)?,
+            ClientFrame::BlockDownloadEnd { unused, crc } => self.end_blocks(raw[0], unused, crc, dictionary, out)?,
         }
         self.due = now + self.patience();
         Ok(())
@@ -182,25 +190,25 @@ impl Server {
         object: ObjectId,
         blocks: Option<(bool, u8, u8)>,
         dictionary: &mut impl Dictionary,
-        out: &mut Vec<Raw>,
-    ) -> Outcome {
+        out: &mut Vec<SdoBytes>,
+    ) -> ServerResult {
         self.begin(object);
         if let Some((_, size, _)) = blocks
             && !(1..=BLOCK_MAX).contains(&size)
         {
-            return Err(Cause::BlockSize { size });
+            return Err(TransferFailure::BlockSize { size });
         }
-        let data = dictionary.read(object).map_err(Cause::Refused)?;
-        let size = u32::try_from(data.len()).map_err(|_| Cause::TooLong { len_max: u32::MAX as usize })?;
+        let data = dictionary.read(object).map_err(TransferFailure::Refused)?;
+        let size = u32::try_from(data.len()).map_err(|_| TransferFailure::TooLong { len_max: u32::MAX as usize })?;
         let blocks = blocks.filter(|(_, _, switch_at)| data.len() > usize::from(*switch_at) || *switch_at == 0);
         if let Some((crc, block, _)) = blocks {
-            self.state = State::BlockOffered { data: data.into_owned(), block, crc };
-            out.push(Response::BlockUpload { object, crc, size: Some(size) }.encode());
-        } else if let Some(content) = Content::expedited(&data) {
-            out.push(Response::Upload { object, content }.encode());
+            self.state = ServerState::BlockOffered { data: data.into_owned(), block, crc };
+            out.push(ServerFrame::BlockUpload { object, crc, size: Some(size) }.encode());
+        } else if let Some(content) = InitiateContent::expedited(&data) {
+            out.push(ServerFrame::Upload { object, content }.encode());
         } else {
-            self.state = State::Sending { data: data.into_owned(), at: 0, toggle: false };
-            out.push(Response::Upload { object, content: Content::Segmented { size: Some(size) } }.encode());
+            self.state = ServerState::Sending { data: data.into_owned(), at: 0, toggle: false };
+            out.push(ServerFrame::Upload { object, content: InitiateContent::Segmented { size: Some(size) } }.encode());
         }
         Ok(())
     }
@@ -209,52 +217,52 @@ impl Server {
     fn download(
         &mut self,
         object: ObjectId,
-        content: Content,
+        content: InitiateContent,
         dictionary: &mut impl Dictionary,
-        out: &mut Vec<Raw>,
-    ) -> Outcome {
+        out: &mut Vec<SdoBytes>,
+    ) -> ServerResult {
         match content {
-            Content::Expedited { bytes, len, sized } => {
+            InitiateContent::Expedited { bytes, len, sized } => {
                 self.begin(object);
                 let len = if sized { usize::from(len) } else { length_of(object, dictionary) };
-                dictionary.write(object, &bytes[..len]).map_err(Cause::Refused)?;
+                dictionary.write(object, &bytes[..len]).map_err(TransferFailure::Refused)?;
             }
-            Content::Segmented { size } => {
+            InitiateContent::Segmented { size } => {
                 self.begin_write(object, size, dictionary)?;
-                self.state = State::Receiving { data: reserve(size, self.len_max), size, toggle: false };
+                self.state = ServerState::Receiving { data: reserve(size, self.len_max), size, toggle: false };
             }
         }
-        out.push(Response::Download { object }.encode());
+        out.push(ServerFrame::Download { object }.encode());
         Ok(())
     }
 
     /// A transfer begins. One that was under way is over.
     fn begin(&mut self, object: ObjectId) {
-        self.state = State::Idle;
+        self.state = ServerState::Idle;
         self.object = object;
     }
 
-    fn begin_write(&mut self, object: ObjectId, size: Option<u32>, dictionary: &mut impl Dictionary) -> Outcome {
+    fn begin_write(&mut self, object: ObjectId, size: Option<u32>, dictionary: &mut impl Dictionary) -> ServerResult {
         self.begin(object);
         let len = size.map(|size| size as usize);
-        dictionary.may_write(object, len).map_err(Cause::Refused)?;
+        dictionary.may_write(object, len).map_err(TransferFailure::Refused)?;
         if len.is_some_and(|len| len > self.len_max) {
-            return Err(Cause::TooLong { len_max: self.len_max });
+            return Err(TransferFailure::TooLong { len_max: self.len_max });
         }
         Ok(())
     }
 
-    fn send_segment(&mut self, command: u8, asked: bool, out: &mut Vec<Raw>) -> Outcome {
-        let State::Sending { data, at, toggle } = &mut self.state else { return Err(self.unexpected(command)) };
+    fn send_segment(&mut self, command: u8, asked: bool, out: &mut Vec<SdoBytes>) -> ServerResult {
+        let ServerState::Sending { data, at, toggle } = &mut self.state else { return Err(self.unexpected(command)) };
         if asked != *toggle {
-            return Err(Cause::Toggle { done: *at });
+            return Err(TransferFailure::Toggle { done: *at });
         }
         let segment = Segment::of(data, *at, *toggle);
-        out.push(Response::UploadSegment(segment).encode());
+        out.push(ServerFrame::UploadSegment(segment).encode());
         *at += 7;
         *toggle = !*toggle;
         if segment.last {
-            self.state = State::Idle;
+            self.state = ServerState::Idle;
         }
         Ok(())
     }
@@ -264,11 +272,13 @@ impl Server {
         command: u8,
         segment: &Segment,
         dictionary: &mut impl Dictionary,
-        out: &mut Vec<Raw>,
-    ) -> Outcome {
-        let State::Receiving { data, size, toggle } = &mut self.state else { return Err(self.unexpected(command)) };
+        out: &mut Vec<SdoBytes>,
+    ) -> ServerResult {
+        let ServerState::Receiving { data, size, toggle } = &mut self.state else {
+            return Err(self.unexpected(command));
+        };
         if segment.toggle != *toggle {
-            return Err(Cause::Toggle { done: data.len() });
+            return Err(TransferFailure::Toggle { done: data.len() });
         }
         let most = size.map_or(self.len_max, |size| self.len_max.min(size as usize));
         if data.len() + segment.bytes().len() > most {
@@ -278,45 +288,45 @@ impl Server {
         *toggle = !*toggle;
         if segment.last {
             check_size(*size, data.len())?;
-            dictionary.write(self.object, data).map_err(Cause::Refused)?;
-            self.state = State::Idle;
+            dictionary.write(self.object, data).map_err(TransferFailure::Refused)?;
+            self.state = ServerState::Idle;
         }
-        out.push(Response::DownloadSegment { toggle: segment.toggle }.encode());
+        out.push(ServerFrame::DownloadSegment { toggle: segment.toggle }.encode());
         Ok(())
     }
 
     /// What a client says while blocks go out.
-    fn blocks_out(&mut self, command: u8, request: Request, out: &mut Vec<Raw>) -> Outcome {
+    fn blocks_out(&mut self, command: u8, request: ClientFrame, out: &mut Vec<SdoBytes>) -> ServerResult {
         match (&mut self.state, request) {
-            (State::BlockOffered { data, block, crc }, Request::BlockUploadStart) => {
-                let (data, crc, mut sender) = (std::mem::take(data), *crc, Sender::new(*block)?);
+            (ServerState::BlockOffered { data, block, crc }, ClientFrame::BlockUploadStart) => {
+                let (data, crc, mut sender) = (std::mem::take(data), *crc, BlockSender::new(*block)?);
                 sender.send(&data, BURST, out);
-                self.state = State::BlockSending { data, sender, crc };
+                self.state = ServerState::BlockSending { data, sender, crc };
             }
-            (State::BlockSending { data, sender, crc }, Request::BlockAck(ack)) => {
+            (ServerState::BlockSending { data, sender, crc }, ClientFrame::BlockAck(ack)) => {
                 if sender.acknowledged(ack, data)? {
                     let crc = if *crc { block::crc(data) } else { 0 };
-                    out.push(Response::BlockUploadEnd { unused: unused(data.len()), crc }.encode());
-                    self.state = State::BlockEnding;
+                    out.push(ServerFrame::BlockUploadEnd { unused: unused(data.len()), crc }.encode());
+                    self.state = ServerState::BlockEnding;
                 } else {
                     sender.send(data, BURST, out);
                 }
             }
-            (State::BlockEnding, Request::BlockUploadEnd) => self.state = State::Idle,
+            (ServerState::BlockEnding, ClientFrame::BlockUploadEnd) => self.state = ServerState::Idle,
             _ => return Err(self.unexpected(command)),
         }
         Ok(())
     }
 
     /// Takes a segment of a block.
-    fn block(&mut self, now: Tick, raw: &Raw, out: &mut Vec<Raw>) -> Outcome {
-        let State::BlockReceiving { receiver, .. } = &mut self.state else { return Ok(()) };
-        let segment = BlockSegment::decode(raw).ok_or(Cause::Sequence { number: 0 })?;
+    fn block(&mut self, now: Tick, raw: &SdoBytes, out: &mut Vec<SdoBytes>) -> ServerResult {
+        let ServerState::BlockReceiving { receiver, .. } = &mut self.state else { return Ok(()) };
+        let segment = BlockSegment::decode(raw).ok_or(TransferFailure::Sequence { number: 0 })?;
         let before = receiver.len();
         let ends = receiver.take(&segment)?;
         if ends {
-            let ack = receiver.acknowledge().ok_or(Cause::Sequence { number: segment.number })?;
-            out.push(Response::BlockAck(ack).encode());
+            let ack = receiver.acknowledge().ok_or(TransferFailure::Sequence { number: segment.number })?;
+            out.push(ServerFrame::BlockAck(ack).encode());
         }
         // What brings nothing new buys no time: a client that babbles is given up like a silent one.
         if ends || receiver.len() > before {
@@ -331,39 +341,41 @@ impl Server {
         unused: u8,
         sent: u16,
         dictionary: &mut impl Dictionary,
-        out: &mut Vec<Raw>,
-    ) -> Outcome {
-        let State::BlockReceiving { receiver, crc, .. } = &mut self.state else { return Err(self.unexpected(command)) };
+        out: &mut Vec<SdoBytes>,
+    ) -> ServerResult {
+        let ServerState::BlockReceiving { receiver, crc, .. } = &mut self.state else {
+            return Err(self.unexpected(command));
+        };
         let data = receiver.finish(unused, crc.then_some(sent))?;
-        dictionary.write(self.object, &data).map_err(Cause::Refused)?;
-        self.state = State::Idle;
-        out.push(Response::BlockDownloadEnd.encode());
+        dictionary.write(self.object, &data).map_err(TransferFailure::Refused)?;
+        self.state = ServerState::Idle;
+        out.push(ServerFrame::BlockDownloadEnd.encode());
         Ok(())
     }
 
-    fn unexpected(&mut self, command: u8) -> Cause {
-        if matches!(self.state, State::Idle) {
+    fn unexpected(&mut self, command: u8) -> TransferFailure {
+        if matches!(self.state, ServerState::Idle) {
             self.object = ObjectId::new(0, 0);
         }
-        Cause::Command { command, done: 0 }
+        TransferFailure::Command { command, done: 0 }
     }
 
-    fn abort(&mut self, cause: &Cause, out: &mut Vec<Raw>) {
+    fn abort(&mut self, cause: &TransferFailure, out: &mut Vec<SdoBytes>) {
         let code = match cause {
-            Cause::Refused(code) => Some(*code),
+            TransferFailure::Refused(code) => Some(*code),
             cause => cause.abort(),
         };
         if let Some(code) = code {
-            out.push(Response::Abort { object: self.object, code }.encode());
+            out.push(ServerFrame::Abort { object: self.object, code }.encode());
         }
-        self.state = State::Idle;
+        self.state = ServerState::Idle;
     }
 
-    /// How long to wait from here on before [`Server::poll`] acts.
+    /// How long to wait from here on before [`SdoServer::poll`] acts.
     fn patience(&self) -> Duration {
         match &self.state {
-            State::BlockSending { data, sender, .. } if !sender.waits(data) => PACE,
-            State::BlockReceiving { receiver, .. } if !receiver.complete() => STALL,
+            ServerState::BlockSending { data, sender, .. } if !sender.waits(data) => PACE,
+            ServerState::BlockReceiving { receiver, .. } if !receiver.complete() => STALL,
             _ => TIMEOUT,
         }
     }

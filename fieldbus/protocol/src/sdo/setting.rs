@@ -4,7 +4,7 @@ use super::{Abort, ObjectId};
 
 /// One object to be written by SDO.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Setting {
+pub struct SdoWrite {
     /// Object index and subindex.
     pub object: ObjectId,
     /// Its bytes, least significant first.
@@ -17,9 +17,9 @@ pub struct Setting {
     pub excused: bool,
 }
 
-impl Setting {
+impl SdoWrite {
     pub(crate) fn new(index: u16, sub: u8, data: impl Into<Vec<u8>>) -> Self {
-        Setting {
+        SdoWrite {
             object: ObjectId::new(index, sub),
             data: data.into(),
             optional: false,
@@ -29,33 +29,33 @@ impl Setting {
     }
 
     pub(crate) fn u8(index: u16, sub: u8, value: u8) -> Self {
-        Setting::new(index, sub, [value])
+        SdoWrite::new(index, sub, [value])
     }
 
     pub(crate) fn u16(index: u16, sub: u8, value: u16) -> Self {
-        Setting::new(index, sub, value.to_le_bytes())
+        SdoWrite::new(index, sub, value.to_le_bytes())
     }
 
     pub(crate) fn i16(index: u16, value: i16) -> Self {
-        Setting::new(index, 0, value.to_le_bytes())
+        SdoWrite::new(index, 0, value.to_le_bytes())
     }
 
     pub(crate) fn u32(index: u16, sub: u8, value: u32) -> Self {
-        Setting::new(index, sub, value.to_le_bytes())
+        SdoWrite::new(index, sub, value.to_le_bytes())
     }
 
     pub(crate) fn optional(self) -> Self {
-        Setting { optional: true, ..self }
+        SdoWrite { optional: true, ..self }
     }
 
     /// To be read back after it is written, all of it.
     pub(crate) fn read_back(self) -> Self {
-        Setting { compared: Some(vec![0xFF; self.data.len()]), ..self }
+        SdoWrite { compared: Some(vec![0xFF; self.data.len()]), ..self }
     }
 
     /// To be read back, these bits of its one byte.
     pub(crate) fn read_back_bits(self, mask: u8) -> Self {
-        Setting { compared: Some(vec![mask]), ..self }
+        SdoWrite { compared: Some(vec![mask]), ..self }
     }
 
     /// Whether what is read back is what was written, as far as it is compared.

@@ -7,14 +7,14 @@
 use super::{Abort, ObjectId};
 
 /// An SDO frame's data: always eight bytes.
-pub type Raw = [u8; 8];
+pub type SdoBytes = [u8; 8];
 
 /// The first byte of an abort, in either direction. Compared whole: in a block, 81h to FFh are segments.
 pub(super) const ABORT: u8 = 0x80;
 
 /// What an initiating frame carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Content {
+pub enum InitiateContent {
     /// The whole object, up to four bytes.
     Expedited {
         /// The bytes; those beyond `len` are 0.
@@ -31,32 +31,34 @@ pub enum Content {
     },
 }
 
-impl Content {
+impl InitiateContent {
     /// Up to four bytes, but at least one, as an expedited transfer carries them.
     pub fn expedited(data: &[u8]) -> Option<Self> {
         let mut bytes = [0; 4];
         bytes.get_mut(..data.len()).filter(|b| !b.is_empty())?.copy_from_slice(data);
-        Some(Content::Expedited { bytes, len: data.len() as u8, sized: true })
+        Some(InitiateContent::Expedited { bytes, len: data.len() as u8, sized: true })
     }
 
-    fn decode(raw: &Raw) -> Self {
+    fn decode(raw: &SdoBytes) -> Self {
         let [command, _, _, _, a, b, c, d] = *raw;
         let sized = command & 0x01 != 0;
         if command & 0x02 == 0 {
-            return Content::Segmented { size: sized.then(|| u32::from_le_bytes([a, b, c, d])) };
+            return InitiateContent::Segmented { size: sized.then(|| u32::from_le_bytes([a, b, c, d])) };
         }
         let len = if sized { 4 - ((command >> 2) & 3) } else { 4 };
         let mut bytes = [0; 4];
         bytes[..usize::from(len)].copy_from_slice(&raw[4..4 + usize::from(len)]);
-        Content::Expedited { bytes, len, sized }
+        InitiateContent::Expedited { bytes, len, sized }
     }
 
-    fn encode(self, command: u8, object: ObjectId) -> Raw {
+    fn encode(self, command: u8, object: ObjectId) -> SdoBytes {
         match self {
-            Content::Expedited { bytes, len, sized: true } => build(command | (4 - len) << 2 | 0x03, object, bytes),
-            Content::Expedited { bytes, .. } => build(command | 0x02, object, bytes),
-            Content::Segmented { size: Some(size) } => build(command | 0x01, object, size.to_le_bytes()),
-            Content::Segmented { size: None } => build(command, object, [0; 4]),
+            InitiateContent::Expedited { bytes, len, sized: true } => {
+                build(command | (4 - len) << 2 | 0x03, object, bytes)
+            }
+            InitiateContent::Expedited { bytes, .. } => build(command | 0x02, object, bytes),
+            InitiateContent::Segmented { size: Some(size) } => build(command | 0x01, object, size.to_le_bytes()),
+            InitiateContent::Segmented { size: None } => build(command, object, [0; 4]),
         }
     }
 }
@@ -87,7 +89,7 @@ impl Segment {
         &self.bytes[..usize::from(self.len)]
     }
 
-    fn decode(raw: &Raw) -> Self {
+    fn decode(raw: &SdoBytes) -> Self {
         let [command, ref rest @ ..] = *raw;
         let len = 7 - (command >> 1 & 7);
         let mut bytes = [0; 7];
@@ -95,7 +97,7 @@ impl Segment {
         Segment { toggle: command & TOGGLE != 0, last: command & 0x01 != 0, len, bytes }
     }
 
-    fn encode(self) -> Raw {
+    fn encode(self) -> SdoBytes {
         let [a, b, c, d, e, f, g] = self.bytes;
         [toggled(0x00, self.toggle) | (7 - self.len) << 1 | u8::from(self.last), a, b, c, d, e, f, g]
     }
@@ -114,13 +116,13 @@ pub struct BlockSegment {
 
 impl BlockSegment {
     /// The segment a frame carries while a block is under way; `None` for number 0.
-    pub fn decode(raw: &Raw) -> Option<Self> {
+    pub fn decode(raw: &SdoBytes) -> Option<Self> {
         let [head, bytes @ ..] = *raw;
         (head & 0x7F != 0).then_some(BlockSegment { number: head & 0x7F, last: head & 0x80 != 0, bytes })
     }
 
     /// Its frame.
-    pub fn encode(&self) -> Raw {
+    pub fn encode(&self) -> SdoBytes {
         let [a, b, c, d, e, f, g] = self.bytes;
         [self.number & 0x7F | if self.last { 0x80 } else { 0 }, a, b, c, d, e, f, g]
     }
@@ -128,13 +130,13 @@ impl BlockSegment {
 
 /// What a client says, segments of a block excepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Request {
+pub enum ClientFrame {
     /// Write an object.
     Download {
         /// Object index and subindex.
         object: ObjectId,
         /// Data of the transfer.
-        content: Content,
+        content: InitiateContent,
     },
     /// More of what is to be written.
     DownloadSegment(Segment),
@@ -172,7 +174,7 @@ pub enum Request {
         crc: bool,
         /// Segments in the first block, 1 to 127.
         block: u8,
-        /// Up to this many bytes the server may answer as to [`Request::Upload`]; 0 for never.
+        /// Up to this many bytes the server may answer as to [`ClientFrame::Upload`]; 0 for never.
         switch_at: u8,
     },
     /// Begin to send blocks.
@@ -192,7 +194,7 @@ pub enum Request {
 
 /// What a server says, segments of a block excepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Response {
+pub enum ServerFrame {
     /// The object is written, or its segments may come.
     Download {
         /// Object index and subindex.
@@ -208,7 +210,7 @@ pub enum Response {
         /// Object index and subindex.
         object: ObjectId,
         /// Its bytes or their number.
-        content: Content,
+        content: InitiateContent,
     },
     /// More of the object.
     UploadSegment(Segment),
@@ -269,130 +271,136 @@ fn flag(on: bool, bit: u8) -> u8 {
     if on { bit } else { 0 }
 }
 
-fn build(command: u8, object: ObjectId, data: [u8; 4]) -> Raw {
+fn build(command: u8, object: ObjectId, data: [u8; 4]) -> SdoBytes {
     let [low, high] = object.index.to_le_bytes();
     let [a, b, c, d] = data;
     [command, low, high, object.sub, a, b, c, d]
 }
 
-fn object(raw: &Raw) -> ObjectId {
+fn object(raw: &SdoBytes) -> ObjectId {
     ObjectId::new(u16::from_le_bytes([raw[1], raw[2]]), raw[3])
 }
 
-fn number(raw: &Raw) -> u32 {
+fn number(raw: &SdoBytes) -> u32 {
     u32::from_le_bytes([raw[4], raw[5], raw[6], raw[7]])
 }
 
-fn end(command: u8, unused: u8, crc: u16) -> Raw {
+fn end(command: u8, unused: u8, crc: u16) -> SdoBytes {
     let [low, high] = crc.to_le_bytes();
     [command | 0x01 | (unused & 7) << 2, low, high, 0, 0, 0, 0, 0]
 }
 
-fn block_size(command: u8, object: ObjectId, crc: bool, size: Option<u32>) -> Raw {
+fn block_size(command: u8, object: ObjectId, crc: bool, size: Option<u32>) -> SdoBytes {
     build(command | flag(crc, 0x04) | flag(size.is_some(), 0x02), object, size.unwrap_or(0).to_le_bytes())
 }
 
-fn ack(raw: &Raw) -> BlockAck {
+fn ack(raw: &SdoBytes) -> BlockAck {
     BlockAck { good: raw[1], next: raw[2] }
 }
 
-impl Request {
+impl ClientFrame {
     /// The request in a frame; `None` for a command that does not exist.
-    pub fn decode(raw: &Raw) -> Option<Self> {
+    pub fn decode(raw: &SdoBytes) -> Option<Self> {
         let command = raw[0];
         Some(match (command >> 5, command & 0x03) {
-            (0, _) => Request::DownloadSegment(Segment::decode(raw)),
-            (1, _) => Request::Download { object: object(raw), content: Content::decode(raw) },
-            (2, _) => Request::Upload { object: object(raw) },
-            (3, _) => Request::UploadSegment { toggle: command & TOGGLE != 0 },
-            (4, _) if command == ABORT => Request::Abort { object: object(raw), code: Abort(number(raw)) },
+            (0, _) => ClientFrame::DownloadSegment(Segment::decode(raw)),
+            (1, _) => ClientFrame::Download { object: object(raw), content: InitiateContent::decode(raw) },
+            (2, _) => ClientFrame::Upload { object: object(raw) },
+            (3, _) => ClientFrame::UploadSegment { toggle: command & TOGGLE != 0 },
+            (4, _) if command == ABORT => ClientFrame::Abort { object: object(raw), code: Abort(number(raw)) },
             (5, 0) => {
                 let (crc, block, switch_at) = (command & 0x04 != 0, raw[4], raw[5]);
-                Request::BlockUpload { object: object(raw), crc, block, switch_at }
+                ClientFrame::BlockUpload { object: object(raw), crc, block, switch_at }
             }
-            (5, 1) => Request::BlockUploadEnd,
-            (5, 2) => Request::BlockAck(ack(raw)),
-            (5, _) => Request::BlockUploadStart,
+            (5, 1) => ClientFrame::BlockUploadEnd,
+            (5, 2) => ClientFrame::BlockAck(ack(raw)),
+            (5, _) => ClientFrame::BlockUploadStart,
             (6, 0 | 2) => {
                 let size = (command & 0x02 != 0).then(|| number(raw));
-                Request::BlockDownload { object: object(raw), crc: command & 0x04 != 0, size }
+                ClientFrame::BlockDownload { object: object(raw), crc: command & 0x04 != 0, size }
             }
-            (6, _) => Request::BlockDownloadEnd { unused: command >> 2 & 7, crc: u16::from_le_bytes([raw[1], raw[2]]) },
+            (6, _) => {
+                ClientFrame::BlockDownloadEnd { unused: command >> 2 & 7, crc: u16::from_le_bytes([raw[1], raw[2]]) }
+            }
             _ => return None,
         })
     }
 
     /// Its frame.
-    pub fn encode(self) -> Raw {
+    pub fn encode(self) -> SdoBytes {
         match self {
-            Request::Download { object, content } => content.encode(0x20, object),
-            Request::DownloadSegment(segment) => segment.encode(),
-            Request::Upload { object } => build(0x40, object, [0; 4]),
-            Request::UploadSegment { toggle } => [toggled(0x60, toggle), 0, 0, 0, 0, 0, 0, 0],
-            Request::BlockDownload { object, crc, size } => block_size(0xC0, object, crc, size),
-            Request::BlockDownloadEnd { unused, crc } => end(0xC0, unused, crc),
-            Request::BlockUpload { object, crc, block, switch_at } => {
+            ClientFrame::Download { object, content } => content.encode(0x20, object),
+            ClientFrame::DownloadSegment(segment) => segment.encode(),
+            ClientFrame::Upload { object } => build(0x40, object, [0; 4]),
+            ClientFrame::UploadSegment { toggle } => [toggled(0x60, toggle), 0, 0, 0, 0, 0, 0, 0],
+            ClientFrame::BlockDownload { object, crc, size } => block_size(0xC0, object, crc, size),
+            ClientFrame::BlockDownloadEnd { unused, crc } => end(0xC0, unused, crc),
+            ClientFrame::BlockUpload { object, crc, block, switch_at } => {
                 build(0xA0 | flag(crc, 0x04), object, [block, switch_at, 0, 0])
             }
-            Request::BlockUploadStart => [0xA3, 0, 0, 0, 0, 0, 0, 0],
-            Request::BlockAck(BlockAck { good, next }) => [0xA2, good, next, 0, 0, 0, 0, 0],
-            Request::BlockUploadEnd => [0xA1, 0, 0, 0, 0, 0, 0, 0],
-            Request::Abort { object, code } => build(ABORT, object, code.0.to_le_bytes()),
+            ClientFrame::BlockUploadStart => [0xA3, 0, 0, 0, 0, 0, 0, 0],
+            ClientFrame::BlockAck(BlockAck { good, next }) => [0xA2, good, next, 0, 0, 0, 0, 0],
+            ClientFrame::BlockUploadEnd => [0xA1, 0, 0, 0, 0, 0, 0, 0],
+            ClientFrame::Abort { object, code } => build(ABORT, object, code.0.to_le_bytes()),
         }
     }
 }
 
-impl Response {
+impl ServerFrame {
     /// The response in a frame; `None` for a command that does not exist.
-    pub fn decode(raw: &Raw) -> Option<Self> {
+    pub fn decode(raw: &SdoBytes) -> Option<Self> {
         let command = raw[0];
         Some(match (command >> 5, command & 0x03) {
-            (0, _) => Response::UploadSegment(Segment::decode(raw)),
-            (1, _) => Response::DownloadSegment { toggle: command & TOGGLE != 0 },
-            (2, _) => Response::Upload { object: object(raw), content: Content::decode(raw) },
-            (3, _) => Response::Download { object: object(raw) },
-            (4, _) if command == ABORT => Response::Abort { object: object(raw), code: Abort(number(raw)) },
-            (5, 0) => Response::BlockDownload { object: object(raw), crc: command & 0x04 != 0, block: raw[4] },
-            (5, 1) => Response::BlockDownloadEnd,
-            (5, 2) => Response::BlockAck(ack(raw)),
+            (0, _) => ServerFrame::UploadSegment(Segment::decode(raw)),
+            (1, _) => ServerFrame::DownloadSegment { toggle: command & TOGGLE != 0 },
+            (2, _) => ServerFrame::Upload { object: object(raw), content: InitiateContent::decode(raw) },
+            (3, _) => ServerFrame::Download { object: object(raw) },
+            (4, _) if command == ABORT => ServerFrame::Abort { object: object(raw), code: Abort(number(raw)) },
+            (5, 0) => ServerFrame::BlockDownload { object: object(raw), crc: command & 0x04 != 0, block: raw[4] },
+            (5, 1) => ServerFrame::BlockDownloadEnd,
+            (5, 2) => ServerFrame::BlockAck(ack(raw)),
             (6, 0 | 2) => {
                 let size = (command & 0x02 != 0).then(|| number(raw));
-                Response::BlockUpload { object: object(raw), crc: command & 0x04 != 0, size }
+                ServerFrame::BlockUpload { object: object(raw), crc: command & 0x04 != 0, size }
             }
-            (6, _) => Response::BlockUploadEnd { unused: command >> 2 & 7, crc: u16::from_le_bytes([raw[1], raw[2]]) },
+            (6, _) => {
+                ServerFrame::BlockUploadEnd { unused: command >> 2 & 7, crc: u16::from_le_bytes([raw[1], raw[2]]) }
+            }
             _ => return None,
         })
     }
 
     /// Its frame.
-    pub fn encode(self) -> Raw {
+    pub fn encode(self) -> SdoBytes {
         match self {
-            Response::Download { object } => build(0x60, object, [0; 4]),
-            Response::DownloadSegment { toggle } => [toggled(0x20, toggle), 0, 0, 0, 0, 0, 0, 0],
-            Response::Upload { object, content } => content.encode(0x40, object),
-            Response::UploadSegment(segment) => segment.encode(),
-            Response::BlockDownload { object, crc, block } => build(0xA0 | flag(crc, 0x04), object, [block, 0, 0, 0]),
-            Response::BlockAck(BlockAck { good, next }) => [0xA2, good, next, 0, 0, 0, 0, 0],
-            Response::BlockDownloadEnd => [0xA1, 0, 0, 0, 0, 0, 0, 0],
-            Response::BlockUpload { object, crc, size } => block_size(0xC0, object, crc, size),
-            Response::BlockUploadEnd { unused, crc } => end(0xC0, unused, crc),
-            Response::Abort { object, code } => build(ABORT, object, code.0.to_le_bytes()),
+            ServerFrame::Download { object } => build(0x60, object, [0; 4]),
+            ServerFrame::DownloadSegment { toggle } => [toggled(0x20, toggle), 0, 0, 0, 0, 0, 0, 0],
+            ServerFrame::Upload { object, content } => content.encode(0x40, object),
+            ServerFrame::UploadSegment(segment) => segment.encode(),
+            ServerFrame::BlockDownload { object, crc, block } => {
+                build(0xA0 | flag(crc, 0x04), object, [block, 0, 0, 0])
+            }
+            ServerFrame::BlockAck(BlockAck { good, next }) => [0xA2, good, next, 0, 0, 0, 0, 0],
+            ServerFrame::BlockDownloadEnd => [0xA1, 0, 0, 0, 0, 0, 0, 0],
+            ServerFrame::BlockUpload { object, crc, size } => block_size(0xC0, object, crc, size),
+            ServerFrame::BlockUploadEnd { unused, crc } => end(0xC0, unused, crc),
+            ServerFrame::Abort { object, code } => build(ABORT, object, code.0.to_le_bytes()),
         }
     }
 
     /// The object it names; the frames within a transfer name none.
     pub fn object(&self) -> Option<ObjectId> {
         match *self {
-            Response::Download { object }
-            | Response::Upload { object, .. }
-            | Response::BlockDownload { object, .. }
-            | Response::BlockUpload { object, .. }
-            | Response::Abort { object, .. } => Some(object),
-            Response::DownloadSegment { .. }
-            | Response::UploadSegment(_)
-            | Response::BlockAck(_)
-            | Response::BlockDownloadEnd
-            | Response::BlockUploadEnd { .. } => None,
+            ServerFrame::Download { object }
+            | ServerFrame::Upload { object, .. }
+            | ServerFrame::BlockDownload { object, .. }
+            | ServerFrame::BlockUpload { object, .. }
+            | ServerFrame::Abort { object, .. } => Some(object),
+            ServerFrame::DownloadSegment { .. }
+            | ServerFrame::UploadSegment(_)
+            | ServerFrame::BlockAck(_)
+            | ServerFrame::BlockDownloadEnd
+            | ServerFrame::BlockUploadEnd { .. } => None,
         }
     }
 }

@@ -8,13 +8,13 @@
 
 use std::time::Duration;
 
-use linewright_canopen::manager::{Event, Outbox};
+use linewright_canopen::manager::{BusEvent, BusOutbox};
 use linewright_canopen::sdo::ObjectId;
-use linewright_canopen::sdo::wire::Request;
-use linewright_canopen::{Ask, Frame, Manager, Message, NodeId};
+use linewright_canopen::sdo::wire::ClientFrame;
+use linewright_canopen::{CanopenMessage, DeviceRequest, Frame, Manager, NodeId};
 use linewright_line::{
-    AtRest, AxisId, Bus, Canopen, Device, DeviceKind, Drive, DriveMode, DriveTarget, Homing, InputId, OutputId, Owner,
-    Setup, StationId, Tick, Timing,
+    AtRest, AxisId, Canopen, Device, DeviceBus, DeviceKind, DeviceSetup, Drive, DriveMode, DriveTarget, Homing,
+    InputId, OutputId, Owner, StationId, Tick, Timing,
 };
 
 /// Nodes 4 and 5 are one owner's, 6 another's, 7 is a drive.
@@ -48,9 +48,9 @@ fn device(node: u8) -> Device {
     Device {
         name: format!("io {node}"),
         owner: owner(node),
-        bus: Bus::Line,
+        bus: DeviceBus::Line,
         kind: if node == DRIVE {
-            DeviceKind::Drive(Canopen { node_id: node, setup: Setup::default() }, drive())
+            DeviceKind::Drive(Canopen { node_id: node, setup: DeviceSetup::default() }, drive())
         } else {
             let inputs = bits.clone().map(|bit| Some(InputId(bit))).collect();
             DeviceKind::io(node, inputs, bits.map(|bit| Some(OutputId(bit))).collect())
@@ -202,11 +202,11 @@ impl Bench {
             _ => {
                 let object = ObjectId::new(u16::from_le_bytes([byte(), byte()]), byte());
                 let ask = if arg < 12 {
-                    Ask::Read(object)
+                    DeviceRequest::Read(object)
                 } else {
-                    Ask::Write { object: ObjectId::new(0x2000, 0), value: byte().into(), bytes: Some(1) }
+                    DeviceRequest::Write { object: ObjectId::new(0x2000, 0), value: byte().into(), bytes: Some(1) }
                 };
-                let mut out = Outbox::default();
+                let mut out = BusOutbox::default();
                 self.manager.ask(self.now, node as u8, ask, &mut out);
                 self.check(out);
             }
@@ -216,7 +216,7 @@ impl Bench {
     /// Sets an owner's image.
     fn set(&mut self, at: usize, image: u128) {
         self.images[at] = image;
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         self.manager.set_outputs(self.now, Owner::Station(StationId(at as u16)), image, &mut out);
         self.check(out);
     }
@@ -227,13 +227,13 @@ impl Bench {
 
     /// A frame from the bus.
     pub fn hear_frame(&mut self, frame: &Frame) {
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         self.manager.handle(self.now, frame, &mut out);
         self.check(out);
     }
 
     fn poll(&mut self) {
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         self.manager.poll(self.now, &mut out);
         self.check(out);
     }
@@ -256,29 +256,29 @@ impl Bench {
         let mut pending = std::mem::take(&mut self.pending);
         let left = pending.split_off(count.min(pending.len()));
         for frame in pending {
-            match Message::decode(&frame) {
-                Ok(Message::SdoRequest { node, raw }) => {
+            match CanopenMessage::decode(&frame) {
+                Ok(CanopenMessage::SdoRequest { node, raw }) => {
                     let [_, low, high, sub, ..] = raw;
-                    let data = match Request::decode(&raw) {
-                        Some(Request::Upload { object: ObjectId { index: 0x1001 | 0x1029 | 0x6207, .. } }) => {
+                    let data = match ClientFrame::decode(&raw) {
+                        Some(ClientFrame::Upload { object: ObjectId { index: 0x1001 | 0x1029 | 0x6207, .. } }) => {
                             [0x4F, low, high, sub, 0, 0, 0, 0]
                         }
-                        Some(Request::Upload { object: ObjectId { index: 0x6206, .. } }) => {
+                        Some(ClientFrame::Upload { object: ObjectId { index: 0x6206, .. } }) => {
                             [0x4F, low, high, sub, 0xFF, 0, 0, 0]
                         }
-                        Some(Request::Upload { .. }) => [0x43, low, high, sub, 0x91, 0x01, 0x03, 0],
-                        Some(Request::Download { .. }) => [0x60, low, high, sub, 0, 0, 0, 0],
+                        Some(ClientFrame::Upload { .. }) => [0x43, low, high, sub, 0x91, 0x01, 0x03, 0],
+                        Some(ClientFrame::Download { .. }) => [0x60, low, high, sub, 0, 0, 0, 0],
                         _ => continue,
                     };
                     self.hear(0x580 | u16::from(node.get()), &data);
                 }
-                Ok(Message::Nmt { node: Some(node), .. }) => {
+                Ok(CanopenMessage::Nmt { node: Some(node), .. }) => {
                     let node = u16::from(node.get());
                     self.hear(0x700 | node, &[0x05]);
                     let inputs: &[u8] = if node == u16::from(DRIVE) { &[0x40, 0, 1, 0, 0, 0, 0] } else { &[0, 0] };
                     self.hear(0x180 | node, inputs);
                 }
-                Ok(Message::Rpdo1 { payload, .. }) => {
+                Ok(CanopenMessage::Rpdo1 { payload, .. }) => {
                     if let Some(status) = obey(payload.bytes()) {
                         self.hear(0x180 | u16::from(DRIVE), &status);
                     }
@@ -290,7 +290,7 @@ impl Bench {
     }
 
     /// What the manager sends is looked at, and refused if the interface is to.
-    fn check(&mut self, out: Outbox) {
+    fn check(&mut self, out: BusOutbox) {
         assert!(out.frames.len() <= FRAMES_MAX, "{} frames", out.frames.len());
         assert!(out.events.len() <= EVENTS_MAX, "{} events", out.events.len());
         let mut frames = out.frames;
@@ -303,18 +303,24 @@ impl Bench {
             if self.pending.len() >= FRAMES_MAX {
                 self.pending.remove(0);
             }
-            let command = matches!(Message::decode(&frame), Ok(Message::Rpdo1 { node, .. }) if node.get() == DRIVE);
-            if command || matches!(Message::decode(&frame), Ok(Message::SdoRequest { .. } | Message::Nmt { .. })) {
+            let command =
+                matches!(CanopenMessage::decode(&frame), Ok(CanopenMessage::Rpdo1 { node, .. }) if node.get() == DRIVE);
+            if command
+                || matches!(
+                    CanopenMessage::decode(&frame),
+                    Ok(CanopenMessage::SdoRequest { .. } | CanopenMessage::Nmt { .. })
+                )
+            {
                 self.pending.push(frame);
             }
         }
         if !refused.is_empty() {
-            self.manager.give_back(self.now, refused);
+            self.manager.return_unsent(self.now, refused);
         }
     }
 
     /// From the next call on nothing may be energised that was decided before a loss.
-    fn forget_images(&mut self, events: &[Event]) {
+    fn forget_images(&mut self, events: &[BusEvent]) {
         for (at, losses) in self.losses.iter_mut().enumerate() {
             let now = self.manager.inputs(self.now, Owner::Station(StationId(at as u16))).losses;
             if std::mem::replace(losses, now) != now {
@@ -323,8 +329,9 @@ impl Bench {
         }
         for event in events {
             // Lost before its owner's image was ever valid.
-            if let Event::DeviceLost { node, .. } | Event::DeviceRebooted { node } | Event::DeviceLeft { node, .. } =
-                event
+            if let BusEvent::DeviceLost { node, .. }
+            | BusEvent::DeviceRebooted { node }
+            | BusEvent::DeviceLeft { node, .. } = event
                 && self.up.contains(&node.get())
                 && let Owner::Station(StationId(at)) = owner(node.get())
             {
@@ -337,20 +344,20 @@ impl Bench {
 
     fn check_frame(&mut self, frame: &Frame) {
         let known = |node: NodeId| NODES.contains(&node.get());
-        match Message::decode(frame).expect("a manager sends what can be read") {
-            Message::Heartbeat { node, .. } => assert_eq!(node.get(), 127),
-            Message::Nmt { node, .. } => assert!(node.is_some_and(known), "{frame}"),
-            Message::SdoRequest { node, raw } => {
+        match CanopenMessage::decode(frame).expect("a manager sends what can be read") {
+            CanopenMessage::Heartbeat { node, .. } => assert_eq!(node.get(), 127),
+            CanopenMessage::Nmt { node, .. } => assert!(node.is_some_and(known), "{frame}"),
+            CanopenMessage::SdoRequest { node, raw } => {
                 assert!(known(node), "{frame}");
-                if let Some(Request::Download { object, .. } | Request::BlockDownload { object, .. }) =
-                    Request::decode(&raw)
+                if let Some(ClientFrame::Download { object, .. } | ClientFrame::BlockDownload { object, .. }) =
+                    ClientFrame::decode(&raw)
                 {
                     let setting = matches!(object.index, 0x1016 | 0x1017 | 0x1029 | 0x2000 | 0x6206 | 0x6207);
                     assert!(setting || node.get() == DRIVE, "{frame} writes object {object}");
                 }
             }
-            Message::Rpdo1 { node, payload } if node.get() == DRIVE => self.check_drive(payload.bytes()),
-            Message::Rpdo1 { node, payload } if known(node) => {
+            CanopenMessage::Rpdo1 { node, payload } if node.get() == DRIVE => self.check_drive(payload.bytes()),
+            CanopenMessage::Rpdo1 { node, payload } if known(node) => {
                 let Owner::Station(StationId(at)) = owner(node.get()) else { unreachable!("all are stations'") };
                 let share = (self.images[usize::from(at)] >> first(node.get())) as u64 & ((1 << BITS) - 1);
                 let bits = payload.bits();

@@ -8,11 +8,11 @@
 use std::time::Duration;
 
 use linewright_canopen::codec::{NmtCommand, NmtState, Payload};
-use linewright_canopen::manager::Outbox;
+use linewright_canopen::manager::BusOutbox;
 use linewright_canopen::sdo::ObjectId;
-use linewright_canopen::sdo::wire::{Raw, Request};
-use linewright_canopen::{Event, Frame, Manager, Message, NodeId};
-use linewright_line::{Bus, Device, DeviceKind, InputId, OutputId, Owner, StationId, Tick, Timing};
+use linewright_canopen::sdo::wire::{ClientFrame, SdoBytes};
+use linewright_canopen::{BusEvent, CanopenMessage, Frame, Manager, NodeId};
+use linewright_line::{Device, DeviceBus, DeviceKind, InputId, OutputId, Owner, StationId, Tick, Timing};
 
 /// Bits that each device has in each direction.
 pub const BITS: u16 = 16;
@@ -29,7 +29,7 @@ fn device(id: u8) -> Device {
     Device {
         name: format!("io {id}"),
         owner: owner(id),
-        bus: Bus::Line,
+        bus: DeviceBus::Line,
         kind: DeviceKind::io(
             id,
             (first..first + BITS).map(|bit| Some(InputId(bit))).collect(),
@@ -50,36 +50,38 @@ pub fn shift(id: u8) -> u16 {
 
 /// What a device answers to a frame, if it is for it.
 pub fn answer(frame: &Frame) -> Option<Frame> {
-    match Message::decode(frame) {
-        Ok(Message::SdoRequest { node, raw }) => Some(Message::SdoResponse { node, raw: answer_raw(&raw)? }.encode()),
-        Ok(Message::Nmt { command: NmtCommand::Start, node: Some(node) }) => Some(inputs(node.get(), 0)),
+    match CanopenMessage::decode(frame) {
+        Ok(CanopenMessage::SdoRequest { node, raw }) => {
+            Some(CanopenMessage::SdoResponse { node, raw: answer_raw(&raw)? }.encode())
+        }
+        Ok(CanopenMessage::Nmt { command: NmtCommand::Start, node: Some(node) }) => Some(inputs(node.get(), 0)),
         _ => None,
     }
 }
 
 /// It is a generic I/O device, has no error, and takes whatever it is written in one frame.
-fn answer_raw(raw: &Raw) -> Option<Raw> {
+fn answer_raw(raw: &SdoBytes) -> Option<SdoBytes> {
     let [_, low, high, sub, ..] = *raw;
-    match Request::decode(raw)? {
+    match ClientFrame::decode(raw)? {
         // No error, and what lets its outputs go is as it was told.
-        Request::Upload { object: ObjectId { index: 0x1001 | 0x1029 | 0x6207, .. } } => {
+        ClientFrame::Upload { object: ObjectId { index: 0x1001 | 0x1029 | 0x6207, .. } } => {
             Some([0x4F, low, high, sub, 0, 0, 0, 0])
         }
-        Request::Upload { object: ObjectId { index: 0x6206, .. } } => Some([0x4F, low, high, sub, 0xFF, 0, 0, 0]),
-        Request::Upload { .. } => Some([0x43, low, high, sub, 0x91, 0x01, 0x03, 0]),
-        Request::Download { .. } => Some([0x60, low, high, sub, 0, 0, 0, 0]),
+        ClientFrame::Upload { object: ObjectId { index: 0x6206, .. } } => Some([0x4F, low, high, sub, 0xFF, 0, 0, 0]),
+        ClientFrame::Upload { .. } => Some([0x43, low, high, sub, 0x91, 0x01, 0x03, 0]),
+        ClientFrame::Download { .. } => Some([0x60, low, high, sub, 0, 0, 0, 0]),
         _ => None,
     }
 }
 
 /// A device's frame of inputs.
 pub fn inputs(id: u8, bits: u64) -> Frame {
-    Message::Tpdo1 { node: node(id), payload: Payload::from_bits(bits, BITS.into()) }.encode()
+    CanopenMessage::Tpdo1 { node: node(id), payload: Payload::from_bits(bits, BITS.into()) }.encode()
 }
 
 /// A device's heartbeat.
 pub fn heartbeat(id: u8) -> Frame {
-    Message::Heartbeat { node: node(id), state: NmtState::Operational }.encode()
+    CanopenMessage::Heartbeat { node: node(id), state: NmtState::Operational }.encode()
 }
 
 /// A node id.
@@ -94,14 +96,14 @@ pub struct Crowd {
     /// The present.
     pub now: Tick,
     /// What it has sent and reported since somebody last looked.
-    pub out: Outbox,
+    pub out: BusOutbox,
 }
 
 impl Crowd {
     /// A manager that has brought up `count` devices.
     pub fn up(count: u8) -> Self {
         let manager = Manager::new(&devices(count), Timing::default()).expect("their ids are right");
-        let mut crowd = Crowd { manager, now: Tick::from_millis(1000), out: Outbox::default() };
+        let mut crowd = Crowd { manager, now: Tick::from_millis(1000), out: BusOutbox::default() };
         let mut up = 0;
         while up < count {
             crowd.manager.poll(crowd.now, &mut crowd.out);
@@ -110,7 +112,7 @@ impl Crowd {
                     crowd.manager.handle(crowd.now, &answer, &mut crowd.out);
                 }
             }
-            up += crowd.out.events.drain(..).filter(|event| matches!(event, Event::DeviceUp { .. })).count() as u8;
+            up += crowd.out.events.drain(..).filter(|event| matches!(event, BusEvent::DeviceUp { .. })).count() as u8;
             crowd.now = crowd.now + Duration::from_millis(1);
             let valid = (1..=count).all(|id| up < count || crowd.manager.inputs(crowd.now, owner(id)).valid);
             assert!(valid, "a device that is up is not trusted");

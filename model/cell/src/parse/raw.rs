@@ -9,8 +9,8 @@
 use std::time::Duration;
 
 use linewright_text::{
-    Fields, Keys, Located, LocatedName, Presence, Report, Scalar, Shape, flag, integer, keys, one_of, scalars, seconds,
-    table, tables, text, texts, whole, within, written,
+    Fields, KeyPresence, Keys, Located, LocatedName, Report, Scalar, Shape, flag, integer, keys, one_of, scalars,
+    seconds, table, tables, text, texts, whole, within, written,
 };
 
 use crate::{DispatchRule, Prototype, Strategy, Whereabouts};
@@ -177,7 +177,7 @@ keys! {
         /// It leads to where this later step begins; the next one listed if left out.
         then: Option<LocatedName> = text(),
         /// Where it can be done, one or several, at most 100: `{ resource = "M1", time_s = 40, program = 1 }`.
-        on: Vec<RawOn> = tables(ALTERNATIVES_MAX).missed(Presence::Required),
+        on: Vec<RawOn> = tables(ALTERNATIVES_MAX).missed(KeyPresence::Required),
     }
 
     /// A resource on which a step can be done.
@@ -210,7 +210,7 @@ keys! {
         /// with `automatic`.
         emergency_stop: Option<Located<Vec<LocatedName>>> = texts(DOWN_MAX),
         /// What can be answered, at most 16.
-        answers: Vec<RawAnswer> = tables(ANSWERS_MAX).missed(Presence::Required),
+        answers: Vec<RawAnswer> = tables(ANSWERS_MAX).missed(KeyPresence::Required),
     }
 
     /// An answer to an alarm.

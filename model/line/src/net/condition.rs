@@ -1,6 +1,6 @@
 //! What a transition waits for, written as data.
 //!
-//! A condition is a disjunction of [`Term`]s, a term a conjunction of [`Literal`]s over a handful of variables. One
+//! A condition is a disjunction of [`Conjunction`]s, a term a conjunction of [`Literal`]s over a handful of variables. One
 //! transition that several modes share carries (auto ∧ C1) ∨ (hand ∧ C2) ∨ (manual ∧ C3) (seed 002 §4.4, equation 2):
 //! here it is one list of terms per mode.
 //!
@@ -118,7 +118,7 @@ pub struct Literal {
 }
 
 /// A conjunction of literals; the empty one holds always ("N.C." in the seed's tables).
-pub type Term = Vec<Literal>;
+pub type Conjunction = Vec<Literal>;
 
 /// The variable must be on.
 pub(super) const fn on(var: Var) -> Literal {

@@ -16,13 +16,13 @@
 //! 7. A recovery path is entered only if the arrows hold into everything it skips, the home operation among it. The
 //!    home motion is a normal motion like any other: without its arrows it would run into a neighbour's stretch.
 
-use crate::net::condition::{ControlMode, Literal, Term, Var, off, on};
-use crate::net::module::{Block, Place, is_reversible};
-use crate::{Module, OpId, Station, TaskId};
+use crate::net::condition::{Conjunction, ControlMode, Literal, Var, off, on};
+use crate::net::module::{Block, StationPlace, is_reversible};
+use crate::{OpId, OperationModule, Station, TaskId};
 
 /// What a transition does to the operation it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum TransitionKind {
     /// t1, t6: a motion stops before its end.
     Stop(OpId, Block),
     /// t2, t7: a stopped motion goes on.
@@ -68,20 +68,20 @@ pub enum Kind {
 
 /// One transition of a station's net with its conditions.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Transition {
+pub struct StationTransition {
     /// What it does.
-    pub kind: Kind,
+    pub kind: TransitionKind,
     /// Places it takes a token from.
-    pub from: Vec<Place>,
+    pub from: Vec<StationPlace>,
     /// Places it puts a token into.
-    pub to: Vec<Place>,
+    pub to: Vec<StationPlace>,
     /// For each mode of [`ControlMode::ALL`], the terms any one of which lets it fire; none: never in that mode.
-    pub conditions: [Vec<Term>; 6],
+    pub conditions: [Vec<Conjunction>; 6],
 }
 
-impl Transition {
+impl StationTransition {
     /// The terms for one mode.
-    pub fn terms(&self, mode: ControlMode) -> &[Term] {
+    pub fn terms(&self, mode: ControlMode) -> &[Conjunction] {
         &self.conditions[mode as usize]
     }
 }
@@ -89,14 +89,14 @@ impl Transition {
 /// The modes in which running motions finish by themselves.
 const UNATTENDED: [ControlMode; 3] = [ControlMode::Home, ControlMode::StandBy, ControlMode::Auto];
 
-pub(super) struct Builder<'a> {
+pub(super) struct StationNetBuilder<'a> {
     pub station: &'a Station,
-    out: Vec<Transition>,
+    out: Vec<StationTransition>,
 }
 
 /// All transitions of a station.
-pub(super) fn transitions_of(station: &Station) -> Vec<Transition> {
-    let mut builder = Builder { station, out: Vec::new() };
+pub(super) fn transitions_of(station: &Station) -> Vec<StationTransition> {
+    let mut builder = StationNetBuilder { station, out: Vec::new() };
     // Step 1: an operation module for each operation.
     for op in station.op_ids() {
         builder.normal_block(op);
@@ -121,9 +121,14 @@ pub(super) fn transitions_of(station: &Station) -> Vec<Transition> {
     builder.out
 }
 
-impl Builder<'_> {
-    pub(super) fn add(&mut self, kind: Kind, from: Vec<Place>, to: Vec<Place>) -> &mut Transition {
-        self.out.push(Transition { kind, from, to, conditions: Default::default() });
+impl StationNetBuilder<'_> {
+    pub(super) fn add(
+        &mut self,
+        kind: TransitionKind,
+        from: Vec<StationPlace>,
+        to: Vec<StationPlace>,
+    ) -> &mut StationTransition {
+        self.out.push(StationTransition { kind, from, to, conditions: Default::default() });
         self.out.last_mut().expect("just pushed")
     }
 
@@ -148,11 +153,11 @@ impl Builder<'_> {
 
     fn normal_block(&mut self, op: OpId) {
         let hand = self.station.operations[op.index()].hand;
-        let (p1, p2, p3) = (Place::operating(op), Place::incomplete(op), Place::completed(op));
+        let (p1, p2, p3) = (StationPlace::operating(op), StationPlace::incomplete(op), StationPlace::completed(op));
         let fault = Var::Fault(op, Block::Normal);
         let arrived = Var::Arrived(op, Block::Normal);
 
-        let t1 = self.add(Kind::Stop(op, Block::Normal), vec![p1], vec![p2]);
+        let t1 = self.add(TransitionKind::Stop(op, Block::Normal), vec![p1], vec![p2]);
         t1.stops_on(fault);
         t1.when(
             ControlMode::Manual,
@@ -163,13 +168,13 @@ impl Builder<'_> {
             ],
         );
 
-        let t2 = self.add(Kind::Resume(op, Block::Normal), vec![p2], vec![p1]);
+        let t2 = self.add(TransitionKind::Resume(op, Block::Normal), vec![p2], vec![p1]);
         t2.when(
             ControlMode::Manual,
             [vec![on(Var::AdvancePressed)], vec![on(Var::RetractPressed), on(Var::OnAnyPath)]],
         );
 
-        let t3 = self.add(Kind::Complete(op, Block::Normal), vec![p1], vec![p3]);
+        let t3 = self.add(TransitionKind::Complete(op, Block::Normal), vec![p1], vec![p3]);
         t3.completes_on(arrived, fault);
         t3.when(ControlMode::Hand, [vec![on(arrived), off(fault), off(Var::HoldLost), on(Var::Held(hand.forward()))]]);
         t3.when(
@@ -190,34 +195,34 @@ impl Builder<'_> {
         let back_by_hand = self.reversed_at_rest(op).unwrap_or_else(|| hand.reverse(next));
         let on_order = self.station.works_on_order();
         let held_at_home = self.unless_stopped(self.preceding(step));
-        let (p1, p2, p3) = (Place::operating(op), Place::incomplete(op), Place::completed(op));
-        let (p4, p5, p6) = (Place::undoing(op), Place::undo_incomplete(op), Place::undone(op));
+        let (p1, p2, p3) = (StationPlace::operating(op), StationPlace::incomplete(op), StationPlace::completed(op));
+        let (p4, p5, p6) = (StationPlace::undoing(op), StationPlace::undo_incomplete(op), StationPlace::undone(op));
         let fault = Var::Fault(op, Block::Recovery);
         let arrived = Var::Arrived(op, Block::Recovery);
 
-        let t4 = self.add(Kind::Undo(op), vec![p3], vec![p4]);
+        let t4 = self.add(TransitionKind::Undo(op), vec![p3], vec![p4]);
         t4.when(ControlMode::Auto, back_by_itself);
         t4.when(ControlMode::Hand, back_by_hand.map(|term| and(term, &settled)));
         t4.when(ControlMode::Manual, [and(vec![on(Var::RetractPressed)], &settled)]);
 
-        let t5 = self.add(Kind::Retract(op), vec![p2], vec![p4]);
+        let t5 = self.add(TransitionKind::Retract(op), vec![p2], vec![p4]);
         t5.when(ControlMode::Manual, [vec![on(Var::RetractPressed), off(Var::OnAnyPath)]]);
 
-        let t6 = self.add(Kind::Stop(op, Block::Recovery), vec![p4], vec![p5]);
+        let t6 = self.add(TransitionKind::Stop(op, Block::Recovery), vec![p4], vec![p5]);
         t6.stops_on(fault);
         t6.when(ControlMode::Manual, [vec![off(Var::Retract)]]);
 
-        let t7 = self.add(Kind::Resume(op, Block::Recovery), vec![p5], vec![p4]);
+        let t7 = self.add(TransitionKind::Resume(op, Block::Recovery), vec![p5], vec![p4]);
         t7.when(ControlMode::Manual, [vec![on(Var::RetractPressed)]]);
 
-        let t8 = self.add(Kind::Complete(op, Block::Recovery), vec![p4], vec![p6]);
+        let t8 = self.add(TransitionKind::Complete(op, Block::Recovery), vec![p4], vec![p6]);
         t8.completes_on(arrived, fault);
         let mut by_hand = vec![on(arrived), off(fault), off(Var::HoldLost)];
         by_hand.extend(hand.back().map(|back| on(Var::Held(back))));
         t8.when(ControlMode::Hand, [by_hand]);
         t8.when(ControlMode::Manual, [vec![on(arrived), off(fault), on(Var::Retract)]]);
 
-        let t9 = self.add(Kind::Restart(op), vec![p6], vec![p1]);
+        let t9 = self.add(TransitionKind::Restart(op), vec![p6], vec![p1]);
         let may_start = [on(Var::Causal(step)), off(Var::OnAnyPath)];
         let mut by_itself = may_start.to_vec();
         by_itself.extend(held_at_home);
@@ -228,7 +233,7 @@ impl Builder<'_> {
 
         // On a recovery path the only way is home: turning forward half-way would leave operations done that have
         // been taken back for the line.
-        let t10 = self.add(Kind::Again(op), vec![p5], vec![p1]);
+        let t10 = self.add(TransitionKind::Again(op), vec![p5], vec![p1]);
         t10.when(ControlMode::Manual, [vec![on(Var::AdvancePressed), off(Var::OnAnyPath)]]);
     }
 
@@ -238,10 +243,10 @@ impl Builder<'_> {
         let ops = &self.station.steps[step];
         let hand = self.station.operations[ops[0].index()].hand;
         let held_at_home = self.unless_stopped(step);
-        let from = ops.iter().copied().map(Place::completed).collect();
-        let to = self.station.steps[next].iter().copied().map(Place::operating).collect();
+        let from = ops.iter().copied().map(StationPlace::completed).collect();
+        let to = self.station.steps[next].iter().copied().map(StationPlace::operating).collect();
 
-        let t11 = self.add(Kind::Next { from: step, to: next }, from, to);
+        let t11 = self.add(TransitionKind::Next { from: step, to: next }, from, to);
         let mut by_itself = vec![on(Var::Causal(next))];
         by_itself.extend(held_at_home);
         t11.when(ControlMode::Auto, [by_itself]);
@@ -254,38 +259,44 @@ impl Builder<'_> {
         let ops = &self.station.steps[step];
         let Some(back) = self.station.operations[ops[0].index()].hand.reverse_on() else { return };
         let previous = self.preceding(step);
-        let from = ops.iter().copied().map(Place::undone).collect();
-        let to = self.station.steps[previous].iter().copied().map(Place::undoing).collect();
+        let from = ops.iter().copied().map(StationPlace::undone).collect();
+        let to = self.station.steps[previous].iter().copied().map(StationPlace::undoing).collect();
 
-        let t12 = self.add(Kind::Back { from: step, to: previous }, from, to);
+        let t12 = self.add(TransitionKind::Back { from: step, to: previous }, from, to);
         t12.when(ControlMode::Hand, [vec![on(Var::Held(back)), off(Var::OnAnyPath)]]);
         t12.when(ControlMode::Manual, [vec![on(Var::RetractPressed), off(Var::OnAnyPath)]]);
     }
 
     fn recovery_path(&mut self, failed: OpId) {
-        let Module::Irreversible { recovery_path } = &self.station.operations[failed.index()].module else { return };
+        let OperationModule::Irreversible { recovery_path } = &self.station.operations[failed.index()].module else {
+            return;
+        };
         let Some(&first) = recovery_path.first() else { return };
-        let enter = self.add(Kind::EnterPath(failed), vec![Place::incomplete(failed)], vec![Place::undoing(first)]);
+        let enter = self.add(
+            TransitionKind::EnterPath(failed),
+            vec![StationPlace::incomplete(failed)],
+            vec![StationPlace::undoing(first)],
+        );
         let free = [on(Var::RetractPressed), off(Var::OnAnyPath), on(Var::WayHome(failed))];
         enter.when(ControlMode::Manual, [free.to_vec()]);
 
         let home = self.station.path_end(failed);
-        let hops = recovery_path.windows(2).map(|pair| (pair[0], pair[1], Place::undoing(pair[1])));
-        let last = recovery_path.last().map(|&last| (last, home, Place::operating(home)));
+        let hops = recovery_path.windows(2).map(|pair| (pair[0], pair[1], StationPlace::undoing(pair[1])));
+        let last = recovery_path.last().map(|&last| (last, home, StationPlace::operating(home)));
         for (from, to, place) in hops.chain(last) {
             let term = vec![on(Var::RetractPressed), on(Var::OnPath(failed))];
-            let kind = Kind::FollowPath { from, to };
+            let kind = TransitionKind::FollowPath { from, to };
             // Irreversible operations usually share their way home; a shared hop is one transition.
             match self.out.iter_mut().find(|t| t.kind == kind) {
                 Some(shared) => shared.when(ControlMode::Manual, [term]),
-                None => self.add(kind, vec![Place::undone(from)], vec![place]).when(ControlMode::Manual, [term]),
+                None => self.add(kind, vec![StationPlace::undone(from)], vec![place]).when(ControlMode::Manual, [term]),
             }
         }
     }
 }
 
-impl Transition {
-    pub(super) fn when(&mut self, mode: ControlMode, terms: impl IntoIterator<Item = Term>) {
+impl StationTransition {
+    pub(super) fn when(&mut self, mode: ControlMode, terms: impl IntoIterator<Item = Conjunction>) {
         self.conditions[mode as usize].extend(terms);
     }
 
@@ -306,7 +317,7 @@ impl Transition {
     }
 }
 
-fn and(mut term: Term, more: &[Literal]) -> Term {
+fn and(mut term: Conjunction, more: &[Literal]) -> Conjunction {
     term.extend_from_slice(more);
     term
 }

@@ -5,22 +5,22 @@
 //! That is sound — terms found exclusive are — and complete for terms whose variables are otherwise independent,
 //! which sensors and buttons are.
 
-use crate::net::condition::{ControlMode, Term};
-use crate::net::connect::{Kind, Transition};
-use crate::net::module::Place;
+use crate::net::condition::{Conjunction, ControlMode};
+use crate::net::connect::{StationTransition, TransitionKind};
+use crate::net::module::StationPlace;
 use crate::net::station::StationNet;
 
 /// Two transitions of one place that could both be allowed to fire.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Overlap {
     /// The place they share.
-    pub place: Place,
+    pub place: StationPlace,
     /// The mode in which it happens.
     pub mode: ControlMode,
     /// One transition and the term that lets it fire.
-    pub a: (Kind, Term),
+    pub a: (TransitionKind, Conjunction),
     /// The other.
-    pub b: (Kind, Term),
+    pub b: (TransitionKind, Conjunction),
 }
 
 /// Every pair of output transitions of a place that is not exclusive. Empty for every net the connection algorithm
@@ -30,7 +30,7 @@ pub fn overlaps(net: &StationNet) -> Vec<Overlap> {
 }
 
 /// The same of any transitions: of a station's as they would be if a condition were another.
-pub fn overlaps_among(places: &[Place], transitions: &[Transition]) -> Vec<Overlap> {
+pub fn overlaps_among(places: &[StationPlace], transitions: &[StationTransition]) -> Vec<Overlap> {
     let mut found = Vec::new();
     for &place in places {
         let outgoing: Vec<_> = transitions.iter().filter(|t| t.from.contains(&place)).collect();
@@ -49,6 +49,6 @@ pub fn overlaps_among(places: &[Place], transitions: &[Transition]) -> Vec<Overl
     found
 }
 
-fn exclude(a: &Term, b: &Term) -> bool {
+fn exclude(a: &Conjunction, b: &Conjunction) -> bool {
     a.iter().any(|la| b.iter().any(|lb| la.excludes(*lb)))
 }

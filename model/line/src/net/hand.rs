@@ -16,10 +16,10 @@
 //! that is *not* reversed, and so do we. t12 of the first reversed operation does not exist: the reverse sequence
 //! ends there. t3 waits for h_a and t8 for h_b, in all types that have them.
 
-use crate::net::condition::{Literal, Term, Var, off, on};
-use crate::{ButtonId, Hand};
+use crate::net::condition::{Conjunction, Literal, Var, off, on};
+use crate::{ButtonId, HandMode};
 
-impl Hand {
+impl HandMode {
     /// Whether pressing `next`, once the operation is complete, is what leads on (t11 with h_c↑).
     fn starts_next_by(&self) -> Literal {
         match self.next() {
@@ -29,7 +29,7 @@ impl Hand {
     }
 
     /// t11, to the step `next`.
-    pub(super) fn lead_on(&self, next: usize) -> Term {
+    pub(super) fn lead_on(&self, next: usize) -> Conjunction {
         vec![self.starts_next_by(), on(Var::Causal(next))]
     }
 
@@ -38,13 +38,13 @@ impl Hand {
     /// Table 3 gives some operations the same button for h_b and h_c (the two operations of a clamp are each other's
     /// reverse). Which transition such a press means is then decided by the arrows: on to the next operation if its
     /// causes hold, else back. Where the buttons differ and both are pressed in one image, forward wins.
-    pub(super) fn reverse(&self, next_step: usize) -> Option<Term> {
+    pub(super) fn reverse(&self, next_step: usize) -> Option<Conjunction> {
         let (back, next) = match *self {
-            Hand::ReversedEnd { back, next, .. } | Hand::Single { back, next, .. } => (back, next),
-            Hand::Sequence { .. }
-            | Hand::SequenceEnd { .. }
-            | Hand::ReversedStart { .. }
-            | Hand::ReversedMiddle { .. } => return None,
+            HandMode::ReversedEnd { back, next, .. } | HandMode::Single { back, next, .. } => (back, next),
+            HandMode::Sequence { .. }
+            | HandMode::SequenceEnd { .. }
+            | HandMode::ReversedStart { .. }
+            | HandMode::ReversedMiddle { .. } => return None,
         };
         let not_forward = if back == next { off(Var::Causal(next_step)) } else { off(Var::Pressed(next)) };
         Some(vec![on(Var::Pressed(back)), not_forward])
@@ -53,22 +53,24 @@ impl Hand {
     /// `h_b`, where pressing it reverses the operation once it is complete (t4 with h_b↑).
     pub(super) fn reverses_from_its_end(&self) -> Option<ButtonId> {
         match *self {
-            Hand::ReversedEnd { back, .. } | Hand::Single { back, .. } => Some(back),
-            Hand::Sequence { .. }
-            | Hand::SequenceEnd { .. }
-            | Hand::ReversedStart { .. }
-            | Hand::ReversedMiddle { .. } => None,
+            HandMode::ReversedEnd { back, .. } | HandMode::Single { back, .. } => Some(back),
+            HandMode::Sequence { .. }
+            | HandMode::SequenceEnd { .. }
+            | HandMode::ReversedStart { .. }
+            | HandMode::ReversedMiddle { .. } => None,
         }
     }
 
     /// t9: start again an operation that has been undone.
-    pub(super) fn restart(&self) -> Option<Term> {
+    pub(super) fn restart(&self) -> Option<Conjunction> {
         match *self {
-            Hand::ReversedStart { forward, .. } | Hand::Single { forward, .. } => Some(vec![on(Var::Pressed(forward))]),
-            Hand::Sequence { .. }
-            | Hand::SequenceEnd { .. }
-            | Hand::ReversedMiddle { .. }
-            | Hand::ReversedEnd { .. } => None,
+            HandMode::ReversedStart { forward, .. } | HandMode::Single { forward, .. } => {
+                Some(vec![on(Var::Pressed(forward))])
+            }
+            HandMode::Sequence { .. }
+            | HandMode::SequenceEnd { .. }
+            | HandMode::ReversedMiddle { .. }
+            | HandMode::ReversedEnd { .. } => None,
         }
     }
 
@@ -77,8 +79,11 @@ impl Hand {
     /// Whether t12 exists at all, in any mode, follows from the type (seed 002 §6.1.1).
     pub(super) fn reverse_on(&self) -> Option<ButtonId> {
         match *self {
-            Hand::ReversedMiddle { back, .. } | Hand::ReversedEnd { back, .. } => Some(back),
-            Hand::Sequence { .. } | Hand::SequenceEnd { .. } | Hand::ReversedStart { .. } | Hand::Single { .. } => None,
+            HandMode::ReversedMiddle { back, .. } | HandMode::ReversedEnd { back, .. } => Some(back),
+            HandMode::Sequence { .. }
+            | HandMode::SequenceEnd { .. }
+            | HandMode::ReversedStart { .. }
+            | HandMode::Single { .. } => None,
         }
     }
 }

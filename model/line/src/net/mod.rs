@@ -9,11 +9,11 @@ mod connect;
 mod exclusive;
 mod hand;
 mod module;
-mod order;
 mod station;
+mod task_driven;
 
-pub use condition::{ControlMode, Literal, Term, Var};
-pub use connect::{Kind, Transition};
+pub use condition::{Conjunction, ControlMode, Literal, Var};
+pub use connect::{StationTransition, TransitionKind};
 pub use exclusive::{Overlap, overlaps, overlaps_among};
-pub use module::{Block, Place, Stage};
+pub use module::{Block, MotionStage, StationPlace};
 pub use station::StationNet;

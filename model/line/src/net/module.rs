@@ -19,7 +19,7 @@ pub enum Block {
 
 /// How far a motion is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Stage {
+pub enum MotionStage {
     /// O: the actuator is driven.
     Operating,
     /// IC: stopped before it was complete, by a fault, a released button or the emergency stop.
@@ -30,52 +30,52 @@ pub enum Stage {
 
 /// One place of a station's net.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Place {
+pub struct StationPlace {
     /// The operation.
     pub op: OpId,
     /// Which of its motions.
     pub block: Block,
     /// How far it is.
-    pub stage: Stage,
+    pub stage: MotionStage,
 }
 
-impl Place {
+impl StationPlace {
     /// p1, O of the normal motion.
     pub const fn operating(op: OpId) -> Self {
-        Place { op, block: Block::Normal, stage: Stage::Operating }
+        StationPlace { op, block: Block::Normal, stage: MotionStage::Operating }
     }
 
     /// p2, IC of the normal motion.
     pub const fn incomplete(op: OpId) -> Self {
-        Place { op, block: Block::Normal, stage: Stage::Incomplete }
+        StationPlace { op, block: Block::Normal, stage: MotionStage::Incomplete }
     }
 
     /// p3, C of the normal motion.
     pub const fn completed(op: OpId) -> Self {
-        Place { op, block: Block::Normal, stage: Stage::Completed }
+        StationPlace { op, block: Block::Normal, stage: MotionStage::Completed }
     }
 
     /// p4, O of the recovery motion.
     pub const fn undoing(op: OpId) -> Self {
-        Place { op, block: Block::Recovery, stage: Stage::Operating }
+        StationPlace { op, block: Block::Recovery, stage: MotionStage::Operating }
     }
 
     /// p5, IC of the recovery motion.
     pub const fn undo_incomplete(op: OpId) -> Self {
-        Place { op, block: Block::Recovery, stage: Stage::Incomplete }
+        StationPlace { op, block: Block::Recovery, stage: MotionStage::Incomplete }
     }
 
     /// p6, C of the recovery motion: the operation has been undone.
     pub const fn undone(op: OpId) -> Self {
-        Place { op, block: Block::Recovery, stage: Stage::Completed }
+        StationPlace { op, block: Block::Recovery, stage: MotionStage::Completed }
     }
 
     /// The seed's number of the place within its module, 1 to 6 (Figure 12).
     pub const fn number(self) -> u8 {
         let stage = match self.stage {
-            Stage::Operating => 1,
-            Stage::Incomplete => 2,
-            Stage::Completed => 3,
+            MotionStage::Operating => 1,
+            MotionStage::Incomplete => 2,
+            MotionStage::Completed => 3,
         };
         match self.block {
             Block::Normal => stage,
@@ -86,49 +86,49 @@ impl Place {
     /// The place with the seed's `number` within the module of `op`; `None` outside 1 to 6.
     pub const fn from_number(op: OpId, number: u8) -> Option<Self> {
         Some(match number {
-            1 => Place::operating(op),
-            2 => Place::incomplete(op),
-            3 => Place::completed(op),
-            4 => Place::undoing(op),
-            5 => Place::undo_incomplete(op),
-            6 => Place::undone(op),
+            1 => StationPlace::operating(op),
+            2 => StationPlace::incomplete(op),
+            3 => StationPlace::completed(op),
+            4 => StationPlace::undoing(op),
+            5 => StationPlace::undo_incomplete(op),
+            6 => StationPlace::undone(op),
             _ => return None,
         })
     }
 
     /// The same motion, stopped: where a fault, a released button or the emergency stop takes an operating place.
     pub const fn stopped(self) -> Self {
-        Place { stage: Stage::Incomplete, ..self }
+        StationPlace { stage: MotionStage::Incomplete, ..self }
     }
 
     /// Whether the actuator is driven here.
     pub const fn is_operating(self) -> bool {
-        matches!(self.stage, Stage::Operating)
+        matches!(self.stage, MotionStage::Operating)
     }
 
     /// Whether a motion was stopped before its end here.
     pub const fn is_incomplete(self) -> bool {
-        matches!(self.stage, Stage::Incomplete)
+        matches!(self.stage, MotionStage::Incomplete)
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for StationPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "p{} of operation {}", self.number(), self.op.index() + 1)
     }
 }
 
 /// All places of a station, operation by operation in chart order.
-pub(super) fn places_of(station: &Station) -> Vec<Place> {
+pub(super) fn places_of(station: &Station) -> Vec<StationPlace> {
     let mut places = Vec::new();
     for op in station.op_ids() {
         let reversible = is_reversible(station, op);
-        places.extend((1..=if reversible { 6 } else { 3 }).filter_map(|n| Place::from_number(op, n)));
+        places.extend((1..=if reversible { 6 } else { 3 }).filter_map(|n| StationPlace::from_number(op, n)));
     }
     places
 }
 
 /// Whether the operation has a recovery block.
 pub(super) fn is_reversible(station: &Station, op: OpId) -> bool {
-    matches!(station.operations[op.index()].module, crate::Module::Reversible { .. })
+    matches!(station.operations[op.index()].module, crate::OperationModule::Reversible { .. })
 }

@@ -2,8 +2,8 @@
 
 use linewright_nets::{Net, NetBuilder};
 
-use crate::net::connect::{Kind, Transition, transitions_of};
-use crate::net::module::{Block, Place, Stage, places_of};
+use crate::net::connect::{StationTransition, TransitionKind, transitions_of};
+use crate::net::module::{Block, MotionStage, StationPlace, places_of};
 use crate::{Line, Station, StationId};
 
 /// The Petri net of one station controller, and the meaning of its places and transitions.
@@ -13,8 +13,8 @@ use crate::{Line, Station, StationId};
 #[derive(Clone, Debug)]
 pub struct StationNet {
     net: Net,
-    places: Vec<Place>,
-    transitions: Vec<Transition>,
+    places: Vec<StationPlace>,
+    transitions: Vec<StationTransition>,
 }
 
 impl StationNet {
@@ -33,26 +33,26 @@ impl StationNet {
     }
 
     /// What each place means, in the net's order.
-    pub fn places(&self) -> &[Place] {
+    pub fn places(&self) -> &[StationPlace] {
         &self.places
     }
 
     /// What each transition means and waits for, in the net's order.
-    pub fn transitions(&self) -> &[Transition] {
+    pub fn transitions(&self) -> &[StationTransition] {
         &self.transitions
     }
 
     /// The index of a place.
-    pub fn place_index(&self, place: Place) -> Option<usize> {
+    pub fn place_index(&self, place: StationPlace) -> Option<usize> {
         self.places.iter().position(|&p| p == place)
     }
 }
 
-fn assemble(station: &Station, places: &[Place], transitions: &[Transition]) -> Net {
-    let home = Place::completed(station.home);
+fn assemble(station: &Station, places: &[StationPlace], transitions: &[StationTransition]) -> Net {
+    let home = StationPlace::completed(station.home);
     let mut builder = NetBuilder::new(station.name.clone());
     let ids: Vec<_> = places.iter().map(|&p| builder.place(place_name(station, p), u32::from(p == home))).collect();
-    let id_of = |place: &Place| {
+    let id_of = |place: &StationPlace| {
         let index = places.iter().position(|p| p == place).expect("transitions join places of their own station");
         ids[index]
     };
@@ -71,11 +71,11 @@ fn assemble(station: &Station, places: &[Place], transitions: &[Transition]) -> 
     }
 }
 
-fn place_name(station: &Station, place: Place) -> String {
+fn place_name(station: &Station, place: StationPlace) -> String {
     let stage = match place.stage {
-        Stage::Operating => "O",
-        Stage::Incomplete => "IC",
-        Stage::Completed => "C",
+        MotionStage::Operating => "O",
+        MotionStage::Incomplete => "IC",
+        MotionStage::Completed => "C",
     };
     let block = match place.block {
         Block::Normal => "N",
@@ -84,7 +84,7 @@ fn place_name(station: &Station, place: Place) -> String {
     format!("{} {stage}^{block}", station.operations[place.op.index()].name)
 }
 
-fn transition_name(station: &Station, kind: Kind) -> String {
+fn transition_name(station: &Station, kind: TransitionKind) -> String {
     let op = |id: crate::OpId| station.operations[id.index()].name.as_str();
     let step = |index: usize| {
         let names: Vec<_> = station.steps[index].iter().map(|&id| op(id)).collect();
@@ -95,17 +95,17 @@ fn transition_name(station: &Station, kind: Kind) -> String {
         Block::Recovery => "undoing ",
     };
     match kind {
-        Kind::Stop(id, b) => format!("stop {}{}", block(b), op(id)),
-        Kind::Resume(id, b) => format!("resume {}{}", block(b), op(id)),
-        Kind::Complete(id, b) => format!("complete {}{}", block(b), op(id)),
-        Kind::Undo(id) => format!("undo {}", op(id)),
-        Kind::Retract(id) => format!("retract {}", op(id)),
-        Kind::Restart(id) => format!("restart {}", op(id)),
-        Kind::Again(id) => format!("turn forward {}", op(id)),
-        Kind::Next { from, to } => format!("{} -> {}", step(from), step(to)),
-        Kind::Back { from, to } => format!("back from {} to {}", step(from), step(to)),
-        Kind::GiveUp(task) => format!("give up {}", station.task(task).name),
-        Kind::EnterPath(id) => format!("recover {} by going home", op(id)),
-        Kind::FollowPath { from, to } => format!("on the way home, {} then {}", op(from), op(to)),
+        TransitionKind::Stop(id, b) => format!("stop {}{}", block(b), op(id)),
+        TransitionKind::Resume(id, b) => format!("resume {}{}", block(b), op(id)),
+        TransitionKind::Complete(id, b) => format!("complete {}{}", block(b), op(id)),
+        TransitionKind::Undo(id) => format!("undo {}", op(id)),
+        TransitionKind::Retract(id) => format!("retract {}", op(id)),
+        TransitionKind::Restart(id) => format!("restart {}", op(id)),
+        TransitionKind::Again(id) => format!("turn forward {}", op(id)),
+        TransitionKind::Next { from, to } => format!("{} -> {}", step(from), step(to)),
+        TransitionKind::Back { from, to } => format!("back from {} to {}", step(from), step(to)),
+        TransitionKind::GiveUp(task) => format!("give up {}", station.task(task).name),
+        TransitionKind::EnterPath(id) => format!("recover {} by going home", op(id)),
+        TransitionKind::FollowPath { from, to } => format!("on the way home, {} then {}", op(from), op(to)),
     }
 }

@@ -8,7 +8,9 @@ use linewright_text::{LocatedName, Report, or};
 use super::draft::{DraftAnalogue, Wiring};
 use super::raw::{RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLimit};
 use super::wiring::{Wires, one_input, one_output};
-use crate::{Analogue, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Channel, Follows, InputId, Lag, OutputId, When};
+use crate::{
+    Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, CHANNELS_MAX, Follows, InputId, Lag, OutputId, When,
+};
 
 /// Every signal of its owner that a device's channels carry.
 pub(super) fn signals(raw: &RawAnalogue) -> impl Iterator<Item = &LocatedName> {
@@ -60,8 +62,8 @@ pub(super) fn number(value: i64) -> Option<u8> {
 }
 
 /// The channel; `None` where its number is none or its steps are worth nothing.
-pub(super) fn channel(raw: &RawChannel) -> Option<Channel> {
-    Some(Channel {
+pub(super) fn channel(raw: &RawChannel) -> Option<AnalogueChannel> {
+    Some(AnalogueChannel {
         number: number(raw.number.as_ref()?.value)?,
         unit: raw.unit.as_ref().map_or_else(String::new, |unit| unit.value.clone()),
         factor: Some(or(&raw.factor, 1.0)).filter(|factor| *factor != 0.0)?,

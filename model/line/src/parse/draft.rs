@@ -7,15 +7,16 @@ use std::ops::Range;
 
 use linewright_text::{Located, TextRange};
 
-use super::names::Names;
-use super::raw::{Kind, RawHolder, RawLine, RawOperation, RawReach, RawStation, RawTask};
+use super::names::LineNames;
+use super::raw::{ModuleKind, RawHolder, RawLine, RawOperation, RawReach, RawStation, RawTask};
 use crate::{
-    Axis, AxisId, Bus, Hand, HolderId, InputId, Motion, OpId, OutputId, Owner, RestId, Stand, StationId, TaskId,
+    Axis, AxisId, DeviceBus, HandMode, HolderId, InputId, Motion, OpId, OutputId, Owner, RestId, Stand, StationId,
+    TaskId,
 };
 
-pub(super) struct Draft<'a> {
+pub(super) struct DraftLine<'a> {
     pub raw: &'a RawLine,
-    pub names: Names<'a>,
+    pub names: LineNames<'a>,
     pub stations: Vec<DraftStation<'a>>,
     pub arrows: Vec<DraftArrow>,
     pub conflicts: Vec<DraftConflict>,
@@ -37,7 +38,7 @@ pub(super) struct DraftStation<'a> {
     pub tasks: Vec<DraftTask<'a>>,
     /// Inputs that see parts.
     pub sensed: Vec<Located<InputId>>,
-    pub bus: Bus,
+    pub bus: DeviceBus,
     pub wiring: Wiring,
     /// Manual, advance, return.
     pub panel: [Option<Located<InputId>>; 3],
@@ -50,7 +51,7 @@ pub(super) struct DraftOperation<'a> {
     pub motion: Option<Located<Motion>>,
     pub normal: DraftSignals,
     pub recovery: Option<DraftSignals>,
-    pub hand: Option<Located<Hand>>,
+    pub hand: Option<Located<HandMode>>,
     pub path: Vec<Located<OpId>>,
     pub task: Option<Located<TaskId>>,
     pub waits: Vec<Located<InputId>>,
@@ -87,12 +88,12 @@ pub(super) struct Wiring {
     pub outputs: Vec<Located<String>>,
 }
 
-pub(super) type End = Located<(StationId, OpId)>;
+pub(super) type DraftEnd = Located<(StationId, OpId)>;
 
 pub(super) struct DraftArrow {
     pub at: TextRange,
-    pub from: Option<End>,
-    pub to: Option<End>,
+    pub from: Option<DraftEnd>,
+    pub to: Option<DraftEnd>,
     pub lag: u32,
     pub auto: bool,
     pub manual: bool,
@@ -100,13 +101,13 @@ pub(super) struct DraftArrow {
 
 pub(super) struct DraftConflict {
     pub at: TextRange,
-    pub a: Option<Located<crate::Span>>,
-    pub b: Option<Located<crate::Span>>,
+    pub a: Option<Located<crate::StateSpan>>,
+    pub b: Option<Located<crate::StateSpan>>,
 }
 
 pub(super) struct DraftDevice {
     pub owner: Option<Owner>,
-    pub bus: Bus,
+    pub bus: DeviceBus,
     pub inputs: Vec<Option<InputId>>,
     pub outputs: Vec<Option<OutputId>>,
     pub drive: Option<DraftDrive>,
@@ -194,7 +195,7 @@ impl DraftHolder<'_> {
     }
 }
 
-impl Draft<'_> {
+impl DraftLine<'_> {
     /// What the bits of an owner's image are called.
     pub fn image(&self, owner: Owner) -> &Wiring {
         match owner {
@@ -206,7 +207,7 @@ impl Draft<'_> {
 
 impl DraftOperation<'_> {
     /// Reversible or not; `None` where the text does not say.
-    pub fn kind(&self) -> Option<Kind> {
+    pub fn kind(&self) -> Option<ModuleKind> {
         self.raw.kind.as_ref().map(|kind| kind.value)
     }
 
@@ -270,7 +271,7 @@ impl DraftStation<'_> {
     }
 }
 
-impl Draft<'_> {
+impl DraftLine<'_> {
     /// `station: operation`, for messages.
     pub fn full_name(&self, (station, op): (StationId, OpId)) -> String {
         let station = &self.stations[station.index()];

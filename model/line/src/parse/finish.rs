@@ -5,18 +5,18 @@
 
 use linewright_text::{Located, or};
 
-use super::draft::{Draft, DraftConsole, DraftDevice, DraftOperation, DraftSignals, DraftStation};
-use super::raw::{Kind, RawConsole, RawDevice, RawTiming};
+use super::draft::{DraftConsole, DraftDevice, DraftLine, DraftOperation, DraftSignals, DraftStation};
+use super::raw::{ModuleKind, RawConsole, RawDevice, RawTiming};
 use super::rules::node_id;
 use super::setup;
 use super::{analogue, drive, frames, handling, modbus, task};
 use crate::{
-    Arrow, Canopen, Conflict, Console, Device, DeviceKind, InputId, Io, Line, Module, Operation, Panel, Signals,
-    Station, StopContact, Timing,
+    Arrow, Canopen, Conflict, Console, Device, DeviceKind, InputId, Io, Line, MotionSignals, Operation,
+    OperationModule, Panel, Station, StopContact, Timing,
 };
 
 /// The line a draft describes; `None` if a part is missing.
-pub(super) fn finish(draft: &Draft<'_>) -> Option<Line> {
+pub(super) fn finish(draft: &DraftLine<'_>) -> Option<Line> {
     let raw = draft.raw;
     let name = raw.name.as_ref()?.value.clone();
     Some(Line {
@@ -75,16 +75,16 @@ fn operation(draft: &DraftOperation<'_>) -> Option<Operation> {
     let raw = draft.raw;
     let (duration, watchdog) = (raw.duration.as_ref()?.value, raw.watchdog.as_ref()?.value);
     let module = match draft.kind()? {
-        Kind::Reversible => {
+        ModuleKind::Reversible => {
             let recovery = raw.recovery.as_ref()?;
-            Module::Reversible {
+            OperationModule::Reversible {
                 recovery: signals(draft.recovery.as_ref()?)?,
                 recovery_duration: or(&recovery.duration, duration),
                 recovery_watchdog: or(&recovery.watchdog, watchdog),
             }
         }
-        Kind::Irreversible => {
-            Module::Irreversible { recovery_path: draft.path.iter().map(|step| step.value).collect() }
+        ModuleKind::Irreversible => {
+            OperationModule::Irreversible { recovery_path: draft.path.iter().map(|step| step.value).collect() }
         }
     };
     Some(Operation {
@@ -100,8 +100,8 @@ fn operation(draft: &DraftOperation<'_>) -> Option<Operation> {
     })
 }
 
-fn signals(draft: &DraftSignals) -> Option<Signals> {
-    Some(Signals {
+fn signals(draft: &DraftSignals) -> Option<MotionSignals> {
+    Some(MotionSignals {
         actuator: draft.actuator.as_ref()?.value,
         complete: draft.complete.as_ref()?.value,
         fault: draft.fault.as_ref().map(|fault| fault.value),
@@ -109,7 +109,7 @@ fn signals(draft: &DraftSignals) -> Option<Signals> {
     })
 }
 
-fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
+fn devices(draft: &DraftLine<'_>) -> Option<Vec<Device>> {
     let devices = draft.devices.iter().zip(&draft.raw.devices).map(|(device, raw)| {
         Some(Device {
             name: raw.name.as_ref()?.value.clone(),
@@ -121,7 +121,7 @@ fn devices(draft: &Draft<'_>) -> Option<Vec<Device>> {
     devices.collect()
 }
 
-fn kind(draft: &Draft<'_>, device: &DraftDevice, raw: &RawDevice) -> Option<DeviceKind> {
+fn kind(draft: &DraftLine<'_>, device: &DraftDevice, raw: &RawDevice) -> Option<DeviceKind> {
     if let (Some(draft), Some(raw)) = (&device.frames, &raw.frames) {
         return Some(DeviceKind::Frames(frames::finish(draft, raw)?));
     }

@@ -1,4 +1,4 @@
-//! A device's `dbc` table: its names → bits of its station's image, and at the end → [`Frames`].
+//! A device's `dbc` table: its names → bits of its station's image, and at the end → [`FrameTable`].
 //!
 //! What messages and signals are called only the DBC file knows, which is read elsewhere: those names are passed on with
 //! their places.
@@ -8,7 +8,7 @@ use linewright_text::{LocatedName, Report, or};
 use super::draft::DraftFrames;
 use super::raw::{RawChecksum, RawFrames, RawHeard, RawSignalInput, RawTold};
 use super::wiring::{Wires, one_input, one_output};
-use crate::{Checksum, Frames, Named, Receive, Send, SignalInput, SignalOutput, When};
+use crate::{Checksum, CyclicFrame, DbcName, FrameTable, ReceivedMessageTable, SignalInput, SignalOutput, When};
 
 /// Every signal of its owner that a device's frames name.
 pub(super) fn signals(raw: &RawFrames) -> impl Iterator<Item = &LocatedName> {
@@ -45,10 +45,10 @@ pub(super) fn when(raw: &RawSignalInput) -> Option<When> {
 }
 
 /// The frames a draft describes; `None` if a part is missing.
-pub(super) fn finish(draft: &DraftFrames, raw: &RawFrames) -> Option<Frames> {
+pub(super) fn finish(draft: &DraftFrames, raw: &RawFrames) -> Option<FrameTable> {
     let receive = raw.receive.iter().zip(&draft.inputs).map(|(raw, bound)| receive(raw, bound));
     let send = raw.send.iter().zip(&draft.outputs).map(|(raw, bound)| send(raw, bound));
-    Some(Frames {
+    Some(FrameTable {
         file: named(raw.file.as_ref()?),
         receive: receive.collect::<Option<_>>()?,
         send: send.collect::<Option<_>>()?,
@@ -56,11 +56,11 @@ pub(super) fn finish(draft: &DraftFrames, raw: &RawFrames) -> Option<Frames> {
     })
 }
 
-fn receive(raw: &RawHeard, bound: &[Option<crate::InputId>]) -> Option<Receive> {
+fn receive(raw: &RawHeard, bound: &[Option<crate::InputId>]) -> Option<ReceivedMessageTable> {
     let inputs = raw.inputs.iter().zip(bound).map(|(raw, input)| {
         Some(SignalInput { input: (*input)?, signal: named(raw.signal.as_ref()?), when: when(raw)? })
     });
-    Some(Receive {
+    Some(ReceivedMessageTable {
         message: named(raw.message.as_ref()?),
         timeout: raw.timeout.as_ref()?.value,
         counter: raw.counter.as_ref().map(named),
@@ -69,13 +69,13 @@ fn receive(raw: &RawHeard, bound: &[Option<crate::InputId>]) -> Option<Receive> 
     })
 }
 
-fn send(raw: &RawTold, bound: &[Option<crate::OutputId>]) -> Option<Send> {
+fn send(raw: &RawTold, bound: &[Option<crate::OutputId>]) -> Option<CyclicFrame> {
     let outputs = raw.outputs.iter().zip(bound).map(|(raw, output)| {
         let signal = named(raw.signal.as_ref()?);
         Some(SignalOutput { output: (*output)?, signal, on: or(&raw.on, 1.0), off: or(&raw.off, 0.0) })
     });
     let set = raw.set.iter().map(|set| Some((named(set.signal.as_ref()?), set.value.as_ref()?.value)));
-    Some(Send {
+    Some(CyclicFrame {
         message: named(raw.message.as_ref()?),
         every: raw.every.as_ref()?.value,
         lets_go_after: raw.lets_go_after.as_ref().map(|time| time.value),
@@ -86,10 +86,10 @@ fn send(raw: &RawTold, bound: &[Option<crate::OutputId>]) -> Option<Send> {
     })
 }
 
-fn checksum(raw: &RawChecksum) -> Option<(Named, Checksum)> {
+fn checksum(raw: &RawChecksum) -> Option<(DbcName, Checksum)> {
     Some((named(raw.signal.as_ref()?), raw.kind))
 }
 
-fn named(name: &LocatedName) -> Named {
-    Named { name: name.value.clone(), at: name.at.clone() }
+fn named(name: &LocatedName) -> DbcName {
+    DbcName { name: name.value.clone(), at: name.at.clone() }
 }

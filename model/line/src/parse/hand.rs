@@ -1,4 +1,4 @@
-//! Hand-mode entries: a type's number and its buttons → [`Hand`] (seed 002 Figure 21 and Table 3).
+//! Hand-mode entries: a type's number and its buttons → [`HandMode`] (seed 002 Figure 21 and Table 3).
 //!
 //! Each type has its own set of buttons; what the types of neighbours have to do with each other is for
 //! [`super::rules`].
@@ -6,7 +6,7 @@
 use linewright_text::{Located, LocatedName, NameTable, Problem, Report};
 
 use super::raw::RawHand;
-use crate::{ButtonId, Hand};
+use crate::{ButtonId, HandMode};
 
 /// What the types are for, for hints.
 pub(super) fn purpose(number: u8) -> &'static str {
@@ -27,7 +27,7 @@ pub(super) fn hand(
     buttons: &NameTable<'_>,
     ends_task: bool,
     report: &mut Report,
-) -> Option<Located<Hand>> {
+) -> Option<Located<HandMode>> {
     let mut press = |name: &Option<LocatedName>| {
         let name = name.as_ref()?;
         buttons.find(name, "button", report).map(ButtonId::at)
@@ -55,12 +55,12 @@ pub(super) fn hand(
     let forward = forward?;
     let next = if ends_task { Some(forward) } else { next };
     let hand = match kind {
-        1 => Hand::Sequence { forward },
-        2 => Hand::SequenceEnd { forward, next: next? },
-        3 => Hand::ReversedStart { forward, back: back? },
-        4 => Hand::ReversedMiddle { forward, back: back? },
-        5 => Hand::ReversedEnd { forward, back: back?, next: next? },
-        _ => Hand::Single { forward, back: back?, next: next? },
+        1 => HandMode::Sequence { forward },
+        2 => HandMode::SequenceEnd { forward, next: next? },
+        3 => HandMode::ReversedStart { forward, back: back? },
+        4 => HandMode::ReversedMiddle { forward, back: back? },
+        5 => HandMode::ReversedEnd { forward, back: back?, next: next? },
+        _ => HandMode::Single { forward, back: back?, next: next? },
     };
     Some(Located::new(hand, raw.at.clone()))
 }

@@ -5,9 +5,9 @@
 use linewright_text::{Located, LocatedName, NameTable, Problem, Report, TextRange, suggestion, tag, unique};
 
 use super::draft::{DraftHandling, DraftHolder, DraftReach, DraftSensor, DraftSign, DraftStand, DraftStation};
-use super::names::Names;
+use super::names::LineNames;
 use super::raw::{RawHolder, RawLine, RawReach, RawSensor, RawSign, RawStand};
-use crate::{AxisId, Grip, Handling, Holder, HolderId, InputId, OutputId, Reach, Sensor, Sign, Stand, StationId};
+use crate::{AxisId, Grip, Holder, HolderId, InputId, MaterialFlow, OutputId, Reach, Sensor, Sign, Stand, StationId};
 
 /// What stands between a station and its holder or axis.
 const DOT: char = '.';
@@ -15,7 +15,7 @@ const DOT: char = '.';
 /// Resolves everything that can be, and tells each station which of its inputs see parts.
 pub(super) fn resolve<'a>(
     raw: &'a RawLine,
-    names: &Names<'a>,
+    names: &LineNames<'a>,
     stations: &mut [DraftStation<'a>],
     report: &mut Report,
 ) -> DraftHandling<'a> {
@@ -24,7 +24,7 @@ pub(super) fn resolve<'a>(
         holders.iter().map(|holder| Located::new(holder.name.clone(), holder.raw.at.clone())).collect();
     let mut table = NameTable::default();
     full.iter().enumerate().for_each(|(id, name)| _ = table.define(name, id));
-    let scope = Scope { names, stations, holders: &table };
+    let scope = HolderScope { names, stations, holders: &table };
     let mut reaches = Vec::new();
     for (station, of) in raw.stations.iter().enumerate() {
         reaches.extend(of.reaches.iter().map(|reach| scope.reach(station, reach, report)));
@@ -37,7 +37,7 @@ pub(super) fn resolve<'a>(
 }
 
 /// Those of stations come first, in the order of the text.
-fn holders<'a>(raw: &'a RawLine, names: &Names<'a>, report: &mut Report) -> Vec<DraftHolder<'a>> {
+fn holders<'a>(raw: &'a RawLine, names: &LineNames<'a>, report: &mut Report) -> Vec<DraftHolder<'a>> {
     let mut holders = Vec::new();
     for (id, station) in raw.stations.iter().enumerate() {
         let mut inside = NameTable::default();
@@ -79,13 +79,13 @@ fn stand(station: usize, axis: usize, at: f64, place: TextRange) -> DraftStand {
     Located::new(Stand { station: StationId::at(station), axis: AxisId::at(axis), at }, place)
 }
 
-struct Scope<'a, 's> {
-    names: &'s Names<'a>,
+struct HolderScope<'a, 's> {
+    names: &'s LineNames<'a>,
     stations: &'s [DraftStation<'a>],
     holders: &'s NameTable<'s>,
 }
 
-impl Scope<'_, '_> {
+impl HolderScope<'_, '_> {
     fn reach<'r>(&self, station: usize, raw: &'r RawReach, report: &mut Report) -> DraftReach<'r> {
         let station_name = self.stations[station].name;
         let hand = raw.hand.as_ref().and_then(|name| {
@@ -191,7 +191,7 @@ impl Scope<'_, '_> {
 }
 
 /// What stands in the line.
-pub(super) fn finish(draft: &DraftHandling<'_>) -> Option<Handling> {
+pub(super) fn finish(draft: &DraftHandling<'_>) -> Option<MaterialFlow> {
     let holder = |holder: &DraftHolder<'_>| {
         let places = holder.raw.places.as_ref().map_or(Some(1), |places| u16::try_from(places.value).ok())?;
         let closes = holder.closes.as_ref().map(|stand| stand.value);
@@ -220,7 +220,7 @@ pub(super) fn finish(draft: &DraftHandling<'_>) -> Option<Handling> {
         });
         Some(Sensor { station: *station, input: input.value, when: when.collect::<Option<_>>()? })
     };
-    Some(Handling {
+    Some(MaterialFlow {
         holders: draft.holders.iter().map(holder).collect::<Option<_>>()?,
         reaches: draft.reaches.iter().map(reach).collect::<Option<_>>()?,
         sensors: draft.sensors.iter().map(sensor).collect::<Option<_>>()?,

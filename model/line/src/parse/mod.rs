@@ -35,7 +35,7 @@ use crate::Line;
 
 /// A sound description.
 #[derive(Clone, Debug)]
-pub struct Parsed {
+pub struct ParsedLine {
     /// The line it describes.
     pub line: Line,
     /// What is suspicious about it, in the order of the text; [`Problems::new`] has them drawn.
@@ -46,11 +46,11 @@ pub struct Parsed {
 ///
 /// # Errors
 /// All problems of the text at once, warnings included, each with its place.
-pub fn parse(file_name: &str, text: &str) -> Result<Parsed, Problems> {
+pub fn parse(file_name: &str, text: &str) -> Result<ParsedLine, Problems> {
     let mut report = Report::default();
     let line = understand(text, &mut report);
     let (line, warnings) = report.close(line, file_name, text)?;
-    Ok(Parsed { line, warnings })
+    Ok(ParsedLine { line, warnings })
 }
 
 /// What a description of a line may contain: its keys, with types and bounds. What holds between them, [`parse`] knows.

@@ -6,7 +6,7 @@ use linewright_text::{Located, or};
 
 use super::draft::DraftDevice;
 use super::raw::{RawModbus, RawRegisterValue};
-use crate::{Modbus, RegisterValue, Table, Watchdog};
+use crate::{Modbus, RegisterValue, Table, WatchdogRegister};
 
 /// What a device is asked and told in, where the description does not say.
 pub(super) const CYCLE: Duration = Duration::from_millis(20);
@@ -50,9 +50,10 @@ fn first(raw: Option<(Table, Option<&Located<i64>>)>, usual: Table) -> Option<(T
 pub(super) fn finish(device: &DraftDevice, raw: &RawModbus) -> Option<Modbus> {
     let watchdog = match &raw.watchdog {
         None => None,
-        Some(raw) => {
-            Some(Watchdog { register: word(raw.register.as_ref()?.value)?, timeout: raw.timeout.as_ref()?.value })
-        }
+        Some(raw) => Some(WatchdogRegister {
+            register: word(raw.register.as_ref()?.value)?,
+            timeout: raw.timeout.as_ref()?.value,
+        }),
     };
     Some(Modbus {
         address: raw.address.as_ref()?.value.clone(),

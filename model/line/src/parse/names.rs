@@ -20,7 +20,7 @@ pub(super) struct StationNames<'a> {
 }
 
 /// The names of the whole line, but for its signals, which belong to devices.
-pub(super) struct Names<'a> {
+pub(super) struct LineNames<'a> {
     pub stations: NameTable<'a>,
     /// By station, in the order of the description.
     pub inside: Vec<StationNames<'a>>,
@@ -28,11 +28,11 @@ pub(super) struct Names<'a> {
 }
 
 /// Collects and checks all names.
-pub(super) fn names<'a>(raw: &'a RawLine, report: &mut Report) -> Names<'a> {
+pub(super) fn names<'a>(raw: &'a RawLine, report: &mut Report) -> LineNames<'a> {
     if let Some(name) = &raw.name {
         ros_name(name, "line", report);
     }
-    let mut names = Names { stations: NameTable::default(), inside: Vec::new(), buttons: NameTable::default() };
+    let mut names = LineNames { stations: NameTable::default(), inside: Vec::new(), buttons: NameTable::default() };
     for (id, station) in raw.stations.iter().enumerate() {
         if let Some(name) = &station.name {
             station_name(name, report);

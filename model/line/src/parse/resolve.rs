@@ -1,20 +1,22 @@
-//! Names → numbers: from the description as written to a [`Draft`].
+//! Names → numbers: from the description as written to a [`DraftLine`].
 //!
 //! The only pass that looks names up. Each reference either becomes a number or is reported with what it could have
 //! been; what the numbers may be combined to is for the rules.
 
 use linewright_text::{Located, LocatedName, Problem, Report, nearest, suggestion};
 
-use super::draft::{Draft, DraftArrow, DraftConflict, DraftConsole, DraftOperation, DraftSignals, DraftStation, End};
-use super::names::Names;
+use super::draft::{
+    DraftArrow, DraftConflict, DraftConsole, DraftEnd, DraftLine, DraftOperation, DraftSignals, DraftStation,
+};
+use super::names::LineNames;
 use super::raw::{RawArrow, RawConflict, RawEnd, RawLine, RawMoves, RawOperation, RawSpan, RawStation};
 use super::{hand, handling, rules, task, wiring};
-use crate::{Axis, Bus, InputId, Motion, OpId, OutputId, StationId, TaskId};
-use wiring::{Owned, Wires};
+use crate::{Axis, DeviceBus, InputId, Motion, OpId, OutputId, StationId, TaskId};
+use wiring::{OwnedImages, Wires};
 
 /// Resolves everything that can be.
-pub(super) fn resolve<'a>(raw: &'a RawLine, names: Names<'a>, report: &mut Report) -> Draft<'a> {
-    let buses: Vec<Bus> = raw.stations.iter().map(bus).collect();
+pub(super) fn resolve<'a>(raw: &'a RawLine, names: LineNames<'a>, report: &mut Report) -> DraftLine<'a> {
+    let buses: Vec<DeviceBus> = raw.stations.iter().map(bus).collect();
     let (devices, mut owned) = wiring::wire(raw, &names, &buses, report);
     let mut stations = Vec::new();
     for (id, station) in raw.stations.iter().enumerate() {
@@ -25,25 +27,25 @@ pub(super) fn resolve<'a>(raw: &'a RawLine, names: Names<'a>, report: &mut Repor
     let arrows = raw.arrows.iter().map(|a| arrow(a, &names, report)).collect();
     let conflicts = raw.conflicts.iter().map(|c| conflict(c, &stations, &names, report)).collect();
     let console = console(raw, owned.console, report);
-    Draft { raw, names, stations, arrows, conflicts, devices, console, handling }
+    DraftLine { raw, names, stations, arrows, conflicts, devices, console, handling }
 }
 
-fn bus(station: &RawStation) -> Bus {
-    station.bus.as_ref().map_or(Bus::Line, |bus| Bus::Own(bus.value.clone()))
+fn bus(station: &RawStation) -> DeviceBus {
+    station.bus.as_ref().map_or(DeviceBus::Line, |bus| DeviceBus::Own(bus.value.clone()))
 }
 
 fn station<'a>(
     id: StationId,
     raw: &'a RawStation,
-    names: &Names<'a>,
-    owned: &Owned<'a>,
+    names: &LineNames<'a>,
+    owned: &OwnedImages<'a>,
     wires: Wires<'a>,
-    bus: Bus,
+    bus: DeviceBus,
     report: &mut Report,
 ) -> DraftStation<'a> {
     let inside = &names.inside[id.index()];
     let name = raw.name.as_ref().map_or("?", |n| n.value.as_str());
-    let mut scope = Scope { name, wires: &wires, owned };
+    let mut scope = StationScope { name, wires: &wires, owned };
     let ends_task = |nth: usize| task::ends(raw, nth);
     let operations = raw.operations.iter().enumerate();
     let mut operations: Vec<_> =
@@ -79,8 +81,8 @@ fn station<'a>(
 fn operation<'a>(
     raw: &'a RawOperation,
     station: StationId,
-    names: &Names<'a>,
-    scope: &mut Scope<'a, '_>,
+    names: &LineNames<'a>,
+    scope: &mut StationScope<'a, '_>,
     ends_task: bool,
     report: &mut Report,
 ) -> DraftOperation<'a> {
@@ -119,13 +121,13 @@ fn motion(raw: &RawMoves, inside: &super::names::StationNames<'_>, report: &mut 
 }
 
 /// What a signal name may refer to inside one station.
-pub(super) struct Scope<'a, 's> {
+pub(super) struct StationScope<'a, 's> {
     name: &'a str,
     wires: &'s Wires<'a>,
-    owned: &'s Owned<'a>,
+    owned: &'s OwnedImages<'a>,
 }
 
-impl Scope<'_, '_> {
+impl StationScope<'_, '_> {
     fn signals(&mut self, raw: &super::raw::RawSignals, report: &mut Report) -> DraftSignals {
         DraftSignals {
             actuator: self.output(raw.actuator.as_ref(), report),
@@ -186,7 +188,7 @@ impl Scope<'_, '_> {
     }
 }
 
-fn arrow(raw: &RawArrow, names: &Names<'_>, report: &mut Report) -> DraftArrow {
+fn arrow(raw: &RawArrow, names: &LineNames<'_>, report: &mut Report) -> DraftArrow {
     DraftArrow {
         at: raw.at.clone(),
         from: raw.from.as_ref().and_then(|end| self::end(end, names, report)),
@@ -197,14 +199,14 @@ fn arrow(raw: &RawArrow, names: &Names<'_>, report: &mut Report) -> DraftArrow {
     }
 }
 
-fn end(raw: &RawEnd, names: &Names<'_>, report: &mut Report) -> Option<End> {
+fn end(raw: &RawEnd, names: &LineNames<'_>, report: &mut Report) -> Option<DraftEnd> {
     let station = names.stations.find(&raw.station, "station", report)?;
     let op = station_operation(station, &raw.operation, names, report)?;
     Some(Located::new((StationId::at(station), op), raw.station.at.start..raw.operation.at.end))
 }
 
 /// An operation that is named together with its station: it may be another station's by mistake.
-fn station_operation(station: usize, name: &LocatedName, names: &Names<'_>, report: &mut Report) -> Option<OpId> {
+fn station_operation(station: usize, name: &LocatedName, names: &LineNames<'_>, report: &mut Report) -> Option<OpId> {
     let operations = &names.inside[station].operations;
     if let Some(op) = operations.get(&name.value) {
         return Some(OpId::at(op));
@@ -225,7 +227,12 @@ fn station_operation(station: usize, name: &LocatedName, names: &Names<'_>, repo
     None
 }
 
-fn conflict(raw: &RawConflict, stations: &[DraftStation<'_>], names: &Names<'_>, report: &mut Report) -> DraftConflict {
+fn conflict(
+    raw: &RawConflict,
+    stations: &[DraftStation<'_>],
+    names: &LineNames<'_>,
+    report: &mut Report,
+) -> DraftConflict {
     let mut span = |raw: &Option<RawSpan>| raw.as_ref().and_then(|span| self::span(span, stations, names, report));
     let (a, b) = (span(&raw.a), span(&raw.b));
     DraftConflict { at: raw.at.clone(), a, b }
@@ -234,9 +241,9 @@ fn conflict(raw: &RawConflict, stations: &[DraftStation<'_>], names: &Names<'_>,
 fn span(
     raw: &RawSpan,
     stations: &[DraftStation<'_>],
-    names: &Names<'_>,
+    names: &LineNames<'_>,
     report: &mut Report,
-) -> Option<Located<crate::Span>> {
+) -> Option<Located<crate::StateSpan>> {
     let station = names.stations.find(raw.station.as_ref()?, "station", report)?;
     let described = &stations[station];
     if let Some(task) = &raw.task {
@@ -249,7 +256,8 @@ fn span(
         }
         let ops = &described.tasks[names.inside[station].tasks.find(task, "task of this station", report)?].ops;
         let last = ops.end.checked_sub(1).filter(|_| !ops.is_empty())?;
-        let span = crate::Span { station: StationId::at(station), from: OpId::at(ops.start), until: OpId::at(last) };
+        let span =
+            crate::StateSpan { station: StationId::at(station), from: OpId::at(ops.start), until: OpId::at(last) };
         return Some(Located::new(span, raw.at.clone()));
     }
     if described.works_on_order() {
@@ -266,7 +274,7 @@ fn span(
     }
     let from = raw.from.as_ref().and_then(|name| station_operation(station, name, names, report));
     let until = raw.until.as_ref().and_then(|name| station_operation(station, name, names, report));
-    let span = crate::Span { station: StationId::at(station), from: from?, until: until? };
+    let span = crate::StateSpan { station: StationId::at(station), from: from?, until: until? };
     Some(Located::new(span, raw.at.clone()))
 }
 

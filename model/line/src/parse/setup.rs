@@ -3,7 +3,7 @@
 use linewright_text::Located;
 
 use super::raw::{RawDevice, RawIdentity, RawSetting, RawTransmission, Width};
-use crate::{Identity, Setting, Setup, Transmission};
+use crate::{DeviceIdentity, DeviceSetup, ObjectWrite, Transmission};
 
 /// An object as people write it, in hexadecimal: `6206:01`, `6206h:1`, `0x1029`; without a subindex it is 0.
 pub(super) fn object(text: &str) -> Option<(u16, u8)> {
@@ -37,11 +37,11 @@ pub(super) fn part(value: i64) -> Option<u32> {
 }
 
 /// The setup a device describes; `None` if a part is missing.
-pub(super) fn finish(raw: &RawDevice) -> Option<Setup> {
-    let identity = raw.identity.as_ref().map_or(Some(Identity::default()), identity)?;
+pub(super) fn finish(raw: &RawDevice) -> Option<DeviceSetup> {
+    let identity = raw.identity.as_ref().map_or(Some(DeviceIdentity::default()), identity)?;
     let settings = raw.settings.iter().map(setting).collect::<Option<_>>()?;
     let transmission = raw.transmission.as_ref().map_or(Some(Transmission::default()), types)?;
-    Some(Setup {
+    Some(DeviceSetup {
         file: raw.file.as_ref().map(|file| file.value.clone()),
         identity,
         settings,
@@ -66,7 +66,7 @@ fn types(raw: &RawTransmission) -> Option<Transmission> {
     Some(Transmission { inputs: kind(&raw.inputs)?, outputs: kind(&raw.outputs)? })
 }
 
-fn identity(raw: &RawIdentity) -> Option<Identity> {
+fn identity(raw: &RawIdentity) -> Option<DeviceIdentity> {
     let mut numbers = [None; 5];
     for (number, raw) in numbers.iter_mut().zip(raw.parts()) {
         *number = match raw {
@@ -75,12 +75,12 @@ fn identity(raw: &RawIdentity) -> Option<Identity> {
         };
     }
     let [device_type, vendor, product, revision, serial] = numbers;
-    Some(Identity { device_type, vendor, product, revision, serial })
+    Some(DeviceIdentity { device_type, vendor, product, revision, serial })
 }
 
-pub(super) fn setting(raw: &RawSetting) -> Option<Setting> {
+pub(super) fn setting(raw: &RawSetting) -> Option<ObjectWrite> {
     let (index, sub) = object(&raw.object.as_ref()?.value)?;
-    Some(Setting { index, sub, data: raw.width.bytes_of(raw.value.as_ref()?.value)? })
+    Some(ObjectWrite { index, sub, data: raw.width.bytes_of(raw.value.as_ref()?.value)? })
 }
 
 #[cfg(test)]

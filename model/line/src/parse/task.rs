@@ -7,8 +7,8 @@ use linewright_text::{Located, Report};
 use super::draft::{DraftOperation, DraftParameter, DraftStation, DraftTask};
 use super::names::StationNames;
 use super::raw::RawStation;
-use super::resolve::Scope;
-use crate::{ButtonId, Hand, OpId, Parameter, Rest, RestId, Task, TaskId};
+use super::resolve::StationScope;
+use crate::{ButtonId, HandMode, OpId, Parameter, Rest, RestId, Task, TaskId};
 
 /// Whether the `nth` operation is the last one of its task.
 pub(super) fn ends(raw: &RawStation, nth: usize) -> bool {
@@ -36,7 +36,7 @@ pub(super) fn tasks<'a>(
     raw: &'a RawStation,
     inside: &StationNames<'a>,
     operations: &[DraftOperation<'a>],
-    scope: &mut Scope<'a, '_>,
+    scope: &mut StationScope<'a, '_>,
     report: &mut Report,
 ) -> Vec<DraftTask<'a>> {
     let mut tasks = Vec::new();
@@ -89,12 +89,12 @@ pub(super) fn lead_on(operations: &mut [DraftOperation<'_>], tasks: &[DraftTask<
     }
 }
 
-fn followed_by(hand: Hand, next: ButtonId) -> Hand {
+fn followed_by(hand: HandMode, next: ButtonId) -> HandMode {
     match hand {
-        Hand::Sequence { .. } | Hand::ReversedStart { .. } | Hand::ReversedMiddle { .. } => hand,
-        Hand::SequenceEnd { forward, next: _ } => Hand::SequenceEnd { forward, next },
-        Hand::ReversedEnd { forward, back, next: _ } => Hand::ReversedEnd { forward, back, next },
-        Hand::Single { forward, back, next: _ } => Hand::Single { forward, back, next },
+        HandMode::Sequence { .. } | HandMode::ReversedStart { .. } | HandMode::ReversedMiddle { .. } => hand,
+        HandMode::SequenceEnd { forward, next: _ } => HandMode::SequenceEnd { forward, next },
+        HandMode::ReversedEnd { forward, back, next: _ } => HandMode::ReversedEnd { forward, back, next },
+        HandMode::Single { forward, back, next: _ } => HandMode::Single { forward, back, next },
     }
 }
 

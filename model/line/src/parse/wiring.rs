@@ -6,10 +6,10 @@
 use linewright_text::{Located, LocatedName, NameTable, Problem, Report, tag};
 
 use super::draft::{DraftDevice, Wiring};
-use super::names::Names;
+use super::names::LineNames;
 use super::raw::{RawDevice, RawLine};
 use super::{analogue, drive, frames};
-use crate::{Bus, IMAGE_BITS, InputId, OutputId, Owner, StationId};
+use crate::{DeviceBus, IMAGE_BITS, InputId, OutputId, Owner, StationId};
 
 /// One owner's image while it is being put together.
 #[derive(Default)]
@@ -20,13 +20,13 @@ pub(super) struct Wires<'a> {
 }
 
 /// All owners' images.
-pub(super) struct Owned<'a> {
+pub(super) struct OwnedImages<'a> {
     pub stations: Vec<Wires<'a>>,
     pub console: Wires<'a>,
     raw: &'a RawLine,
 }
 
-impl Owned<'_> {
+impl OwnedImages<'_> {
     /// Some owner of a device with a signal of this name, for a hint.
     pub fn elsewhere(&self, name: &str) -> Option<String> {
         let names = |d: &RawDevice| {
@@ -47,20 +47,20 @@ impl Owned<'_> {
 /// Puts all images together.
 pub(super) fn wire<'a>(
     raw: &'a RawLine,
-    names: &Names<'a>,
-    buses: &[Bus],
+    names: &LineNames<'a>,
+    buses: &[DeviceBus],
     report: &mut Report,
-) -> (Vec<DraftDevice>, Owned<'a>) {
+) -> (Vec<DraftDevice>, OwnedImages<'a>) {
     let stations = raw.stations.iter().map(|_| Wires::default()).collect();
-    let mut owned = Owned { stations, console: Wires::default(), raw };
+    let mut owned = OwnedImages { stations, console: Wires::default(), raw };
     let mut nobody = Wires::default();
     let mut devices = Vec::new();
     for device in &raw.devices {
         let owner = owner(device, names, report);
         let (wires, bus) = match owner {
             Some(Owner::Station(id)) => (&mut owned.stations[id.index()], buses[id.index()].clone()),
-            Some(Owner::Console) => (&mut owned.console, Bus::Line),
-            None => (&mut nobody, Bus::Line),
+            Some(Owner::Console) => (&mut owned.console, DeviceBus::Line),
+            None => (&mut nobody, DeviceBus::Line),
         };
         let (inputs, outputs) = (inputs(device, wires, report), outputs(device, wires, report));
         let axes = match owner {
@@ -79,7 +79,7 @@ pub(super) fn wire<'a>(
 }
 
 /// Whose a device is: a station's or the console's, and one of them.
-fn owner(device: &RawDevice, names: &Names<'_>, report: &mut Report) -> Option<Owner> {
+fn owner(device: &RawDevice, names: &LineNames<'_>, report: &mut Report) -> Option<Owner> {
     let is_console = device.console.as_ref().filter(|c| c.value);
     match (&device.station, is_console) {
         (Some(station), None) => {

@@ -7,8 +7,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Arrow, Axis, AxisId, Bus, ButtonId, Console, Hand, Handling, InputId, Line, Module, Motion, OpId, Operation,
-    OutputId, Panel, Signals, Station, StationId, Timing,
+    Arrow, Axis, AxisId, ButtonId, Console, DeviceBus, HandMode, InputId, Line, MaterialFlow, Motion, MotionSignals,
+    OpId, Operation, OperationModule, OutputId, Panel, Station, StationId, Timing,
 };
 
 /// One operation to be built.
@@ -59,7 +59,7 @@ pub fn station(name: &str, home: usize, ops: &[Op], first_button: u16, share: bo
         .enumerate()
         .map(|(n, op)| {
             let op_id = OpId::at(n);
-            let signals = |recovery: bool| Signals {
+            let signals = |recovery: bool| MotionSignals {
                 actuator: OutputId(op_id.0 * 2 + u16::from(recovery)),
                 complete: InputId(op_id.0 * 4 + if recovery { 2 } else { 0 }),
                 fault: Some(InputId(op_id.0 * 4 + if recovery { 3 } else { 1 })),
@@ -68,12 +68,14 @@ pub fn station(name: &str, home: usize, ops: &[Op], first_button: u16, share: bo
             Operation {
                 name: format!("op {n}"),
                 module: match &op.path {
-                    None => Module::Reversible {
+                    None => OperationModule::Reversible {
                         recovery: signals(true),
                         recovery_duration: Duration::from_millis(100),
                         recovery_watchdog: Duration::from_millis(1000),
                     },
-                    Some(path) => Module::Irreversible { recovery_path: path.iter().map(|&p| OpId::at(p)).collect() },
+                    Some(path) => {
+                        OperationModule::Irreversible { recovery_path: path.iter().map(|&p| OpId::at(p)).collect() }
+                    }
                 },
                 duration: Duration::from_millis(100),
                 watchdog: Duration::from_millis(1000),
@@ -104,7 +106,7 @@ pub fn station(name: &str, home: usize, ops: &[Op], first_button: u16, share: bo
             advance: Some(InputId(PANEL[1])),
             retract: Some(InputId(PANEL[2])),
         },
-        bus: Bus::Line,
+        bus: DeviceBus::Line,
         operations,
         steps,
         rests: Vec::new(),
@@ -112,7 +114,7 @@ pub fn station(name: &str, home: usize, ops: &[Op], first_button: u16, share: bo
     }
 }
 
-fn hands(ops: &[Op], first_button: u16, share: bool) -> Vec<Hand> {
+fn hands(ops: &[Op], first_button: u16, share: bool) -> Vec<HandMode> {
     // Which sequence each operation belongs to.
     let mut sequence_of = Vec::new();
     let mut sequence = 0;
@@ -129,12 +131,12 @@ fn hands(ops: &[Op], first_button: u16, share: bool) -> Vec<Hand> {
         .map(|(op, s)| {
             let (forward, back, next) = (forward(s), back(s), forward(s + 1));
             match op.hand {
-                1 => Hand::Sequence { forward },
-                2 => Hand::SequenceEnd { forward, next },
-                3 => Hand::ReversedStart { forward, back },
-                4 => Hand::ReversedMiddle { forward, back },
-                5 => Hand::ReversedEnd { forward, back, next },
-                6 => Hand::Single { forward, back, next },
+                1 => HandMode::Sequence { forward },
+                2 => HandMode::SequenceEnd { forward, next },
+                3 => HandMode::ReversedStart { forward, back },
+                4 => HandMode::ReversedMiddle { forward, back },
+                5 => HandMode::ReversedEnd { forward, back, next },
+                6 => HandMode::Single { forward, back, next },
                 other => panic!("there is no hand type {other}"),
             }
         })
@@ -153,7 +155,7 @@ pub fn line(stations: Vec<Station>, arrows: Vec<Arrow>) -> Line {
         buttons: (0..32).map(|n| format!("B{n}")).collect(),
         console: Console::default(),
         timing: Timing::default(),
-        handling: Handling::default(),
+        handling: MaterialFlow::default(),
     }
 }
 

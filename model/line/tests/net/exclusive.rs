@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use linewright_line::net::{Block, ControlMode, Literal, StationNet, Term, Var};
+use linewright_line::net::{Block, Conjunction, ControlMode, Literal, StationNet, Var};
 use linewright_line::{ButtonId, Line, OpId, StationId};
 use proptest::prelude::*;
 
@@ -24,12 +24,12 @@ fn is_possible(on: &BTreeSet<Var>) -> bool {
     edges_have_levels && !(has(Var::Advance) && has(Var::Retract)) && paths <= 1 && (paths == 0 || has(Var::OnAnyPath))
 }
 
-fn holds(term: &Term, on: &BTreeSet<Var>) -> bool {
+fn holds(term: &Conjunction, on: &BTreeSet<Var>) -> bool {
     term.iter().all(|literal| on.contains(&literal.var) == literal.on)
 }
 
 /// Every possible assignment of the variables of these terms, levels of edges included.
-fn assignments<'a>(terms: impl Iterator<Item = &'a Term>) -> impl Iterator<Item = BTreeSet<Var>> {
+fn assignments<'a>(terms: impl Iterator<Item = &'a Conjunction>) -> impl Iterator<Item = BTreeSet<Var>> {
     let mut vars: BTreeSet<Var> = terms.flatten().map(|literal| literal.var).collect();
     for var in vars.clone() {
         match var {
@@ -96,7 +96,7 @@ fn two_literals_exclude_each_other_exactly_if_no_assignment_has_both() {
     }
 }
 
-fn term() -> impl Strategy<Value = Term> {
+fn term() -> impl Strategy<Value = Conjunction> {
     prop::collection::vec((0..RELATED.len(), any::<bool>()).prop_map(|(n, on)| Literal { var: RELATED[n], on }), 0..5)
 }
 
@@ -111,7 +111,7 @@ proptest! {
     /// The test `overlaps` uses, on any two terms that can hold by themselves: it errs in neither direction.
     #[test]
     fn terms_exclude_each_other_exactly_if_two_of_their_literals_do(a in term(), b in term()) {
-        let alone = |term: &Term| assignments([term].into_iter()).any(|on| holds(term, &on));
+        let alone = |term: &Conjunction| assignments([term].into_iter()).any(|on| holds(term, &on));
         prop_assume!(alone(&a) && alone(&b));
         let found = a.iter().any(|la| b.iter().any(|lb| la.excludes(*lb)));
         let together = assignments([&a, &b].into_iter()).any(|on| holds(&a, &on) && holds(&b, &on));

@@ -1,7 +1,7 @@
 //! The shape of the net: Propositions 1 and 2 of seed 002.
 
-use linewright_line::net::{Kind, Place, StationNet, overlaps};
-use linewright_line::{Line, Module, StationId};
+use linewright_line::net::{StationNet, StationPlace, TransitionKind, overlaps};
+use linewright_line::{Line, OperationModule, StationId};
 use linewright_nets::{explore, state_machine_verdict};
 use proptest::prelude::*;
 
@@ -19,11 +19,11 @@ fn check(line: &Line, station: StationId) {
     let described = line.station(station);
     let net = StationNet::of(line, station);
     let irreversible =
-        described.operations.iter().filter(|op| matches!(op.module, Module::Irreversible { .. })).count();
+        described.operations.iter().filter(|op| matches!(op.module, OperationModule::Irreversible { .. })).count();
     let reversible = described.operations.len() - irreversible;
     assert_eq!(net.places().len(), 6 * reversible + 3 * irreversible, "6j + 3k places");
     assert_eq!(net.net().initial_marking().total(), 1, "one token");
-    let home = net.place_index(Place::completed(described.home)).expect("home is a place");
+    let home = net.place_index(StationPlace::completed(described.home)).expect("home is a place");
     assert_eq!(net.net().initial_marking().as_slice()[home], 1, "at home");
     assert_eq!(overlaps(&net), [], "output transitions of a place exclude each other");
     if has_groups(line, station) {
@@ -55,7 +55,7 @@ fn side_by_side_operations_fork_join_and_stay_live() {
     let widths: Vec<_> = net
         .transitions()
         .iter()
-        .filter(|t| matches!(t.kind, Kind::Next { .. }))
+        .filter(|t| matches!(t.kind, TransitionKind::Next { .. }))
         .map(|t| (t.from.len(), t.to.len()))
         .collect();
     assert_eq!(widths, [(1, 3), (3, 1), (1, 1)]);
@@ -66,7 +66,8 @@ fn irreversible_operations_share_the_hops_of_their_way_home() {
     let line = alone(5, &[r(1), r(1), i(1, &[1, 0]), i(1, &[0]), r(1), r(2)]);
     check(&line, StationId(0));
     let net = StationNet::of(&line, StationId(0));
-    let hops: Vec<_> = net.transitions().iter().filter(|t| matches!(t.kind, Kind::FollowPath { .. })).collect();
+    let hops: Vec<_> =
+        net.transitions().iter().filter(|t| matches!(t.kind, TransitionKind::FollowPath { .. })).collect();
     assert_eq!(hops.len(), 2, "op 1 to op 0, and op 0 to home for both");
 }
 

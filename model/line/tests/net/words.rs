@@ -1,10 +1,10 @@
 //! Conditions in the words of the seed's tables, for comparing a net with them.
 
-use linewright_line::net::{Kind, Literal, Term, Transition, Var};
-use linewright_line::{Hand, Station};
+use linewright_line::net::{Conjunction, Literal, StationTransition, TransitionKind, Var};
+use linewright_line::{HandMode, Station};
 
 /// The terms of one cell: `·` where the transition never fires, `N.C.` where nothing is asked.
-pub fn cell(terms: &[Term], hand: Hand) -> String {
+pub fn cell(terms: &[Conjunction], hand: HandMode) -> String {
     if terms.is_empty() {
         return "·".to_owned();
     }
@@ -12,7 +12,7 @@ pub fn cell(terms: &[Term], hand: Hand) -> String {
     words.join(" or ")
 }
 
-fn term_words(term: &Term, hand: Hand) -> String {
+fn term_words(term: &Conjunction, hand: HandMode) -> String {
     if term.is_empty() {
         return "N.C.".to_owned();
     }
@@ -20,7 +20,7 @@ fn term_words(term: &Term, hand: Hand) -> String {
     words.join(" ")
 }
 
-fn literal_words(literal: Literal, hand: Hand) -> String {
+fn literal_words(literal: Literal, hand: HandMode) -> String {
     let button = |button| match button {
         b if b == hand.forward() => "h_a",
         b if Some(b) == hand.back() => "h_b",
@@ -49,24 +49,25 @@ fn literal_words(literal: Literal, hand: Hand) -> String {
 }
 
 /// The seed's number of a transition of the operation `op`, or of its step; `None` for another's.
-pub fn number(station: &Station, transition: &Transition, op: linewright_line::OpId) -> Option<&'static str> {
+pub fn number(station: &Station, transition: &StationTransition, op: linewright_line::OpId) -> Option<&'static str> {
     use linewright_line::net::Block::{Normal, Recovery};
     let step = station.step_of(op);
-    let reversible = matches!(station.operations[op.index()].module, linewright_line::Module::Reversible { .. });
+    let reversible =
+        matches!(station.operations[op.index()].module, linewright_line::OperationModule::Reversible { .. });
     Some(match transition.kind {
-        Kind::Stop(o, Normal) if o == op => "t1",
-        Kind::Resume(o, Normal) if o == op => "t2",
-        Kind::Complete(o, Normal) if o == op => "t3",
-        Kind::Undo(o) if o == op => "t4",
-        Kind::Retract(o) | Kind::EnterPath(o) if o == op => "t5",
-        Kind::Stop(o, Recovery) if o == op => "t6",
-        Kind::Resume(o, Recovery) if o == op => "t7",
-        Kind::Complete(o, Recovery) if o == op => "t8",
-        Kind::Restart(o) if o == op => "t9",
-        Kind::Again(o) if o == op => "t10",
-        Kind::Next { from, .. } if from == step && reversible => "t11",
-        Kind::Next { from, .. } if from == step => "t4",
-        Kind::Back { from, .. } if from == step => "t12",
+        TransitionKind::Stop(o, Normal) if o == op => "t1",
+        TransitionKind::Resume(o, Normal) if o == op => "t2",
+        TransitionKind::Complete(o, Normal) if o == op => "t3",
+        TransitionKind::Undo(o) if o == op => "t4",
+        TransitionKind::Retract(o) | TransitionKind::EnterPath(o) if o == op => "t5",
+        TransitionKind::Stop(o, Recovery) if o == op => "t6",
+        TransitionKind::Resume(o, Recovery) if o == op => "t7",
+        TransitionKind::Complete(o, Recovery) if o == op => "t8",
+        TransitionKind::Restart(o) if o == op => "t9",
+        TransitionKind::Again(o) if o == op => "t10",
+        TransitionKind::Next { from, .. } if from == step && reversible => "t11",
+        TransitionKind::Next { from, .. } if from == step => "t4",
+        TransitionKind::Back { from, .. } if from == step => "t12",
         _ => return None,
     })
 }

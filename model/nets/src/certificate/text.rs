@@ -119,7 +119,7 @@ fn well_formed(f: &mut fmt::Formatter<'_>, formed: &WellFormed) -> fmt::Result {
 impl Certificate {
     /// Reads what `Display` writes.
     pub fn parse(text: &str) -> Result<Certificate, ParseError> {
-        let mut lines = Lines::new(text);
+        let mut lines = CertificateLines::new(text);
         let claim = lines.next("claim")?;
         let property = |name: &&str| NetProperty::ALL.into_iter().find(|property| property.to_string() == **name);
         let (Some(property), Some(holds)) = (claim.words.first().and_then(property), answer(&claim.words)) else {
@@ -170,7 +170,7 @@ fn answer(words: &[&str]) -> Option<bool> {
 }
 
 /// The lines that are left.
-struct Lines<'text> {
+struct CertificateLines<'text> {
     rest: Vec<(usize, &'text str)>,
     end: usize,
 }
@@ -181,13 +181,13 @@ struct CertificateLine<'text> {
     words: Vec<&'text str>,
 }
 
-impl<'text> Lines<'text> {
+impl<'text> CertificateLines<'text> {
     fn new(text: &'text str) -> Self {
         let lines = (1..).zip(text.lines().map(str::trim));
         let mut rest: Vec<_> = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).collect();
         // The next line is the last one here.
         rest.reverse();
-        Lines { rest, end: text.lines().count() + 1 }
+        CertificateLines { rest, end: text.lines().count() + 1 }
     }
 
     fn has(&self, key: &str) -> bool {

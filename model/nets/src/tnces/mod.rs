@@ -65,7 +65,7 @@ pub use error::{ComposeError, TncesError};
 pub use graph::{GraphArc, Latest, StateGraph, StepId, TimeBound, TimedLabel};
 pub use loops::{LoopShape, StateLoop};
 pub use module::{Port, TncesModule};
-pub use player::{FiredStep, Policy, Refusal, Restless, TncesPlayer};
+pub use player::{FiredStep, NotEnabled, Policy, Restless, TncesPlayer};
 pub use semantics::{ArcClock, Deadline, EventMode, FiringPolicy, Interval, Semantics};
 pub use state::TimedState;
 pub use system::Tnces;

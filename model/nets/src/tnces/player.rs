@@ -33,7 +33,7 @@ pub struct FiredStep {
 
 /// Why a transition does not fire now. Nothing has changed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Refusal {
+pub enum NotEnabled {
     /// Only other transitions make it fire.
     #[error("{transition} fires only when it is forced")]
     Forced { transition: NamedId<TransitionId> },
@@ -132,7 +132,7 @@ impl<T: Borrow<Tnces>> TncesPlayer<T> {
     }
 
     /// Fires a spontaneous transition now, and what it forces.
-    pub fn fire(&mut self, transition: TransitionId) -> Result<FiredStep, Refusal> {
+    pub fn fire(&mut self, transition: TransitionId) -> Result<FiredStep, NotEnabled> {
         self.admit(transition)?;
         let steps = self.engine.steps_of(&self.state, transition);
         let step = steps.into_iter().next().expect("a ripe transition has a step");
@@ -155,7 +155,7 @@ impl<T: Borrow<Tnces>> TncesPlayer<T> {
             self.wait(u64::from(delay));
             match self.fire(transition) {
                 Ok(step) => fired.push(step),
-                Err(Refusal::Tokens(error)) => return Err(Restless::Overflow { time: self.now, error, fired }),
+                Err(NotEnabled::Tokens(error)) => return Err(Restless::Overflow { time: self.now, error, fired }),
                 Err(refusal) => unreachable!("{refusal}"),
             }
         }
@@ -184,11 +184,11 @@ impl<T: Borrow<Tnces>> TncesPlayer<T> {
         }
     }
 
-    fn admit(&self, t: TransitionId) -> Result<(), Refusal> {
+    fn admit(&self, t: TransitionId) -> Result<(), NotEnabled> {
         let net = self.system().net();
         let marking = self.state.marking();
         if self.system().is_forced(t) {
-            return Err(Refusal::Forced { transition: net.transition(t) });
+            return Err(NotEnabled::Forced { transition: net.transition(t) });
         }
         if let Some(&(place, needs)) = net.preset(t).iter().find(|&&(place, needs)| marking.tokens(place) < needs) {
             let (transition, has) = (net.transition(t), marking.tokens(place));
@@ -204,15 +204,15 @@ impl<T: Borrow<Tnces>> TncesPlayer<T> {
         let lacking = |&&(place, needs): &&(PlaceId, u32)| marking.tokens(place) < needs;
         if let Some(&(place, needs)) = self.system().conditions(t).iter().find(lacking) {
             let (transition, has) = (net.transition(t), marking.tokens(place));
-            return Err(Refusal::Condition { transition, place: net.place(place), has, needs });
+            return Err(NotEnabled::Condition { transition, place: net.place(place), has, needs });
         }
         match self.engine.until_ripe(&self.state, t) {
             Some(0) => Ok(()),
             Some(delay) => {
                 let from = self.now.saturating_add(u64::from(delay));
-                Err(Refusal::Early { transition: net.transition(t), from, now: self.now })
+                Err(NotEnabled::Early { transition: net.transition(t), from, now: self.now })
             }
-            None => Err(Refusal::Late { transition: net.transition(t), now: self.now }),
+            None => Err(NotEnabled::Late { transition: net.transition(t), now: self.now }),
         }
     }
 }

@@ -6,14 +6,14 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use linewright_canopen::{Event, Manager};
+use linewright_canopen::{BusEvent, Manager};
 use linewright_fieldbus::{Bus, Clock, Driver};
 use linewright_line::{
-    Bus as BusName, Canopen, Console, Device, DeviceKind, Handling, Identity, InputId, Io, Line, OutputId, Owner,
-    Setup, Timing,
+    Canopen, Console, Device, DeviceBus as BusName, DeviceIdentity, DeviceKind, DeviceSetup, InputId, Io, Line,
+    MaterialFlow, OutputId, Owner, Timing,
 };
 use linewright_plant::PlantOptions;
-use linewright_racks::{Options, run_plant};
+use linewright_racks::{RackOptions, run_plant};
 
 use super::{Place, block_on, of, python};
 
@@ -26,7 +26,7 @@ pub fn run(place: &Place) {
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
     let plant = thread::spawn(move || {
         block_on(async {
-            let options = Options {
+            let options = RackOptions {
                 line_bus: plant.interface.to_owned(),
                 bus: plant.options.clone(),
                 plant: PlantOptions::default(),
@@ -70,8 +70,8 @@ async fn bring_up(place: &Place, groups: Vec<Vec<Device>>) -> Duration {
         while up < group.len() {
             for event in driver.next().await.expect("nobody else is there") {
                 match event {
-                    Event::DeviceUp { .. } => up += 1,
-                    Event::BootFailed { .. } => println!("  {event}"),
+                    BusEvent::DeviceUp { .. } => up += 1,
+                    BusEvent::BootFailed { .. } => println!("  {event}"),
                     _ => {}
                 }
             }
@@ -84,7 +84,7 @@ async fn bring_up(place: &Place, groups: Vec<Vec<Device>>) -> Duration {
 fn line() -> Line {
     let device = |id: u8| {
         let first = u16::from(id - 1) * 4;
-        let identity = Identity {
+        let identity = DeviceIdentity {
             device_type: Some(0x0003_0191),
             vendor: Some(0),
             product: Some(401),
@@ -96,7 +96,7 @@ fn line() -> Line {
             owner: Owner::Console,
             bus: BusName::Line,
             kind: DeviceKind::Io(
-                Canopen { node_id: id, setup: Setup { identity, ..Setup::default() } },
+                Canopen { node_id: id, setup: DeviceSetup { identity, ..DeviceSetup::default() } },
                 Io {
                     inputs: (first..first + 4).map(|bit| Some(InputId(bit))).collect(),
                     outputs: (first..first + 4).map(|bit| Some(OutputId(bit))).collect(),
@@ -120,6 +120,6 @@ fn line() -> Line {
             heartbeat_timeout: Duration::from_secs(2),
             ..Timing::default()
         },
-        handling: Handling::default(),
+        handling: MaterialFlow::default(),
     }
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use linewright_canopen::{Event, Frame, Manager, Message};
+use linewright_canopen::{BusEvent, CanopenMessage, Frame, Manager};
 use linewright_fieldbus::{Bus, Clock, Driver};
 use linewright_line::Timing;
 
@@ -38,10 +38,10 @@ fn device(place: &Place, shared: &Shared) {
                 }
             };
             let taken = shared.began.elapsed().as_nanos() as u64;
-            let answer = match Message::decode(&frame) {
+            let answer = match CanopenMessage::decode(&frame) {
                 // The bare frame.
                 _ if frame.cob_id() == Some(0x010) => Frame::data_frame(0x011, frame.data()),
-                Ok(Message::Rpdo1 { payload, .. }) if payload.bits() != last => {
+                Ok(CanopenMessage::Rpdo1 { payload, .. }) if payload.bits() != last => {
                     last = payload.bits();
                     Some(crowd::inputs(1, last))
                 }
@@ -92,7 +92,7 @@ async fn managed(place: &Place, shared: &Shared) {
         .await
         .expect("nobody else is there")
         .iter()
-        .any(|event| matches!(event, Event::DeviceUp { .. }))
+        .any(|event| matches!(event, BusEvent::DeviceUp { .. }))
     {}
     let owner = crowd::owner(1);
     let mut ways = [Vec::new(), Vec::new()];

@@ -23,14 +23,14 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use linewright_fieldbus::bus::{Options, Transport};
+use linewright_fieldbus::bus::{BusOptions, Transport};
 
 /// Where to measure.
 #[derive(Clone)]
 struct Place {
     name: &'static str,
     interface: &'static str,
-    options: Options,
+    options: BusOptions,
 }
 
 type Part = fn(&Place);
@@ -38,7 +38,7 @@ type Part = fn(&Place);
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let dir = tempfile::tempdir().expect("a directory for the virtual bus");
-    let on = |transport| Options { transport, dir: Some(dir.path().to_owned()) };
+    let on = |transport| BusOptions { transport, dir: Some(dir.path().to_owned()) };
     // Where there are real sockets they are what is asked about; in a user-mode Linux all of it takes minutes.
     let place = if Path::new("/sys/class/net/vcan0").exists() {
         Place { name: "SocketCAN vcan0", interface: "vcan0", options: on(Transport::SocketCan) }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use linewright_canopen::sdo::{Abort, Dictionary, Mode, ObjectId, Options, Server};
-use linewright_canopen::{Message, NodeId};
+use linewright_canopen::sdo::{Abort, Dictionary, ObjectId, SdoServer, TransferMode, TransferOptions};
+use linewright_canopen::{CanopenMessage, NodeId};
 use linewright_fieldbus::{Bus, Clock, sdo_client};
 use tokio::sync::Notify;
 
@@ -51,12 +51,12 @@ fn node() -> NodeId {
 /// Is the node until it is cancelled.
 async fn serve(place: &Place) {
     let mut bus = Bus::open(place.interface, &place.options).expect("the bus is there");
-    let (clock, mut server, mut out) = (Clock::start(), Server::new(1 << 17), Vec::new());
+    let (clock, mut server, mut out) = (Clock::start(), SdoServer::new(1 << 17), Vec::new());
     let mut store = Store { domain: vec![0; LEN] };
     loop {
         tokio::select! {
             biased;
-            frame = bus.recv() => if let Ok(Message::SdoRequest { node: asked, raw }) = Message::decode(&frame.expect("the bus is there"))
+            frame = bus.recv() => if let Ok(CanopenMessage::SdoRequest { node: asked, raw }) = CanopenMessage::decode(&frame.expect("the bus is there"))
                 && asked == node()
             {
                 server.handle(clock.now(), &raw, &mut store, &mut out);
@@ -65,7 +65,7 @@ async fn serve(place: &Place) {
         }
         server.poll(clock.now(), &mut out);
         for raw in out.drain(..) {
-            bus.send(&Message::SdoResponse { node: node(), raw }.encode());
+            bus.send(&CanopenMessage::SdoResponse { node: node(), raw }.encode());
         }
     }
 }
@@ -97,17 +97,17 @@ async fn ours(place: &Place) {
     let mut reads = Vec::new();
     for _ in 0..READS {
         let began = Instant::now();
-        sdo_client::read(&mut bus, node(), NUMBER, Options::default()).await.expect("it is read");
+        sdo_client::read(&mut bus, node(), NUMBER, TransferOptions::default()).await.expect("it is read");
         reads.push(began.elapsed());
     }
     println!("  ours: a number read: {}", of(&mut reads));
     let data: Vec<u8> = (0..LEN).map(|at| (at * 7 + at / 251) as u8).collect();
     for (name, mode, burst) in [
-        ("segments", Mode::Segmented, 4),
-        ("blocks, 4 frames a ms", Mode::Block, 4),
-        ("blocks, unpaced", Mode::Block, 127),
+        ("segments", TransferMode::Segmented, 4),
+        ("blocks, 4 frames a ms", TransferMode::Block, 4),
+        ("blocks, unpaced", TransferMode::Block, 127),
     ] {
-        let options = Options { mode, burst, ..Options::default() };
+        let options = TransferOptions { mode, burst, ..TransferOptions::default() };
         let (mut written, mut read) = (Vec::new(), Vec::new());
         for _ in 0..REPEATS {
             let began = Instant::now();

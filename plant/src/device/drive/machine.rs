@@ -4,12 +4,12 @@
 //! Transitions have the numbers of the figure. Which of them happen by themselves, and when a ramp has to end first,
 //! is the drive's business.
 
-use linewright_canopen::profile::drive::State;
+use linewright_canopen::profile::drive::DriveState;
 use linewright_canopen::profile::drive::word::{ENABLE_OPERATION, FAULT_RESET};
 
 /// The transition that `word` orders in `state`; `before` is the word before it. `stays` is whether the quick stop
 /// option leaves the drive in quick stop active, from where it can be enabled again.
-pub(super) fn ordered(state: State, word: u16, before: u16, stays: bool) -> Option<u8> {
+pub(super) fn ordered(state: DriveState, word: u16, before: u16, stays: bool) -> Option<u8> {
     let bits = |mask: u16, value: u16| word & mask == value;
     let reset = bits(FAULT_RESET, FAULT_RESET) && before & FAULT_RESET == 0;
     let disable_voltage = bits(0x02, 0x00);
@@ -18,41 +18,41 @@ pub(super) fn ordered(state: State, word: u16, before: u16, stays: bool) -> Opti
     let switch_on = bits(0x07, 0x07);
     let enable = bits(ENABLE_OPERATION, ENABLE_OPERATION);
     match state {
-        State::SwitchOnDisabled => shutdown.then_some(2),
-        State::ReadyToSwitchOn if disable_voltage || quick_stop => Some(7),
-        State::ReadyToSwitchOn => switch_on.then_some(3),
-        State::SwitchedOn if disable_voltage || quick_stop => Some(10),
-        State::SwitchedOn if shutdown => Some(6),
-        State::SwitchedOn => enable.then_some(4),
-        State::OperationEnabled if disable_voltage => Some(9),
-        State::OperationEnabled if quick_stop => Some(11),
-        State::OperationEnabled if shutdown => Some(8),
-        State::OperationEnabled => (!enable).then_some(5),
-        State::QuickStopActive if disable_voltage => Some(12),
-        State::QuickStopActive => (enable && stays).then_some(16),
-        State::Fault => reset.then_some(15),
-        State::NotReadyToSwitchOn | State::FaultReactionActive | State::Unknown => None,
+        DriveState::SwitchOnDisabled => shutdown.then_some(2),
+        DriveState::ReadyToSwitchOn if disable_voltage || quick_stop => Some(7),
+        DriveState::ReadyToSwitchOn => switch_on.then_some(3),
+        DriveState::SwitchedOn if disable_voltage || quick_stop => Some(10),
+        DriveState::SwitchedOn if shutdown => Some(6),
+        DriveState::SwitchedOn => enable.then_some(4),
+        DriveState::OperationEnabled if disable_voltage => Some(9),
+        DriveState::OperationEnabled if quick_stop => Some(11),
+        DriveState::OperationEnabled if shutdown => Some(8),
+        DriveState::OperationEnabled => (!enable).then_some(5),
+        DriveState::QuickStopActive if disable_voltage => Some(12),
+        DriveState::QuickStopActive => (enable && stays).then_some(16),
+        DriveState::Fault => reset.then_some(15),
+        DriveState::NotReadyToSwitchOn | DriveState::FaultReactionActive | DriveState::Unknown => None,
     }
 }
 
 /// Where a transition leads.
-pub(super) fn leads_to(transition: u8) -> State {
+pub(super) fn leads_to(transition: u8) -> DriveState {
     match transition {
-        0 => State::NotReadyToSwitchOn,
-        2 | 6 | 8 => State::ReadyToSwitchOn,
-        3 | 5 => State::SwitchedOn,
-        4 | 16 => State::OperationEnabled,
-        11 => State::QuickStopActive,
-        13 => State::FaultReactionActive,
-        14 => State::Fault,
-        1 | 7 | 9 | 10 | 12 | 15 => State::SwitchOnDisabled,
-        _ => State::Unknown,
+        0 => DriveState::NotReadyToSwitchOn,
+        2 | 6 | 8 => DriveState::ReadyToSwitchOn,
+        3 | 5 => DriveState::SwitchedOn,
+        4 | 16 => DriveState::OperationEnabled,
+        11 => DriveState::QuickStopActive,
+        13 => DriveState::FaultReactionActive,
+        14 => DriveState::Fault,
+        1 | 7 | 9 | 10 | 12 | 15 => DriveState::SwitchOnDisabled,
+        _ => DriveState::Unknown,
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use State::{
+    use DriveState::{
         FaultReactionActive as Reaction, NotReadyToSwitchOn as NotReady, OperationEnabled as Enabled,
         QuickStopActive as QuickStop, ReadyToSwitchOn as Ready, SwitchOnDisabled as Disabled, SwitchedOn as On,
     };
@@ -61,7 +61,7 @@ mod tests {
 
     /// The arrows of the figure that a command drives: number, from, to, and the commands as its table prints them, bits
     /// 7, 3, 2, 1, 0 (x: does not matter; ^: a rising edge).
-    const FIGURE: &[(u8, State, State, &[&str])] = &[
+    const FIGURE: &[(u8, DriveState, DriveState, &[&str])] = &[
         (2, Disabled, Ready, &["0x110", "1x110"]),
         (3, Ready, On, &["xx111"]),
         (4, On, Enabled, &["x1111"]),
@@ -73,7 +73,7 @@ mod tests {
         (10, On, Disabled, &["xxx0x", "xx01x"]),
         (11, Enabled, QuickStop, &["xx01x"]),
         (12, QuickStop, Disabled, &["xxx0x"]),
-        (15, State::Fault, Disabled, &["^xxxx"]),
+        (15, DriveState::Fault, Disabled, &["^xxxx"]),
         (16, QuickStop, Enabled, &["x1111"]),
     ];
 
@@ -89,9 +89,9 @@ mod tests {
     #[test]
     fn every_controlword_in_every_state_is_an_arrow_of_the_figure() {
         let mut seen = std::collections::BTreeSet::new();
-        for state in State::KNOWN {
+        for state in DriveState::KNOWN {
             for (word, before) in (0..=0x1FFu16).flat_map(|word| [(word, 0u16), (word, 0x80)]) {
-                let arrows: Vec<&(u8, State, State, &[&str])> = FIGURE
+                let arrows: Vec<&(u8, DriveState, DriveState, &[&str])> = FIGURE
                     .iter()
                     .filter(|(_, from, _, commands)| *from == state && commands.iter().any(|c| fits(c, word, before)))
                     .collect();
@@ -108,7 +108,7 @@ mod tests {
         }
         assert_eq!(seen.len(), FIGURE.len());
         // Those that happen by themselves.
-        for (number, to) in [(0, NotReady), (1, Disabled), (13, Reaction), (14, State::Fault)] {
+        for (number, to) in [(0, NotReady), (1, Disabled), (13, Reaction), (14, DriveState::Fault)] {
             assert_eq!(leads_to(number), to);
         }
     }

@@ -14,21 +14,21 @@ mod profile;
 use std::time::Duration;
 
 use linewright_canopen::Frame;
-use linewright_canopen::codec::{Abort, Message, NmtState, NodeId, Payload};
+use linewright_canopen::codec::{Abort, CanopenMessage, NmtState, NodeId, Payload};
 use linewright_canopen::profile::drive::word::{DISABLE_VOLTAGE, QUICK_STOP};
-use linewright_canopen::profile::drive::{FOLLOWING_ERROR, SENSOR_1, State};
+use linewright_canopen::profile::drive::{DriveState, FOLLOWING_ERROR, SENSOR_1};
 use linewright_canopen::sdo::ObjectId;
 use linewright_line::{Drive, DriveMode, Tick, Timing};
 
-use super::comm::{Change, Comm};
+use super::comm::{Comm, CommChange};
 use super::objects::number;
 use super::on_error::Behaviour;
-use super::serve::{self, Device};
-use super::{DeviceOutbox, Order, PDO_LENGTH};
-use crate::fault::{DeviceFault, FAULT_INDEX, Fault};
-use motion::Motion;
-use objects::Objects;
-use profile::Homing;
+use super::serve::{self, ObjectServer};
+use super::{DeviceOutbox, PDO_LENGTH, PlantEffect};
+use crate::fault::{DeviceFault, FAULT_INDEX, MotionFault};
+use motion::DriveMotion;
+use objects::DriveObjects;
+use profile::HomingPhase;
 
 /// How finely it looks at its own following error.
 const SERVO: Duration = Duration::from_millis(1);
@@ -41,15 +41,15 @@ const CONNECTION_LOST: u16 = 0x8130;
 #[derive(Debug)]
 pub struct DriveNode {
     comm: Comm,
-    objects: Objects,
+    objects: DriveObjects,
     now: Tick,
-    state: State,
+    state: DriveState,
     /// The controlword that was last obeyed.
     word: u16,
     /// A transition that is made when the axis stands.
     pending: Option<u8>,
     /// Where it wants to be, in mechanical increments.
-    motion: Motion,
+    motion: DriveMotion,
     /// Its zero, in mechanical increments.
     origin: f64,
     absolute: bool,
@@ -62,7 +62,7 @@ pub struct DriveNode {
     halted: bool,
     /// The velocity it was last told in velocity mode.
     running: i32,
-    homing: Homing,
+    homing: HomingPhase,
     /// Where it is stuck, in mechanical increments.
     blocked: Option<f64>,
     /// Since when it lags too far behind.
@@ -78,12 +78,12 @@ impl DriveNode {
         let absolute = drive.homing.is_none();
         DriveNode {
             comm: Comm::new(now, node, timing),
-            objects: Objects::new(node),
+            objects: DriveObjects::new(node),
             now,
-            state: State::NotReadyToSwitchOn,
+            state: DriveState::NotReadyToSwitchOn,
             word: 0,
             pending: None,
-            motion: Motion::standing(now, place),
+            motion: DriveMotion::standing(now, place),
             origin: if absolute { 0.0 } else { place },
             absolute,
             mode: 1,
@@ -92,7 +92,7 @@ impl DriveNode {
             acknowledged: false,
             halted: false,
             running: 0,
-            homing: Homing::Idle,
+            homing: HomingPhase::Idle,
             blocked: None,
             lagging: None,
             sent: None,
@@ -106,7 +106,7 @@ impl DriveNode {
     }
 
     /// The state of its power.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> DriveState {
         self.state
     }
 
@@ -122,7 +122,7 @@ impl DriveNode {
 
     /// Whether it has been told to move, and may. What holds its place under power, or brakes, has not.
     pub fn obeys_an_order(&self) -> bool {
-        self.state == State::OperationEnabled && !self.halted && self.set_point.is_some()
+        self.state == DriveState::OperationEnabled && !self.halted && self.set_point.is_some()
     }
 
     /// Makes its communication fail, or work again (`None`). A silent drive goes on by itself: unplugged from the bus it
@@ -135,13 +135,13 @@ impl DriveNode {
     }
 
     /// Makes its axis fail, or work again (`None`): stuck, until its following error trips, or with a broken encoder.
-    pub fn fail(&mut self, now: Tick, fault: Option<Fault>, out: &mut DeviceOutbox) {
+    pub fn fail(&mut self, now: Tick, fault: Option<MotionFault>, out: &mut DeviceOutbox) {
         match fault {
-            Some(Fault::Stick) => self.blocked = Some(self.place(now)),
-            Some(Fault::Break) => self.trip(now, SENSOR_1, out),
+            Some(MotionFault::Stick) => self.blocked = Some(self.place(now)),
+            Some(MotionFault::Break) => self.trip(now, SENSOR_1, out),
             _ => {
                 if let Some(place) = self.blocked.take() {
-                    self.motion = Motion::standing(now, place);
+                    self.motion = DriveMotion::standing(now, place);
                 }
             }
         }
@@ -150,11 +150,11 @@ impl DriveNode {
 
     /// Takes a frame from the bus.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
-        let Ok(message) = Message::decode(frame) else { return };
+        let Ok(message) = CanopenMessage::decode(frame) else { return };
         match message {
-            Message::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
+            CanopenMessage::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
             _ if !self.comm.hears() => return,
-            Message::Rpdo1 { node, payload } if node == self.comm.node => self.take(payload, out),
+            CanopenMessage::Rpdo1 { node, payload } if node == self.comm.node => self.take(payload, out),
             message => {
                 let change = self.comm.handle(now, &message, Behaviour::PreOperational, out);
                 self.react(now, change, out);
@@ -185,7 +185,7 @@ impl DriveNode {
     /// Everything that follows from where it is now and what it was told.
     fn settle(&mut self, now: Tick, out: &mut DeviceOutbox) {
         self.now = now;
-        if self.state == State::NotReadyToSwitchOn && self.comm.nmt_state() != NmtState::BootUp {
+        if self.state == DriveState::NotReadyToSwitchOn && self.comm.nmt_state() != NmtState::BootUp {
             self.enter(now, 1, out);
         }
         self.watch_lag(now, out);
@@ -199,31 +199,31 @@ impl DriveNode {
         self.flush(now, out);
     }
 
-    fn react(&mut self, now: Tick, change: Change, out: &mut DeviceOutbox) {
+    fn react(&mut self, now: Tick, change: CommChange, out: &mut DeviceOutbox) {
         match change {
-            Change::Nothing => {}
+            CommChange::Nothing => {}
             // Where it stands is news to whoever just started it.
-            Change::Started => self.sent = None,
+            CommChange::Started => self.sent = None,
             // Option 6007h: what it does when nobody is left to tell it.
-            Change::Stopped | Change::PreOperational | Change::Lost => match self.objects.i16(0x6007) {
+            CommChange::Stopped | CommChange::PreOperational | CommChange::Lost => match self.objects.i16(0x6007) {
                 1 => self.trip(now, CONNECTION_LOST, out),
                 2 => self.objects.set(0x6040, 0, DISABLE_VOLTAGE.into()),
                 3 => self.objects.set(0x6040, 0, QUICK_STOP.into()),
                 _ => {}
             },
-            Change::Boots => self.begin_anew(now),
+            CommChange::Boots => self.begin_anew(now),
         }
     }
 
     /// It boots: its power is off, its brake holds, and all it was told is forgotten.
     fn begin_anew(&mut self, now: Tick) {
         self.power_off(now);
-        self.objects = Objects::new(self.comm.node);
-        self.state = State::NotReadyToSwitchOn;
+        self.objects = DriveObjects::new(self.comm.node);
+        self.state = DriveState::NotReadyToSwitchOn;
         self.word = 0;
         self.pending = None;
         self.mode = 1;
-        self.homing = Homing::Idle;
+        self.homing = HomingPhase::Idle;
         if !self.absolute {
             self.origin = self.place(now);
         }
@@ -271,7 +271,7 @@ impl DriveNode {
         let due = self.sent.is_none() || timer.is_some_and(|timer| self.sent_at + timer <= now);
         let changed = self.sent != Some(payload) && self.sent_at + self.inhibit() <= now;
         if due || changed {
-            self.comm.send(&Message::Tpdo1 { node: self.comm.node, payload }, out);
+            self.comm.send(&CanopenMessage::Tpdo1 { node: self.comm.node, payload }, out);
             self.sent = Some(payload);
             self.sent_at = now;
         }
@@ -305,13 +305,13 @@ impl DriveNode {
         }
         let since = *self.lagging.get_or_insert(now);
         let patience = Duration::from_millis(self.objects.u32(0x6066, 0).into());
-        if self.state == State::OperationEnabled && since + patience <= now {
+        if self.state == DriveState::OperationEnabled && since + patience <= now {
             self.trip(now, FOLLOWING_ERROR, out);
         }
     }
 }
 
-impl Device for DriveNode {
+impl ObjectServer for DriveNode {
     fn comm(&mut self) -> &mut Comm {
         &mut self.comm
     }
@@ -336,14 +336,16 @@ impl Device for DriveNode {
             (FAULT_INDEX, 0) => {
                 let fault = DeviceFault::from_code(number(data)?)?;
                 if fault.is_none() {
-                    out.orders.push(Order::ClearAll);
+                    out.orders.push(PlantEffect::ClearAll);
                     self.fail(now, None, out);
                 }
                 self.inject(now, fault);
                 Ok(())
             }
-            (FAULT_INDEX, 1) => match Fault::from_code(number(data)?)? {
-                Some(Fault::Slip | Fault::SlipBack | Fault::Miss | Fault::Drop) => Err(Abort::VALUE),
+            (FAULT_INDEX, 1) => match MotionFault::from_code(number(data)?)? {
+                Some(MotionFault::Slip | MotionFault::SlipBack | MotionFault::Miss | MotionFault::Drop) => {
+                    Err(Abort::VALUE)
+                }
                 fault => {
                     self.fail(now, fault, out);
                     Ok(())

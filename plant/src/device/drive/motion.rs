@@ -10,7 +10,7 @@ use linewright_line::Tick;
 
 /// A piece of constant acceleration, from `start` seconds after the motion began.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Piece {
+struct ConstantAcceleration {
     start: f64,
     position: f64,
     velocity: f64,
@@ -27,15 +27,18 @@ pub(super) struct Ramp {
 
 /// An axis: since when it does what.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Motion {
+pub(super) struct DriveMotion {
     since: Tick,
     /// Never empty; the last one has no acceleration and goes on for ever.
-    pieces: Vec<Piece>,
+    pieces: Vec<ConstantAcceleration>,
 }
 
-impl Motion {
+impl DriveMotion {
     pub fn standing(now: Tick, position: f64) -> Self {
-        Motion { since: now, pieces: vec![Piece { start: 0.0, position, velocity: 0.0, acceleration: 0.0 }] }
+        DriveMotion {
+            since: now,
+            pieces: vec![ConstantAcceleration { start: 0.0, position, velocity: 0.0, acceleration: 0.0 }],
+        }
     }
 
     pub fn position(&self, now: Tick) -> f64 {
@@ -60,7 +63,7 @@ impl Motion {
 
     /// From what it does now to standing at `target`.
     pub fn go_to(&mut self, now: Tick, target: f64, ramp: Ramp) {
-        let mut plan = Plan::from(self, now);
+        let mut plan = MotionProfile::from(self, now);
         let way = target - plan.position;
         let braking = plan.velocity * plan.velocity / (2.0 * ramp.deceleration);
         if plan.velocity * way < 0.0 || braking > way.abs() {
@@ -72,7 +75,7 @@ impl Motion {
 
     /// From what it does now to this velocity.
     pub fn run(&mut self, now: Tick, velocity: f64, ramp: Ramp) {
-        let mut plan = Plan::from(self, now);
+        let mut plan = MotionProfile::from(self, now);
         if plan.velocity * velocity < 0.0 {
             plan.change_to(0.0, ramp.deceleration);
         }
@@ -86,11 +89,11 @@ impl Motion {
         self.run(now, 0.0, Ramp { velocity: 0.0, acceleration: deceleration, deceleration });
     }
 
-    fn last(&self) -> Piece {
+    fn last(&self) -> ConstantAcceleration {
         self.pieces[self.pieces.len() - 1]
     }
 
-    fn piece(&self, now: Tick) -> (Piece, f64) {
+    fn piece(&self, now: Tick) -> (ConstantAcceleration, f64) {
         let t = now.since(self.since).as_secs_f64();
         let at = self.pieces.partition_point(|piece| piece.start <= t).max(1) - 1;
         let piece = self.pieces[at];
@@ -99,22 +102,22 @@ impl Motion {
 }
 
 /// A motion while it is worked out.
-struct Plan {
-    pieces: Vec<Piece>,
+struct MotionProfile {
+    pieces: Vec<ConstantAcceleration>,
     time: f64,
     position: f64,
     velocity: f64,
 }
 
-impl Plan {
-    fn from(motion: &Motion, now: Tick) -> Self {
-        Plan { pieces: Vec::new(), time: 0.0, position: motion.position(now), velocity: motion.velocity(now) }
+impl MotionProfile {
+    fn from(motion: &DriveMotion, now: Tick) -> Self {
+        MotionProfile { pieces: Vec::new(), time: 0.0, position: motion.position(now), velocity: motion.velocity(now) }
     }
 
     fn push(&mut self, acceleration: f64, time: f64) {
         let (start, position, velocity) = (self.time, self.position, self.velocity);
         if time > 0.0 {
-            self.pieces.push(Piece { start, position, velocity, acceleration });
+            self.pieces.push(ConstantAcceleration { start, position, velocity, acceleration });
             self.time += time;
             self.position += velocity * time + acceleration * time * time / 2.0;
             self.velocity += acceleration * time;
@@ -142,10 +145,10 @@ impl Plan {
         self.change_to(0.0, d);
     }
 
-    fn finish(mut self, now: Tick, position: f64) -> Motion {
-        let last = Piece { start: self.time, position, velocity: self.velocity, acceleration: 0.0 };
+    fn finish(mut self, now: Tick, position: f64) -> DriveMotion {
+        let last = ConstantAcceleration { start: self.time, position, velocity: self.velocity, acceleration: 0.0 };
         self.pieces.push(last);
-        Motion { since: now, pieces: self.pieces }
+        DriveMotion { since: now, pieces: self.pieces }
     }
 }
 
@@ -159,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_way_takes_the_time_of_its_trapezoid() {
-        let mut motion = Motion::standing(Tick::ZERO, 0.0);
+        let mut motion = DriveMotion::standing(Tick::ZERO, 0.0);
         motion.go_to(Tick::from_millis(10), 100.0, RAMP);
         // 0.1 s up (5), 0.2 s down (10), 85 at 100 a second.
         assert_eq!(motion.stands_at(), Some(Tick::from_millis(10 + 100 + 850 + 200)));
@@ -175,7 +178,7 @@ mod tests {
         fn whatever_it_did_before_it_ends_at_the_last_target_within_its_limits(
             targets in prop::collection::vec((-500.0..500.0f64, 0u64..2_000_000), 1..6)
         ) {
-            let mut motion = Motion::standing(Tick::ZERO, 0.0);
+            let mut motion = DriveMotion::standing(Tick::ZERO, 0.0);
             let mut now = Tick::ZERO;
             let (mut before, mut speed) = (0.0, 0.0);
             let step = Duration::from_micros(500);

@@ -16,18 +16,18 @@ const NO_REMOTE: u32 = 1 << 30;
 const MAPPED_MAX: u32 = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Access {
+pub(super) enum DriveObjectAccess {
     Read,
     Write,
 }
-use Access::{Read, Write};
+use DriveObjectAccess::{Read, Write};
 
 /// Index, subindex, bytes, access, value after a boot.
-pub(super) type Row = (u16, u8, u8, Access, u32);
+pub(super) type ObjectRow = (u16, u8, u8, DriveObjectAccess, u32);
 
 /// In the order of index and subindex.
 #[rustfmt::skip]
-pub(super) const ROWS: &[Row] = &[
+pub(super) const ROWS: &[ObjectRow] = &[
     // Drive profile 402, servo drive.
     (0x1000, 0, 4, Read, 0x0002_0192), (0x1001, 0, 1, Read, 0),
     (0x1018, 0, 1, Read, 4), (0x1018, 1, 4, Read, 0), (0x1018, 2, 4, Read, 402), (0x1018, 3, 4, Read, 0x0001_0000),
@@ -60,15 +60,15 @@ const TRANSMITTED: &[u16] = &[0x603F, 0x6041, 0x6061, 0x6064, 0x606C];
 
 /// The values.
 #[derive(Debug)]
-pub(super) struct Objects {
+pub(super) struct DriveObjects {
     values: Vec<u32>,
     node: NodeId,
 }
 
-impl Objects {
+impl DriveObjects {
     /// As after a boot.
     pub fn new(node: NodeId) -> Self {
-        let mut objects = Objects { values: ROWS.iter().map(|row| row.4).collect(), node };
+        let mut objects = DriveObjects { values: ROWS.iter().map(|row| row.4).collect(), node };
         objects.set(0x1400, 1, objects.cob_id(0x1400));
         objects.set(0x1800, 1, NO_REMOTE | objects.cob_id(0x1800));
         objects

@@ -1,19 +1,19 @@
 //! What the drive does: transitions and their ramps, set-points, velocities, homing, and the statusword that says so.
 
-use linewright_canopen::profile::drive::State;
+use linewright_canopen::profile::drive::DriveState;
 use linewright_canopen::profile::drive::word::{
     CHANGE_IMMEDIATELY, HALT, HOMING, NEW_SET_POINT, PROFILE_POSITION, PROFILE_VELOCITY, RELATIVE,
 };
 use linewright_line::Tick;
 
 use super::machine::{leads_to, ordered};
-use super::motion::{Motion, Ramp};
+use super::motion::{DriveMotion, Ramp};
 use super::{DriveNode, PROFILE_ERROR};
 use crate::device::DeviceOutbox;
 
 /// How far a homing is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Homing {
+pub(super) enum HomingPhase {
     /// Never begun, or interrupted.
     Idle,
     /// Fast, to the switch and past it.
@@ -34,12 +34,12 @@ impl DriveNode {
             let stays = matches!(self.objects.i16(0x605A), 5..=8);
             match ordered(self.state, word, before, stays) {
                 Some(transition) if self.pending != Some(transition) => self.order(now, transition, out),
-                None if self.state == State::OperationEnabled => self.pending = None,
+                None if self.state == DriveState::OperationEnabled => self.pending = None,
                 _ => {}
             }
         }
         self.change_mode(now);
-        if self.state != State::OperationEnabled || self.pending.is_some() {
+        if self.state != DriveState::OperationEnabled || self.pending.is_some() {
             return;
         }
         match self.mode {
@@ -92,14 +92,14 @@ impl DriveNode {
             }
             _ => {}
         }
-        if self.state != State::OperationEnabled {
+        if self.state != DriveState::OperationEnabled {
             self.forget();
         }
     }
 
     /// A fault: transition 13, its reaction, and 14 when it stands.
     pub(super) fn trip(&mut self, now: Tick, code: u16, out: &mut DeviceOutbox) {
-        if matches!(self.state, State::FaultReactionActive | State::Fault) {
+        if matches!(self.state, DriveState::FaultReactionActive | DriveState::Fault) {
             return;
         }
         self.objects.set(0x603F, 0, code.into());
@@ -112,7 +112,7 @@ impl DriveNode {
         }
         self.pending = Some(14);
         if code == super::SENSOR_1 {
-            self.homing = Homing::Idle;
+            self.homing = HomingPhase::Idle;
         }
     }
 
@@ -123,7 +123,7 @@ impl DriveNode {
 
     fn brake(&mut self, now: Tick, deceleration: f64) {
         match self.blocked {
-            Some(place) => self.motion = Motion::standing(now, place),
+            Some(place) => self.motion = DriveMotion::standing(now, place),
             None if !self.motion.stands(now) => self.motion.stop(now, deceleration),
             None => {}
         }
@@ -135,8 +135,8 @@ impl DriveNode {
         self.next_set_point = None;
         self.acknowledged = false;
         self.running = 0;
-        if matches!(self.homing, Homing::Seeking | Homing::Returning) {
-            self.homing = Homing::Idle;
+        if matches!(self.homing, HomingPhase::Seeking | HomingPhase::Returning) {
+            self.homing = HomingPhase::Idle;
         }
     }
 
@@ -146,7 +146,7 @@ impl DriveNode {
         if wanted == self.mode {
             return;
         }
-        if self.state == State::OperationEnabled && !self.motion.stands(now) {
+        if self.state == DriveState::OperationEnabled && !self.motion.stands(now) {
             return self.brake(now, self.objects.rate(0x6084, 0));
         }
         self.mode = wanted;
@@ -211,22 +211,22 @@ impl DriveNode {
 
     fn home(&mut self, now: Tick, word: u16, before: u16) {
         let start = word & NEW_SET_POINT != 0 && word & HALT == 0;
-        let under_way = matches!(self.homing, Homing::Seeking | Homing::Returning);
+        let under_way = matches!(self.homing, HomingPhase::Seeking | HomingPhase::Returning);
         if under_way && !start {
             self.brake(now, self.halt_ramp());
-            self.homing = Homing::Idle;
+            self.homing = HomingPhase::Idle;
         } else if start && before & NEW_SET_POINT == 0 {
             // The sign of the way to the switch at the mechanical zero.
             let sign = match self.objects.i8(0x6098) {
                 1 | 17 => -1.0,
                 2 | 18 => 1.0,
                 35 | 37 => return self.found_zero(now),
-                _ => return self.homing = Homing::Failed,
+                _ => return self.homing = HomingPhase::Failed,
             };
             let ramp = self.homing_ramp(1);
             let past = sign * ramp.velocity * ramp.velocity / (2.0 * ramp.deceleration);
             self.motion.go_to(now, past, ramp);
-            self.homing = Homing::Seeking;
+            self.homing = HomingPhase::Seeking;
         }
     }
 
@@ -237,7 +237,7 @@ impl DriveNode {
 
     fn found_zero(&mut self, now: Tick) {
         self.origin = self.place(now) - f64::from(self.objects.i32(0x607C));
-        self.homing = Homing::Attained;
+        self.homing = HomingPhase::Attained;
     }
 
     /// What follows when a motion has ended.
@@ -246,13 +246,13 @@ impl DriveNode {
             return;
         }
         match self.homing {
-            Homing::Seeking => {
+            HomingPhase::Seeking => {
                 let ramp = self.homing_ramp(2);
                 self.motion.go_to(now, 0.0, ramp);
-                self.homing = Homing::Returning;
+                self.homing = HomingPhase::Returning;
             }
-            Homing::Returning => self.found_zero(now),
-            Homing::Idle | Homing::Attained | Homing::Failed => {}
+            HomingPhase::Returning => self.found_zero(now),
+            HomingPhase::Idle | HomingPhase::Attained | HomingPhase::Failed => {}
         }
         if let Some(target) = self.next_set_point.take() {
             self.set_point = Some(target);
@@ -286,16 +286,18 @@ impl DriveNode {
         let mut word = self.state.bits() | 0x0210;
         let stands = self.motion.stands(now);
         let (reached, special, trouble) = match self.mode {
-            PROFILE_POSITION => {
-                (self.reached(now), self.acknowledged, self.lagging.is_some() && self.state == State::OperationEnabled)
-            }
+            PROFILE_POSITION => (
+                self.reached(now),
+                self.acknowledged,
+                self.lagging.is_some() && self.state == DriveState::OperationEnabled,
+            ),
             PROFILE_VELOCITY => {
                 let off = (self.speed(now) - f64::from(self.running)).abs();
                 (off <= f64::from(self.objects.u32(0x606D, 0)), self.speed(now) == 0.0, false)
             }
             HOMING => {
-                let under_way = matches!(self.homing, Homing::Seeking | Homing::Returning);
-                (!under_way && stands, self.homing == Homing::Attained, self.homing == Homing::Failed)
+                let under_way = matches!(self.homing, HomingPhase::Seeking | HomingPhase::Returning);
+                (!under_way && stands, self.homing == HomingPhase::Attained, self.homing == HomingPhase::Failed)
             }
             _ => (false, false, false),
         };

@@ -8,7 +8,7 @@ use std::time::Duration;
 use linewright_coordinator_cell::exception::{AlarmSubject, ExceptionStep, SecuredState};
 use linewright_coordinator_cell::{
     ActivityPhase, CellMessage, Coordination, DispatchDecision, Dispatcher, FiringId, ModeId, OrderKey, OrderMessage,
-    PlayerInput, PlayerOutbox, ProtocolRules, Question, RecordKind, Reply, Start,
+    PlayerInput, PlayerOutbox, ProtocolRules, Question, RecordKind, Start, TaskReply,
 };
 use linewright_line::{StationId, Tick};
 use rustc_hash::FxHashMap;
@@ -235,7 +235,7 @@ impl Players {
                 let mut inputs = vec![starts, PlayerInput::Station(station, &said.heard)];
                 inputs.extend(said.secured.map(|(key, reply)| PlayerInput::Secured(station, key, reply)));
                 let refused =
-                    said.refused.iter().map(|&(key, why)| PlayerInput::Reply(station, key, Reply::Refused(why)));
+                    said.refused.iter().map(|&(key, why)| PlayerInput::Reply(station, key, TaskReply::Refused(why)));
                 inputs.extend(refused);
                 next.coordination.step(next.now, &inputs, &mut wanted, &mut out);
             }

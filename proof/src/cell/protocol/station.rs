@@ -9,12 +9,12 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::{OrderMessage, StationUnavailable, TaskReport};
 use linewright_coordinator_shell::orders::heard;
-use linewright_line::net::{Block, ControlMode, Place};
-use linewright_line::{Line, Module, OpId, StationId, Tick};
-use linewright_orders::{OrderKey, Refusal, Reply, TaskCommand, TaskOrder};
+use linewright_line::net::{Block, ControlMode, StationPlace};
+use linewright_line::{Line, OpId, OperationModule, StationId, Tick};
+use linewright_orders::{OrderKey, TaskCommand, TaskOrder, TaskRefusal, TaskReply};
 use linewright_station_logic::{
-    CompileError, Controller, ModeOrder, NO_DELAY, OrderRules, PanelCommand, Restore, StationInput, StationOutbox,
-    Writer,
+    CompileError, Controller, ModeOrder, NO_DELAY, OrderRules, PanelCommand, RequestWriter, Restore, StationInput,
+    StationOutbox,
 };
 use rustc_hash::FxHashMap;
 
@@ -50,8 +50,8 @@ pub(super) enum TaskStationAct {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StationAnswer {
     pub heard: TaskReport,
-    pub secured: Option<(OrderKey, Reply)>,
-    pub refused: Vec<(OrderKey, Refusal)>,
+    pub secured: Option<(OrderKey, TaskReply)>,
+    pub refused: Vec<(OrderKey, TaskRefusal)>,
 }
 
 /// A controller and what is around it.
@@ -191,9 +191,9 @@ impl TaskStationModel {
     }
 
     /// The motion that is driven.
-    fn moving(&self, line: &Line) -> Option<Place> {
+    fn moving(&self, line: &Line) -> Option<StationPlace> {
         let id = self.controller.station();
-        let drives = |place: &Place| self.outputs & actuator(line, id, place.op, place.block) != 0;
+        let drives = |place: &StationPlace| self.outputs & actuator(line, id, place.op, place.block) != 0;
         self.controller.marking().find(|place| place.is_operating() && drives(place))
     }
 
@@ -293,7 +293,7 @@ impl TaskStationModel {
         let unable = if !report.devices_valid {
             Some(StationUnavailable::Devices)
         } else {
-            self.controller.marking().any(Place::is_incomplete).then_some(StationUnavailable::Incomplete)
+            self.controller.marking().any(StationPlace::is_incomplete).then_some(StationUnavailable::Incomplete)
         };
         let heard = TaskReport { unable, ..heard(&order) };
         let secured = self.secured.map(|key| (key, heard.secured(key)));
@@ -303,7 +303,7 @@ impl TaskStationModel {
     /// Everything that decides what it will do and say.
     fn write(&self, out: &mut String) {
         let mut words = Vec::new();
-        self.controller.situation(self.controller.cycle(), |_| Writer { boot_id: 0, open: None }, &mut words);
+        self.controller.situation(self.controller.cycle(), |_| RequestWriter { boot_id: 0, open: None }, &mut words);
         let order = self.controller.report().order;
         // Writing to a string does not fail.
         let _ = write!(
@@ -412,8 +412,8 @@ fn switches_of(line: &Line, station: StationId, op: OpId) -> u128 {
     let same = line.station(station).op_ids().filter(|&op| line.operation((station, op)).motion.axis == axis);
     same.fold(0, |bits, op| {
         let back = match line.operation((station, op)).module {
-            Module::Reversible { .. } => bits_of(line, station, op, Block::Recovery).0,
-            Module::Irreversible { .. } => 0,
+            OperationModule::Reversible { .. } => bits_of(line, station, op, Block::Recovery).0,
+            OperationModule::Irreversible { .. } => 0,
         };
         bits | back | bits_of(line, station, op, Block::Normal).0
     })

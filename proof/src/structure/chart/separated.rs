@@ -30,7 +30,7 @@
 
 use std::collections::VecDeque;
 
-use linewright_line::{Conflict, Line, Span};
+use linewright_line::{Conflict, Line, StateSpan};
 use thiserror::Error;
 
 use super::{ChartIndex, EventGraph};
@@ -145,8 +145,8 @@ impl<'a> Lags<'a> {
 
     fn gaps(&mut self, Conflict { a, b, .. }: &Conflict, waits: ConsideredWaits) -> Result<(), String> {
         let line = self.chart.line;
-        let crosses = |span: &Span| u32::from(span.until < span.from);
-        let mut lag = |before: &Span, after: &Span| {
+        let crosses = |span: &StateSpan| u32::from(span.until < span.from);
+        let mut lag = |before: &StateSpan, after: &StateSpan| {
             let (from, to) = ((before.station, before.until), (after.station, after.from));
             self.least(from, to, waits).ok_or_else(|| {
                 format!("nothing in both modes makes `{}` wait for `{}`", full_name(line, to), full_name(line, from))

@@ -1,7 +1,7 @@
 //! What a station says of its orders.
 
 use crate::controller::Controller;
-use crate::order::{Reply, SlotReport, TaskOrderReport};
+use crate::order::{SlotReport, TaskOrderReport, TaskReply};
 
 use super::SlotPhase;
 
@@ -22,13 +22,13 @@ impl Controller {
         });
         report.results.clear();
         report.results.extend(orders.results.iter().filter_map(|(key, reply)| match reply {
-            Reply::Ended(outcome) => Some((*key, *outcome)),
-            Reply::Running | Reply::Refused(_) => None,
+            TaskReply::Ended(outcome) => Some((*key, *outcome)),
+            TaskReply::Running | TaskReply::Refused(_) => None,
         }));
         report.refused.clear();
         report.refused.extend(orders.results.iter().filter_map(|(key, reply)| match reply {
-            Reply::Refused(refusal) => Some((*key, *refusal)),
-            Reply::Running | Reply::Ended(_) => None,
+            TaskReply::Refused(refusal) => Some((*key, *refusal)),
+            TaskReply::Running | TaskReply::Ended(_) => None,
         }));
         report.rest = self.rest();
     }

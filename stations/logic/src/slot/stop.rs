@@ -9,14 +9,14 @@
 
 use crate::controller::Controller;
 use crate::event::StopCause;
-use crate::order::{OrderKey, Outcome, Refusal, Reply, TaskFailure};
+use crate::order::{OrderKey, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
 use super::SlotPhase;
 
 impl Controller {
     /// Stops what is done of an order, whichever way it goes.
-    pub(super) fn stop_order(&mut self, key: OrderKey) -> Reply {
-        let Some(orders) = &self.orders else { return Reply::Refused(Refusal::Unknown) };
+    pub(super) fn stop_order(&mut self, key: OrderKey) -> TaskReply {
+        let Some(orders) = &self.orders else { return TaskReply::Refused(TaskRefusal::Unknown) };
         if !orders.rules.stops_at_once {
             return self.secure(key);
         }
@@ -27,7 +27,7 @@ impl Controller {
             }
             // Where nothing moves nothing was stopped, and the order is over all the same.
             let failure = if slot.begun { TaskFailure::Stopped } else { waited };
-            self.conclude(Outcome::Failed(slot.phase.failed_with(failure)));
+            self.conclude(TaskOutcome::Failed(slot.phase.failed_with(failure)));
             self.stays_where_it_is(key);
         } else if orders.last_has_failed() == Some(key) {
             self.stays_where_it_is(key);
@@ -59,7 +59,7 @@ impl Controller {
             | StopCause::PositionLost { .. }
             | StopCause::Ambiguous => TaskFailure::Fault,
         };
-        self.conclude(Outcome::Failed(slot.phase.failed_with(failure)));
+        self.conclude(TaskOutcome::Failed(slot.phase.failed_with(failure)));
     }
 }
 

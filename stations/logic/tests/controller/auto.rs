@@ -105,7 +105,7 @@ fn in_stand_by_the_running_operation_finishes_and_the_next_does_not_start() {
     assert!(rig.drives(0));
     rig.arrive(0);
     assert_eq!(rig.outputs, 0);
-    assert_eq!(rig.marking(), [linewright_line::net::Place::completed(OpId(0))]);
+    assert_eq!(rig.marking(), [linewright_line::net::StationPlace::completed(OpId(0))]);
 }
 
 #[test]

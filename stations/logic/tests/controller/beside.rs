@@ -1,6 +1,6 @@
 //! Operations side by side (seed 002, Appendix): fork, join, recovery of one by itself, reversal of all together.
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::{StationReport, WithdrawalAnswer};
 
@@ -35,7 +35,7 @@ fn auto_forks_into_the_group_and_joins_when_the_last_of_it_is_done() {
     assert_eq!(rig.doing(), "op 1 + op 2 (done)");
     rig.arrive(1);
     assert!(rig.drives(3));
-    assert_eq!(rig.marking(), [Place::operating(OpId(3))]);
+    assert_eq!(rig.marking(), [StationPlace::operating(OpId(3))]);
     assert_eq!(rig.report().done, [1, 1, 1, 0]);
 }
 
@@ -67,7 +67,7 @@ fn a_fault_in_one_is_recovered_without_moving_the_other() {
             rig.retract(false);
             rig.advance_through(1);
         }
-        assert_eq!(rig.marking(), [Place::completed(OpId(1)), Place::completed(OpId(2))], "{way}");
+        assert_eq!(rig.marking(), [StationPlace::completed(OpId(1)), StationPlace::completed(OpId(2))], "{way}");
         assert_eq!(rig.report().done, [1, 1, 1, 0]);
         rig.mode(ControlMode::Auto);
         assert!(rig.drives(3));

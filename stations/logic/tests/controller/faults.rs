@@ -1,6 +1,6 @@
 //! Faults: outputs go off in the very step that sees one.
 
-use linewright_line::net::{Block, ControlMode, Place};
+use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::StopCause;
 
@@ -64,7 +64,7 @@ fn devices_lost_stops_everything_and_starts_nothing() {
     resting.devices(false);
     resting.mode(ControlMode::Auto);
     assert_eq!(resting.outputs, 0);
-    assert_eq!(resting.marking(), [Place::completed(OpId(1))], "nothing starts that nobody can watch");
+    assert_eq!(resting.marking(), [StationPlace::completed(OpId(1))], "nothing starts that nobody can watch");
     resting.devices(true);
     assert!(resting.drives(0));
 }
@@ -105,7 +105,8 @@ fn the_emergency_stop_stops_every_operating_place() {
                 rig.advance(false);
                 rig.retract(true);
             }
-            let place = if back { Place::undoing(OpId(stop_at)) } else { Place::operating(OpId(stop_at)) };
+            let place =
+                if back { StationPlace::undoing(OpId(stop_at)) } else { StationPlace::operating(OpId(stop_at)) };
             assert_eq!(rig.marking(), [place]);
             assert_ne!(rig.outputs, 0);
             rig.mode(ControlMode::EStop);
@@ -138,7 +139,7 @@ fn on_its_recovery_path_the_home_motion_too_is_stopped_by_the_emergency_stop() {
     assert_eq!(rig.outputs, 0);
     assert_eq!(
         rig.marking(),
-        [Place { op: OpId(2), block: Block::Normal, stage: linewright_line::net::Stage::Incomplete }]
+        [StationPlace { op: OpId(2), block: Block::Normal, stage: linewright_line::net::MotionStage::Incomplete }]
     );
     assert!(rig.report().recovering_home);
     let _ = StationId(0);

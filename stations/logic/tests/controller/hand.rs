@@ -1,7 +1,7 @@
 //! Hand mode: the six types of seed 002 Figure 21 through a whole cycle, forward and back, by buttons.
 
-use linewright_line::net::{ControlMode, Place};
-use linewright_line::{Hand, OpId, StationId};
+use linewright_line::net::{ControlMode, StationPlace};
+use linewright_line::{HandMode, OpId, StationId};
 
 use super::rig::Rig;
 use crate::build::{alone, line, r, station};
@@ -14,7 +14,7 @@ fn in_hand_mode(home: usize, types: &[u8]) -> Rig {
     rig
 }
 
-fn hand_of(rig: &Rig, op: u16) -> Hand {
+fn hand_of(rig: &Rig, op: u16) -> HandMode {
     rig.line.operation((StationId(0), OpId(op))).hand
 }
 
@@ -32,7 +32,7 @@ fn buttons_run_the_whole_cycle_forward_sequence_by_sequence() {
             assert!(rig.drives(op), "op {op}, its button held");
             rig.release(button);
             assert_eq!(rig.outputs, 0, "op {op} pauses");
-            assert_eq!(rig.marking(), [Place::operating(OpId(op))], "and is not stopped: it is no fault");
+            assert_eq!(rig.marking(), [StationPlace::operating(OpId(op))], "and is not stopped: it is no fault");
             rig.hold(button);
             rig.arrive(op);
         }
@@ -134,7 +134,11 @@ fn a_sequence_that_is_never_reversed_goes_one_way() {
             rig.release(other);
         }
     }
-    assert_eq!(rig.marking(), [Place::operating(OpId(1))], "op 1 waits for its button, whatever else is pressed");
+    assert_eq!(
+        rig.marking(),
+        [StationPlace::operating(OpId(1))],
+        "op 1 waits for its button, whatever else is pressed"
+    );
 }
 
 #[test]

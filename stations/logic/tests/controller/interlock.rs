@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Arrow, Line, OpId, OutputId, StationId, Tick};
 use linewright_station_logic::{
     CompileError, Controller, Founding, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Program, Restore,
@@ -240,7 +240,7 @@ fn a_station_whose_axis_has_left_its_switch_is_rejoined_where_it_is() {
     assert!(bench.blocked().contains("rejoin"), "{}", bench.blocked());
     assert!(bench.clamp.handle(bench.now, StationInput::Rejoin(Some(home))).is_taken());
     bench.play();
-    assert_eq!(bench.clamp.marking().collect::<Vec<_>>(), [Place::incomplete(home)]);
+    assert_eq!(bench.clamp.marking().collect::<Vec<_>>(), [StationPlace::incomplete(home)]);
     assert_eq!((bench.clamp.generation(), bench.clamp.position_lost()), (0, None));
     bench.mode(ControlMode::Manual);
     bench.press(PanelCommand::Advance);

@@ -1,6 +1,6 @@
 //! The three ways out of a fault (seed 002 §4.5.1): resume, return and redo, go home and do the cycle again.
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::{StationReport, WithdrawalRequest};
 
@@ -52,7 +52,7 @@ fn resuming_with_the_fault_still_on_stops_in_the_same_step() {
     rig.set(complete_bit(OpId(1), false) << 1, true);
     rig.advance(true);
     assert_eq!(rig.outputs, 0);
-    assert_eq!(rig.marking(), [Place::incomplete(OpId(1))]);
+    assert_eq!(rig.marking(), [StationPlace::incomplete(OpId(1))]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! A controller that ends and comes up again from what it kept.
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::{CompileError, Controller, Restore, StationSnapshot};
 
@@ -16,7 +16,7 @@ fn restarted_in_the_middle_of_an_operation_it_stands_still_and_is_resumed() {
     let mut rig = Rig::new(alone(1, &[r(6), r(6)]));
     rig.mode(ControlMode::Auto);
     let mut again = restarted(&rig);
-    assert_eq!(again.marking(), [Place::incomplete(OpId(0))]);
+    assert_eq!(again.marking(), [StationPlace::incomplete(OpId(0))]);
     assert_eq!(again.controller.fault_text(&again.line), "op 0: controller restarted");
     again.mode(ControlMode::Auto);
     assert_eq!(again.outputs, 0, "a person looks first");
@@ -69,8 +69,14 @@ fn a_snapshot_of_another_description_is_refused_with_the_reason() {
     assert_eq!(refused(&|s| s.started.clear()), "it counts another number of operations");
     assert_eq!(refused(&|s| s.marking.clear()), "it marks no place");
     assert_eq!(refused(&|s| s.marking[0].op = OpId(9)), "it marks a place the station does not have");
-    assert_eq!(refused(&|s| s.marking[0] = Place::undone(OpId(1))), "it marks a place the station does not have");
-    assert_eq!(refused(&|s| s.marking.push(Place::completed(OpId(0)))), "it does not mark the operations of one step");
+    assert_eq!(
+        refused(&|s| s.marking[0] = StationPlace::undone(OpId(1))),
+        "it marks a place the station does not have"
+    );
+    assert_eq!(
+        refused(&|s| s.marking.push(StationPlace::completed(OpId(0)))),
+        "it does not mark the operations of one step"
+    );
     assert_eq!(refused(&|s| s.path = Some(OpId(0))), "it is on a recovery path the station does not have");
     assert_eq!(refused(&|s| s.done[0] = 1), "its counts contradict each other");
     assert_eq!(refused(&|s| s.cycle = i32::MAX), "its counts contradict each other");

@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
     Controller, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
@@ -207,7 +207,7 @@ impl Rig {
         self.controller.report()
     }
 
-    pub fn marking(&self) -> Vec<Place> {
+    pub fn marking(&self) -> Vec<StationPlace> {
         self.controller.marking().collect()
     }
 

@@ -71,7 +71,7 @@ pub fn possible(setting: &Setting, world: &World, out: &mut Vec<Action>) {
 fn actuator(setting: &Setting, station: usize, op: OpId, block: Block) -> u128 {
     let operation = setting.line.operation((StationId::at(station), op));
     let signals = match (&operation.module, block) {
-        (linewright_line::Module::Reversible { recovery, .. }, Block::Recovery) => recovery,
+        (linewright_line::OperationModule::Reversible { recovery, .. }, Block::Recovery) => recovery,
         _ => &operation.normal,
     };
     1 << signals.actuator.0

@@ -4,7 +4,7 @@
 //! enters when `x` has left in the same cycle, `x` again when `y` has left in the cycle before. Home lies anywhere
 //! outside the stretches' inside, some operations run side by side, and some are irreversible.
 
-use linewright_line::{Conflict, Line, OpId, Span, Station, StationId};
+use linewright_line::{Conflict, Line, OpId, StateSpan, Station, StationId};
 use linewright_random::Random;
 
 use super::build::{Op, arrow, beside, i, line, r, station};
@@ -33,7 +33,7 @@ fn arranged(seed: u64) -> Line {
         let (a, b): ((u16, u16), (u16, u16)) = (spans[usize::from(x)], spans[usize::from(x) + 1]);
         arrows.push(arrow((x, a.1), (x + 1, b.0), 0));
         arrows.push(arrow((x + 1, b.1), (x, a.0), 1));
-        let span = |station: u16, (from, until): (u16, u16)| Span {
+        let span = |station: u16, (from, until): (u16, u16)| StateSpan {
             station: StationId(station),
             from: OpId(from),
             until: OpId(until),
@@ -81,8 +81,8 @@ fn settle(line: &mut Line) {
         let alone = |station: &Station, op: OpId| station.steps[station.step_of(op)].len() == 1;
         for &op in &ids {
             let path = match &station.operations[op.index()].module {
-                linewright_line::Module::Irreversible { recovery_path } => recovery_path.clone(),
-                linewright_line::Module::Reversible { .. } => continue,
+                linewright_line::OperationModule::Irreversible { recovery_path } => recovery_path.clone(),
+                linewright_line::OperationModule::Reversible { .. } => continue,
             };
             let sound = path.iter().all(|&p| is_reversible(station, p) && alone(station, p)) && alone(station, op);
             if !sound {
@@ -96,7 +96,7 @@ fn settle(line: &mut Line) {
 }
 
 fn is_reversible(station: &Station, op: OpId) -> bool {
-    matches!(station.operations[op.index()].module, linewright_line::Module::Reversible { .. })
+    matches!(station.operations[op.index()].module, linewright_line::OperationModule::Reversible { .. })
 }
 
 fn reversible_instead(described: &Station, op: OpId) -> linewright_line::Operation {

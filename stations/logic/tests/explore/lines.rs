@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_line::{Conflict, Line, OpId, Span, StationId};
+use linewright_line::{Conflict, Line, OpId, StateSpan, StationId};
 
 use super::build::{arrow, beside, i, line, r, station, transfer_line};
 
@@ -14,7 +14,7 @@ pub fn without_haste(mut line: Line) -> Line {
 }
 
 fn conflict(why: &str, a: (u16, u16, u16), b: (u16, u16, u16)) -> Conflict {
-    let span = |(station, from, until)| Span { station: StationId(station), from: OpId(from), until: OpId(until) };
+    let span = |(station, from, until)| StateSpan { station: StationId(station), from: OpId(from), until: OpId(until) };
     Conflict { why: why.to_owned(), a: span(a), b: span(b) }
 }
 

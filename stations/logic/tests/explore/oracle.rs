@@ -1,7 +1,7 @@
 //! What must hold in every state, told from the description alone.
 
-use linewright_line::net::{Block, Place, Stage};
-use linewright_line::{OpId, Span, StationId};
+use linewright_line::net::{Block, MotionStage, StationPlace};
+use linewright_line::{OpId, StateSpan, StationId};
 
 use super::world::{Setting, World};
 
@@ -12,7 +12,7 @@ const CYCLES_APART_MAX: i32 = 2;
 /// The first thing that is wrong.
 pub fn violation(setting: &Setting, world: &World) -> Option<String> {
     let line = &setting.line;
-    let is_in = |span: &Span| {
+    let is_in = |span: &StateSpan| {
         let station = span.station.index();
         let marking = world.nodes[station].controller.marking();
         match &world.astray {
@@ -45,17 +45,17 @@ pub fn violation(setting: &Setting, world: &World) -> Option<String> {
 
 /// The stretch from `from` until `until`, in chart order and cyclic: all places of its operations, but for `until`
 /// complete (the stretch is over) and `from` undone (it has not begun).
-fn covers(setting: &Setting, span: &Span, place: Place) -> bool {
+fn covers(setting: &Setting, span: &StateSpan, place: StationPlace) -> bool {
     let station = setting.line.station(span.station);
     let steps = station.steps.len();
     let distance = |op: OpId| (station.step_of(op) + steps - station.step_of(span.from)) % steps;
-    let over = place == Place::completed(span.until);
-    let not_begun = place == Place::undone(span.from);
+    let over = place == StationPlace::completed(span.until);
+    let not_begun = place == StationPlace::undone(span.from);
     distance(place.op) <= distance(span.until) && !over && !not_begun && is_of_span(setting, span, place.op)
 }
 
 /// Of a group, the operation named alone begins or ends the stretch.
-fn is_of_span(setting: &Setting, span: &Span, op: OpId) -> bool {
+fn is_of_span(setting: &Setting, span: &StateSpan, op: OpId) -> bool {
     let step_of = |op| setting.line.station(span.station).step_of(op);
     let beside = |end: OpId| step_of(op) == step_of(end) && op != end;
     !beside(span.from) && !beside(span.until)
@@ -66,7 +66,7 @@ fn station_violation(setting: &Setting, world: &World, id: StationId) -> Option<
     let node = &world.nodes[id.index()];
     let report = node.controller.report();
 
-    let marking: Vec<Place> = node.controller.marking().collect();
+    let marking: Vec<StationPlace> = node.controller.marking().collect();
     let step = station.step_of(marking[0].op);
     let mut ops: Vec<OpId> = marking.iter().map(|p| p.op).collect();
     ops.sort_unstable();
@@ -92,15 +92,15 @@ fn station_violation(setting: &Setting, world: &World, id: StationId) -> Option<
         floor = least;
     }
 
-    let driving: u128 = marking.iter().filter(|p| p.stage == Stage::Operating).fold(0, |bits, p| {
+    let driving: u128 = marking.iter().filter(|p| p.stage == MotionStage::Operating).fold(0, |bits, p| {
         let operation = setting.line.operation((id, p.op));
         let signals = match &operation.module {
-            linewright_line::Module::Reversible { recovery, .. } if p.block == Block::Recovery => recovery,
+            linewright_line::OperationModule::Reversible { recovery, .. } if p.block == Block::Recovery => recovery,
             _ => &operation.normal,
         };
         bits | 1 << signals.actuator.0
     });
-    let lamps = marking.iter().filter(|p| p.stage == Stage::Incomplete).count();
+    let lamps = marking.iter().filter(|p| p.stage == MotionStage::Incomplete).count();
     if node.outputs & !driving != 0 && lamps == 0 {
         return Some(format!("outputs {:#b} with nothing to drive them", node.outputs));
     }

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
     Controller, Founding, ModeOrder, PanelCommand, Restore, Rules, StationHappening, StationInput, StationOutbox,
@@ -62,7 +62,7 @@ pub struct World {
     /// For each link, what the reader holds and what is on its way, oldest first.
     mail: Vec<(Rc<StationReport>, Vec<Rc<StationReport>>)>,
     /// The station that has lost its memory, and where it stands until it is home again; its marking does not say so.
-    pub astray: Option<(usize, Vec<Place>)>,
+    pub astray: Option<(usize, Vec<StationPlace>)>,
 }
 
 impl Setting {
@@ -391,7 +391,7 @@ fn hash(words: &[i64]) -> u128 {
 pub fn bits_of(line: &Line, station: StationId, op: OpId, recovery: bool) -> (u128, Option<u128>) {
     let operation = line.operation((station, op));
     let signals = match &operation.module {
-        linewright_line::Module::Reversible { recovery: back, .. } if recovery => back,
+        linewright_line::OperationModule::Reversible { recovery: back, .. } if recovery => back,
         _ => &operation.normal,
     };
     (1 << signals.complete.0, signals.fault.map(|input| 1 << input.0))

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use linewright_line::net::{ControlMode, Place};
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, StationId, Tick, parse};
 use linewright_station_logic::{
-    Controller, ModeOrder, NO_DELAY, Outcome, Program, Restore, StationInput, StationOutbox, StationReport,
-    TaskCommand, TaskFailure,
+    Controller, ModeOrder, NO_DELAY, Program, Restore, StationInput, StationOutbox, StationReport, TaskCommand,
+    TaskFailure, TaskOutcome,
 };
 
 use super::bench::order;
@@ -104,7 +104,7 @@ fn a_motion_of_it_stops_when_the_other_one_is_measured_in_the_way() {
     arm.hears(&["C_60"]);
     assert_eq!(arm.drives(), [] as [&str; 0]);
     let results = arm.robot.report().order.expect("it works on order").results;
-    assert_eq!(results.last().map(|(_, end)| *end), Some(Outcome::Failed(TaskFailure::Fault)));
+    assert_eq!(results.last().map(|(_, end)| *end), Some(TaskOutcome::Failed(TaskFailure::Fault)));
 }
 
 #[test]
@@ -120,5 +120,5 @@ fn other_tasks_do_not_ask() {
 fn what_no_switches_tell_of_is_not_looked_at() {
     let line = line();
     let program = Program::compile(&line, M1).expect("it compiles");
-    assert!(line.station(M1).op_ids().all(|op| { program.guards(Place::operating(op), None).next().is_none() }));
+    assert!(line.station(M1).op_ids().all(|op| { program.guards(StationPlace::operating(op), None).next().is_none() }));
 }

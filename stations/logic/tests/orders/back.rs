@@ -5,14 +5,14 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::{
-    Controller, ModeOrder, NO_DELAY, Outcome, Refusal, Reply, Restore, Rules, StationInput, StationOutbox, TaskCommand,
-    TaskFailure, TaskOrder,
+    Controller, ModeOrder, NO_DELAY, Restore, Rules, StationInput, StationOutbox, TaskCommand, TaskFailure, TaskOrder,
+    TaskOutcome, TaskRefusal, TaskReply,
 };
 
 use super::bench::{Bench, key, order};
 
-fn ended(failure: TaskFailure) -> Reply {
-    Reply::Ended(Outcome::Failed(failure))
+fn ended(failure: TaskFailure) -> TaskReply {
+    TaskReply::Ended(TaskOutcome::Failed(failure))
 }
 
 #[test]
@@ -21,11 +21,11 @@ fn told_to_go_back_it_ends_the_motion_and_takes_the_task_back() {
     m1.done(&order(1, "clamp"));
     m1.events();
     m1.run(&order(2, "machine"));
-    assert_eq!(m1.secure(key(1, 2)), Reply::Running);
+    assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
     assert_eq!(m1.on(), ["Y_in", "prog_1", "prog_4"], "the motion under way ends");
     m1.arrive();
     assert_eq!(m1.on(), ["Y_out", "prog_1", "prog_4"], "and is taken back");
-    assert_eq!(m1.run(&order(3, "release")), Reply::Refused(Refusal::Busy));
+    assert_eq!(m1.run(&order(3, "release")), TaskReply::Refused(TaskRefusal::Busy));
     m1.arrive();
     assert_eq!((m1.on(), m1.rest().as_deref(), m1.slot()), (vec![], Some("clamped"), None));
     assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Cancelled));
@@ -40,12 +40,12 @@ fn what_cannot_be_taken_back_it_stays_with() {
     m1.done(&order(1, "clamp"));
     m1.run(&order(2, "machine"));
     m1.arrive();
-    assert_eq!(m1.secure(key(1, 2)), Reply::Running);
+    assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
     m1.arrive();
     assert_eq!((m1.doing().as_str(), m1.on()), ("mill (done)", vec![]));
-    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(TaskFailure::Held)));
+    assert_eq!(m1.result(key(1, 2)), Some(TaskOutcome::Failed(TaskFailure::Held)));
     assert_eq!(m1.blocked_by(), ["somebody to lead it to a rest: no order goes on from here"]);
-    assert_eq!(m1.run(&order(3, "machine")), Reply::Refused(Refusal::NotThere));
+    assert_eq!(m1.run(&order(3, "machine")), TaskReply::Refused(TaskRefusal::NotThere));
 }
 
 #[test]
@@ -54,8 +54,8 @@ fn told_in_the_last_motion_it_has_done_the_task_all_the_same() {
     m1.run(&order(1, "clamp"));
     m1.secure(key(1, 1));
     m1.arrive();
-    assert_eq!((m1.result(key(1, 1)), m1.rest().as_deref()), (Some(Outcome::Done), Some("clamped")));
-    assert_eq!(m1.secure(key(1, 1)), Reply::Ended(Outcome::Done));
+    assert_eq!((m1.result(key(1, 1)), m1.rest().as_deref()), (Some(TaskOutcome::Done), Some("clamped")));
+    assert_eq!(m1.secure(key(1, 1)), TaskReply::Ended(TaskOutcome::Done));
     assert_eq!(m1.outputs, 0, "what is done is not taken back");
 }
 
@@ -80,7 +80,7 @@ fn told_before_the_order_itself_it_does_not_take_it_on_when_it_comes() {
     let mut next = order(3, "release");
     next.key.epoch = 2;
     m1.run(&next);
-    assert_eq!(m1.secure(key(1, 4)), Reply::Refused(Refusal::OldEpoch));
+    assert_eq!(m1.secure(key(1, 4)), TaskReply::Refused(TaskRefusal::OldEpoch));
 }
 
 #[test]
@@ -94,13 +94,13 @@ fn when_its_time_is_over_it_goes_back_and_the_order_ends_when_it_stands() {
         assert_eq!(m1.doing(), doing);
         assert_eq!(m1.result(key(1, 2)), None, "it has not ended as long as it moves");
         assert!(m1.orders().slot.is_some_and(|slot| slot.is_securing && slot.key == key(1, 2)));
-        assert_eq!(m1.secure(key(1, 2)), Reply::Running);
+        assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
         m1.arrive();
     }
     assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
     assert_eq!(
         m1.orders().results.last(),
-        Some(&(key(1, 2), Outcome::Failed(TaskFailure::TimedOut))),
+        Some(&(key(1, 2), TaskOutcome::Failed(TaskFailure::TimedOut))),
         "for what it was"
     );
 }
@@ -143,7 +143,7 @@ fn a_fault_on_the_way_back_ends_it() {
     m1.arrive();
     m1.wait(Duration::from_secs(3));
     assert_eq!(m1.doing(), "undoing slide in (stopped)");
-    assert_eq!((m1.result(key(1, 2)), m1.slot()), (Some(Outcome::Failed(TaskFailure::Held)), None));
+    assert_eq!((m1.result(key(1, 2)), m1.slot()), (Some(TaskOutcome::Failed(TaskFailure::Held)), None));
     assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Held), "what a fault has stopped waits for a person");
     assert_eq!(m1.outputs, 0);
 }
@@ -195,7 +195,7 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
     assert_eq!(robot.operation_text(&line), "home from m1 (done)", "the place that stands for home");
     let report = robot.report();
     let orders = report.order.expect("it works on order");
-    assert_eq!(orders.results, [(key(1, 1), Outcome::Failed(TaskFailure::Waiting(21)))], "what it waited for");
+    assert_eq!(orders.results, [(key(1, 1), TaskOutcome::Failed(TaskFailure::Waiting(21)))], "what it waited for");
     assert_eq!((report.done, report.started, report.cycle), (vec![0; 10], vec![0; 10], 1));
     robot.handle(now, StationInput::Task(TaskCommand::Run(&load(2))));
     robot.step(now, &mut out);

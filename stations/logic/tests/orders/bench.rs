@@ -3,11 +3,11 @@
 
 use std::time::Duration;
 
-use linewright_line::net::{Block, ControlMode, Place};
-use linewright_line::{Line, Module, OpId, Signals, StationId, Tick, parse};
+use linewright_line::net::{Block, ControlMode, StationPlace};
+use linewright_line::{Line, MotionSignals, OpId, OperationModule, StationId, Tick, parse};
 use linewright_station_logic::{
-    Controller, ModeOrder, NO_DELAY, OrderKey, Outcome, PanelCommand, Reply, Restore, Rules, StationInput,
-    StationOutbox, StationSnapshot, TaskCommand, TaskOrder, TaskOrderReport,
+    Controller, ModeOrder, NO_DELAY, OrderKey, PanelCommand, Restore, Rules, StationInput, StationOutbox,
+    StationSnapshot, TaskCommand, TaskOrder, TaskOrderReport, TaskOutcome, TaskReply,
 };
 
 const BASE: &str = include_str!("../../../../model/line/tests/descriptions/on_order.toml");
@@ -136,18 +136,18 @@ impl Bench {
         self.send_image();
     }
 
-    fn signals(&self, place: Place) -> Signals {
+    fn signals(&self, place: StationPlace) -> MotionSignals {
         let operation = self.line.operation((self.station, place.op));
         match (&operation.module, place.block) {
-            (Module::Reversible { recovery, .. }, Block::Recovery) => *recovery,
-            (Module::Reversible { .. } | Module::Irreversible { .. }, _) => operation.normal,
+            (OperationModule::Reversible { recovery, .. }, Block::Recovery) => *recovery,
+            (OperationModule::Reversible { .. } | OperationModule::Irreversible { .. }, _) => operation.normal,
         }
     }
 
     fn switches_of(&self, axis: linewright_line::AxisId) -> Vec<u128> {
         let ops = (0..self.line.station(self.station).operations.len()).map(OpId::at);
         let mine = ops.filter(|&op| self.line.operation((self.station, op)).motion.axis == axis);
-        let both = mine.flat_map(|op| [Place::operating(op), Place::undoing(op)]);
+        let both = mine.flat_map(|op| [StationPlace::operating(op), StationPlace::undoing(op)]);
         both.map(|place| 1 << self.signals(place).complete.0).collect()
     }
 
@@ -204,20 +204,20 @@ impl Bench {
     }
 
     /// What it answers to an order.
-    pub fn run(&mut self, order: &TaskOrder) -> Reply {
+    pub fn run(&mut self, order: &TaskOrder) -> TaskReply {
         self.told(TaskCommand::Run(order), order.key)
     }
 
-    pub fn secure(&mut self, key: OrderKey) -> Reply {
+    pub fn secure(&mut self, key: OrderKey) -> TaskReply {
         self.told(TaskCommand::Secure(key), key)
     }
 
     /// Told to stop at once.
-    pub fn stop(&mut self, key: OrderKey) -> Reply {
+    pub fn stop(&mut self, key: OrderKey) -> TaskReply {
         self.told(TaskCommand::Stop(key), key)
     }
 
-    fn told(&mut self, command: TaskCommand<'_>, key: OrderKey) -> Reply {
+    fn told(&mut self, command: TaskCommand<'_>, key: OrderKey) -> TaskReply {
         self.is_taken = self.controller.handle(self.now, StationInput::Task(command)).is_taken();
         self.step();
         let mut replies = std::mem::take(&mut self.out.replies);
@@ -228,11 +228,11 @@ impl Bench {
 
     /// Does a task from its order to its end.
     pub fn done(&mut self, order: &TaskOrder) {
-        assert_eq!(self.run(order), Reply::Running);
+        assert_eq!(self.run(order), TaskReply::Running);
         while self.slot().is_some() {
             self.arrive();
         }
-        assert_eq!(self.result(order.key), Some(Outcome::Done));
+        assert_eq!(self.result(order.key), Some(TaskOutcome::Done));
     }
 
     pub fn orders(&self) -> TaskOrderReport {
@@ -243,7 +243,7 @@ impl Bench {
         self.orders().slot.map(|slot| slot.key)
     }
 
-    pub fn result(&self, key: OrderKey) -> Option<Outcome> {
+    pub fn result(&self, key: OrderKey) -> Option<TaskOutcome> {
         self.orders().results.iter().find(|(known, _)| *known == key).map(|(_, outcome)| *outcome)
     }
 
@@ -252,7 +252,7 @@ impl Bench {
         self.orders().rest.map(|rest| self.line.station(self.station).rests[rest.index()].name.clone())
     }
 
-    pub fn marking(&self) -> Place {
+    pub fn marking(&self) -> StationPlace {
         self.controller.marking().next().expect("one token")
     }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Outcome, Reply, TaskFailure};
+use linewright_station_logic::{TaskFailure, TaskOutcome, TaskReply};
 
 use super::bench::{Bench, key, order};
 
@@ -11,11 +11,11 @@ use super::bench::{Bench, key, order};
 fn a_task_is_done_from_rest_to_rest_and_then_nothing_more_happens() {
     let mut m1 = Bench::new();
     assert_eq!(m1.rest().as_deref(), Some("open"));
-    assert_eq!(m1.run(&order(1, "clamp")), Reply::Running);
+    assert_eq!(m1.run(&order(1, "clamp")), TaskReply::Running);
     assert_eq!((m1.on(), m1.rest(), m1.slot()), (vec!["Y_close"], None, Some(key(1, 1))));
     m1.arrive();
     assert_eq!((m1.on(), m1.rest().as_deref(), m1.slot()), (vec![], Some("clamped"), None));
-    assert_eq!(m1.result(key(1, 1)), Some(Outcome::Done));
+    assert_eq!(m1.result(key(1, 1)), Some(TaskOutcome::Done));
     m1.wait(Duration::from_secs(60));
     assert_eq!(m1.outputs, 0);
     assert_eq!(
@@ -55,7 +55,7 @@ fn a_task_that_ends_where_it_begins_is_done_once_for_each_order() {
 fn nothing_starts_before_what_it_waits_for_is_there_and_the_code_says_so_if_it_never_comes() {
     let mut m1 = Bench::new();
     m1.set("part_present", false);
-    assert_eq!(m1.run(&order(1, "clamp")), Reply::Running);
+    assert_eq!(m1.run(&order(1, "clamp")), TaskReply::Running);
     assert_eq!(m1.outputs, 0);
     assert_eq!(m1.blocked_by(), ["part_present (m1 io, node 02h, 6000h:01 bit 6), for clamp close"]);
     m1.wait(Duration::from_secs(19));
@@ -67,7 +67,7 @@ fn nothing_starts_before_what_it_waits_for_is_there_and_the_code_says_so_if_it_n
     m1.set("part_present", false);
     m1.run(&order(3, "clamp"));
     m1.wait(Duration::from_secs(20));
-    assert_eq!(m1.result(key(1, 3)), Some(Outcome::Failed(TaskFailure::Waiting(12))));
+    assert_eq!(m1.result(key(1, 3)), Some(TaskOutcome::Failed(TaskFailure::Waiting(12))));
     assert_eq!((m1.slot(), m1.rest().as_deref()), (None, Some("open")));
     m1.set("part_present", true);
     assert_eq!(m1.outputs, 0, "an order that is over starts nothing");
@@ -83,7 +83,7 @@ fn the_time_of_the_description_counts_where_the_order_leaves_more() {
     m1.wait(Duration::from_millis(25_950));
     assert_eq!(m1.slot(), Some(key(1, 1)));
     m1.wait(Duration::from_millis(50));
-    assert_eq!(m1.result(key(1, 1)), Some(Outcome::Failed(TaskFailure::Waiting(12))), "limit_s = 26");
+    assert_eq!(m1.result(key(1, 1)), Some(TaskOutcome::Failed(TaskFailure::Waiting(12))), "limit_s = 26");
 }
 
 #[test]
@@ -104,9 +104,9 @@ fn master_stop_lets_a_task_end_and_takes_no_other_on() {
     m1.run(&order(1, "clamp"));
     m1.master_stop(true);
     m1.arrive();
-    assert_eq!(m1.result(key(1, 1)), Some(Outcome::Done));
-    assert_eq!(m1.run(&order(2, "release")), Reply::Refused(linewright_station_logic::Refusal::Mode));
+    assert_eq!(m1.result(key(1, 1)), Some(TaskOutcome::Done));
+    assert_eq!(m1.run(&order(2, "release")), TaskReply::Refused(linewright_station_logic::TaskRefusal::Mode));
     assert!(m1.controller.report().at_home && m1.controller.report().stopped);
     m1.master_stop(false);
-    assert_eq!(m1.run(&order(2, "release")), Reply::Running);
+    assert_eq!(m1.run(&order(2, "release")), TaskReply::Running);
 }

@@ -1,7 +1,7 @@
 //! What a station still knows after its controller was killed.
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{Controller, Outcome, PanelCommand, Refusal, Reply, Restore, TaskFailure};
+use linewright_station_logic::{Controller, PanelCommand, Restore, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
 use super::bench::{Bench, MEMORY, key, order};
 
@@ -13,8 +13,8 @@ fn killed_in_a_motion_it_has_ended_the_order_and_says_so() {
     assert_eq!((again.doing().as_str(), again.outputs), ("clamp close (stopped)", 0));
     again.mode(ControlMode::Auto);
     assert_eq!(again.orders().memory, MEMORY, "another life, the same memory");
-    assert_eq!(again.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(TaskFailure::Restarted)));
-    assert_eq!(again.run(&order(2, "clamp")), Reply::Refused(Refusal::Incomplete));
+    assert_eq!(again.run(&order(1, "clamp")), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Restarted)));
+    assert_eq!(again.run(&order(2, "clamp")), TaskReply::Refused(TaskRefusal::Incomplete));
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn killed_before_it_has_begun_it_does_not_begin() {
     again.mode(ControlMode::Auto);
     again.set("part_present", true);
     assert_eq!(again.outputs, 0);
-    assert_eq!(again.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(TaskFailure::Restarted)));
+    assert_eq!(again.run(&order(1, "clamp")), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Restarted)));
     again.done(&order(2, "clamp"));
 }
 
@@ -41,7 +41,7 @@ fn killed_after_its_last_motion_it_keeps_what_it_has_said() {
     m1.secure(key(1, 2));
     m1.arrive();
     let kept = m1.orders().results;
-    assert_eq!(kept.last(), Some(&(key(1, 2), Outcome::Done)), "the last motion was under way");
+    assert_eq!(kept.last(), Some(&(key(1, 2), TaskOutcome::Done)), "the last motion was under way");
     assert_eq!(m1.killed(8).orders().results, kept);
 }
 
@@ -49,12 +49,12 @@ fn killed_after_its_last_motion_it_keeps_what_it_has_said() {
 fn what_it_has_had_and_what_it_has_refused_it_still_knows() {
     let mut m1 = Bench::new();
     let release = order(1, "release");
-    assert_eq!(m1.run(&release), Reply::Refused(Refusal::NotThere));
+    assert_eq!(m1.run(&release), TaskReply::Refused(TaskRefusal::NotThere));
     m1.done(&order(2, "clamp"));
     let mut again = m1.killed(8);
     again.mode(ControlMode::Auto);
-    assert_eq!(again.run(&release), Reply::Refused(Refusal::NotThere));
-    assert_eq!(again.run(&order(2, "clamp")), Reply::Ended(Outcome::Done));
+    assert_eq!(again.run(&release), TaskReply::Refused(TaskRefusal::NotThere));
+    assert_eq!(again.run(&order(2, "clamp")), TaskReply::Ended(TaskOutcome::Done));
     assert_eq!(again.rest().as_deref(), Some("clamped"));
     again.done(&order(3, "release"));
     assert_eq!(again.killed(9).controller.snapshot(), again.controller.snapshot());
@@ -67,9 +67,9 @@ fn without_its_memory_it_takes_no_order_that_was_meant_for_it() {
     fresh.mode(ControlMode::Auto);
     fresh.set("part_present", true);
     assert_eq!((m1.orders().memory, fresh.orders().memory), (7, 8));
-    assert_eq!(fresh.run(&order(1, "clamp")), Reply::Refused(Refusal::OtherMemory));
+    assert_eq!(fresh.run(&order(1, "clamp")), TaskReply::Refused(TaskRefusal::OtherMemory));
     let meant = linewright_station_logic::TaskOrder { memory: 8, ..order(1, "clamp") };
-    assert_eq!(fresh.run(&meant), Reply::Running);
+    assert_eq!(fresh.run(&meant), TaskReply::Running);
 }
 
 #[test]
@@ -77,13 +77,16 @@ fn a_snapshot_of_any_length_is_taken_and_no_longer_than_it_may_be_afterwards() {
     let m1 = Bench::new();
     let mut snapshot = m1.controller.snapshot();
     let orders = snapshot.order.as_mut().expect("it works on order");
-    orders.results = (1..100).map(|id| (key(1, id), Reply::Ended(Outcome::Done))).collect();
+    orders.results = (1..100).map(|id| (key(1, id), TaskReply::Ended(TaskOutcome::Done))).collect();
     orders.slot = Some(key(1, 100));
     orders.last = 100;
     let again = Controller::new(&m1.line, m1.station, 8, Restore::From(snapshot)).expect("it fits");
     let kept = again.snapshot().order.expect("it works on order");
     assert_eq!((kept.results.len(), kept.slot), (16, None));
-    assert_eq!(kept.results.last(), Some(&(key(1, 100), Reply::Ended(Outcome::Failed(TaskFailure::Restarted)))));
+    assert_eq!(
+        kept.results.last(),
+        Some(&(key(1, 100), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Restarted))))
+    );
 }
 
 /// A coordinator that has lost its records begins a later life, and counts from 1.
@@ -95,13 +98,13 @@ fn numbers_begin_anew_with_a_later_epoch() {
     m1.set("part_present", true);
     m1.done(&of(1, 40, "clamp"));
     m1.done(&of(2, 1, "release"));
-    assert_eq!(m1.run(&of(1, 41, "clamp")), Reply::Refused(Refusal::OldEpoch));
-    assert_eq!(m1.run(&of(2, 1, "release")), Reply::Ended(Outcome::Done));
+    assert_eq!(m1.run(&of(1, 41, "clamp")), TaskReply::Refused(TaskRefusal::OldEpoch));
+    assert_eq!(m1.run(&of(2, 1, "release")), TaskReply::Ended(TaskOutcome::Done));
     m1.mode(ControlMode::StandBy);
     // Heard and not taken on: the life is known, and none of its orders is.
-    assert_eq!(m1.run(&of(3, 1, "clamp")), Reply::Refused(Refusal::Mode));
+    assert_eq!(m1.run(&of(3, 1, "clamp")), TaskReply::Refused(TaskRefusal::Mode));
     m1.mode(ControlMode::Auto);
-    assert_eq!(m1.run(&of(3, 1, "clamp")), Reply::Running);
+    assert_eq!(m1.run(&of(3, 1, "clamp")), TaskReply::Running);
 }
 
 /// The message to leave an order says neither who sends it nor which memory it is meant for.
@@ -116,7 +119,7 @@ fn a_message_to_leave_an_order_of_any_epoch_keeps_no_other_order_out() {
         m1.done(&order(2, "release"));
         // The order that it names is left all the same.
         let named = linewright_station_logic::TaskOrder { key: key(epoch, 7), ..order(7, "clamp") };
-        assert_eq!(m1.run(&named), Reply::Ended(Outcome::Failed(TaskFailure::Cancelled)));
+        assert_eq!(m1.run(&named), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Cancelled)));
     }
 }
 
@@ -125,7 +128,7 @@ fn an_order_of_an_epoch_far_ahead_is_not_taken_on() {
     let mut m1 = Bench::new();
     m1.done(&order(1, "clamp"));
     let far = linewright_station_logic::TaskOrder { key: key(u64::MAX, 1), ..order(1, "release") };
-    assert_eq!(m1.run(&far), Reply::Refused(Refusal::OtherMemory));
+    assert_eq!(m1.run(&far), TaskReply::Refused(TaskRefusal::OtherMemory));
     assert!(!m1.is_taken);
     m1.done(&order(2, "release"));
 }
@@ -141,6 +144,6 @@ fn killed_after_it_was_told_to_leave_an_order_it_does_not_go_back_on_a_late_copy
     let mut again = m1.killed(8);
     again.mode(ControlMode::Auto);
     assert_eq!((again.doing().as_str(), again.rest()), ("slide in (done)", None));
-    assert_eq!(again.secure(key(1, 2)), Reply::Ended(Outcome::Failed(TaskFailure::Interrupted)));
+    assert_eq!(again.secure(key(1, 2)), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted)));
     assert_eq!((again.outputs, again.slot()), (0, None));
 }

@@ -2,9 +2,9 @@
 
 use linewright_line::OpId;
 use linewright_line::net::ControlMode;
-use linewright_line::net::Place;
+use linewright_line::net::StationPlace;
 use linewright_station_logic::PanelCommand::{Advance, Retract};
-use linewright_station_logic::{Outcome, Reply, TaskFailure};
+use linewright_station_logic::{TaskFailure, TaskOutcome, TaskReply};
 
 use super::bench::{Bench, key, order};
 
@@ -14,9 +14,9 @@ fn a_fault_ends_the_order_with_its_code_and_leaves_the_station_where_it_is() {
     m1.run(&order(1, "clamp"));
     m1.wait(std::time::Duration::from_secs(3));
     assert_eq!(m1.doing(), "clamp close (stopped)");
-    assert_eq!(m1.result(key(1, 1)), Some(Outcome::Failed(TaskFailure::Fault)));
+    assert_eq!(m1.result(key(1, 1)), Some(TaskOutcome::Failed(TaskFailure::Fault)));
     assert_eq!(TaskFailure::Fault.code(), 1001);
-    assert_eq!(m1.secure(key(1, 1)), Reply::Ended(Outcome::Failed(TaskFailure::Fault)));
+    assert_eq!(m1.secure(key(1, 1)), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Fault)));
     assert_eq!(m1.outputs, 0, "it waits for a person, as every station does");
 }
 
@@ -27,7 +27,7 @@ fn in_every_mode_in_which_people_move_it_an_order_is_over() {
         m1.done(&order(1, "clamp"));
         m1.run(&order(2, "machine"));
         m1.mode(mode);
-        assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(TaskFailure::Interrupted)), "{mode}");
+        assert_eq!(m1.result(key(1, 2)), Some(TaskOutcome::Failed(TaskFailure::Interrupted)), "{mode}");
         assert!(m1.on().iter().all(|output| !output.starts_with("prog")), "{mode}");
         m1.mode(ControlMode::Auto);
         assert_eq!(m1.slot(), None);
@@ -42,7 +42,7 @@ fn led_to_the_end_by_hand_the_order_has_failed_all_the_same() {
     m1.through(Advance(true));
     assert_eq!(m1.rest().as_deref(), Some("clamped"));
     m1.mode(ControlMode::Auto);
-    assert_eq!(m1.run(&order(1, "clamp")), Reply::Ended(Outcome::Failed(TaskFailure::Interrupted)));
+    assert_eq!(m1.run(&order(1, "clamp")), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted)));
     m1.done(&order(2, "machine"));
 }
 
@@ -74,11 +74,11 @@ fn where_it_was_left_between_two_operations_it_can_be_told_to_go_back() {
     assert_eq!(m1.doing(), "slide in (done)");
     m1.mode(ControlMode::Auto);
     assert_eq!((m1.outputs, m1.rest()), (0, None));
-    assert_eq!(m1.secure(key(1, 2)), Reply::Running);
+    assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
     assert_eq!(m1.on(), ["Y_out"]);
     m1.arrive();
     assert_eq!((m1.rest().as_deref(), m1.slot()), (Some("clamped"), None));
-    assert_eq!(m1.result(key(1, 2)), Some(Outcome::Failed(TaskFailure::Interrupted)));
+    assert_eq!(m1.result(key(1, 2)), Some(TaskOutcome::Failed(TaskFailure::Interrupted)));
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn told_to_go_back_while_people_move_it_it_does_not_go_back_later_on_a_copy_of_t
     m1.run(&order(2, "machine"));
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
-    let interrupted = Reply::Ended(Outcome::Failed(TaskFailure::Interrupted));
+    let interrupted = TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted));
     assert_eq!(m1.secure(key(1, 2)), interrupted, "not while people move it");
     m1.mode(ControlMode::Auto);
     assert_eq!(m1.secure(key(1, 2)), interrupted, "whoever told it knows that it stands");
@@ -107,7 +107,7 @@ fn once_it_has_rested_after_its_order_it_does_not_go_back_from_where_people_lead
     m1.through(Advance(true));
     m1.mode(ControlMode::Auto);
     assert_eq!((m1.slot(), m1.rest()), (None, None));
-    assert_eq!(m1.secure(key(1, 2)), Reply::Ended(Outcome::Failed(TaskFailure::Interrupted)));
+    assert_eq!(m1.secure(key(1, 2)), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted)));
     assert_eq!((m1.outputs, m1.slot()), (0, None));
 }
 
@@ -119,7 +119,7 @@ fn from_an_order_that_it_never_had_it_does_not_go_back() {
     m1.through(Advance(true));
     m1.mode(ControlMode::Auto);
     assert_eq!(m1.rest(), None, "a person has left it there");
-    let cancelled = Reply::Ended(Outcome::Failed(TaskFailure::Cancelled));
+    let cancelled = TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Cancelled));
     assert_eq!(m1.secure(key(1, 2)), cancelled);
     assert_eq!(m1.secure(key(1, 2)), cancelled, "a copy");
     assert_eq!((m1.outputs, m1.slot()), (0, None));
@@ -135,7 +135,7 @@ fn left_on_a_recovery_path_it_has_nothing_to_go_back_by_and_is_not_at_its_order_
     m1.through(Retract(true));
     assert_eq!((m1.doing().as_str(), m1.rest()), ("slide in (undone)", None), "the end of the task would follow");
     m1.mode(ControlMode::Auto);
-    assert_eq!(m1.secure(key(1, 2)), Reply::Ended(Outcome::Failed(TaskFailure::Interrupted)));
+    assert_eq!(m1.secure(key(1, 2)), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted)));
     assert_eq!((m1.outputs, m1.slot()), (0, None));
 }
 
@@ -154,7 +154,7 @@ fn a_fault_of_an_irreversible_operation_is_left_along_its_path_to_the_rest_of_it
     // The last operation of the task follows, and finds its axis there already.
     m1.hold(&[Retract(true)]);
     m1.hold(&[]);
-    assert_eq!((m1.marking(), m1.rest().as_deref()), (Place::completed(OpId(3)), Some("clamped")));
+    assert_eq!((m1.marking(), m1.rest().as_deref()), (StationPlace::completed(OpId(3)), Some("clamped")));
     let report = m1.controller.report();
     assert_eq!((report.done, report.started), (vec![1, 0, 0, 0, 0], vec![1, 0, 0, 0, 0]), "nothing of the task counts");
     assert_eq!(m1.events().last().map(String::as_str), Some("is back where the task began"));

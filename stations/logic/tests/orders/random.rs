@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode};
 use linewright_station_logic::PanelCommand::{Advance, Retract};
-use linewright_station_logic::{OrderKey, Outcome, Reply, TaskOrder};
+use linewright_station_logic::{OrderKey, TaskOrder, TaskOutcome, TaskReply};
 use proptest::prelude::*;
 
 use super::bench::{Bench, MEMORY, key, order};
@@ -48,15 +48,15 @@ const TASKS: [&str; 4] = ["clamp", "machine", "release", "dance"];
 /// What has been seen of each key.
 #[derive(Default)]
 struct Ledger {
-    ended: BTreeMap<OrderKey, Outcome>,
+    ended: BTreeMap<OrderKey, TaskOutcome>,
     begun: BTreeMap<OrderKey, usize>,
     /// It was told to stop these.
     stopped: BTreeSet<OrderKey>,
 }
 
 impl Ledger {
-    fn hears(&mut self, key: OrderKey, reply: Reply) -> Result<(), TestCaseError> {
-        if let Reply::Ended(outcome) = reply {
+    fn hears(&mut self, key: OrderKey, reply: TaskReply) -> Result<(), TestCaseError> {
+        if let TaskReply::Ended(outcome) = reply {
             let first = *self.ended.entry(key).or_insert(outcome);
             prop_assert_eq!(first, outcome, "{:?} has ended once", key);
         }
@@ -67,7 +67,7 @@ impl Ledger {
     fn looks(&mut self, m1: &mut Bench) -> Result<(), TestCaseError> {
         let orders = m1.orders();
         for &(key, outcome) in &orders.results {
-            self.hears(key, Reply::Ended(outcome))?;
+            self.hears(key, TaskReply::Ended(outcome))?;
         }
         if let Some(slot) = orders.slot {
             prop_assert!(!self.stopped.contains(&slot.key), "{:?} was stopped, and goes on or back", slot.key);

@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_station_logic::{OrderRules, Outcome, PanelCommand, Refusal, Reply, TaskFailure, TaskOrder};
+use linewright_station_logic::{OrderRules, PanelCommand, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
 
 use super::bench::{Bench, key, order};
 
-fn ended(failure: TaskFailure) -> Reply {
-    Reply::Ended(Outcome::Failed(failure))
+fn ended(failure: TaskFailure) -> TaskReply {
+    TaskReply::Ended(TaskOutcome::Failed(failure))
 }
 
 /// On its way in with the part, by order 2.
@@ -32,7 +32,7 @@ fn told_to_stop_it_stands_at_once_and_a_person_leads_on() {
     m1.wait(Duration::from_secs(30));
     assert_eq!(m1.run(&order(2, "machine")), ended(TaskFailure::Stopped), "a copy of the order that comes late");
     assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Stopped), "and one of a message to leave it");
-    assert_eq!(m1.run(&order(3, "machine")), Reply::Refused(Refusal::Incomplete));
+    assert_eq!(m1.run(&order(3, "machine")), TaskReply::Refused(TaskRefusal::Incomplete));
     assert_eq!((m1.on(), m1.doing().as_str()), (vec![], "slide in (stopped)"));
 
     m1.mode(ControlMode::Manual);
@@ -57,7 +57,7 @@ fn stopped_between_two_motions_it_does_not_go_back_either() {
     for m1 in [&mut m1, &mut again] {
         assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Stopped));
         assert_eq!((m1.outputs, m1.slot(), m1.doing().as_str()), (0, None, "slide in (done)"));
-        assert_eq!(m1.run(&order(3, "machine")), Reply::Refused(Refusal::NotThere));
+        assert_eq!(m1.run(&order(3, "machine")), TaskReply::Refused(TaskRefusal::NotThere));
     }
 }
 
@@ -91,7 +91,7 @@ fn killed_before_it_hears_of_the_stop_it_stays_where_that_has_left_it() {
 #[test]
 fn a_stop_is_about_one_order_alone() {
     let mut m1 = sliding();
-    assert_eq!(m1.stop(key(1, 1)), Reply::Ended(Outcome::Done), "what is done is not stopped");
+    assert_eq!(m1.stop(key(1, 1)), TaskReply::Ended(TaskOutcome::Done), "what is done is not stopped");
     assert_eq!(m1.on(), ["Y_in", "prog_1", "prog_4"], "nor is what came after it");
     assert_eq!(m1.stop(key(1, 3)), ended(TaskFailure::Cancelled));
     assert_eq!(m1.slot(), Some(key(1, 2)), "nor what came before");
@@ -127,6 +127,6 @@ fn without_its_rule_it_goes_back() {
     let mut m1 = sliding();
     m1.controller =
         m1.controller.clone().with_order_rules(OrderRules { stops_at_once: false, ..OrderRules::default() });
-    assert_eq!(m1.stop(key(1, 2)), Reply::Running);
+    assert_eq!(m1.stop(key(1, 2)), TaskReply::Running);
     assert_eq!(m1.on(), ["Y_in", "prog_1", "prog_4"]);
 }

@@ -1,11 +1,11 @@
 //! Analogue channels: what the device is told, limits with their hysteresis, broken wires, values that stay away, rest.
 
-use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, Channel, When};
+use linewright_line::{Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, When};
 
 use super::*;
 
-fn channel(number: u8) -> Channel {
-    Channel { number, unit: "bar".to_owned(), factor: 0.01, offset: 0.0 }
+fn channel(number: u8) -> AnalogueChannel {
+    AnalogueChannel { number, unit: "bar".to_owned(), factor: 0.01, offset: 0.0 }
 }
 
 fn input(number: u8, first: u16) -> AnalogueInput {
@@ -22,14 +22,14 @@ fn output(number: u8, outputs: &[(u16, f64)]) -> AnalogueOutput {
 
 /// Node 4 of the drill has analogue input 2 (inputs 8 and 9) and output 1 (outputs 8 and 9) beside its bits; node 5 is as
 /// always.
-fn bench(analogue: Analogue) -> Bench {
+fn bench(analogue: Analogue) -> ManagerBench {
     let mut devices = devices();
     devices[0].io_mut().expect("I/O").analogue = analogue;
-    Bench::of(&devices[..2])
+    ManagerBench::of(&devices[..2])
 }
 
 /// Operational, and its channels have not come yet.
-fn started(analogue: Analogue) -> Bench {
+fn started(analogue: Analogue) -> ManagerBench {
     let mut bench = bench(analogue);
     bench.bring_up(5);
     bench.hear("704#00");
@@ -45,7 +45,7 @@ fn usual() -> Analogue {
 }
 
 /// Operational, with 2.00 bar.
-fn up() -> Bench {
+fn up() -> ManagerBench {
     let mut bench = started(usual());
     bench.measure(200);
     bench.take();
@@ -53,7 +53,7 @@ fn up() -> Bench {
     bench
 }
 
-impl Bench {
+impl ManagerBench {
     /// Channel 2 of node 4 gives this number.
     fn measure(&mut self, number: i16) {
         let [low, high] = number.to_le_bytes();
@@ -144,7 +144,7 @@ fn a_broken_wire_is_a_loss_until_it_is_mended_and_says_so() {
     let (frames, events) = bench.take();
     assert!(frames.contains(&"204#00".to_owned()), "{frames:?}");
     let fault = ChannelFault::Number { channel: 2, number: i16::MAX };
-    assert!(events.contains(&Event::ChannelFault { node: node(4), fault }), "{events:?}");
+    assert!(events.contains(&BusEvent::ChannelFault { node: node(4), fault }), "{events:?}");
     assert!(!bench.inputs(DRILL).valid && bench.limits() == (false, false));
     let said = "drill-a (node 04h): operational, but analogue input 2 (6401h:02) is at the end of its range: is its wire \
                 broken?";
@@ -155,7 +155,7 @@ fn a_broken_wire_is_a_loss_until_it_is_mended_and_says_so() {
     assert!(!bench.inputs(DRILL).valid, "not yet: it has measured for 250 ms");
     bench.live(50, Some(300));
     let (frames, events) = bench.take();
-    assert!(!events.iter().any(|event| matches!(event, Event::ChannelFault { .. })));
+    assert!(!events.iter().any(|event| matches!(event, BusEvent::ChannelFault { .. })));
     assert!(!frames.iter().any(|frame| frame == "204#01"), "{frames:?}");
     assert!(bench.inputs(DRILL).valid);
     assert_eq!(bench.inputs(DRILL).losses, 1);
@@ -179,7 +179,7 @@ fn a_broken_wire_with_an_input_of_its_own_turns_that_on_and_the_limits_off() {
     assert_eq!((bench.limits(), bench.inputs(DRILL).bits >> 10 & 1), ((false, false), 1));
     bench.take();
     bench.pass(50);
-    assert!(bench.take().1.contains(&Event::InputsChanged { owner: DRILL }), "by time alone");
+    assert!(bench.take().1.contains(&BusEvent::InputsChanged { owner: DRILL }), "by time alone");
     assert_eq!((bench.limits(), bench.inputs(DRILL).bits >> 10 & 1), ((false, false), 0));
 }
 
@@ -193,8 +193,9 @@ fn a_loose_contact_is_one_loss_until_it_has_held_for_a_while() {
             bench.live(50, None);
         }
     }
-    let changes =
-        |events: &[Event]| events.iter().filter(|event| matches!(event, Event::InputsChanged { owner: DRILL })).count();
+    let changes = |events: &[BusEvent]| {
+        events.iter().filter(|event| matches!(event, BusEvent::InputsChanged { owner: DRILL })).count()
+    };
     assert_eq!((changes(&bench.take().1), bench.inputs(DRILL).losses), (1, 1));
     bench.measure(200);
     let mended = bench.now + Duration::from_millis(295);
@@ -220,7 +221,7 @@ fn values_that_stay_away_while_all_else_goes_on_are_a_loss() {
     bench.live(100, None);
     assert!(!bench.inputs(DRILL).valid);
     let events = bench.take().1;
-    assert!(events.contains(&Event::ChannelFault { node: node(4), fault: ChannelFault::Late { object: 2 } }));
+    assert!(events.contains(&BusEvent::ChannelFault { node: node(4), fault: ChannelFault::Late { object: 2 } }));
     // It is no busy loop, and over as soon as one comes.
     assert!(bench.manager.next_deadline().unwrap() > bench.now);
     bench.measure(600);

@@ -1,17 +1,17 @@
 //! Bringing devices up: who they are, what they are told, and what becomes of those that do not answer or refuse.
 
-use linewright_line::{Identity, Setting};
+use linewright_line::{DeviceIdentity, ObjectWrite};
 
 use super::*;
-use crate::sdo::{Abort, Cause, ObjectId, TransferError};
+use crate::sdo::{Abort, ObjectId, TransferError, TransferFailure};
 
 /// The clamp's device must be this one.
-fn particular() -> Bench {
+fn particular() -> ManagerBench {
     let mut devices = devices();
     let setup = &mut devices[2].canopen_mut().expect("CANopen").setup;
-    setup.identity = Identity { vendor: Some(0x123), revision: Some(0x0001_0002), ..Identity::default() };
-    setup.settings = vec![Setting { index: 0x6206, sub: 1, data: vec![0xFF] }];
-    let mut bench = Bench::of(&devices);
+    setup.identity = DeviceIdentity { vendor: Some(0x123), revision: Some(0x0001_0002), ..DeviceIdentity::default() };
+    setup.settings = vec![ObjectWrite { index: 0x6206, sub: 1, data: vec![0xFF] }];
+    let mut bench = ManagerBench::of(&devices);
     bench.hear("706#00");
     bench.hear("586#4300100091010300");
     bench.take();
@@ -20,7 +20,7 @@ fn particular() -> Bench {
 
 #[test]
 fn a_device_that_does_not_watch_the_manager_is_not_started() {
-    let mut bench = Bench::new();
+    let mut bench = ManagerBench::new();
     bench.take();
     bench.hear("706#00");
     bench.hear("586#4300100091010300");
@@ -29,8 +29,8 @@ fn a_device_that_does_not_watch_the_manager_is_not_started() {
     bench.hear("586#8016100111000906");
     let (frames, events) = bench.take();
     assert!(frames.is_empty());
-    let error = TransferError { object: ObjectId::new(0x1016, 1), cause: Cause::Refused(Abort(0x0609_0011)) };
-    assert_eq!(events, [Event::BootFailed { node: node(6), why: BootError::Transfer { writing: true, error } }]);
+    let error = TransferError { object: ObjectId::new(0x1016, 1), cause: TransferFailure::Refused(Abort(0x0609_0011)) };
+    assert_eq!(events, [BusEvent::BootFailed { node: node(6), why: BootError::Transfer { writing: true, error } }]);
     let is = bench.manager.explain(bench.now, node(6)).unwrap();
     assert!(is.starts_with("not started: it cannot be configured: object 1016h:01: refused: 06090011h"), "{is}");
     bench.hear("706#05");
@@ -40,12 +40,12 @@ fn a_device_that_does_not_watch_the_manager_is_not_started() {
 
 #[test]
 fn unanswered_questions_and_orders_are_repeated() {
-    let mut bench = Bench::new();
+    let mut bench = ManagerBench::new();
     bench.take();
     bench.hear("706#00");
     bench.hear("586#4300100091010300");
     bench.take();
-    let alive = |bench: &mut Bench| {
+    let alive = |bench: &mut ManagerBench| {
         for _ in 0..10 {
             bench.hear("706#7F");
             bench.pass(50);
@@ -67,7 +67,7 @@ fn unanswered_questions_and_orders_are_repeated() {
 
 #[test]
 fn a_device_that_is_alive_but_answers_nothing_is_said_to_be_and_asked_again() {
-    let mut bench = Bench::new();
+    let mut bench = ManagerBench::new();
     bench.take();
     let mut events = Vec::new();
     for _ in 0..80 {
@@ -75,11 +75,11 @@ fn a_device_that_is_alive_but_answers_nothing_is_said_to_be_and_asked_again() {
         bench.pass(50);
         events.extend(bench.take().1);
     }
-    let [Event::BootFailed { node: which, why: BootError::Transfer { writing: false, error } }] = events[..] else {
+    let [BusEvent::BootFailed { node: which, why: BootError::Transfer { writing: false, error } }] = events[..] else {
         panic!("{events:?}")
     };
     assert_eq!((which, error.object), (node(6), ObjectId::new(0x1000, 0)));
-    assert!(matches!(error.cause, Cause::Silent { asked: 2, .. }), "{error}");
+    assert!(matches!(error.cause, TransferFailure::Silent { asked: 2, .. }), "{error}");
     // It is brought up as soon as it answers, without anybody's doing.
     bench.pass(500);
     bench.hear("706#7F");
@@ -97,7 +97,7 @@ fn another_device_than_expected_is_told_nothing_and_not_started() {
     let (frames, events) = bench.take();
     assert_eq!(frames, Vec::<String>::new());
     let why = BootError::Identity { object: ObjectId::new(0x1018, 1), expected: 0x123, found: 0x124 };
-    assert_eq!(events, [Event::BootFailed { node: node(6), why }]);
+    assert_eq!(events, [BusEvent::BootFailed { node: node(6), why }]);
     let said = events[0].to_string();
     assert!(said.ends_with("another device: its vendor id (object 1018h:01) is 00000124h, not 00000123h"), "{said}");
     // Looked at again after a while, and at once when somebody has changed it and it boots.
@@ -138,13 +138,16 @@ fn an_older_revision_does_not_serve() {
         let mut bench = particular();
         bench.hear("586#4318100123010000");
         bench.hear(found);
-        assert!(matches!(bench.take().1[..], [Event::BootFailed { why: BootError::Identity { .. }, .. }]), "{found}");
+        assert!(
+            matches!(bench.take().1[..], [BusEvent::BootFailed { why: BootError::Identity { .. }, .. }]),
+            "{found}"
+        );
     }
 }
 
 #[test]
 fn devices_boot_side_by_side() {
-    let mut bench = Bench::new();
+    let mut bench = ManagerBench::new();
     bench.take();
     for node in 4..=6 {
         bench.hear(&format!("7{node:02X}#00"));
@@ -155,15 +158,15 @@ fn devices_boot_side_by_side() {
         bench.configure(node);
         bench.hear(&format!("{:03X}#00", 0x180 + u16::from(node)));
     }
-    let up: Vec<Event> = bench.take().1.into_iter().filter(|e| matches!(e, Event::DeviceUp { .. })).collect();
-    assert_eq!(up, [Event::DeviceUp { node: node(5) }, Event::DeviceUp { node: node(6) }]);
+    let up: Vec<BusEvent> = bench.take().1.into_iter().filter(|e| matches!(e, BusEvent::DeviceUp { .. })).collect();
+    assert_eq!(up, [BusEvent::DeviceUp { node: node(5) }, BusEvent::DeviceUp { node: node(6) }]);
 }
 
 /// The clamp's device has been identified, told its heartbeats, and asked to go to pre-operational without a manager.
-fn asked_for_error_values(setup: linewright_line::Setup) -> Bench {
+fn asked_for_error_values(setup: linewright_line::DeviceSetup) -> ManagerBench {
     let mut devices = devices();
     devices[2].canopen_mut().expect("CANopen").setup = setup;
-    let mut bench = Bench::of(&devices);
+    let mut bench = ManagerBench::of(&devices);
     for text in ["706#00", "586#4300100091010300", "586#6017100000000000", "586#6016100100000000"] {
         bench.hear(text);
     }
@@ -171,10 +174,10 @@ fn asked_for_error_values(setup: linewright_line::Setup) -> Bench {
     bench
 }
 
-fn said(bench: &mut Bench) -> String {
+fn said(bench: &mut ManagerBench) -> String {
     let (frames, events) = bench.take();
     assert!(!frames.contains(&"000#0106".to_owned()), "{frames:?}");
-    let [event @ Event::BootFailed { .. }] = &events[..] else { panic!("{events:?}") };
+    let [event @ BusEvent::BootFailed { .. }] = &events[..] else { panic!("{events:?}") };
     event.to_string()
 }
 
@@ -231,7 +234,8 @@ fn a_device_that_takes_its_error_values_and_keeps_others_is_not_started() {
 #[test]
 fn a_device_that_the_description_excuses_is_told_all_the_same_and_started() {
     let why = Some("its supply is cut by the safety relay".to_owned());
-    let mut bench = asked_for_error_values(linewright_line::Setup { without_error_values: why, ..Default::default() });
+    let mut bench =
+        asked_for_error_values(linewright_line::DeviceSetup { without_error_values: why, ..Default::default() });
     bench.hear("586#8029100100000206");
     bench.hear("586#8006620100000206");
     assert_eq!(bench.frames(), ["606#2F066201FF000000", "606#2F07620100000000"]);
@@ -246,7 +250,7 @@ fn the_error_values_of_every_byte_with_wired_outputs_are_told() {
     let mut devices = devices();
     let wired = |bit: u16| (bit != 3 && !(8..16).contains(&bit)).then_some(OutputId(bit));
     devices[2].io_mut().expect("I/O").outputs = (0..20).map(wired).collect();
-    let mut bench = Bench::of(&devices);
+    let mut bench = ManagerBench::of(&devices);
     bench.hear("706#00");
     let asked = bench.keeps_what_it_is_told(6);
     let told = asked.iter().filter(|text| text[4..].starts_with("2F"));

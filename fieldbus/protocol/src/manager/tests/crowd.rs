@@ -4,11 +4,11 @@
 use std::borrow::Cow;
 use std::collections::VecDeque;
 
-use linewright_line::Setting;
+use linewright_line::ObjectWrite;
 
 use super::*;
 use crate::codec::NmtCommand;
-use crate::sdo::{Abort, Dictionary, ObjectId, Server};
+use crate::sdo::{Abort, Dictionary, ObjectId, SdoServer};
 
 /// What a frame of eight bytes takes at 500 kbit/s, with a few stuff bits.
 const FRAME_TIME: Duration = Duration::from_micros(240);
@@ -18,12 +18,12 @@ const DOMAIN: usize = 1024;
 
 /// The objects of a device: a profile of 401, and whatever is written.
 #[derive(Default)]
-struct Objects {
+struct CrowdObjects {
     domain: Vec<u8>,
     bytes: std::collections::BTreeMap<ObjectId, Vec<u8>>,
 }
 
-impl Dictionary for Objects {
+impl Dictionary for CrowdObjects {
     fn read(&mut self, object: ObjectId) -> Result<Cow<'_, [u8]>, Abort> {
         match object.index {
             0x1000 => Ok(vec![0x91, 1, 3, 0].into()),
@@ -45,34 +45,34 @@ impl Dictionary for Objects {
     }
 }
 
-struct Station {
+struct CrowdStation {
     node: NodeId,
-    server: Server,
-    objects: Objects,
+    server: SdoServer,
+    objects: CrowdObjects,
     queue: VecDeque<Frame>,
     state: NmtState,
     next_heartbeat: Tick,
 }
 
-impl Station {
+impl CrowdStation {
     /// Sends the next segments of a block, when the last ones are through.
     fn go_on(&mut self, now: Tick) {
         if self.queue.is_empty() {
             let (node, mut segments) = (self.node, Vec::new());
             self.server.poll(now, &mut segments);
-            self.queue.extend(segments.into_iter().map(|raw| Message::SdoResponse { node, raw }.encode()));
+            self.queue.extend(segments.into_iter().map(|raw| CanopenMessage::SdoResponse { node, raw }.encode()));
         }
     }
 
     fn hear(&mut self, now: Tick, frame: &Frame) {
-        match Message::decode(frame) {
-            Ok(Message::SdoRequest { node, raw }) if node == self.node => {
+        match CanopenMessage::decode(frame) {
+            Ok(CanopenMessage::SdoRequest { node, raw }) if node == self.node => {
                 let mut answers = Vec::new();
                 self.server.handle(now, &raw, &mut self.objects, &mut answers);
                 let node = self.node;
-                self.queue.extend(answers.into_iter().map(|raw| Message::SdoResponse { node, raw }.encode()));
+                self.queue.extend(answers.into_iter().map(|raw| CanopenMessage::SdoResponse { node, raw }.encode()));
             }
-            Ok(Message::Nmt { command: NmtCommand::Start, node }) if node == Some(self.node) => {
+            Ok(CanopenMessage::Nmt { command: NmtCommand::Start, node }) if node == Some(self.node) => {
                 self.state = NmtState::Operational;
                 self.queue.push_back(format!("{:03X}#00", 0x180 + u16::from(self.node.get())).parse().unwrap());
             }
@@ -86,9 +86,9 @@ struct Crowd {
     now: Tick,
     queue: VecDeque<Frame>,
     refused: usize,
-    stations: Vec<Station>,
+    stations: Vec<CrowdStation>,
     up: Vec<Tick>,
-    answers: Vec<(u64, Answer)>,
+    answers: Vec<(u64, RequestResult)>,
 }
 
 impl Crowd {
@@ -100,13 +100,13 @@ impl Crowd {
             device.canopen_mut().expect("CANopen").node_id = id;
             device.owner = Owner::Station(StationId(id.into()));
             device.canopen_mut().expect("CANopen").setup.settings =
-                vec![Setting { index: 0x2000, sub: 0, data: domain(id) }];
+                vec![ObjectWrite { index: 0x2000, sub: 0, data: domain(id) }];
             devices.push(device);
         }
-        let station = |id| Station {
+        let station = |id| CrowdStation {
             node: node(id),
-            server: Server::new(4096),
-            objects: Objects::default(),
+            server: SdoServer::new(4096),
+            objects: CrowdObjects::default(),
             // They are switched on with the manager: everybody speaks at once.
             queue: [format!("7{id:02X}#00").parse().unwrap()].into(),
             state: NmtState::PreOperational,
@@ -123,10 +123,10 @@ impl Crowd {
         }
     }
 
-    fn send(&mut self, mut out: Outbox) {
+    fn send(&mut self, mut out: BusOutbox) {
         self.answers.append(&mut out.answers);
-        self.up.extend(out.events.iter().filter(|e| matches!(e, Event::DeviceUp { .. })).map(|_| self.now));
-        let failed = out.events.iter().find(|e| matches!(e, Event::BootFailed { .. } | Event::DeviceLost { .. }));
+        self.up.extend(out.events.iter().filter(|e| matches!(e, BusEvent::DeviceUp { .. })).map(|_| self.now));
+        let failed = out.events.iter().find(|e| matches!(e, BusEvent::BootFailed { .. } | BusEvent::DeviceLost { .. }));
         assert_eq!(failed, None, "at {:?}", self.now);
         let room = QUEUE - self.queue.len();
         let mut frames = out.frames;
@@ -134,14 +134,14 @@ impl Crowd {
         self.queue.extend(frames);
         if !refused.is_empty() {
             self.refused += refused.len();
-            self.manager.give_back(self.now, refused);
+            self.manager.return_unsent(self.now, refused);
         }
     }
 
     /// One frame, the one that wins among those that are first in their queues. The manager is called as a program
     /// with timers of a millisecond calls it.
     fn step(&mut self) {
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         let grain = self.now.since(Tick::ZERO).as_micros() % 1000 < FRAME_TIME.as_micros();
         if grain && self.manager.next_deadline().is_none_or(|due| due <= self.now) {
             self.manager.poll(self.now, &mut out);
@@ -149,7 +149,7 @@ impl Crowd {
         self.send(out);
         for station in self.stations.iter_mut().filter(|station| station.next_heartbeat <= self.now) {
             let state = station.state;
-            station.queue.push_back(Message::Heartbeat { node: station.node, state }.encode());
+            station.queue.push_back(CanopenMessage::Heartbeat { node: station.node, state }.encode());
             station.next_heartbeat = station.next_heartbeat + Duration::from_millis(50);
         }
         for station in &mut self.stations {
@@ -168,7 +168,7 @@ impl Crowd {
             }
             Some(Some(at)) => {
                 let frame = self.stations[at].queue.pop_front().unwrap();
-                let mut out = Outbox::default();
+                let mut out = BusOutbox::default();
                 self.manager.handle(self.now, &frame, &mut out);
                 self.send(out);
             }
@@ -223,7 +223,7 @@ fn outputs_of_many_devices_go_off_at_once_and_no_queue_overflows() {
     crowd.refused = 0;
     for on in [1, 0] {
         for station in 1..=32 {
-            let mut out = Outbox::default();
+            let mut out = BusOutbox::default();
             crowd.manager.set_outputs(crowd.now, Owner::Station(StationId(station)), on, &mut out);
             crowd.send(out);
         }
@@ -248,9 +248,9 @@ fn a_long_object_is_read_on_request_in_blocks_while_others_are_told_theirs() {
         station.queue.push_back(format!("7{:02X}#00", station.node.get()).parse().unwrap());
     }
     let began = crowd.now;
-    let mut out = Outbox::default();
+    let mut out = BusOutbox::default();
     let asked = [3, 4].map(|node| {
-        (crowd.manager.ask(crowd.now, node, Ask::Read(ObjectId::new(0x2000, 0)), &mut out), Ok(domain(node)))
+        (crowd.manager.ask(crowd.now, node, DeviceRequest::Read(ObjectId::new(0x2000, 0)), &mut out), Ok(domain(node)))
     });
     crowd.send(out);
     let told = |crowd: &Crowd| crowd.stations.iter().all(|station| station.objects.domain.len() == DOMAIN);

@@ -5,11 +5,11 @@ use linewright_line::Reaction;
 use super::*;
 
 /// The clamp's device up, with these reactions.
-fn with(on_emergency: Option<Reaction>, when_lost: Reaction) -> Bench {
+fn with(on_emergency: Option<Reaction>, when_lost: Reaction) -> ManagerBench {
     let mut devices = devices();
     devices[2].canopen_mut().expect("CANopen").setup.on_emergency = on_emergency;
     devices[2].canopen_mut().expect("CANopen").setup.when_lost = when_lost;
-    let mut bench = Bench::of(&devices);
+    let mut bench = ManagerBench::of(&devices);
     for node in [4, 5, 6] {
         bench.bring_up(node);
     }
@@ -17,7 +17,7 @@ fn with(on_emergency: Option<Reaction>, when_lost: Reaction) -> Bench {
     bench
 }
 
-fn trouble(bench: &Bench, owner: Owner) -> Vec<String> {
+fn trouble(bench: &ManagerBench, owner: Owner) -> Vec<String> {
     bench.manager.trouble(bench.now, owner).collect()
 }
 
@@ -25,7 +25,7 @@ const OVERLOAD: &str = "086#1023050000000000";
 
 #[test]
 fn a_device_in_error_is_not_trusted_until_it_says_that_the_error_is_gone() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.set(CLAMP, 1);
     bench.set(DRILL, 1);
     bench.take();
@@ -50,7 +50,7 @@ fn a_device_in_error_is_not_trusted_until_it_says_that_the_error_is_gone() {
 
 #[test]
 fn the_end_of_an_error_is_found_though_the_frame_that_says_so_is_lost() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear(OVERLOAD);
     bench.take();
     let mut asked = 0;
@@ -77,16 +77,16 @@ fn what_is_about_the_wire_alone_is_reported() {
         ("086#1023000000000000", false), // passed
         ("086#00FF810000000000", true),  // the manufacturer's own
     ] {
-        let mut bench = Bench::up();
+        let mut bench = ManagerBench::up();
         bench.hear(frame);
-        assert!(matches!(bench.take().1[0], Event::Emergency { .. }));
+        assert!(matches!(bench.take().1[0], BusEvent::Emergency { .. }));
         assert_eq!(bench.inputs(CLAMP).valid, !stands, "{frame}");
     }
 }
 
 #[test]
 fn a_device_that_comes_up_in_error_is_not_trusted() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear("706#00");
     bench.hear("586#4300100091010300");
     bench.hear("586#6017100000000000");
@@ -103,7 +103,7 @@ fn a_device_that_comes_up_in_error_is_not_trusted() {
 
 #[test]
 fn one_that_recovered_from_bus_off_has_let_go_and_is_started_again() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear("086#4081110000000000");
     assert!(!bench.inputs(CLAMP).valid);
     assert!(bench.frames().contains(&"606#4000100000000000".to_owned()), "it may have booted unheard");
@@ -119,7 +119,7 @@ fn an_emergency_that_is_only_reported_changes_nothing() {
     bench.take();
     bench.hear(OVERLOAD);
     let (frames, events) = bench.take();
-    assert!(frames.is_empty() && matches!(events[..], [Event::Emergency { .. }]));
+    assert!(frames.is_empty() && matches!(events[..], [BusEvent::Emergency { .. }]));
     assert!(bench.inputs(CLAMP).valid && trouble(&bench, CLAMP).is_empty());
     let is = bench.manager.explain(bench.now, node(6)).unwrap();
     assert!(
@@ -133,7 +133,7 @@ fn a_device_that_may_be_lost_takes_nobody_along() {
     // The clamp's owner has two devices here, one of which may be lost.
     let mut devices = devices();
     devices[1].canopen_mut().expect("CANopen").setup.when_lost = Reaction::Report;
-    let mut bench = Bench::of(&devices);
+    let mut bench = ManagerBench::of(&devices);
     bench.bring_up(4);
     assert!(bench.inputs(DRILL).valid, "it need not even be there");
     bench.bring_up(5);
@@ -143,7 +143,7 @@ fn a_device_that_may_be_lost_takes_nobody_along() {
     assert_eq!(bench.inputs(DRILL).bits, 0b10);
     bench.pass_with(200, &[4, 6]);
     let (frames, events) = bench.take();
-    assert!(events.contains(&Event::DeviceLost { node: node(5), silent_for: Duration::from_millis(200) }));
+    assert!(events.contains(&BusEvent::DeviceLost { node: node(5), silent_for: Duration::from_millis(200) }));
     assert!(frames.contains(&"204#01".to_owned()) && !frames.contains(&"204#00".to_owned()), "{frames:?}");
     let inputs = bench.inputs(DRILL);
     assert!(inputs.valid && inputs.losses == 0);
@@ -153,7 +153,7 @@ fn a_device_that_may_be_lost_takes_nobody_along() {
 
 #[test]
 fn a_bus_that_is_off_loses_every_device_at_once_for_that_reason() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.set(CLAMP, 1);
     bench.take();
     bench.hear("20000040#0000000000000000");
@@ -178,7 +178,7 @@ fn a_bus_that_is_off_loses_every_device_at_once_for_that_reason() {
 
 #[test]
 fn a_bus_whose_return_nobody_reports_is_on_again_with_the_first_frame() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear("20000040#0000000000000000");
     bench.take();
     bench.hear("705#05");
@@ -187,8 +187,8 @@ fn a_bus_whose_return_nobody_reports_is_on_again_with_the_first_frame() {
 }
 
 /// What a second of this is answered with: frames, events, of 4000 of them.
-fn flood(frames: &[&str]) -> (Bench, Vec<String>, Vec<Event>) {
-    let mut bench = Bench::up();
+fn flood(frames: &[&str]) -> (ManagerBench, Vec<String>, Vec<BusEvent>) {
+    let mut bench = ManagerBench::up();
     bench.set(DRILL, 0b11);
     bench.take();
     for at in 0..4000u32 {
@@ -226,7 +226,7 @@ fn a_node_that_babbles_costs_little_and_concerns_nobody_else() {
         let own = frames.iter().all(|frame| ["186", "706", "086"].iter().any(|id| frame.starts_with(id)));
         assert!(!bench.inputs(CLAMP).valid, "{frames:?}: it babbles, or has not been heard for a second");
         if own {
-            assert!(events.contains(&Event::Babbles { node: node(6) }), "{frames:?}");
+            assert!(events.contains(&BusEvent::Babbles { node: node(6) }), "{frames:?}");
         }
         // It comes to its senses, or is replaced, and is as good as any other.
         bench.pass_with(3000, &[4, 5]);
@@ -251,11 +251,11 @@ fn a_node_that_babbles_says_so() {
 /// The interface has just refused the order to let go when the device says that it is in error.
 #[test]
 fn an_order_to_let_go_that_waits_is_sent_all_the_same() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.set(CLAMP, 1);
     bench.set(CLAMP, 0);
     assert_eq!(bench.take().0, ["206#01", "206#00"]);
-    bench.manager.give_back(bench.now, vec!["206#00".parse().unwrap()]);
+    bench.manager.return_unsent(bench.now, vec!["206#00".parse().unwrap()]);
     bench.manager.handle(bench.now, &OVERLOAD.parse().unwrap(), &mut bench.out);
     bench.take();
     bench.pass(5);
@@ -265,7 +265,7 @@ fn an_order_to_let_go_that_waits_is_sent_all_the_same() {
 /// The device says that its error is gone; an answer from before says that it stands.
 #[test]
 fn an_old_answer_about_an_error_makes_outputs_be_let_go() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear(OVERLOAD);
     bench.pass_with(1000, &[4, 5, 6]);
     assert!(bench.frames().contains(&"606#4001100000000000".to_owned()), "it is asked for its register");
@@ -281,10 +281,10 @@ fn an_old_answer_about_an_error_makes_outputs_be_let_go() {
 /// Whatever the devices are thought to have: what they were sent last may not have left.
 #[test]
 fn at_the_end_everything_is_let_go_and_nothing_that_waited_is_sent() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.set(CLAMP, 1);
     bench.take();
-    bench.manager.give_back(bench.now, vec!["206#01".parse().unwrap()]);
+    bench.manager.return_unsent(bench.now, vec!["206#01".parse().unwrap()]);
     bench.manager.release_outputs(bench.now, &mut bench.out);
     assert!(bench.take().0.contains(&"206#00".to_owned()));
     bench.pass(5);
@@ -293,7 +293,7 @@ fn at_the_end_everything_is_let_go_and_nothing_that_waited_is_sent() {
 
 #[test]
 fn a_boot_ends_an_error_also_of_a_device_that_was_away_and_has_no_register() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear(OVERLOAD);
     bench.pass(1000);
     bench.hear("706#00");
@@ -308,14 +308,14 @@ fn a_boot_ends_an_error_also_of_a_device_that_was_away_and_has_no_register() {
 
 #[test]
 fn one_that_somebody_stopped_is_left_so_also_after_it_was_not_heard_for_a_while() {
-    let floods = |bench: &mut Bench| (0..300).for_each(|_| bench.hear("186#00"));
-    let silence = |bench: &mut Bench| bench.pass_with(400, &[4, 5]);
-    let bus_off = |bench: &mut Bench| {
+    let floods = |bench: &mut ManagerBench| (0..300).for_each(|_| bench.hear("186#00"));
+    let silence = |bench: &mut ManagerBench| bench.pass_with(400, &[4, 5]);
+    let bus_off = |bench: &mut ManagerBench| {
         bench.hear("20000040#0000000000000000");
         bench.hear("20000100#0000000000000000");
     };
-    for lost in [&floods as &dyn Fn(&mut Bench), &silence, &bus_off] {
-        let mut bench = Bench::up();
+    for lost in [&floods as &dyn Fn(&mut ManagerBench), &silence, &bus_off] {
+        let mut bench = ManagerBench::up();
         bench.hear("706#04");
         lost(&mut bench);
         (0..30).for_each(|_| bench.pass_with(50, &[4, 5]));
@@ -342,7 +342,7 @@ fn one_that_somebody_stopped_is_left_so_also_after_it_was_not_heard_for_a_while(
 #[test]
 fn an_error_of_its_own_that_turns_into_one_of_the_wire_has_ended() {
     for said in ["086#2081110000000000", "586#4F01100011000000"] {
-        let mut bench = Bench::up();
+        let mut bench = ManagerBench::up();
         bench.hear(OVERLOAD);
         bench.pass_with(1000, &[4, 5, 6]);
         assert!(!bench.inputs(CLAMP).valid);
@@ -351,7 +351,7 @@ fn an_error_of_its_own_that_turns_into_one_of_the_wire_has_ended() {
     }
     // Generic alone is not of the wire, and an identifier used twice does not end by itself.
     for first in ["086#0010010000000000", "086#5081950000000000"] {
-        let mut bench = Bench::up();
+        let mut bench = ManagerBench::up();
         bench.hear(first);
         bench.pass_with(1000, &[4, 5, 6]);
         bench.hear("586#4F01100011000000");

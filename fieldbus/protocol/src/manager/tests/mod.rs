@@ -9,7 +9,7 @@ mod request;
 mod rival;
 mod trouble;
 
-use linewright_line::{Bus, Device, DeviceKind, InputId, OutputId, StationId};
+use linewright_line::{Device, DeviceBus, DeviceKind, InputId, OutputId, StationId};
 use proptest::prelude::*;
 
 use super::*;
@@ -23,26 +23,26 @@ fn devices() -> Vec<Device> {
     let device = |name: &str, node_id, owner, bit| Device {
         name: name.to_owned(),
         owner,
-        bus: Bus::Line,
+        bus: DeviceBus::Line,
         kind: DeviceKind::io(node_id, vec![Some(InputId(bit)), None], vec![Some(OutputId(bit))]),
     };
     vec![device("drill-a", 4, DRILL, 0), device("drill-b", 5, DRILL, 1), device("clamp", 6, CLAMP, 0)]
 }
 
-struct Bench {
+struct ManagerBench {
     manager: Manager,
     now: Tick,
-    out: Outbox,
+    out: BusOutbox,
 }
 
-impl Bench {
+impl ManagerBench {
     fn new() -> Self {
-        Bench::of(&devices())
+        ManagerBench::of(&devices())
     }
 
     /// With these devices, and its time of listening over: the first frames are sent.
     fn of<'a>(devices: impl IntoIterator<Item = &'a Device>) -> Self {
-        let mut bench = Bench::listening(devices);
+        let mut bench = ManagerBench::listening(devices);
         bench.pass(200);
         bench
     }
@@ -50,14 +50,14 @@ impl Bench {
     /// It has just begun.
     fn listening<'a>(devices: impl IntoIterator<Item = &'a Device>) -> Self {
         let manager = Manager::new(devices, Timing::default()).unwrap();
-        let mut bench = Bench { manager, now: Tick::from_millis(800), out: Outbox::default() };
+        let mut bench = ManagerBench { manager, now: Tick::from_millis(800), out: BusOutbox::default() };
         bench.poll();
         bench
     }
 
     /// A bench on which every device is up, and what that took is forgotten.
     fn up() -> Self {
-        let mut bench = Bench::new();
+        let mut bench = ManagerBench::new();
         for node in [4, 5, 6] {
             bench.bring_up(node);
         }
@@ -123,7 +123,7 @@ impl Bench {
         let (mut kept, mut asked) = (std::collections::BTreeMap::new(), Vec::new());
         for _ in 0..40 {
             for frame in std::mem::take(&mut self.out.frames) {
-                let Ok(Message::SdoRequest { node: of, raw }) = Message::decode(&frame) else { continue };
+                let Ok(CanopenMessage::SdoRequest { node: of, raw }) = CanopenMessage::decode(&frame) else { continue };
                 let ([command, low, high, sub, ..], object) = (raw, [raw[1], raw[2], raw[3]]);
                 let answer = if command == 0x40 {
                     let [size, data @ ..] = kept.get(&object).copied().unwrap_or([0x2F, 0, 0, 0, 0]);
@@ -135,7 +135,7 @@ impl Bench {
                 if of.get() == node {
                     asked.push(frame.to_string());
                     self.pace_is_free();
-                    let frame = Message::SdoResponse { node: of, raw: answer }.encode();
+                    let frame = CanopenMessage::SdoResponse { node: of, raw: answer }.encode();
                     self.manager.handle(self.now, &frame, &mut self.out);
                 }
             }
@@ -144,11 +144,11 @@ impl Bench {
     }
 
     fn pace_is_free(&mut self) {
-        self.manager.pace = Pace::new();
+        self.manager.pace = SendQueue::new();
     }
 
     /// The frames sent and events reported since the last call.
-    fn take(&mut self) -> (Vec<String>, Vec<Event>) {
+    fn take(&mut self) -> (Vec<String>, Vec<BusEvent>) {
         let out = std::mem::take(&mut self.out);
         (out.frames.iter().map(Frame::to_string).collect(), out.events)
     }
@@ -168,7 +168,7 @@ fn node(id: u8) -> NodeId {
 
 #[test]
 fn first_of_all_every_output_is_let_go() {
-    let mut bench = Bench::new();
+    let mut bench = ManagerBench::new();
     let frames = bench.frames();
     assert_eq!(frames[..5], ["77F#00", "204#00", "205#00", "206#00", "77F#05"]);
     // And whoever is there already is asked to show itself.
@@ -177,7 +177,7 @@ fn first_of_all_every_output_is_let_go() {
 
 #[test]
 fn a_device_that_boots_is_configured_started_and_then_gets_its_outputs() {
-    let mut bench = Bench::new();
+    let mut bench = ManagerBench::new();
     bench.set(CLAMP, 1);
     bench.take();
     bench.hear("706#00");
@@ -207,14 +207,14 @@ fn a_device_that_boots_is_configured_started_and_then_gets_its_outputs() {
     bench.hear("186#01");
     let (frames, events) = bench.take();
     assert_eq!(frames, ["206#01"]);
-    assert_eq!(events, [Event::DeviceUp { node: node(6) }, Event::InputsChanged { owner: CLAMP }]);
+    assert_eq!(events, [BusEvent::DeviceUp { node: node(6) }, BusEvent::InputsChanged { owner: CLAMP }]);
     let inputs = bench.inputs(CLAMP);
     assert!(inputs.valid && inputs.bits == 1);
 }
 
 #[test]
 fn inputs_need_every_device_of_their_owner() {
-    let mut bench = Bench::new();
+    let mut bench = ManagerBench::new();
     bench.bring_up(4);
     assert!(!bench.inputs(DRILL).valid);
     bench.bring_up(5);
@@ -226,7 +226,7 @@ fn inputs_need_every_device_of_their_owner() {
 
 #[test]
 fn outputs_are_sent_on_change_and_refreshed() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.set(DRILL, 0b01);
     assert_eq!(bench.frames(), ["204#01"]);
     bench.set(DRILL, 0b01);
@@ -238,14 +238,14 @@ fn outputs_are_sent_on_change_and_refreshed() {
 
 #[test]
 fn a_silent_device_is_lost_and_takes_its_owners_outputs_along() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.set(DRILL, 0b11);
     bench.set(CLAMP, 1);
     bench.take();
     bench.pass_with(200, &[5, 6]);
     let (frames, events) = bench.take();
     let silent_for = Duration::from_millis(200);
-    assert!(events.contains(&Event::DeviceLost { node: node(4), silent_for }), "{events:?}");
+    assert!(events.contains(&BusEvent::DeviceLost { node: node(4), silent_for }), "{events:?}");
     assert_eq!(frames.iter().rfind(|f| f.starts_with("205")).unwrap(), "205#00");
     assert_eq!(frames.iter().rfind(|f| f.starts_with("206")).unwrap(), "206#01", "the clamp is not concerned");
     let inputs = bench.inputs(DRILL);
@@ -257,11 +257,11 @@ fn a_silent_device_is_lost_and_takes_its_owners_outputs_along() {
 
 #[test]
 fn a_device_that_rebooted_gets_only_what_was_set_since_and_only_when_operational() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.set(CLAMP, 1);
     bench.take();
     bench.hear("706#00");
-    assert_eq!(bench.take().1, [Event::DeviceRebooted { node: node(6) }, Event::InputsChanged { owner: CLAMP }]);
+    assert_eq!(bench.take().1, [BusEvent::DeviceRebooted { node: node(6) }, BusEvent::InputsChanged { owner: CLAMP }]);
     bench.configure(6);
     assert!(!bench.frames().iter().any(|f| f.starts_with("206")));
     bench.hear("706#05");
@@ -275,11 +275,11 @@ fn a_device_that_rebooted_gets_only_what_was_set_since_and_only_when_operational
 
 #[test]
 fn a_device_that_falls_back_is_configured_and_started_again_a_stopped_one_is_left_alone() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear("706#7F");
     let (frames, events) = bench.take();
     assert_eq!(frames, ["606#4000100000000000"], "it may have booted unheard: never started as it is");
-    assert_eq!(events[0], Event::DeviceLeft { node: node(6), state: NmtState::PreOperational });
+    assert_eq!(events[0], BusEvent::DeviceLeft { node: node(6), state: NmtState::PreOperational });
     bench.configure(6);
     assert_eq!(bench.take().0.last().map(String::as_str), Some("000#0106"));
     bench.hear("706#05");
@@ -289,12 +289,12 @@ fn a_device_that_falls_back_is_configured_and_started_again_a_stopped_one_is_lef
     let is = bench.manager.explain(bench.now, node(6)).unwrap();
     assert_eq!(is, "stopped by somebody else, and left so; its heartbeat came 0 ms ago");
     bench.hear("706#05");
-    assert_eq!(bench.take().1, [Event::DeviceUp { node: node(6) }]);
+    assert_eq!(bench.take().1, [BusEvent::DeviceUp { node: node(6) }]);
 }
 
 #[test]
 fn a_device_that_lost_the_manager_has_no_outputs_until_it_is_operational_again() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.set(CLAMP, 1);
     bench.take();
     bench.hear("086#3081110000000000");
@@ -308,19 +308,19 @@ fn a_device_that_lost_the_manager_has_no_outputs_until_it_is_operational_again()
 
 #[test]
 fn an_emergency_is_told_by_the_table_of_the_device() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear("086#2023010000000000");
     let said = bench.take().1[0].to_string();
     assert_eq!(said, "node 6 reports 2320h (short circuit at outputs), register 01h");
     let drive: Frame = "086#1186010000000000".parse().unwrap();
-    let Ok(Message::Emergency { emergency, .. }) = Message::decode(&drive) else { panic!("{drive}") };
+    let Ok(CanopenMessage::Emergency { emergency, .. }) = CanopenMessage::decode(&drive) else { panic!("{drive}") };
     assert_eq!(emergency.text(Profile::Drive), "8611h (following error), register 01h");
     assert_eq!(emergency.text(Profile::Unknown), "8611h (monitoring), register 01h");
 }
 
 #[test]
 fn what_is_not_understood_is_ignored_and_counted() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     let cases = [
         ("00000186#01", IgnoreReason::Extended),
         ("186#R", IgnoreReason::Remote),
@@ -334,10 +334,10 @@ fn what_is_not_understood_is_ignored_and_counted() {
         let before = bench.manager.ignored(*reason);
         bench.hear(text);
         assert_eq!(bench.manager.ignored(*reason), before + 1, "{text}");
-        assert!(matches!(bench.take().1[..], [Event::Ignored { .. }]), "{text}");
+        assert!(matches!(bench.take().1[..], [BusEvent::Ignored { .. }]), "{text}");
     }
     bench.hear("20000040#0000000000000000");
-    assert_eq!(bench.take().1[0], Event::BusError { class: 0x40 });
+    assert_eq!(bench.take().1[0], BusEvent::BusError { class: 0x40 });
     bench.hear("000#0104");
     assert!(bench.take().1.is_empty(), "an order of somebody else is not for the manager");
 }
@@ -394,19 +394,19 @@ struct Oracle {
 }
 
 impl Oracle {
-    fn check(&mut self, bench: &mut Bench) -> Result<(), TestCaseError> {
+    fn check(&mut self, bench: &mut ManagerBench) -> Result<(), TestCaseError> {
         let (frames, events) = bench.take();
         for event in &events {
             let left = match event {
-                Event::DeviceUp { node } => {
+                BusEvent::DeviceUp { node } => {
                     self.up |= node.get() == 6;
                     false
                 }
-                Event::DeviceLost { node, .. } | Event::DeviceRebooted { node } | Event::DeviceLeft { node, .. } => {
-                    node.get() == 6
-                }
+                BusEvent::DeviceLost { node, .. }
+                | BusEvent::DeviceRebooted { node }
+                | BusEvent::DeviceLeft { node, .. } => node.get() == 6,
                 // Reported, or found in its register: an error that stands is a loss too, though it stays up.
-                Event::Emergency { node, emergency, .. } => {
+                BusEvent::Emergency { node, emergency, .. } => {
                     let counts = node.get() == 6 && emergency.code != HEARTBEAT_LOST;
                     let begins = counts && emergency.register & !0x11 != 0 && !self.in_error;
                     self.in_error = if counts { emergency.register != 0 } else { self.in_error };
@@ -415,10 +415,10 @@ impl Oracle {
                 }
                 _ => false,
             };
-            if let Event::ErrorRegister { register, .. } = event {
+            if let BusEvent::ErrorRegister { register, .. } = event {
                 self.in_error = *register != 0;
             }
-            self.in_error &= !matches!(event, Event::DeviceRebooted { .. });
+            self.in_error &= !matches!(event, BusEvent::DeviceRebooted { .. });
             if left && self.up {
                 (self.up, self.set_since_loss) = (false, false);
             }
@@ -436,7 +436,7 @@ proptest! {
     fn no_output_is_older_than_the_last_loss(
         steps in prop::collection::vec((any_frame(), prop_oneof![6 => 0u64..40, 1 => 150u64..300], any::<bool>()), 1..200)
     ) {
-        let mut bench = Bench::new();
+        let mut bench = ManagerBench::new();
         let mut oracle = Oracle::default();
         for (frame, millis, set) in steps {
             bench.now = bench.now + Duration::from_millis(millis);

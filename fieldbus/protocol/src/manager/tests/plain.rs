@@ -1,19 +1,20 @@
 //! Devices that speak no CANopen: a gauge beside the clamp's device.
 
 use linewright_line::{
-    Checksum, Coding, Field, FrameBinding, FrameId, Frames, HeardFrame, Named, Page, ToldFrame, When,
+    Checksum, Coding, DbcName, FrameBinding, FrameField, FrameId, FrameTable, Page, ReceivedFrameBinding,
+    SentFrameBinding, When,
 };
 
 use super::*;
 
-fn field(start: u8, size: u8) -> Field {
-    Field { start, size, motorola: false, coding: Coding::Unsigned, factor: 0.5, offset: 0.0 }
+fn field(start: u8, size: u8) -> FrameField {
+    FrameField { start, size, motorola: false, coding: Coding::Unsigned, factor: 0.5, offset: 0.0 }
 }
 
 /// It sends 18FEF100h every so often: a value in byte 0 (input 1 from 20 up, with a hysteresis of 5), a counter in the
 /// lower half of byte 1. It is sent 123h: bit 0 is output 1, a counter in byte 1, a sum in byte 2.
 fn gauge() -> Device {
-    let heard = HeardFrame {
+    let heard = ReceivedFrameBinding {
         name: "State".to_owned(),
         id: FrameId { id: 0x18FE_F100, extended: true },
         len: 2,
@@ -26,7 +27,7 @@ fn gauge() -> Device {
             limits: vec![(field(0, 8), 0.0, 60.0)],
         }],
     };
-    let told = ToldFrame {
+    let told = SentFrameBinding {
         name: "Command".to_owned(),
         id: FrameId { id: 0x123, extended: false },
         len: 3,
@@ -39,8 +40,8 @@ fn gauge() -> Device {
     };
     let mut device = devices().remove(2);
     device.name = "gauge".to_owned();
-    device.kind = DeviceKind::Frames(Frames {
-        file: Named { name: "gauge.dbc".to_owned(), at: 0..0 },
+    device.kind = DeviceKind::Frames(FrameTable {
+        file: DbcName { name: "gauge.dbc".to_owned(), at: 0..0 },
         receive: Vec::new(),
         send: Vec::new(),
         bound: Some(FrameBinding { heard: vec![heard], told: vec![told] }),
@@ -50,21 +51,21 @@ fn gauge() -> Device {
 
 fn binding_of(gauge: &mut Device) -> &mut FrameBinding {
     match &mut gauge.kind {
-        DeviceKind::Frames(Frames { bound: Some(bound), .. }) => bound,
+        DeviceKind::Frames(FrameTable { bound: Some(bound), .. }) => bound,
         _ => panic!("a device of frames"),
     }
 }
 
 /// The clamp's device is up; the gauge has not been heard.
-fn bench() -> Bench {
+fn bench() -> ManagerBench {
     let devices = [devices().remove(2), gauge()];
-    let mut bench = Bench::of(&devices);
+    let mut bench = ManagerBench::of(&devices);
     bench.bring_up(6);
     bench.take();
     bench
 }
 
-fn sent(bench: &mut Bench) -> Vec<String> {
+fn sent(bench: &mut ManagerBench) -> Vec<String> {
     bench.frames().into_iter().filter(|frame| frame.starts_with("123")).collect()
 }
 
@@ -84,7 +85,7 @@ fn it_is_sent_rest_again_and_again_and_energised_only_when_it_is_heard() {
     let (frames, events) = bench.take();
     assert_eq!(frames, ["123#010304"], "at once: what its owner has set in the meantime");
     let id = FrameId { id: 0x18FE_F100, extended: true };
-    assert_eq!(events, [Event::FramesUp { id }, Event::InputsChanged { owner: CLAMP }]);
+    assert_eq!(events, [BusEvent::FramesUp { id }, BusEvent::InputsChanged { owner: CLAMP }]);
     assert_eq!((bench.inputs(CLAMP).valid, bench.inputs(CLAMP).bits), (true, 0b10));
     bench.set(CLAMP, 0);
     assert_eq!(sent(&mut bench), ["123#000404"]);
@@ -108,7 +109,7 @@ fn one_counter_runs_through_all_forms_of_a_message() {
     other.rest[0] = 0x80;
     other.outputs.clear();
     bound.told.push(other);
-    let mut bench = Bench::of(&[gauge]);
+    let mut bench = ManagerBench::of(&[gauge]);
     for _ in 0..3 {
         bench.poll();
         bench.pass(20);
@@ -137,12 +138,12 @@ fn a_value_that_is_none_makes_its_frame_none() {
     // Not even its counter was taken.
     bench.hear("18FEF100#0001");
     assert!(bench.inputs(CLAMP).valid);
-    let number = Field { size: 32, coding: Coding::Float, factor: 1.0, ..field(16, 32) };
+    let number = FrameField { size: 32, coding: Coding::Float, factor: 1.0, ..field(16, 32) };
     for when in [When::NotZero, When::Above { at: 1.0, hysteresis: 0.0 }, When::Below { at: 1.0, hysteresis: 0.0 }] {
         let mut gauge = gauge();
         let heard = &mut binding_of(&mut gauge).heard[0];
         (heard.len, heard.pages[0].inputs) = (6, vec![(InputId(1), number, when)]);
-        let mut bench = Bench::of(&[gauge]);
+        let mut bench = ManagerBench::of(&[gauge]);
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             bench.hear(&format!("18FEF100#0000{:08X}", value.to_bits().swap_bytes()));
             assert!(!bench.inputs(CLAMP).valid, "{when:?} {value}");
@@ -184,7 +185,7 @@ fn one_that_falls_silent_or_says_the_same_again_is_lost_and_takes_its_owners_out
         again.iter().for_each(|text| bench.hear(text));
         bench.pass(1);
         let (frames, events) = bench.take();
-        let said: Vec<String> = events.iter().map(Event::to_string).collect();
+        let said: Vec<String> = events.iter().map(BusEvent::to_string).collect();
         assert!(
             said.contains(&format!("the sender of 18FEF100h is lost: nothing of it for 100 ms: {why}")),
             "{said:?}"
@@ -240,13 +241,13 @@ fn what_would_let_go_of_its_outputs_is_known_all_the_time() {
     for _ in 0..3 {
         let mut frames = Vec::new();
         bench.manager.release_frames(&mut frames);
-        let mut out = Outbox::default();
+        let mut out = BusOutbox::default();
         bench.manager.release_outputs(bench.now, &mut out);
         let ended: Vec<Frame> = out.frames.into_iter().filter(|frame| frame.id_word() == 0x123).collect();
         assert!(!frames.is_empty() && frames.iter().all(|frame| frame.data()[0] == 0), "{frames:?}");
         assert_eq!(frames, ended);
     }
     let mut frames = Vec::new();
-    Bench::listening(&[gauge()]).manager.release_frames(&mut frames);
+    ManagerBench::listening(&[gauge()]).manager.release_frames(&mut frames);
     assert_eq!(frames, [], "one that may have come second on its bus sends nothing");
 }

@@ -3,7 +3,7 @@
 use super::*;
 
 /// The sentences for the clamp.
-fn said(bench: &Bench) -> Vec<String> {
+fn said(bench: &ManagerBench) -> Vec<String> {
     let said: Vec<String> = bench.manager.trouble(bench.now, CLAMP).collect();
     assert_eq!(
         said.is_empty(),
@@ -15,7 +15,7 @@ fn said(bench: &Bench) -> Vec<String> {
     said
 }
 
-fn one(bench: &Bench) -> String {
+fn one(bench: &ManagerBench) -> String {
     let said = said(bench);
     let [sentence] = &said[..] else { panic!("{said:?}") };
     sentence.clone()
@@ -23,7 +23,7 @@ fn one(bench: &Bench) -> String {
 
 #[test]
 fn a_device_that_was_never_there() {
-    let bench = Bench::new();
+    let bench = ManagerBench::new();
     assert_eq!(
         one(&bench),
         "clamp (node 06h): never heard: no boot-up and no heartbeat (706h, 1017h); asked for its device type (1000h) every 500 ms"
@@ -33,7 +33,7 @@ fn a_device_that_was_never_there() {
 
 #[test]
 fn a_device_that_fell_silent() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     assert_eq!(said(&bench), Vec::<String>::new());
     bench.set(CLAMP, 1);
     bench.take();
@@ -48,13 +48,13 @@ fn a_device_that_fell_silent() {
 
 #[test]
 fn a_device_whose_heartbeat_alone_has_stopped_is_not_trusted_by_its_process_data() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     let mut lost = 0;
     for round in 0..60 {
         bench.hear("186#01");
         bench.pass_with(50, &[4, 5]);
         let (frames, events) = bench.take();
-        lost += events.iter().filter(|e| matches!(e, Event::DeviceLost { .. })).count();
+        lost += events.iter().filter(|e| matches!(e, BusEvent::DeviceLost { .. })).count();
         // It answers whatever it is asked.
         for frame in frames.iter().filter(|f| f.starts_with("606")) {
             let answers = [
@@ -88,7 +88,7 @@ fn a_device_whose_heartbeat_alone_has_stopped_is_not_trusted_by_its_process_data
 
 #[test]
 fn a_device_that_booted_says_so_while_it_is_brought_up() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear("706#00");
     assert_eq!(
         one(&bench),
@@ -103,14 +103,14 @@ fn a_device_that_booted_says_so_while_it_is_brought_up() {
 
 #[test]
 fn a_device_that_was_stopped_or_let_go_by_itself() {
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear("706#04");
     let said = one(&bench);
     assert_eq!(
         said,
         "clamp (node 06h): stopped by somebody else (NMT), and left so until it is started; its heartbeat says 04h (706h)"
     );
-    let mut bench = Bench::up();
+    let mut bench = ManagerBench::up();
     bench.hear("086#3081110000000000");
     let said = one(&bench);
     assert!(said.starts_with("clamp (node 06h): emergency 8130h (heartbeat or life guard error: it does not hear its manager), register 11h; "), "{said}");

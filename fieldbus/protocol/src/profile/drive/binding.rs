@@ -7,7 +7,7 @@ use crate::codec::Payload;
 
 /// One place a drive can be sent to, or one velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Target {
+pub struct DriveSetpoint {
     /// The output that sends it there.
     pub output: OutputId,
     /// The place in increments; in velocity mode the velocity in increments per second.
@@ -20,7 +20,7 @@ pub struct Target {
 
 /// How it finds its zero. Speeds in increments per second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Homing {
+pub struct HomingBinding {
     /// Method (object 6098h).
     pub method: i8,
     /// Speed for finding the switch (6099h sub 1).
@@ -43,11 +43,11 @@ pub struct DriveBinding {
     /// What its targets are.
     pub mode: DriveMode,
     /// Where it can be sent.
-    pub targets: Vec<Target>,
+    pub targets: Vec<DriveSetpoint>,
     /// On while it has failed or refuses an order.
     pub fault: Option<InputId>,
     /// How it finds its zero; `None` for a drive that knows it.
-    pub home: Option<Homing>,
+    pub home: Option<HomingBinding>,
     /// It is at a target within this distance.
     pub window: u32,
     /// Usual profile velocity (6081h).
@@ -66,13 +66,13 @@ impl DriveBinding {
     /// The binding a description asks for.
     pub fn of(drive: &Described) -> Self {
         let positive = |value: f64| drive.increments(value).max(1).unsigned_abs();
-        let target = |target: &linewright_line::DriveTarget| Target {
+        let target = |target: &linewright_line::DriveTarget| DriveSetpoint {
             output: target.output,
             to: drive.increments(target.to),
             at: target.at,
             velocity: positive(target.velocity),
         };
-        let home = |homing: linewright_line::Homing| Homing {
+        let home = |homing: linewright_line::Homing| HomingBinding {
             method: homing.method,
             fast: positive(homing.fast),
             slow: positive(homing.slow),
@@ -99,8 +99,8 @@ impl DriveBinding {
     /// target it stands at. It knows neither its orders nor whether it has been homed. `None`: too short.
     pub fn places(&self, payload: Payload) -> Option<(u128, u128)> {
         let actual = i32::from_le_bytes(payload.bytes().get(3..PDO_BYTES)?.try_into().ok()?);
-        let stands = |target: &&Target| actual.abs_diff(target.to) <= self.window;
-        let image = |image, target: &Target| image | target.at.bit();
+        let stands = |target: &&DriveSetpoint| actual.abs_diff(target.to) <= self.window;
+        let image = |image, target: &DriveSetpoint| image | target.at.bit();
         Some((self.targets.iter().fold(0, image), self.targets.iter().filter(stands).fold(0, image)))
     }
 
@@ -115,7 +115,7 @@ impl DriveBinding {
 
 /// What an image asks of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wanted {
+pub(super) enum DriveDemand {
     /// None of its outputs is on.
     Nothing,
     /// Go to a target, by its place in the binding.
@@ -128,17 +128,17 @@ pub(super) enum Wanted {
 
 impl DriveBinding {
     /// What `image` asks of the drive. An output that is a target's and starts the homing counts as the target's.
-    pub(super) fn wanted(&self, image: u128) -> Wanted {
-        let targets = self.targets.iter().enumerate().map(|(at, target)| (target.output, Wanted::Target(at)));
-        let home = self.home.iter().map(|home| (home.output, Wanted::Home));
-        let mut first: Option<(OutputId, Wanted)> = None;
+    pub(super) fn wanted(&self, image: u128) -> DriveDemand {
+        let targets = self.targets.iter().enumerate().map(|(at, target)| (target.output, DriveDemand::Target(at)));
+        let home = self.home.iter().map(|home| (home.output, DriveDemand::Home));
+        let mut first: Option<(OutputId, DriveDemand)> = None;
         for (output, wanted) in targets.chain(home).filter(|(output, _)| image & output.bit() != 0) {
             match first {
                 None => first = Some((output, wanted)),
                 Some((other, _)) if other == output => {}
-                Some((other, _)) => return Wanted::Several(other, output),
+                Some((other, _)) => return DriveDemand::Several(other, output),
             }
         }
-        first.map_or(Wanted::Nothing, |(_, wanted)| wanted)
+        first.map_or(DriveDemand::Nothing, |(_, wanted)| wanted)
     }
 }

@@ -4,25 +4,25 @@ use std::fmt::Write;
 
 use linewright_line::{AtRest, DriveMode};
 
-use super::{Drive, Edge, Goal, Heard, Phase, Refusal, State, meaning};
+use super::{ControlwordEdge, DriveFeedback, DriveGoal, DriveInhibit, DrivePhase, DriveState, ManagedDrive, meaning};
 
-impl Drive {
+impl ManagedDrive {
     /// What it does, or waits for, in one sentence, with the statusword it was read from.
     pub fn explain(&self) -> String {
         let Some(heard) = self.heard else {
             return "no process data from it yet".to_owned();
         };
         let mut text = match self.phase {
-            Phase::Resting => self.resting(heard),
-            Phase::Refused(refusal) => self.refused(refusal),
-            Phase::Preparing(goal) => self.preparing(goal, heard),
-            Phase::Offered(at) => format!("{}: waiting for it to acknowledge the set-point", self.to(at)),
-            Phase::Moving(at) => self.moving(at, heard),
-            Phase::Homing { .. } => format!("homing: at {}", self.units(heard.actual)),
-            Phase::Homed => "homed".to_owned(),
+            DrivePhase::Resting => self.resting(heard),
+            DrivePhase::Refused(refusal) => self.refused(refusal),
+            DrivePhase::Preparing(goal) => self.preparing(goal, heard),
+            DrivePhase::Offered(at) => format!("{}: waiting for it to acknowledge the set-point", self.to(at)),
+            DrivePhase::Moving(at) => self.moving(at, heard),
+            DrivePhase::Homing { .. } => format!("homing: at {}", self.units(heard.actual)),
+            DrivePhase::Homed => "homed".to_owned(),
         };
         let word = heard.word;
-        let power = word.state() == State::SwitchOnDisabled && !matches!(self.phase, Phase::Resting);
+        let power = word.state() == DriveState::SwitchOnDisabled && !matches!(self.phase, DrivePhase::Resting);
         for (applies, note) in [
             (!word.remote(), "operated locally: it does not obey"),
             (power && !word.voltage_enabled(), "no voltage"),
@@ -37,66 +37,74 @@ impl Drive {
         text
     }
 
-    fn resting(&self, heard: Heard) -> String {
+    fn resting(&self, heard: DriveFeedback) -> String {
         let state = heard.word.state();
         match (state, self.binding.at_rest) {
-            (State::Fault | State::FaultReactionActive, _) => format!("{state}{}: being reset", self.because()),
-            (State::OperationEnabled, AtRest::Hold) => format!("holding at {}", self.units(heard.actual)),
-            (State::OperationEnabled | State::QuickStopActive, _) => format!("{state}: stopping, no output is on"),
+            (DriveState::Fault | DriveState::FaultReactionActive, _) => {
+                format!("{state}{}: being reset", self.because())
+            }
+            (DriveState::OperationEnabled, AtRest::Hold) => format!("holding at {}", self.units(heard.actual)),
+            (DriveState::OperationEnabled | DriveState::QuickStopActive, _) => {
+                format!("{state}: stopping, no output is on")
+            }
             _ if !self.knows_zero() => format!("{state}: no output is on, not homed"),
             _ => format!("{state}: no output is on"),
         }
     }
 
-    fn refused(&self, refusal: Refusal) -> String {
+    fn refused(&self, refusal: DriveInhibit) -> String {
         let until = "until every output of it is off";
         match refusal {
-            Refusal::Several(one, other) => {
+            DriveInhibit::Several(one, other) => {
                 format!("outputs {} and {} are on at once: it stands {until}", one.0, other.0)
             }
-            Refusal::NotHomed => "not homed: it goes nowhere before the homing has been ordered".to_owned(),
-            Refusal::Failed => format!("fault{}: it stands {until}", self.because()),
-            Refusal::Interrupted(word) if word.0 == 0 => {
+            DriveInhibit::NotHomed => "not homed: it goes nowhere before the homing has been ordered".to_owned(),
+            DriveInhibit::Failed => format!("fault{}: it stands {until}", self.because()),
+            DriveInhibit::Interrupted(word) if word.0 == 0 => {
                 format!("it was lost under an order{}: it stands {until}", self.because())
             }
-            Refusal::Interrupted(word) => {
+            DriveInhibit::Interrupted(word) => {
                 format!("it left its order by itself ({}, {word}){}: it stands {until}", word.state(), self.because())
             }
-            Refusal::HomingFailed => format!("the homing has failed{}: it stands {until}", self.because()),
-            Refusal::Velocity(code) => format!("it refuses its velocity, object 6081h: {code}; it stands {until}"),
+            DriveInhibit::HomingFailed => format!("the homing has failed{}: it stands {until}", self.because()),
+            DriveInhibit::Velocity(code) => format!("it refuses its velocity, object 6081h: {code}; it stands {until}"),
         }
     }
 
-    fn preparing(&self, goal: Goal, heard: Heard) -> String {
+    fn preparing(&self, goal: DriveGoal, heard: DriveFeedback) -> String {
         let state = heard.word.state();
         let next = match state {
-            State::NotReadyToSwitchOn => State::SwitchOnDisabled,
-            State::SwitchOnDisabled => State::ReadyToSwitchOn,
-            State::ReadyToSwitchOn => State::SwitchedOn,
-            State::QuickStopActive if self.binding.at_rest == AtRest::Off => State::SwitchOnDisabled,
-            State::OperationEnabled => return self.enabled(goal, heard),
-            _ => State::OperationEnabled,
+            DriveState::NotReadyToSwitchOn => DriveState::SwitchOnDisabled,
+            DriveState::SwitchOnDisabled => DriveState::ReadyToSwitchOn,
+            DriveState::ReadyToSwitchOn => DriveState::SwitchedOn,
+            DriveState::QuickStopActive if self.binding.at_rest == AtRest::Off => DriveState::SwitchOnDisabled,
+            DriveState::OperationEnabled => return self.enabled(goal, heard),
+            _ => DriveState::OperationEnabled,
         };
         format!("{state}: waiting for {next}")
     }
 
     /// Enabled, and not yet told to move.
-    fn enabled(&self, goal: Goal, heard: Heard) -> String {
+    fn enabled(&self, goal: DriveGoal, heard: DriveFeedback) -> String {
         let mode = self.mode_for(goal);
         if heard.mode != mode {
             return format!("operation enabled: waiting for mode {mode}, it is in {}", heard.mode);
         }
         match (self.edge, goal) {
-            (Edge::Leaving | Edge::Raised, _) => "operation enabled: waiting for it to leave that first".to_owned(),
-            (Edge::Acknowledged, _) => "waiting for the acknowledge of the last set-point to fall".to_owned(),
-            (Edge::Low, Goal::Target(at)) if self.slow_or_fast(at).is_some() => {
+            (ControlwordEdge::Leaving | ControlwordEdge::Raised, _) => {
+                "operation enabled: waiting for it to leave that first".to_owned()
+            }
+            (ControlwordEdge::Acknowledged, _) => {
+                "waiting for the acknowledge of the last set-point to fall".to_owned()
+            }
+            (ControlwordEdge::Low, DriveGoal::Target(at)) if self.slow_or_fast(at).is_some() => {
                 format!("{}: waiting for its velocity to be written", self.to(at))
             }
-            (Edge::Low, _) => "operation enabled: waiting for the acknowledge to fall".to_owned(),
+            (ControlwordEdge::Low, _) => "operation enabled: waiting for the acknowledge to fall".to_owned(),
         }
     }
 
-    fn moving(&self, at: usize, heard: Heard) -> String {
+    fn moving(&self, at: usize, heard: DriveFeedback) -> String {
         let here = self.units(heard.actual);
         let target = &self.binding.targets[at];
         let lags = heard.word.following_error() && self.binding.mode == DriveMode::Position;

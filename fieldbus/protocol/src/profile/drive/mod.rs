@@ -51,13 +51,13 @@ use std::time::Duration;
 
 use linewright_line::{OutputId, Tick};
 
-pub use binding::{DriveBinding, Homing, Target};
+pub use binding::{DriveBinding, DriveSetpoint, HomingBinding};
 pub use error::{FOLLOWING_ERROR, SENSOR_1, loses_position, meaning};
-pub use status::{State, Statusword};
+pub use status::{DriveState, Statusword};
 
 use crate::codec::Payload;
-use crate::sdo::{Abort, Setting};
-use binding::Wanted;
+use crate::sdo::{Abort, SdoWrite};
+use binding::DriveDemand;
 
 /// Bytes of a drive's process data, each way: controlword or statusword, mode, target or actual value.
 pub const PDO_BYTES: usize = 7;
@@ -79,7 +79,7 @@ pub struct ShortPdo {
 
 /// What a drive last sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Heard {
+struct DriveFeedback {
     word: Statusword,
     mode: i8,
     /// Position or velocity.
@@ -88,7 +88,7 @@ struct Heard {
 
 /// What a drive is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Command {
+struct DriveCommand {
     word: u16,
     mode: i8,
     target: i32,
@@ -96,14 +96,14 @@ struct Command {
 
 /// What an order comes down to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Goal {
+enum DriveGoal {
     Target(usize),
     Home,
 }
 
 /// Why it does not do what its outputs say. Lasts until all of them have been off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Refusal {
+enum DriveInhibit {
     Several(OutputId, OutputId),
     NotHomed,
     Failed,
@@ -114,10 +114,10 @@ enum Refusal {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
+enum DrivePhase {
     Resting,
-    Refused(Refusal),
-    Preparing(Goal),
+    Refused(DriveInhibit),
+    Preparing(DriveGoal),
     Offered(usize),
     Moving(usize),
     /// `open`: it has been seen without a homing attained since this one was ordered.
@@ -132,7 +132,7 @@ enum Phase {
 /// What the drive is known to have seen of bit 4 of its controlword, whose rising edge starts things, and of the words
 /// that take it out of operation enabled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Edge {
+enum ControlwordEdge {
     /// It has seen the bit low since it was last high, and obeys.
     Low,
     /// It may have seen it high.
@@ -145,14 +145,14 @@ enum Edge {
 
 /// One drive, as the manager sees it.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct ManagedDrive {
     binding: DriveBinding,
     now: Tick,
     image: u128,
-    heard: Option<Heard>,
-    sent: Option<Command>,
-    phase: Phase,
-    edge: Edge,
+    heard: Option<DriveFeedback>,
+    sent: Option<DriveCommand>,
+    phase: DrivePhase,
+    edge: ControlwordEdge,
     homed: bool,
     /// Its profile velocity (6081h), as far as that is known.
     velocity: Option<u32>,
@@ -162,18 +162,18 @@ pub struct Drive {
     failed_since: Option<Tick>,
 }
 
-impl Drive {
+impl ManagedDrive {
     /// A drive nothing has been heard of.
     pub fn new(binding: DriveBinding) -> Self {
         let velocity = Some(binding.velocity);
-        Drive {
+        ManagedDrive {
             binding,
             now: Tick::ZERO,
             image: 0,
             heard: None,
             sent: None,
-            phase: Phase::Resting,
-            edge: Edge::Leaving,
+            phase: DrivePhase::Resting,
+            edge: ControlwordEdge::Leaving,
             homed: false,
             velocity,
             error: None,
@@ -201,9 +201,9 @@ impl Drive {
             return Err(ShortPdo { actual: payload.bytes().len() });
         };
         let word = Statusword(u16::from_le_bytes([low, high]));
-        let heard = Heard { word, mode: mode as i8, actual: i32::from_le_bytes([a, b, c, d]) };
+        let heard = DriveFeedback { word, mode: mode as i8, actual: i32::from_le_bytes([a, b, c, d]) };
         self.see_edge(heard);
-        if !matches!(word.state(), State::Fault | State::FaultReactionActive) {
+        if !matches!(word.state(), DriveState::Fault | DriveState::FaultReactionActive) {
             self.failed_since = None;
         }
         self.heard = Some(heard);
@@ -216,7 +216,7 @@ impl Drive {
         self.advance(now);
     }
 
-    /// When [`Drive::poll`] changes what is to be sent, if nothing happens before.
+    /// When [`ManagedDrive::poll`] changes what is to be sent, if nothing happens before.
     pub fn next_deadline(&self) -> Option<Tick> {
         let since = self.failed_since?;
         let round = self.now.since(since).as_micros() / RESET_ROUND.as_micros();
@@ -228,18 +228,18 @@ impl Drive {
     /// The device was lost, or is about to be configured: what was known of it is forgotten, its zero included, since
     /// nobody can tell whether it kept it. An order that was on has to be given anew.
     ///
-    /// [`Drive::settings`] are to be written before it is started again.
+    /// [`ManagedDrive::settings`] are to be written before it is started again.
     pub fn lost(&mut self, now: Tick) {
         self.now = now;
         self.heard = None;
         self.sent = None;
-        self.edge = Edge::Leaving;
+        self.edge = ControlwordEdge::Leaving;
         self.homed = false;
         self.velocity = Some(self.binding.velocity);
         self.failed_since = None;
         self.phase = match self.binding.wanted(self.image) {
-            Wanted::Nothing => Phase::Resting,
-            _ => Phase::Refused(Refusal::Interrupted(Statusword(0))),
+            DriveDemand::Nothing => DrivePhase::Resting,
+            _ => DrivePhase::Refused(DriveInhibit::Interrupted(Statusword(0))),
         };
     }
 
@@ -254,20 +254,20 @@ impl Drive {
         self.advance(now);
     }
 
-    /// An object that must be written by SDO before it can go on. Stays until [`Drive::written`].
-    pub fn wants_write(&self) -> Option<Setting> {
-        let Phase::Preparing(Goal::Target(at)) = self.phase else { return None };
+    /// An object that must be written by SDO before it can go on. Stays until [`ManagedDrive::written`].
+    pub fn wants_write(&self) -> Option<SdoWrite> {
+        let DrivePhase::Preparing(DriveGoal::Target(at)) = self.phase else { return None };
         self.slow_or_fast(at).map(settings::profile_velocity)
     }
 
-    /// The answer to a write of what [`Drive::wants_write`] asked for.
-    pub fn written(&mut self, now: Tick, setting: &Setting, answer: Result<(), Abort>) {
+    /// The answer to a write of what [`ManagedDrive::wants_write`] asked for.
+    pub fn written(&mut self, now: Tick, setting: &SdoWrite, answer: Result<(), Abort>) {
         match answer {
             Ok(()) => self.velocity = setting.data.as_slice().try_into().ok().map(u32::from_le_bytes),
             Err(code) => {
                 self.velocity = None;
-                if matches!(self.phase, Phase::Preparing(_)) {
-                    self.phase = Phase::Refused(Refusal::Velocity(code));
+                if matches!(self.phase, DrivePhase::Preparing(_)) {
+                    self.phase = DrivePhase::Refused(DriveInhibit::Velocity(code));
                 }
             }
         }
@@ -284,13 +284,13 @@ impl Drive {
         let command = self.command();
         let enables = |word: u16| word & word::ENABLE_OPERATION == word::ENABLE_OPERATION;
         if !enables(command.word) {
-            let enabled = self.heard.is_none_or(|heard| heard.word.state() == State::OperationEnabled);
+            let enabled = self.heard.is_none_or(|heard| heard.word.state() == DriveState::OperationEnabled);
             // It is enabled, or may be by the time this arrives.
             if enabled || self.sent.is_some_and(|sent| enables(sent.word)) {
-                self.edge = Edge::Leaving;
+                self.edge = ControlwordEdge::Leaving;
             }
-        } else if command.word & word::NEW_SET_POINT != 0 && self.edge == Edge::Low {
-            self.edge = Edge::Raised;
+        } else if command.word & word::NEW_SET_POINT != 0 && self.edge == ControlwordEdge::Low {
+            self.edge = ControlwordEdge::Raised;
         }
         self.sent = Some(command);
         payload(command)
@@ -298,37 +298,38 @@ impl Drive {
 
     /// What a drive in whatever state is sent to stop it. All zeros would cut its power while it moves.
     pub fn rest(&self) -> Payload {
-        payload(Command { word: word::QUICK_STOP, mode: self.binding.profile(), target: 0 })
+        payload(DriveCommand { word: word::QUICK_STOP, mode: self.binding.profile(), target: 0 })
     }
 
     /// The bits of its owner's input image that are on.
     pub fn inputs(&self) -> u128 {
-        let home = self.binding.home.filter(|_| self.homed && !matches!(self.phase, Phase::Homing { .. }));
-        let done = home.and_then(|home| home.done).filter(|_| self.phase != Phase::Preparing(Goal::Home));
+        let home = self.binding.home.filter(|_| self.homed && !matches!(self.phase, DrivePhase::Homing { .. }));
+        let done = home.and_then(|home| home.done).filter(|_| self.phase != DrivePhase::Preparing(DriveGoal::Home));
         let fault = self.binding.fault.filter(|_| self.has_failed());
         let places = self.binding.targets.iter().filter(|target| self.is_at(target)).map(|target| target.at);
         places.chain(done).chain(fault).fold(0, |image, input| image | input.bit())
     }
 
     /// Whether it is where this target is. While it is ordered to that place, also whether it says so itself.
-    fn is_at(&self, target: &Target) -> bool {
+    fn is_at(&self, target: &DriveSetpoint) -> bool {
         let Some(heard) = self.heard.filter(|_| self.knows_zero()) else { return false };
         if heard.actual.abs_diff(target.to) > self.binding.window {
             return false;
         }
         let ordered = match self.phase {
-            Phase::Preparing(Goal::Target(at)) | Phase::Offered(at) | Phase::Moving(at) => Some(at),
+            DrivePhase::Preparing(DriveGoal::Target(at)) | DrivePhase::Offered(at) | DrivePhase::Moving(at) => Some(at),
             _ => None,
         };
         if ordered.is_none_or(|at| self.binding.targets[at].at != target.at) {
             return true;
         }
-        matches!(self.phase, Phase::Moving(_)) && heard.word.target_reached()
+        matches!(self.phase, DrivePhase::Moving(_)) && heard.word.target_reached()
     }
 
     fn has_failed(&self) -> bool {
-        let failed = |heard: Heard| matches!(heard.word.state(), State::Fault | State::FaultReactionActive);
-        matches!(self.phase, Phase::Refused(_)) || self.heard.is_some_and(failed)
+        let failed =
+            |heard: DriveFeedback| matches!(heard.word.state(), DriveState::Fault | DriveState::FaultReactionActive);
+        matches!(self.phase, DrivePhase::Refused(_)) || self.heard.is_some_and(failed)
     }
 
     fn knows_zero(&self) -> bool {
@@ -336,7 +337,7 @@ impl Drive {
     }
 }
 
-fn payload(command: Command) -> Payload {
+fn payload(command: DriveCommand) -> Payload {
     let target = u64::from(command.target as u32);
     let bits = u64::from(command.word) | u64::from(command.mode as u8) << 16 | target << 24;
     Payload::from_bits(bits, PDO_BYTES * 8)

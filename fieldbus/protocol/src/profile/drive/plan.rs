@@ -5,27 +5,30 @@
 
 use linewright_line::{AtRest, DriveMode, Tick};
 
-use super::binding::Wanted;
+use super::binding::DriveDemand;
 use super::word::{
     CHANGE_IMMEDIATELY, DISABLE_OPERATION, DISABLE_VOLTAGE, ENABLE_OPERATION, FAULT_RESET, HALT, HOMING, HOMING_START,
     NEW_SET_POINT, PROFILE_POSITION, PROFILE_VELOCITY, QUICK_STOP, SHUTDOWN, SWITCH_ON,
 };
-use super::{Command, Drive, Edge, Goal, HOMING_SETTLE, Heard, Phase, RESET_HIGH, RESET_ROUND, Refusal, State};
+use super::{
+    ControlwordEdge, DriveCommand, DriveFeedback, DriveGoal, DriveInhibit, DrivePhase, DriveState, HOMING_SETTLE,
+    ManagedDrive, RESET_HIGH, RESET_ROUND,
+};
 
-impl Drive {
-    /// What a statusword proves about bit 4: see [`Edge`].
-    pub(super) fn see_edge(&mut self, heard: Heard) {
+impl ManagedDrive {
+    /// What a statusword proves about bit 4: see [`ControlwordEdge`].
+    pub(super) fn see_edge(&mut self, heard: DriveFeedback) {
         let before = self.heard.map(|heard| heard.mode);
         let is_low = self.sent.is_some_and(|sent| sent.word & NEW_SET_POINT == 0);
         let acknowledged = heard.mode == PROFILE_POSITION && heard.word.set_point_acknowledge();
         self.edge = match self.edge {
             // Every way back to operation enabled is ordered with the bit low.
-            _ if heard.word.state() != State::OperationEnabled => Edge::Low,
-            Edge::Leaving => Edge::Leaving,
+            _ if heard.word.state() != DriveState::OperationEnabled => ControlwordEdge::Low,
+            ControlwordEdge::Leaving => ControlwordEdge::Leaving,
             // So is every change of mode.
-            _ if is_low && before.is_some_and(|before| before != heard.mode) => Edge::Low,
-            Edge::Raised if acknowledged => Edge::Acknowledged,
-            Edge::Acknowledged if is_low && !acknowledged => Edge::Low,
+            _ if is_low && before.is_some_and(|before| before != heard.mode) => ControlwordEdge::Low,
+            ControlwordEdge::Raised if acknowledged => ControlwordEdge::Acknowledged,
+            ControlwordEdge::Acknowledged if is_low && !acknowledged => ControlwordEdge::Low,
             edge => edge,
         };
     }
@@ -33,85 +36,85 @@ impl Drive {
     pub(super) fn advance(&mut self, now: Tick) {
         self.now = now;
         self.step(now);
-        if self.phase == Phase::Homed {
+        if self.phase == DrivePhase::Homed {
             // The same output may want a target next.
             self.step(now);
         }
-        let failed = self.heard.is_some_and(|heard| heard.word.state() == State::Fault);
-        let resettable = failed && self.phase == Phase::Resting;
+        let failed = self.heard.is_some_and(|heard| heard.word.state() == DriveState::Fault);
+        let resettable = failed && self.phase == DrivePhase::Resting;
         self.failed_since = resettable.then(|| self.failed_since.unwrap_or(now));
     }
 
     fn step(&mut self, now: Tick) {
         self.phase = match self.binding.wanted(self.image) {
-            Wanted::Nothing => Phase::Resting,
-            _ if matches!(self.phase, Phase::Refused(_)) => self.phase,
-            Wanted::Several(one, other) => Phase::Refused(Refusal::Several(one, other)),
-            Wanted::Home => self.pursue(now, Goal::Home),
-            Wanted::Target(at) if self.knows_zero() => self.pursue(now, Goal::Target(at)),
-            Wanted::Target(at) => match &self.binding.home {
-                Some(home) if home.output == self.binding.targets[at].output => self.pursue(now, Goal::Home),
-                _ => Phase::Refused(Refusal::NotHomed),
+            DriveDemand::Nothing => DrivePhase::Resting,
+            _ if matches!(self.phase, DrivePhase::Refused(_)) => self.phase,
+            DriveDemand::Several(one, other) => DrivePhase::Refused(DriveInhibit::Several(one, other)),
+            DriveDemand::Home => self.pursue(now, DriveGoal::Home),
+            DriveDemand::Target(at) if self.knows_zero() => self.pursue(now, DriveGoal::Target(at)),
+            DriveDemand::Target(at) => match &self.binding.home {
+                Some(home) if home.output == self.binding.targets[at].output => self.pursue(now, DriveGoal::Home),
+                _ => DrivePhase::Refused(DriveInhibit::NotHomed),
             },
         };
     }
 
-    fn pursue(&mut self, now: Tick, goal: Goal) -> Phase {
-        let Some(heard) = self.heard else { return Phase::Preparing(goal) };
+    fn pursue(&mut self, now: Tick, goal: DriveGoal) -> DrivePhase {
+        let Some(heard) = self.heard else { return DrivePhase::Preparing(goal) };
         let state = heard.word.state();
-        if matches!(state, State::Fault | State::FaultReactionActive) {
-            return Phase::Refused(Refusal::Failed);
+        if matches!(state, DriveState::Fault | DriveState::FaultReactionActive) {
+            return DrivePhase::Refused(DriveInhibit::Failed);
         }
-        let enabled = state == State::OperationEnabled && heard.mode == self.mode_for(goal);
+        let enabled = state == DriveState::OperationEnabled && heard.mode == self.mode_for(goal);
         match (self.phase, goal) {
-            (Phase::Preparing(before), _) if before == goal => self.prepared(now, goal, heard, enabled),
-            (Phase::Offered(at) | Phase::Moving(at), Goal::Target(wanted)) if at == wanted => {
+            (DrivePhase::Preparing(before), _) if before == goal => self.prepared(now, goal, heard, enabled),
+            (DrivePhase::Offered(at) | DrivePhase::Moving(at), DriveGoal::Target(wanted)) if at == wanted => {
                 match (enabled, self.edge) {
-                    (false, _) => Phase::Refused(Refusal::Interrupted(heard.word)),
-                    (true, Edge::Acknowledged) => Phase::Moving(at),
+                    (false, _) => DrivePhase::Refused(DriveInhibit::Interrupted(heard.word)),
+                    (true, ControlwordEdge::Acknowledged) => DrivePhase::Moving(at),
                     (true, _) => self.phase,
                 }
             }
-            (Phase::Homing { open, since }, Goal::Home) => {
+            (DrivePhase::Homing { open, since }, DriveGoal::Home) => {
                 if !enabled {
-                    return Phase::Refused(Refusal::Interrupted(heard.word));
+                    return DrivePhase::Refused(DriveInhibit::Interrupted(heard.word));
                 }
                 self.home(now, heard, open, since)
             }
-            (Phase::Homed, Goal::Home) => Phase::Homed,
+            (DrivePhase::Homed, DriveGoal::Home) => DrivePhase::Homed,
             // A first order, or another one than before.
-            _ => Phase::Preparing(goal),
+            _ => DrivePhase::Preparing(goal),
         }
     }
 
     /// Whether everything is as it must be before the drive is told to move.
-    fn prepared(&self, now: Tick, goal: Goal, heard: Heard, enabled: bool) -> Phase {
-        if !enabled || self.edge != Edge::Low {
-            return Phase::Preparing(goal);
+    fn prepared(&self, now: Tick, goal: DriveGoal, heard: DriveFeedback, enabled: bool) -> DrivePhase {
+        if !enabled || self.edge != ControlwordEdge::Low {
+            return DrivePhase::Preparing(goal);
         }
         match (goal, self.binding.mode) {
-            (Goal::Target(at), DriveMode::Velocity) => Phase::Moving(at),
-            (Goal::Target(at), DriveMode::Position) => {
+            (DriveGoal::Target(at), DriveMode::Velocity) => DrivePhase::Moving(at),
+            (DriveGoal::Target(at), DriveMode::Position) => {
                 let ready = !heard.word.set_point_acknowledge() && self.slow_or_fast(at).is_none();
-                if ready { Phase::Offered(at) } else { Phase::Preparing(goal) }
+                if ready { DrivePhase::Offered(at) } else { DrivePhase::Preparing(goal) }
             }
-            (Goal::Home, _) => Phase::Homing { open: !heard.word.homing_attained(), since: now },
+            (DriveGoal::Home, _) => DrivePhase::Homing { open: !heard.word.homing_attained(), since: now },
         }
     }
 
-    fn home(&mut self, now: Tick, heard: Heard, open: bool, since: Tick) -> Phase {
+    fn home(&mut self, now: Tick, heard: DriveFeedback, open: bool, since: Tick) -> DrivePhase {
         let word = heard.word;
         let open = open || !word.homing_attained();
         if word.homing_error() {
             self.homed = false;
-            return Phase::Refused(Refusal::HomingFailed);
+            return DrivePhase::Refused(DriveInhibit::HomingFailed);
         }
         let new = open || now.since(since) >= HOMING_SETTLE;
         if word.homing_attained() && word.target_reached() && new {
             self.homed = true;
-            return Phase::Homed;
+            return DrivePhase::Homed;
         }
-        Phase::Homing { open, since }
+        DrivePhase::Homing { open, since }
     }
 
     /// The profile velocity that has to be written before the drive goes to this target.
@@ -120,15 +123,15 @@ impl Drive {
         (self.binding.mode == DriveMode::Position && self.velocity != Some(wanted)).then_some(wanted)
     }
 
-    pub(super) fn mode_for(&self, goal: Goal) -> i8 {
+    pub(super) fn mode_for(&self, goal: DriveGoal) -> i8 {
         match goal {
-            Goal::Target(_) => self.binding.profile(),
-            Goal::Home => HOMING,
+            DriveGoal::Target(_) => self.binding.profile(),
+            DriveGoal::Home => HOMING,
         }
     }
 
     /// The word for the present phase.
-    pub(super) fn command(&self) -> Command {
+    pub(super) fn command(&self) -> DriveCommand {
         let mode = self.sent.map_or(self.binding.profile(), |sent| sent.mode);
         let immediately = match self.binding.mode {
             DriveMode::Position => CHANGE_IMMEDIATELY,
@@ -137,16 +140,22 @@ impl Drive {
         let to = |at: usize| self.binding.targets[at].to;
         let profile = self.binding.profile();
         match self.phase {
-            Phase::Resting | Phase::Refused(_) => Command { word: self.rest_word(), mode, target: self.rest_target() },
-            Phase::Preparing(goal) => self.prepare(goal, mode),
-            Phase::Offered(at) => {
-                Command { word: ENABLE_OPERATION | NEW_SET_POINT | immediately, mode: profile, target: to(at) }
+            DrivePhase::Resting | DrivePhase::Refused(_) => {
+                DriveCommand { word: self.rest_word(), mode, target: self.rest_target() }
             }
-            Phase::Moving(at) => Command { word: ENABLE_OPERATION | immediately, mode: profile, target: to(at) },
-            Phase::Homing { .. } => {
-                Command { word: ENABLE_OPERATION | HOMING_START, mode: HOMING, target: self.rest_target() }
+            DrivePhase::Preparing(goal) => self.prepare(goal, mode),
+            DrivePhase::Offered(at) => {
+                DriveCommand { word: ENABLE_OPERATION | NEW_SET_POINT | immediately, mode: profile, target: to(at) }
             }
-            Phase::Homed => Command { word: ENABLE_OPERATION | HALT, mode: HOMING, target: self.rest_target() },
+            DrivePhase::Moving(at) => {
+                DriveCommand { word: ENABLE_OPERATION | immediately, mode: profile, target: to(at) }
+            }
+            DrivePhase::Homing { .. } => {
+                DriveCommand { word: ENABLE_OPERATION | HOMING_START, mode: HOMING, target: self.rest_target() }
+            }
+            DrivePhase::Homed => {
+                DriveCommand { word: ENABLE_OPERATION | HALT, mode: HOMING, target: self.rest_target() }
+            }
         }
     }
 
@@ -161,11 +170,11 @@ impl Drive {
     fn rest_word(&self) -> u16 {
         let state = self.heard.map(|heard| heard.word.state());
         match (state, self.binding.at_rest) {
-            (Some(State::Fault), _) => match self.failed_since {
+            (Some(DriveState::Fault), _) => match self.failed_since {
                 Some(since) if RESET_HIGH.contains(&self.round_time(since)) => FAULT_RESET,
                 _ => DISABLE_VOLTAGE,
             },
-            (Some(State::OperationEnabled), AtRest::Hold) => ENABLE_OPERATION | HALT,
+            (Some(DriveState::OperationEnabled), AtRest::Hold) => ENABLE_OPERATION | HALT,
             _ => QUICK_STOP,
         }
     }
@@ -176,28 +185,29 @@ impl Drive {
     }
 
     /// The next step towards operation enabled, in the mode of `goal`, with bit 4 low and halt set.
-    fn prepare(&self, goal: Goal, sent_mode: i8) -> Command {
+    fn prepare(&self, goal: DriveGoal, sent_mode: i8) -> DriveCommand {
         let target = match goal {
-            Goal::Target(at) if self.binding.mode == DriveMode::Position => self.binding.targets[at].to,
+            DriveGoal::Target(at) if self.binding.mode == DriveMode::Position => self.binding.targets[at].to,
             _ => self.rest_target(),
         };
-        let Some(heard) = self.heard else { return Command { word: QUICK_STOP, mode: sent_mode, target } };
+        let Some(heard) = self.heard else { return DriveCommand { word: QUICK_STOP, mode: sent_mode, target } };
         let state = heard.word.state();
         let wanted = self.mode_for(goal);
         // A mode is not changed under a drive that may still be moving.
         let known = [PROFILE_POSITION, PROFILE_VELOCITY, HOMING].contains(&heard.mode);
-        let stands = !matches!(state, State::OperationEnabled | State::QuickStopActive) || heard.word.target_reached();
+        let stands =
+            !matches!(state, DriveState::OperationEnabled | DriveState::QuickStopActive) || heard.word.target_reached();
         let mode = if stands || !known { wanted } else { heard.mode };
         let word = match (state, self.binding.at_rest) {
-            (State::SwitchOnDisabled, _) => SHUTDOWN,
-            (State::ReadyToSwitchOn, _) => SWITCH_ON,
-            (State::SwitchedOn, _) | (State::QuickStopActive, AtRest::Hold) => ENABLE_OPERATION | HALT,
-            (State::OperationEnabled, at_rest) => {
+            (DriveState::SwitchOnDisabled, _) => SHUTDOWN,
+            (DriveState::ReadyToSwitchOn, _) => SWITCH_ON,
+            (DriveState::SwitchedOn, _) | (DriveState::QuickStopActive, AtRest::Hold) => ENABLE_OPERATION | HALT,
+            (DriveState::OperationEnabled, at_rest) => {
                 // Nothing shows whether it has seen bit 4 low: it has to leave this state, for that shows it.
                 let unclear = match self.edge {
-                    Edge::Leaving => true,
-                    Edge::Raised => heard.mode == wanted,
-                    Edge::Low | Edge::Acknowledged => false,
+                    ControlwordEdge::Leaving => true,
+                    ControlwordEdge::Raised => heard.mode == wanted,
+                    ControlwordEdge::Low | ControlwordEdge::Acknowledged => false,
                 };
                 match (unclear, at_rest) {
                     (false, _) => ENABLE_OPERATION | HALT,
@@ -207,6 +217,6 @@ impl Drive {
             }
             _ => QUICK_STOP,
         };
-        Command { word, mode, target }
+        DriveCommand { word, mode, target }
     }
 }

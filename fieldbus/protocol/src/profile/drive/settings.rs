@@ -5,10 +5,10 @@
 
 use linewright_line::{AtRest, DriveMode};
 
-use super::Drive;
+use super::ManagedDrive;
 use super::binding::DriveBinding;
 use crate::codec::NodeId;
-use crate::sdo::Setting;
+use crate::sdo::SdoWrite;
 
 /// Bit 31 of a COB-ID parameter: the object is switched off.
 const INVALID: u32 = 1 << 31;
@@ -31,9 +31,9 @@ const VELOCITY_OUT: [u32; 3] = [0x6040_0010, 0x6060_0008, 0x60FF_0020];
 const POSITION_IN: [u32; 3] = [0x6041_0010, 0x6061_0008, 0x6064_0020];
 const VELOCITY_IN: [u32; 3] = [0x6041_0010, 0x6061_0008, 0x606C_0020];
 
-impl Drive {
+impl ManagedDrive {
     /// The settings for a drive that is `node`, in the order in which they are to be written.
-    pub fn settings(&self, node: NodeId) -> Vec<Setting> {
+    pub fn settings(&self, node: NodeId) -> Vec<SdoWrite> {
         let binding = self.binding();
         let (receive, transmit) = match binding.mode {
             DriveMode::Position => (POSITION_OUT, POSITION_IN),
@@ -41,34 +41,34 @@ impl Drive {
         };
         let rpdo = 0x200 + u32::from(node.get());
         let tpdo = NO_REMOTE | (0x180 + u32::from(node.get()));
-        let mut settings = vec![Setting::u32(0x1400, 1, INVALID | rpdo), Setting::u32(0x1800, 1, INVALID | tpdo)];
+        let mut settings = vec![SdoWrite::u32(0x1400, 1, INVALID | rpdo), SdoWrite::u32(0x1800, 1, INVALID | tpdo)];
         map(0x1600, receive, &mut settings);
         map(0x1A00, transmit, &mut settings);
         stopping(binding, &mut settings);
         motion(binding, &mut settings);
         homing(binding, &mut settings);
         settings.extend([
-            Setting::u8(0x1400, 2, EVENT_DRIVEN),
-            Setting::u8(0x1800, 2, EVENT_DRIVEN),
-            Setting::u16(0x1800, 3, INHIBIT).optional(),
-            Setting::u16(0x1800, 5, EVENT_TIMER),
-            Setting::u32(0x1400, 1, rpdo),
-            Setting::u32(0x1800, 1, tpdo),
+            SdoWrite::u8(0x1400, 2, EVENT_DRIVEN),
+            SdoWrite::u8(0x1800, 2, EVENT_DRIVEN),
+            SdoWrite::u16(0x1800, 3, INHIBIT).optional(),
+            SdoWrite::u16(0x1800, 5, EVENT_TIMER),
+            SdoWrite::u32(0x1400, 1, rpdo),
+            SdoWrite::u32(0x1800, 1, tpdo),
         ]);
         settings
     }
 }
 
-fn map(index: u16, objects: [u32; 3], settings: &mut Vec<Setting>) {
-    settings.push(Setting::u8(index, 0, 0));
+fn map(index: u16, objects: [u32; 3], settings: &mut Vec<SdoWrite>) {
+    settings.push(SdoWrite::u8(index, 0, 0));
     for (sub, object) in (1..).zip(objects) {
-        settings.push(Setting::u32(index, sub, object));
+        settings.push(SdoWrite::u32(index, sub, object));
     }
-    settings.push(Setting::u8(index, 0, objects.len() as u8));
+    settings.push(SdoWrite::u8(index, 0, objects.len() as u8));
 }
 
 /// How it stops. None of these may be missing: the reasoning in [`super`] rests on them.
-fn stopping(binding: &DriveBinding, settings: &mut Vec<Setting>) {
+fn stopping(binding: &DriveBinding, settings: &mut Vec<SdoWrite>) {
     let quick_stop = match binding.at_rest {
         // Slow down on the quick stop ramp, then switch off.
         AtRest::Off => 2,
@@ -76,52 +76,52 @@ fn stopping(binding: &DriveBinding, settings: &mut Vec<Setting>) {
         AtRest::Hold => 6,
     };
     settings.extend([
-        Setting::i16(0x605A, quick_stop),
+        SdoWrite::i16(0x605A, quick_stop),
         // Disable operation: slow down, then disable.
-        Setting::i16(0x605C, 1),
+        SdoWrite::i16(0x605C, 1),
         // Halt: slow down on the quick stop ramp, stay enabled.
-        Setting::i16(0x605D, 2),
+        SdoWrite::i16(0x605D, 2),
         // When the manager's heartbeat, or the bus, is gone: the quick stop command.
-        Setting::i16(0x6007, 3),
+        SdoWrite::i16(0x6007, 3),
         // On a fault: slow down on the quick stop ramp where that is still possible.
-        Setting::i16(0x605E, 2).optional(),
-        Setting::u32(0x6085, 0, binding.quick_stop),
+        SdoWrite::i16(0x605E, 2).optional(),
+        SdoWrite::u32(0x6085, 0, binding.quick_stop),
     ]);
 }
 
-fn motion(binding: &DriveBinding, settings: &mut Vec<Setting>) {
+fn motion(binding: &DriveBinding, settings: &mut Vec<SdoWrite>) {
     settings.extend([
-        Setting::u32(0x6083, 0, binding.acceleration),
-        Setting::u32(0x6084, 0, binding.acceleration),
+        SdoWrite::u32(0x6083, 0, binding.acceleration),
+        SdoWrite::u32(0x6084, 0, binding.acceleration),
         // A linear ramp: what its braking distance is worked out from.
-        Setting::i16(0x6086, 0).optional(),
-        Setting::u8(0x6060, 0, binding.profile() as u8),
+        SdoWrite::i16(0x6086, 0).optional(),
+        SdoWrite::u8(0x6060, 0, binding.profile() as u8),
     ]);
     match binding.mode {
         DriveMode::Position => settings.extend([
             profile_velocity(binding.velocity),
-            Setting::u32(0x6067, 0, binding.window).optional(),
-            Setting::u16(0x6068, 0, WINDOW_TIME).optional(),
+            SdoWrite::u32(0x6067, 0, binding.window).optional(),
+            SdoWrite::u16(0x6068, 0, WINDOW_TIME).optional(),
         ]),
         DriveMode::Velocity => {
             let window = u16::try_from(binding.window).unwrap_or(u16::MAX);
-            settings.push(Setting::u16(0x606D, 0, window).optional());
+            settings.push(SdoWrite::u16(0x606D, 0, window).optional());
         }
     }
 }
 
-fn homing(binding: &DriveBinding, settings: &mut Vec<Setting>) {
+fn homing(binding: &DriveBinding, settings: &mut Vec<SdoWrite>) {
     let Some(home) = &binding.home else { return };
     settings.extend([
-        Setting::u8(0x6098, 0, home.method as u8),
-        Setting::u32(0x6099, 1, home.fast),
-        Setting::u32(0x6099, 2, home.slow),
-        Setting::u32(0x609A, 0, home.acceleration).optional(),
-        Setting::u32(0x607C, 0, home.offset as u32),
+        SdoWrite::u8(0x6098, 0, home.method as u8),
+        SdoWrite::u32(0x6099, 1, home.fast),
+        SdoWrite::u32(0x6099, 2, home.slow),
+        SdoWrite::u32(0x609A, 0, home.acceleration).optional(),
+        SdoWrite::u32(0x607C, 0, home.offset as u32),
     ]);
 }
 
 /// Object 6081h, which a target may have of its own.
-pub(super) fn profile_velocity(velocity: u32) -> Setting {
-    Setting::u32(0x6081, 0, velocity)
+pub(super) fn profile_velocity(velocity: u32) -> SdoWrite {
+    SdoWrite::u32(0x6081, 0, velocity)
 }

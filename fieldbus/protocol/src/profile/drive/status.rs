@@ -4,7 +4,7 @@ use std::fmt;
 
 /// The state of a drive's power and function (CiA 402, the figure of the power drive system's state machine).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum State {
+pub enum DriveState {
     /// Self-test, initialisation. It cannot be told anything.
     NotReadyToSwitchOn,
     /// Initialised; power must not be switched on.
@@ -25,46 +25,46 @@ pub enum State {
     Unknown,
 }
 
-impl State {
+impl DriveState {
     /// All states the profile knows.
-    pub const KNOWN: [State; 8] = [
-        State::NotReadyToSwitchOn,
-        State::SwitchOnDisabled,
-        State::ReadyToSwitchOn,
-        State::SwitchedOn,
-        State::OperationEnabled,
-        State::QuickStopActive,
-        State::FaultReactionActive,
-        State::Fault,
+    pub const KNOWN: [DriveState; 8] = [
+        DriveState::NotReadyToSwitchOn,
+        DriveState::SwitchOnDisabled,
+        DriveState::ReadyToSwitchOn,
+        DriveState::SwitchedOn,
+        DriveState::OperationEnabled,
+        DriveState::QuickStopActive,
+        DriveState::FaultReactionActive,
+        DriveState::Fault,
     ];
 
-    /// The bits of a statusword that say so: bits 0 to 3, 5 and 6. [`State::Unknown`] has none.
+    /// The bits of a statusword that say so: bits 0 to 3, 5 and 6. [`DriveState::Unknown`] has none.
     pub const fn bits(self) -> u16 {
         match self {
-            State::NotReadyToSwitchOn | State::Unknown => 0x00,
-            State::SwitchOnDisabled => 0x40,
-            State::ReadyToSwitchOn => 0x21,
-            State::SwitchedOn => 0x23,
-            State::OperationEnabled => 0x27,
-            State::QuickStopActive => 0x07,
-            State::FaultReactionActive => 0x0F,
-            State::Fault => 0x08,
+            DriveState::NotReadyToSwitchOn | DriveState::Unknown => 0x00,
+            DriveState::SwitchOnDisabled => 0x40,
+            DriveState::ReadyToSwitchOn => 0x21,
+            DriveState::SwitchedOn => 0x23,
+            DriveState::OperationEnabled => 0x27,
+            DriveState::QuickStopActive => 0x07,
+            DriveState::FaultReactionActive => 0x0F,
+            DriveState::Fault => 0x08,
         }
     }
 }
 
-impl fmt::Display for State {
+impl fmt::Display for DriveState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            State::NotReadyToSwitchOn => "not ready to switch on",
-            State::SwitchOnDisabled => "switch on disabled",
-            State::ReadyToSwitchOn => "ready to switch on",
-            State::SwitchedOn => "switched on",
-            State::OperationEnabled => "operation enabled",
-            State::QuickStopActive => "quick stop active",
-            State::FaultReactionActive => "fault reaction active",
-            State::Fault => "fault",
-            State::Unknown => "in a state the profile does not know",
+            DriveState::NotReadyToSwitchOn => "not ready to switch on",
+            DriveState::SwitchOnDisabled => "switch on disabled",
+            DriveState::ReadyToSwitchOn => "ready to switch on",
+            DriveState::SwitchedOn => "switched on",
+            DriveState::OperationEnabled => "operation enabled",
+            DriveState::QuickStopActive => "quick stop active",
+            DriveState::FaultReactionActive => "fault reaction active",
+            DriveState::Fault => "fault",
+            DriveState::Unknown => "in a state the profile does not know",
         })
     }
 }
@@ -75,18 +75,18 @@ pub struct Statusword(pub u16);
 
 impl Statusword {
     /// The state it reports.
-    pub const fn state(self) -> State {
+    pub const fn state(self) -> DriveState {
         // Bit 5 has a meaning in some states only, so it is looked at in those.
         match (self.0 & 0x4F, self.0 & 0x20 != 0) {
-            (0x00, _) => State::NotReadyToSwitchOn,
-            (0x40, _) => State::SwitchOnDisabled,
-            (0x01, true) => State::ReadyToSwitchOn,
-            (0x03, true) => State::SwitchedOn,
-            (0x07, true) => State::OperationEnabled,
-            (0x07, false) => State::QuickStopActive,
-            (0x0F, _) => State::FaultReactionActive,
-            (0x08, _) => State::Fault,
-            _ => State::Unknown,
+            (0x00, _) => DriveState::NotReadyToSwitchOn,
+            (0x40, _) => DriveState::SwitchOnDisabled,
+            (0x01, true) => DriveState::ReadyToSwitchOn,
+            (0x03, true) => DriveState::SwitchedOn,
+            (0x07, true) => DriveState::OperationEnabled,
+            (0x07, false) => DriveState::QuickStopActive,
+            (0x0F, _) => DriveState::FaultReactionActive,
+            (0x08, _) => DriveState::Fault,
+            _ => DriveState::Unknown,
         }
     }
 
@@ -151,15 +151,15 @@ mod tests {
     use super::*;
 
     /// The table of the standard as it prints it, x for a bit that does not matter.
-    const TABLE: [(&str, State); 8] = [
-        ("xxxxxxxxx0xx0000", State::NotReadyToSwitchOn),
-        ("xxxxxxxxx1xx0000", State::SwitchOnDisabled),
-        ("xxxxxxxxx01x0001", State::ReadyToSwitchOn),
-        ("xxxxxxxxx01x0011", State::SwitchedOn),
-        ("xxxxxxxxx01x0111", State::OperationEnabled),
-        ("xxxxxxxxx00x0111", State::QuickStopActive),
-        ("xxxxxxxxx0xx1111", State::FaultReactionActive),
-        ("xxxxxxxxx0xx1000", State::Fault),
+    const TABLE: [(&str, DriveState); 8] = [
+        ("xxxxxxxxx0xx0000", DriveState::NotReadyToSwitchOn),
+        ("xxxxxxxxx1xx0000", DriveState::SwitchOnDisabled),
+        ("xxxxxxxxx01x0001", DriveState::ReadyToSwitchOn),
+        ("xxxxxxxxx01x0011", DriveState::SwitchedOn),
+        ("xxxxxxxxx01x0111", DriveState::OperationEnabled),
+        ("xxxxxxxxx00x0111", DriveState::QuickStopActive),
+        ("xxxxxxxxx0xx1111", DriveState::FaultReactionActive),
+        ("xxxxxxxxx0xx1000", DriveState::Fault),
     ];
 
     fn fits(word: u16, pattern: &str) -> bool {
@@ -170,12 +170,13 @@ mod tests {
     #[test]
     fn every_statusword_is_the_row_of_the_table_that_fits_it() {
         for word in 0..=u16::MAX {
-            let rows: Vec<State> = TABLE.iter().filter(|(row, _)| fits(word, row)).map(|(_, state)| *state).collect();
-            let expected = rows.first().copied().unwrap_or(State::Unknown);
+            let rows: Vec<DriveState> =
+                TABLE.iter().filter(|(row, _)| fits(word, row)).map(|(_, state)| *state).collect();
+            let expected = rows.first().copied().unwrap_or(DriveState::Unknown);
             assert!(rows.len() <= 1, "{word:04X}");
             assert_eq!(Statusword(word).state(), expected, "{word:04X}");
         }
-        for state in State::KNOWN {
+        for state in DriveState::KNOWN {
             assert_eq!(Statusword(state.bits()).state(), state);
         }
     }

@@ -17,8 +17,8 @@ const FAULT: u128 = 8;
 /// Target 0 at output and input 0, 80 000 increments at output and input 1; homing at output 2 and input 2 where it is
 /// asked for; fault at input 3.
 fn binding(homing: bool) -> DriveBinding {
-    let target = |id, to| Target { output: OutputId(id), to, at: InputId(id), velocity: 300_000 };
-    let home = Homing {
+    let target = |id, to| DriveSetpoint { output: OutputId(id), to, at: InputId(id), velocity: 300_000 };
+    let home = HomingBinding {
         method: 17,
         fast: 20_000,
         slow: 2000,
@@ -41,14 +41,14 @@ fn binding(homing: bool) -> DriveBinding {
     }
 }
 
-struct Bench {
-    drive: Drive,
+struct DriveBench {
+    drive: ManagedDrive,
     now: Tick,
 }
 
-impl Bench {
+impl DriveBench {
     fn new(binding: DriveBinding) -> Self {
-        Bench { drive: Drive::new(binding), now: Tick::from_millis(1000) }
+        DriveBench { drive: ManagedDrive::new(binding), now: Tick::from_millis(1000) }
     }
 
     /// What it is sent after an image, as controlword, mode and target.
@@ -82,7 +82,7 @@ impl Bench {
     }
 
     fn moving_to_80(homing: bool) -> Self {
-        let mut bench = Bench::new(binding(homing));
+        let mut bench = DriveBench::new(binding(homing));
         bench.says(0x0250, 1, 0);
         bench.image(TO_80);
         assert_eq!(bench.enable(1, 0), 0x003F);
@@ -94,7 +94,7 @@ impl Bench {
 
 #[test]
 fn without_an_order_it_is_sent_quick_stop_whatever_it_says() {
-    let mut bench = Bench::new(binding(false));
+    let mut bench = DriveBench::new(binding(false));
     assert_eq!(bench.sent(), (word::QUICK_STOP, 1, 0));
     for state in [0x0200, 0x0250, 0x0231, 0x0233, 0x0237, 0x0217, 0x021F, 0x0201, 0xFFFF] {
         assert_eq!(bench.says(state, 1, 0).0, word::QUICK_STOP, "{state:04X}");
@@ -104,7 +104,7 @@ fn without_an_order_it_is_sent_quick_stop_whatever_it_says() {
 
 #[test]
 fn an_order_enables_offers_and_moves_and_the_switch_is_on_when_both_agree() {
-    let mut bench = Bench::moving_to_80(false);
+    let mut bench = DriveBench::moving_to_80(false);
     assert_eq!(bench.drive.inputs(), AT_0);
     bench.says(0x0237, 1, 40_000);
     assert_eq!(bench.drive.inputs(), 0);
@@ -122,7 +122,7 @@ fn an_order_enables_offers_and_moves_and_the_switch_is_on_when_both_agree() {
 
 #[test]
 fn it_says_what_it_waits_for() {
-    let mut bench = Bench::new(binding(false));
+    let mut bench = DriveBench::new(binding(false));
     assert_eq!(bench.drive.explain(), "no process data from it yet");
     bench.image(TO_80);
     bench.says(0x0250, 1, 0);
@@ -139,7 +139,7 @@ fn it_says_what_it_waits_for() {
 
 #[test]
 fn an_order_that_replaces_another_is_offered_after_the_acknowledge_has_fallen() {
-    let mut bench = Bench::moving_to_80(false);
+    let mut bench = DriveBench::moving_to_80(false);
     // Straight from one output to the other: halt, and because the bit is known to be low, the other target.
     assert_eq!(bench.image(TO_0), (0x010F, 1, 0));
     assert_eq!(bench.says(0x0237, 1, 20_000), (0x003F, 1, 0));
@@ -151,7 +151,7 @@ fn an_order_that_replaces_another_is_offered_after_the_acknowledge_has_fallen() 
 
 #[test]
 fn an_order_right_after_an_end_waits_until_the_stop_is_over() {
-    let mut bench = Bench::moving_to_80(false);
+    let mut bench = DriveBench::moving_to_80(false);
     bench.image(0);
     assert_eq!(bench.image(TO_0).0, word::QUICK_STOP);
     assert_eq!(bench.says(0x0237, 1, 20_000).0, word::QUICK_STOP, "what it said before it heard of the stop");
@@ -161,7 +161,7 @@ fn an_order_right_after_an_end_waits_until_the_stop_is_over() {
 
 #[test]
 fn an_axis_that_would_sink_is_halted_and_held() {
-    let mut bench = Bench::new(DriveBinding { at_rest: AtRest::Hold, ..binding(false) });
+    let mut bench = DriveBench::new(DriveBinding { at_rest: AtRest::Hold, ..binding(false) });
     assert_eq!(bench.says(0x0250, 1, 0).0, word::QUICK_STOP, "not enabled without an order");
     bench.image(TO_80);
     bench.enable(1, 0);
@@ -182,7 +182,7 @@ fn an_axis_that_would_sink_is_halted_and_held() {
 
 #[test]
 fn two_orders_at_once_stop_it_until_both_are_gone() {
-    let mut bench = Bench::moving_to_80(false);
+    let mut bench = DriveBench::moving_to_80(false);
     assert_eq!(bench.image(TO_0 | TO_80).0, word::QUICK_STOP);
     bench.says(0x0250, 1, 3000);
     assert_eq!(bench.drive.inputs(), FAULT);
@@ -200,7 +200,7 @@ fn two_orders_at_once_stop_it_until_both_are_gone() {
 #[test]
 fn a_drive_that_drops_out_is_not_enabled_again_under_the_same_order() {
     for word in [0x0250, 0x0217, 0x0233, 0x0218] {
-        let mut bench = Bench::moving_to_80(false);
+        let mut bench = DriveBench::moving_to_80(false);
         bench.drive.emergency(bench.now, 0x8611);
         bench.says(word, 1, 500);
         assert_eq!(bench.drive.inputs(), FAULT, "{word:04X}");
@@ -216,7 +216,7 @@ fn a_drive_that_drops_out_is_not_enabled_again_under_the_same_order() {
 
 #[test]
 fn a_fault_is_reset_by_an_edge_and_only_without_an_order() {
-    let mut bench = Bench::moving_to_80(false);
+    let mut bench = DriveBench::moving_to_80(false);
     bench.says(0x0218, 1, 500);
     for _ in 0..3000 {
         assert_eq!(bench.says(0x0218, 1, 500).0 & word::FAULT_RESET, 0);
@@ -247,7 +247,7 @@ fn a_fault_is_reset_by_an_edge_and_only_without_an_order() {
 
 #[test]
 fn before_homing_it_is_nowhere_and_goes_nowhere() {
-    let mut bench = Bench::new(binding(true));
+    let mut bench = DriveBench::new(binding(true));
     bench.says(0x0250, 1, 0);
     assert_eq!(bench.drive.inputs(), 0, "it reads 0, but does not know");
     assert_eq!(bench.image(TO_80).0, word::QUICK_STOP);
@@ -278,7 +278,7 @@ fn an_output_that_homes_first_goes_to_its_target_then() {
     if let Some(home) = &mut binding.home {
         home.output = OutputId(0);
     }
-    let mut bench = Bench::new(binding);
+    let mut bench = DriveBench::new(binding);
     bench.says(0x0250, 1, 7000);
     bench.image(TO_0);
     assert_eq!(bench.enable(6, 7000), 0x001F);
@@ -293,7 +293,7 @@ fn an_output_that_homes_first_goes_to_its_target_then() {
 
 #[test]
 fn a_homing_that_was_attained_before_counts_only_after_a_while() {
-    let mut bench = Bench::new(binding(true));
+    let mut bench = DriveBench::new(binding(true));
     bench.says(0x0250, 1, 0);
     bench.image(HOME);
     assert_eq!(bench.enable(6, 0), 0x001F);
@@ -313,7 +313,7 @@ fn a_homing_that_was_attained_before_counts_only_after_a_while() {
 
 #[test]
 fn a_failed_homing_is_a_fault() {
-    let mut bench = Bench::new(binding(true));
+    let mut bench = DriveBench::new(binding(true));
     bench.says(0x0250, 1, 0);
     bench.image(HOME);
     bench.enable(6, 0);
@@ -326,7 +326,7 @@ fn a_failed_homing_is_a_fault() {
 fn a_target_with_a_velocity_of_its_own_waits_until_that_is_written() {
     let mut binding = binding(false);
     binding.targets[1].velocity = 60_000;
-    let mut bench = Bench::new(binding);
+    let mut bench = DriveBench::new(binding);
     bench.says(0x0250, 1, 0);
     bench.image(TO_80);
     let setting = bench.drive.wants_write().expect("the velocity");
@@ -351,7 +351,7 @@ fn a_target_with_a_velocity_of_its_own_waits_until_that_is_written() {
 fn a_velocity_is_a_target_like_any_other() {
     let mut binding = DriveBinding { mode: DriveMode::Velocity, ..binding(false) };
     binding.targets[1].to = 3000;
-    let mut bench = Bench::new(binding);
+    let mut bench = DriveBench::new(binding);
     assert_eq!(bench.sent(), (word::QUICK_STOP, 3, 0));
     bench.says(0x0250, 3, 0);
     bench.image(TO_80);
@@ -367,7 +367,7 @@ fn a_velocity_is_a_target_like_any_other() {
 
 #[test]
 fn what_is_too_short_says_nothing() {
-    let mut bench = Bench::moving_to_80(false);
+    let mut bench = DriveBench::moving_to_80(false);
     let before = bench.sent();
     for len in 1..PDO_BYTES {
         assert_eq!(bench.drive.take(bench.now, Payload::from_bits(0, len * 8)), Err(ShortPdo { actual: len }));
@@ -378,7 +378,7 @@ fn what_is_too_short_says_nothing() {
 #[test]
 fn settings_remap_a_process_data_object_only_while_it_is_off() {
     for homing in [false, true] {
-        let settings = Drive::new(binding(homing)).settings(NodeId::new(5).expect("a node id"));
+        let settings = ManagedDrive::new(binding(homing)).settings(NodeId::new(5).expect("a node id"));
         let mut off = [false; 2];
         let mut count = [3u32; 2];
         for setting in &settings {

@@ -25,21 +25,21 @@ impl Weather {
     }
 }
 
-fn mode() -> impl Strategy<Value = Mode> {
-    prop::sample::select(vec![Mode::Auto, Mode::Segmented, Mode::Block])
+fn mode() -> impl Strategy<Value = TransferMode> {
+    prop::sample::select(vec![TransferMode::Auto, TransferMode::Segmented, TransferMode::Block])
 }
 
 /// Carries out one transfer and checks it; whether it succeeded.
-fn transfer(len: usize, write: bool, mode: Mode, weather: Weather, seed: u64) -> bool {
+fn transfer(len: usize, write: bool, mode: TransferMode, weather: Weather, seed: u64) -> bool {
     let mut random = Random::new(seed);
     let old = vec![0xEE; 9];
     let data: Vec<u8> = (0..len).map(|_| random.next() as u8).collect();
     let (client, store) = if write {
-        (Client::download(OTHER, &*data, options(mode)), Store::with(OTHER, &old))
+        (SdoClient::download(OTHER, &*data, options(mode)), ByteDictionary::with(OTHER, &old))
     } else {
-        (Client::upload(OTHER, options(mode)), Store::with(OTHER, &data))
+        (SdoClient::upload(OTHER, options(mode)), ByteDictionary::with(OTHER, &data))
     };
-    let mut pair = Pair::new(client, store);
+    let mut pair = ClientServerPair::new(client, store);
     let result = pair.run_with(|_| weather.fate(random.next()));
     let held = &pair.store.objects[&OTHER];
     match &result {
@@ -79,7 +79,9 @@ proptest! {
 /// Each frame of each kind of transfer lost, doubled or held back, one at a time.
 #[test]
 fn every_single_disturbance_of_every_frame() {
-    for (len, mode) in [(3, Mode::Auto), (20, Mode::Segmented), (20, Mode::Block), (1000, Mode::Block)] {
+    for (len, mode) in
+        [(3, TransferMode::Auto), (20, TransferMode::Segmented), (20, TransferMode::Block), (1000, TransferMode::Block)]
+    {
         for write in [false, true] {
             let data = pattern(len);
             for fate in [Fate::Lost, Fate::Twice, Fate::Late] {
@@ -87,11 +89,11 @@ fn every_single_disturbance_of_every_frame() {
                 let mut at = 0;
                 while at <= count {
                     let (client, store) = if write {
-                        (Client::download(OTHER, &*data, options(mode)), Store::with(OTHER, &[]))
+                        (SdoClient::download(OTHER, &*data, options(mode)), ByteDictionary::with(OTHER, &[]))
                     } else {
-                        (Client::upload(OTHER, options(mode)), Store::with(OTHER, &data))
+                        (SdoClient::upload(OTHER, options(mode)), ByteDictionary::with(OTHER, &data))
                     };
-                    let mut pair = Pair::new(client, store);
+                    let mut pair = ClientServerPair::new(client, store);
                     count = 0;
                     let result = pair.run_with(|_| {
                         count += 1;
@@ -119,11 +121,11 @@ fn a_block_survives_the_loss_of_any_of_its_segments() {
         for lost in 1..=143 {
             let data = pattern(1000);
             let (client, store) = if write {
-                (Client::download(OTHER, &*data, options(Mode::Block)), Store::default())
+                (SdoClient::download(OTHER, &*data, options(TransferMode::Block)), ByteDictionary::default())
             } else {
-                (Client::upload(OTHER, options(Mode::Block)), Store::with(OTHER, &data))
+                (SdoClient::upload(OTHER, options(TransferMode::Block)), ByteDictionary::with(OTHER, &data))
             };
-            let mut pair = Pair::new(client, store);
+            let mut pair = ClientServerPair::new(client, store);
             // Two frames of the handshake first, to read three; one acknowledgement after 127 segments.
             let handshake = if write { 2 } else { 3 };
             let at = handshake + lost + usize::from(lost > 127);

@@ -12,14 +12,14 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::wire::Raw;
+use super::wire::SdoBytes;
 use super::*;
 
 const NAME: ObjectId = ObjectId::new(0x1008, 0);
 const OTHER: ObjectId = ObjectId::new(0x2000, 1);
 
 /// A frame from its first bytes in hexadecimal; the rest is 0.
-fn raw(text: &str) -> Raw {
+fn raw(text: &str) -> SdoBytes {
     let mut raw = [0; 8];
     for (at, byte) in raw.iter_mut().enumerate().take(text.len() / 2) {
         *byte = u8::from_str_radix(&text[2 * at..2 * at + 2], 16).unwrap();
@@ -28,25 +28,25 @@ fn raw(text: &str) -> Raw {
 }
 
 /// A frame as its bytes in hexadecimal, zeros at the end left away.
-fn text(raw: &Raw) -> String {
+fn text(raw: &SdoBytes) -> String {
     let len = raw.iter().rposition(|byte| *byte != 0).map_or(1, |at| at + 1);
     raw[..len].iter().map(|byte| format!("{byte:02X}")).collect()
 }
 
 /// A dictionary of strings of bytes.
 #[derive(Default)]
-struct Store {
+struct ByteDictionary {
     objects: BTreeMap<ObjectId, Vec<u8>>,
     writes: usize,
 }
 
-impl Store {
+impl ByteDictionary {
     fn with(object: ObjectId, data: &[u8]) -> Self {
-        Store { objects: BTreeMap::from([(object, data.to_vec())]), writes: 0 }
+        ByteDictionary { objects: BTreeMap::from([(object, data.to_vec())]), writes: 0 }
     }
 }
 
-impl Dictionary for Store {
+impl Dictionary for ByteDictionary {
     fn read(&mut self, object: ObjectId) -> Result<Cow<'_, [u8]>, Abort> {
         self.objects.get(&object).map(|data| Cow::Borrowed(&**data)).ok_or(Abort::NO_OBJECT)
     }
@@ -79,13 +79,13 @@ enum Fate {
 
 /// One direction of the channel.
 #[derive(Default)]
-struct Way {
-    queue: VecDeque<Raw>,
-    held: Option<Raw>,
+struct ChannelDirection {
+    queue: VecDeque<SdoBytes>,
+    held: Option<SdoBytes>,
 }
 
-impl Way {
-    fn push(&mut self, raw: Raw, fate: Fate) {
+impl ChannelDirection {
+    fn push(&mut self, raw: SdoBytes, fate: Fate) {
         let held = self.held.take();
         match fate {
             Fate::Arrives => self.queue.push_back(raw),
@@ -102,18 +102,18 @@ impl Way {
     }
 }
 
-struct Pair {
-    client: Client,
-    server: Server,
-    store: Store,
+struct ClientServerPair {
+    client: SdoClient,
+    server: SdoServer,
+    store: ByteDictionary,
     now: Tick,
     /// Requests and answers in order, as text; answers are indented.
     log: Vec<String>,
 }
 
-impl Pair {
-    fn new(client: Client, store: Store) -> Self {
-        Pair { client, server: Server::new(4096), store, now: Tick::from_millis(5), log: Vec::new() }
+impl ClientServerPair {
+    fn new(client: SdoClient, store: ByteDictionary) -> Self {
+        ClientServerPair { client, server: SdoServer::new(4096), store, now: Tick::from_millis(5), log: Vec::new() }
     }
 
     /// Runs the transfer to its end on an undisturbed channel.
@@ -122,8 +122,8 @@ impl Pair {
     }
 
     /// Runs the transfer to its end; `fate` is asked for every frame sent. Panics if there is no end.
-    fn run_with(&mut self, mut fate: impl FnMut(&Raw) -> Fate) -> Result<Vec<u8>, TransferError> {
-        let (mut up, mut down) = (Way::default(), Way::default());
+    fn run_with(&mut self, mut fate: impl FnMut(&SdoBytes) -> Fate) -> Result<Vec<u8>, TransferError> {
+        let (mut up, mut down) = (ChannelDirection::default(), ChannelDirection::default());
         let mut out = Vec::new();
         let mut result = None;
         self.client.start(self.now, &mut out);
@@ -133,7 +133,7 @@ impl Pair {
                 up.push(raw, fate(&raw));
             }
             let mut answers = Vec::new();
-            let mut progress = Progress::Busy;
+            let mut progress = TransferProgress::Busy;
             if let Some(raw) = up.queue.pop_front() {
                 self.server.handle(self.now, &raw, &mut self.store, &mut answers);
             } else if let Some(raw) = down.queue.pop_front() {
@@ -154,7 +154,7 @@ impl Pair {
                 self.log.push(format!("  {}", text(&raw)));
                 down.push(raw, fate(&raw));
             }
-            if let Progress::Done(ended) = progress {
+            if let TransferProgress::Done(ended) = progress {
                 assert_eq!(result.replace(ended), None, "it ends once");
             }
         }
@@ -162,8 +162,8 @@ impl Pair {
     }
 }
 
-fn options(mode: Mode) -> Options {
-    Options { mode, ..Options::default() }
+fn options(mode: TransferMode) -> TransferOptions {
+    TransferOptions { mode, ..TransferOptions::default() }
 }
 
 /// Bytes that tell where they belong.

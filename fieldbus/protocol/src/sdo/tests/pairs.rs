@@ -2,14 +2,14 @@
 
 use super::*;
 
-fn read(data: &[u8], mode: Mode) -> (Vec<String>, Vec<u8>) {
-    let mut pair = Pair::new(Client::upload(NAME, options(mode)), Store::with(NAME, data));
+fn read(data: &[u8], mode: TransferMode) -> (Vec<String>, Vec<u8>) {
+    let mut pair = ClientServerPair::new(SdoClient::upload(NAME, options(mode)), ByteDictionary::with(NAME, data));
     let result = pair.run().unwrap();
     (pair.log, result)
 }
 
-fn write(data: &[u8], mode: Mode) -> (Vec<String>, Vec<u8>) {
-    let mut pair = Pair::new(Client::download(OTHER, data, options(mode)), Store::default());
+fn write(data: &[u8], mode: TransferMode) -> (Vec<String>, Vec<u8>) {
+    let mut pair = ClientServerPair::new(SdoClient::download(OTHER, data, options(mode)), ByteDictionary::default());
     assert_eq!(pair.run(), Ok(Vec::new()));
     assert_eq!(pair.store.writes, 1);
     (pair.log, pair.store.objects.remove(&OTHER).unwrap())
@@ -18,19 +18,22 @@ fn write(data: &[u8], mode: Mode) -> (Vec<String>, Vec<u8>) {
 #[test]
 fn up_to_four_bytes_are_one_frame_each_way() {
     assert_eq!(
-        read(&[1, 2, 3, 4], Mode::Auto).0,
+        read(&[1, 2, 3, 4], TransferMode::Auto).0,
         ["40081000", "  4308100001020304"].map(|s| {
             // Zeros at the end are left away in the log.
             s.trim_end_matches("00").to_owned()
         })
     );
-    assert_eq!(read(&[7], Mode::Auto), (vec!["400810".to_owned(), "  4F08100007".to_owned()], vec![7]));
-    assert_eq!(write(&[7, 8], Mode::Auto), (vec!["2B0020010708".to_owned(), "  60002001".to_owned()], vec![7, 8]));
+    assert_eq!(read(&[7], TransferMode::Auto), (vec!["400810".to_owned(), "  4F08100007".to_owned()], vec![7]));
+    assert_eq!(
+        write(&[7, 8], TransferMode::Auto),
+        (vec!["2B0020010708".to_owned(), "  60002001".to_owned()], vec![7, 8])
+    );
 }
 
 #[test]
 fn more_goes_in_segments_with_a_toggle_bit() {
-    let (log, data) = read(b"Linewright I/O", Mode::Auto);
+    let (log, data) = read(b"Linewright I/O", TransferMode::Auto);
     assert_eq!(
         log,
         [
@@ -43,7 +46,7 @@ fn more_goes_in_segments_with_a_toggle_bit() {
         ]
     );
     assert_eq!(data, b"Linewright I/O");
-    let (log, data) = write(b"123456789", Mode::Auto);
+    let (log, data) = write(b"123456789", TransferMode::Auto);
     assert_eq!(
         log,
         [
@@ -60,14 +63,14 @@ fn more_goes_in_segments_with_a_toggle_bit() {
 
 #[test]
 fn much_goes_in_blocks_with_a_checksum() {
-    let (log, data) = write(&[0x55; 70], Mode::Auto);
+    let (log, data) = write(&[0x55; 70], TransferMode::Auto);
     let (head, tail) = (&log[..3], &log[log.len() - 4..]);
     assert_eq!(head, ["C600200146", "  A40020017F", "0155555555555555"]);
     let crc = u16::from_le_bytes([raw(&tail[2])[1], raw(&tail[2])[2]]);
     assert_eq!(tail, ["8A55555555555555", "  A20A7F", &format!("C1{:02X}{:02X}", crc as u8, crc >> 8), "  A1"]);
     assert_eq!(data, [0x55; 70]);
     // To read, the length is asked for first.
-    let (log, data) = read(&[0x55; 71], Mode::Auto);
+    let (log, data) = read(&[0x55; 71], TransferMode::Auto);
     assert_eq!(log[..6], ["400810", "  4108100047", "8008100000000008", "A40810007F", "  C608100047", "A3"]);
     let tail = &log[log.len() - 4..];
     assert_eq!(tail[..2], ["  8B55", "A20B7F"]);
@@ -85,7 +88,7 @@ fn the_checksum_is_that_of_the_standard() {
 fn every_length_arrives_both_ways_in_every_mode() {
     for len in (0..150).chain([889, 890, 895, 896, 1778, 1999, 2000, 4096]) {
         let data = pattern(len);
-        for mode in [Mode::Auto, Mode::Segmented, Mode::Block] {
+        for mode in [TransferMode::Auto, TransferMode::Segmented, TransferMode::Block] {
             assert_eq!(read(&data, mode).1, data, "reading {len} bytes, {mode:?}");
             assert_eq!(write(&data, mode).1, data, "writing {len} bytes, {mode:?}");
         }
@@ -94,7 +97,8 @@ fn every_length_arrives_both_ways_in_every_mode() {
 
 #[test]
 fn a_burst_is_bounded_and_the_rest_waits() {
-    let mut client = Client::download(OTHER, pattern(700), Options { burst: 4, ..Options::default() });
+    let mut client =
+        SdoClient::download(OTHER, pattern(700), TransferOptions { burst: 4, ..TransferOptions::default() });
     let mut out = Vec::new();
     let now = Tick::from_millis(1);
     client.start(now, &mut out);
@@ -110,8 +114,8 @@ fn a_burst_is_bounded_and_the_rest_waits() {
 
 #[test]
 fn a_client_that_does_not_say_how_many_bytes_means_as_many_as_the_object_has() {
-    let mut store = Store::with(OTHER, &[0, 0]);
-    let mut server = Server::new(64);
+    let mut store = ByteDictionary::with(OTHER, &[0, 0]);
+    let mut server = SdoServer::new(64);
     let mut out = Vec::new();
     server.handle(Tick::ZERO, &raw("22002001AABB"), &mut store, &mut out);
     assert_eq!((text(&out[0]), &store.objects[&OTHER]), ("60002001".to_owned(), &vec![0xAA, 0xBB]));

@@ -1,7 +1,8 @@
 //! A device: what it is, what it carries, what it has to be and is told, and what its trouble does.
 
 use linewright_text::{
-    Kind, Located, LocatedName, Presence, Shape, flag, integer, keys, one_of, part, table, tables, text, texts, word,
+    KeyKind, KeyPresence, Located, LocatedName, Shape, flag, integer, keys, one_of, part, table, tables, text, texts,
+    word,
 };
 
 use super::{RawAnalogue, RawDrive, RawFrames, RawModbus};
@@ -41,7 +42,7 @@ keys! {
         /// Its name, unique in the line.
         name: Option<LocatedName> = text().required(),
         /// The station whose signals it carries; or else `console`.
-        station: Option<LocatedName> = text().missed(Presence::Unless(&["console"])),
+        station: Option<LocatedName> = text().missed(KeyPresence::Unless(&["console"])),
         /// `true`: it carries the main console's signals.
         console: Option<Located<bool>> = flag(),
         /// Its EDS or DCF, by its path from this file; what that says of identity and settings is added to what stands here.
@@ -124,15 +125,15 @@ impl RawIdentity {
     }
 }
 
-fn number_of_32_bits() -> Kind<Option<Located<i64>>> {
+fn number_of_32_bits() -> KeyKind<Option<Located<i64>>> {
     integer().from_to(0, u32::MAX.into())
 }
 
-fn transmission() -> Kind<Option<Located<i64>>> {
+fn transmission() -> KeyKind<Option<Located<i64>>> {
     integer().like(|| Shape::Either(vec![Shape::Whole(1, 240), Shape::Whole(254, 255)]))
 }
 
 /// What trouble does to the owner.
-fn reaction() -> Kind<Option<Located<Reaction>>> {
+fn reaction() -> KeyKind<Option<Located<Reaction>>> {
     one_of(&[("fault", Reaction::Fault), ("report", Reaction::Report)])
 }

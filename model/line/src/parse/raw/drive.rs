@@ -1,6 +1,8 @@
 //! The `drive` table of a device.
 
-use linewright_text::{Located, LocatedName, Presence, coordinate, integer, keys, positive, table, tables, text, word};
+use linewright_text::{
+    KeyPresence, Located, LocatedName, coordinate, integer, keys, positive, table, tables, text, word,
+};
 
 use crate::{AtRest, DriveMode};
 
@@ -30,7 +32,7 @@ keys! {
         /// Input: on while it has failed or refuses an order.
         fault: Option<LocatedName> = text(),
         /// Where outputs send it, up to 64.
-        targets: Vec<RawTarget> = tables(TARGETS_MAX).missed(Presence::Required),
+        targets: Vec<RawTarget> = tables(TARGETS_MAX).missed(KeyPresence::Required),
         /// How it finds its zero; left out for a drive that knows where it is.
         homing: Option<RawHoming> = table(),
     }

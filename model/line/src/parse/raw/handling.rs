@@ -1,8 +1,8 @@
 //! Holders, what reaches them, and sensors: for the simulated plant alone.
 
 use linewright_text::{
-    Located, LocatedName, Presence, Report, coordinate, coordinates, keys, nothing, table, tables, text, texts, whole,
-    word,
+    KeyPresence, Located, LocatedName, Report, coordinate, coordinates, keys, nothing, table, tables, text, texts,
+    whole, word,
 };
 
 use super::station::AXES_MAX;
@@ -62,7 +62,7 @@ keys! {
         /// The input, which no mechanism of the station presses.
         input: Option<LocatedName> = text().required(),
         /// On while all of this is so, at most 16: `{ part = "robot.hand" }`, `{ axis = "robot.arm", at = 100 }`.
-        when: Vec<RawSign> = tables(SIGNS_MAX).missed(Presence::Required),
+        when: Vec<RawSign> = tables(SIGNS_MAX).missed(KeyPresence::Required),
     }
 
     /// A condition of a sensor: a part in a holder, or an axis that stands somewhere.

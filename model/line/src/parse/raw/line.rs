@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use linewright_text::{
-    Keys, Kind, Located, LocatedName, Presence, Problem, Report, Shape, integer, keys, millis, one_of, suggestion,
-    table, tables, text, texts,
+    KeyKind, KeyPresence, Keys, Located, LocatedName, Problem, Report, Shape, integer, keys, millis, one_of,
+    suggestion, table, tables, text, texts,
 };
 
 use super::handling::{RawSensor, RawStore, stores};
@@ -102,9 +102,9 @@ keys! {
         /// Of a station on order, instead of `from` and `until`: the task, from its start to its end.
         task: Option<LocatedName> = text(),
         /// The operation with whose start the state begins.
-        from: Option<LocatedName> = text().missed(Presence::Unless(&["task"])),
+        from: Option<LocatedName> = text().missed(KeyPresence::Unless(&["task"])),
         /// The operation with whose end it is over.
-        until: Option<LocatedName> = text().missed(Presence::Unless(&["task"])),
+        until: Option<LocatedName> = text().missed(KeyPresence::Unless(&["task"])),
     }
 
     /// The main console: names of its devices' signals.
@@ -270,8 +270,8 @@ fn complete(span: Option<RawSpan>, report: &mut Report) -> Option<RawSpan> {
 }
 
 /// An input, on while pressed; or `{ input = …, pressed = "off" }`.
-fn contact() -> Kind<RawStop> {
-    Kind::new(
+fn contact() -> KeyKind<RawStop> {
+    KeyKind::new(
         |f, report, key| {
             if !f.is_table(key) {
                 return RawStop { input: text().read(f, report, key), pressed: true };

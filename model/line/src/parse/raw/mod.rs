@@ -23,7 +23,7 @@ pub(super) use frames::{RawChecksum, RawFrames, RawHeard, RawSignalInput, RawTol
 pub(super) use handling::{RawHolder, RawReach, RawSensor, RawSign, RawStand};
 pub(super) use line::{RawArrow, RawConflict, RawConsole, RawEnd, RawLine, RawSpan, RawTiming};
 pub(super) use modbus::{RawModbus, RawRegisterValue};
-pub(super) use station::{Kind, RawHand, RawMoves, RawOperation, RawSignals, RawStation, RawTask};
+pub(super) use station::{ModuleKind, RawHand, RawMoves, RawOperation, RawSignals, RawStation, RawTask};
 
 use linewright_text::{Fields, Keys, Report};
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_text::{Kind, Located, LocatedName, keys, millis, table, tables, text, whole, word};
+use linewright_text::{KeyKind, Located, LocatedName, keys, millis, table, tables, text, whole, word};
 
 use crate::Table;
 
@@ -74,6 +74,6 @@ keys! {
     }
 }
 
-fn register() -> Kind<Option<Located<i64>>> {
+fn register() -> KeyKind<Option<Located<i64>>> {
     whole(0, WORD_MAX)
 }

@@ -87,7 +87,7 @@ keys! {
         name: Option<LocatedName> = text().required(),
         /// `"R"`: reversible, after a fault it is resumed or taken back; `"I"`: irreversible, it is resumed or the station
         /// goes home along `recovery_path`.
-        kind as "module": Option<Located<Kind>> = text().required().then(kind).like(|| Shape::Word(vec!["R", "I"])),
+        kind as "module": Option<Located<ModuleKind>> = text().required().then(kind).like(|| Shape::Word(vec!["R", "I"])),
         /// The motion: `{ axis = "vertical", from = 0, to = 50 }`.
         moves: Option<RawMoves> = table().required(),
         /// What the motion takes when nothing is wrong, in seconds, up to a day.
@@ -162,16 +162,16 @@ keys! {
 
 /// Whether an operation can be taken back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::parse) enum Kind {
+pub(in crate::parse) enum ModuleKind {
     Reversible,
     Irreversible,
 }
 
-fn kind(module: Option<LocatedName>, report: &mut Report) -> Option<Located<Kind>> {
+fn kind(module: Option<LocatedName>, report: &mut Report) -> Option<Located<ModuleKind>> {
     let module = module?;
     let kind = match module.value.as_str() {
-        "R" => Kind::Reversible,
-        "I" => Kind::Irreversible,
+        "R" => ModuleKind::Reversible,
+        "I" => ModuleKind::Irreversible,
         other => {
             report.add(
                 Problem::error(module.at, format!("unknown module `{other}`"))

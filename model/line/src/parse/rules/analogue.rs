@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use linewright_text::{Located, Problem, Report, TextRange, or, suggestion};
 
 use crate::parse::analogue::{channel, number, when};
-use crate::parse::draft::{Draft, DraftDevice, Wiring};
+use crate::parse::draft::{DraftDevice, DraftLine, Wiring};
 use crate::parse::raw::{RawAnalogueInput, RawAnalogueOutput, RawChannel, RawDevice, RawLag};
 use crate::parse::setup::object;
-use crate::{CHANNELS_MAX, Channel};
+use crate::{AnalogueChannel, CHANNELS_MAX};
 
-pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
         let (inputs, outputs) = (&raw.analogue.inputs, &raw.analogue.outputs);
         let channels = || inputs.iter().map(|input| &input.channel).chain(outputs.iter().map(|output| &output.channel));
@@ -36,7 +36,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-fn owner<'a>(draft: &'a Draft<'_>, device: &DraftDevice) -> Option<&'a Wiring> {
+fn owner<'a>(draft: &'a DraftLine<'_>, device: &DraftDevice) -> Option<&'a Wiring> {
     device.owner.map(|owner| draft.image(owner))
 }
 
@@ -142,7 +142,7 @@ fn limits_can_be_reached(input: &RawAnalogueInput, report: &mut Report) {
 }
 
 /// The least and the greatest value that counts as measured.
-fn measured(channel: &Channel, input: &RawAnalogueInput) -> (f64, f64) {
+fn measured(channel: &AnalogueChannel, input: &RawAnalogueInput) -> (f64, f64) {
     let ends = [channel.value_of(i16::MIN + 1), channel.value_of(i16::MAX - 1)];
     let (least, most) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
     (or(&input.least, least).max(least), or(&input.most, most).min(most))

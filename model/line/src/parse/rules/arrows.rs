@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use linewright_text::{Problem, Report};
 
 use crate::OpId;
-use crate::parse::draft::{Draft, DraftStation};
+use crate::parse::draft::{DraftLine, DraftStation};
 
-pub(super) fn arrows_join_stations(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn arrows_join_stations(draft: &DraftLine<'_>, report: &mut Report) {
     for arrow in &draft.arrows {
         let (Some(from), Some(to)) = (&arrow.from, &arrow.to) else { continue };
         if from.value.0 != to.value.0 {
@@ -26,7 +26,7 @@ pub(super) fn arrows_join_stations(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn arrows_are_unique(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn arrows_are_unique(draft: &DraftLine<'_>, report: &mut Report) {
     let mut seen: HashMap<_, Vec<&crate::parse::draft::DraftArrow>> = HashMap::new();
     for arrow in &draft.arrows {
         let (Some(from), Some(to)) = (&arrow.from, &arrow.to) else { continue };
@@ -53,7 +53,7 @@ fn counts_at_home(station: &DraftStation<'_>, op: OpId) -> Option<u32> {
 }
 
 /// A line that has never moved stands at home: what counts as done there must not have needed what does not.
-pub(super) fn arrows_hold_at_home(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn arrows_hold_at_home(draft: &DraftLine<'_>, report: &mut Report) {
     for arrow in &draft.arrows {
         let (Some(from), Some(to)) = (&arrow.from, &arrow.to) else { continue };
         if from.value.0 == to.value.0 {

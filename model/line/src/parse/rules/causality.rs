@@ -13,17 +13,17 @@ use petgraph::visit::EdgeRef;
 
 use linewright_text::{Problem, Report};
 
-use crate::parse::draft::{Draft, DraftArrow};
+use crate::parse::draft::{DraftArrow, DraftLine};
 use crate::{OpId, StationId};
 
 /// Searching for the shortest circle of a knot starts from at most this many of its arrows.
 const STARTS_MAX: usize = 64;
 
-type Operation = (StationId, OpId);
+type ChartOperation = (StationId, OpId);
 /// An edge is an arrow, by its number, or the order within a station.
-type Waits = DiGraph<Operation, Option<usize>>;
+type CausalEdge = DiGraph<ChartOperation, Option<usize>>;
 
-pub(super) fn no_operation_waits_for_itself(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn no_operation_waits_for_itself(draft: &DraftLine<'_>, report: &mut Report) {
     let graph = waits_within_a_cycle(draft);
     for knot in kosaraju_scc(&graph) {
         if knot.len() < 2 {
@@ -37,9 +37,9 @@ pub(super) fn no_operation_waits_for_itself(draft: &Draft<'_>, report: &mut Repo
 }
 
 /// Who waits for whom in the same cycle: an edge from each operation to those that need it.
-fn waits_within_a_cycle(draft: &Draft<'_>) -> Waits {
-    let mut graph = Waits::new();
-    let mut nodes: HashMap<Operation, NodeIndex> = HashMap::new();
+fn waits_within_a_cycle(draft: &DraftLine<'_>) -> CausalEdge {
+    let mut graph = CausalEdge::new();
+    let mut nodes: HashMap<ChartOperation, NodeIndex> = HashMap::new();
     for (id, station) in draft.stations.iter().enumerate() {
         for op in station.op_ids() {
             let operation = (StationId::at(id), OpId::at(op));
@@ -68,7 +68,7 @@ fn waits_within_a_cycle(draft: &Draft<'_>) -> Waits {
 }
 
 /// The arrows of a shortest circle inside `knot`, in order.
-fn shortest_circle(graph: &Waits, knot: &HashSet<NodeIndex>) -> Option<Vec<usize>> {
+fn shortest_circle(graph: &CausalEdge, knot: &HashSet<NodeIndex>) -> Option<Vec<usize>> {
     let inside = |edge: &petgraph::graph::EdgeReference<'_, Option<usize>>| {
         edge.weight().is_some() && knot.contains(&edge.source()) && knot.contains(&edge.target())
     };
@@ -85,7 +85,7 @@ fn shortest_circle(graph: &Waits, knot: &HashSet<NodeIndex>) -> Option<Vec<usize
 }
 
 /// The arrows on a way from `start` to `goal` inside `knot`.
-fn way(graph: &Waits, knot: &HashSet<NodeIndex>, start: NodeIndex, goal: NodeIndex) -> Option<Vec<usize>> {
+fn way(graph: &CausalEdge, knot: &HashSet<NodeIndex>, start: NodeIndex, goal: NodeIndex) -> Option<Vec<usize>> {
     let mut came_by: HashMap<NodeIndex, (NodeIndex, Option<usize>)> = HashMap::new();
     let mut queue = VecDeque::from([start]);
     while let Some(node) = queue.pop_front() {
@@ -110,7 +110,7 @@ fn way(graph: &Waits, knot: &HashSet<NodeIndex>, start: NodeIndex, goal: NodeInd
     Some(arrows)
 }
 
-fn problem(draft: &Draft<'_>, circle: &[usize]) -> Problem {
+fn problem(draft: &DraftLine<'_>, circle: &[usize]) -> Problem {
     let arrows: Vec<&DraftArrow> = circle.iter().map(|&number| &draft.arrows[number]).collect();
     let mut names: Vec<String> = Vec::new();
     for end in arrows.iter().flat_map(|arrow| [&arrow.from, &arrow.to]).flatten() {

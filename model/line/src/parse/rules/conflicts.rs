@@ -3,9 +3,9 @@
 use linewright_text::{Problem, Report};
 
 use crate::OpId;
-use crate::parse::draft::Draft;
+use crate::parse::draft::DraftLine;
 
-pub(super) fn conflicts_join_stations(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn conflicts_join_stations(draft: &DraftLine<'_>, report: &mut Report) {
     for conflict in &draft.conflicts {
         let (Some(a), Some(b)) = (&conflict.a, &conflict.b) else { continue };
         if a.value.station == b.value.station {
@@ -19,7 +19,7 @@ pub(super) fn conflicts_join_stations(draft: &Draft<'_>, report: &mut Report) {
 }
 
 /// Operations side by side start and end each in its own time, so a stretch from one to another of them is none.
-pub(super) fn conflict_spans_have_an_order(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn conflict_spans_have_an_order(draft: &DraftLine<'_>, report: &mut Report) {
     for span in draft.conflicts.iter().flat_map(|conflict| [&conflict.a, &conflict.b]).flatten() {
         let station = &draft.stations[span.value.station.index()];
         let (from, until) = (span.value.from, span.value.until);
@@ -34,7 +34,7 @@ pub(super) fn conflict_spans_have_an_order(draft: &Draft<'_>, report: &mut Repor
 
 /// Whether the station is inside the stretch while it stands at home: its home operation lies in it, and the end of
 /// the stretch is still to come.
-fn holds_at_home(draft: &Draft<'_>, span: crate::Span) -> Option<bool> {
+fn holds_at_home(draft: &DraftLine<'_>, span: crate::StateSpan) -> Option<bool> {
     let station = &draft.stations[span.station.index()];
     let home = station.home.as_ref()?.value;
     let count = station.steps.len().max(1);
@@ -42,7 +42,7 @@ fn holds_at_home(draft: &Draft<'_>, span: crate::Span) -> Option<bool> {
     Some(after_from(home) < after_from(span.until))
 }
 
-pub(super) fn conflicts_do_not_hold_at_home(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn conflicts_do_not_hold_at_home(draft: &DraftLine<'_>, report: &mut Report) {
     for conflict in &draft.conflicts {
         let (Some(a), Some(b)) = (&conflict.a, &conflict.b) else { continue };
         if a.value.station == b.value.station {

@@ -2,15 +2,15 @@
 
 use linewright_text::{Problem, Report};
 
-use super::signals::{Meaning, Uses};
+use super::signals::{SignalUse, Uses};
 use crate::ButtonId;
 use crate::Owner;
-use crate::parse::draft::Draft;
+use crate::parse::draft::DraftLine;
 
 const INPUT_KEYS: [&str; 6] = ["start", "stop", "auto", "hand", "estop", "reset"];
 const LAMP_KEYS: [&str; 4] = ["auto", "hand", "manual", "fault"];
 
-pub(super) fn console_exists(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn console_exists(draft: &DraftLine<'_>, report: &mut Report) {
     let has_device = draft.devices.iter().any(|device| device.owner == Some(Owner::Console));
     if draft.raw.console.is_none() {
         report.add(
@@ -38,7 +38,7 @@ pub(super) fn console_exists(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn buttons_are_used(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn buttons_are_used(draft: &DraftLine<'_>, report: &mut Report) {
     let mut used = vec![false; draft.raw.buttons.len()];
     for operation in draft.stations.iter().flat_map(|s| &s.operations) {
         let Some(raw) = &operation.raw.hand else { continue };
@@ -56,17 +56,17 @@ pub(super) fn buttons_are_used(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn signals_mean_one_thing(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn signals_mean_one_thing(draft: &DraftLine<'_>, report: &mut Report) {
     let console = &draft.console;
     let mut inputs = Uses::of(&console.wiring.inputs);
     for (button, input) in draft.raw.buttons.iter().zip(&console.buttons) {
         if let Some(input) = input {
-            inputs.note(input.index(), Meaning::Control(button.value.clone()), &button.at);
+            inputs.note(input.index(), SignalUse::Control(button.value.clone()), &button.at);
         }
     }
     for (input, key) in console.inputs.iter().zip(INPUT_KEYS) {
         if let Some(input) = input {
-            inputs.note(input.value.index(), Meaning::Control(key.to_owned()), &input.at);
+            inputs.note(input.value.index(), SignalUse::Control(key.to_owned()), &input.at);
         }
     }
     inputs.report(report);
@@ -74,7 +74,7 @@ pub(super) fn signals_mean_one_thing(draft: &Draft<'_>, report: &mut Report) {
     let mut outputs = Uses::of(&console.wiring.outputs);
     for (output, key) in console.lamps.iter().zip(LAMP_KEYS) {
         if let Some(output) = output {
-            outputs.note(output.value.index(), Meaning::ModeLamp(key), &output.at);
+            outputs.note(output.value.index(), SignalUse::ModeLamp(key), &output.at);
         }
     }
     outputs.report(report);

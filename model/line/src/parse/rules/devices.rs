@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use linewright_text::{Problem, Report};
 
-use crate::Bus;
-use crate::parse::draft::Draft;
+use crate::DeviceBus;
+use crate::parse::draft::DraftLine;
 
 /// CANopen node ids are 1 to 127 (CiA 301); the highest is the bus manager's own, which by convention it is.
 const NODE_MAX: i64 = 126;
@@ -16,7 +16,7 @@ pub(in crate::parse) fn node_id(value: i64) -> Option<u8> {
     u8::try_from(value).ok().filter(|_| (1..=NODE_MAX).contains(&value))
 }
 
-pub(super) fn node_ids_are_usable(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn node_ids_are_usable(draft: &DraftLine<'_>, report: &mut Report) {
     for node in draft.raw.devices.iter().filter_map(|device| device.node.as_ref()) {
         if node_id(node.value).is_some() {
             continue;
@@ -30,7 +30,7 @@ pub(super) fn node_ids_are_usable(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn node_ids_are_unique_on_a_bus(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn node_ids_are_unique_on_a_bus(draft: &DraftLine<'_>, report: &mut Report) {
     let mut seen = HashMap::new();
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
         let Some(node) = raw.node.as_ref().filter(|_| device.owner.is_some()) else { continue };
@@ -48,7 +48,7 @@ pub(super) fn node_ids_are_unique_on_a_bus(draft: &Draft<'_>, report: &mut Repor
     }
 }
 
-pub(super) fn devices_carry_something(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn devices_carry_something(draft: &DraftLine<'_>, report: &mut Report) {
     for device in draft.raw.devices.iter().filter(|device| device.drive.is_none() && device.frames.is_none()) {
         let channels = device.analogue.inputs.len() + device.analogue.outputs.len();
         if channels == 0 && device.inputs.iter().chain(&device.outputs).all(|bit| bit.value.is_empty()) {
@@ -61,10 +61,10 @@ pub(super) fn devices_carry_something(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-pub(super) fn own_buses_are_not_shared(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn own_buses_are_not_shared(draft: &DraftLine<'_>, report: &mut Report) {
     let mut seen = HashMap::new();
     for station in &draft.stations {
-        let (Bus::Own(name), Some(raw)) = (&station.bus, &station.raw.bus) else { continue };
+        let (DeviceBus::Own(name), Some(raw)) = (&station.bus, &station.raw.bus) else { continue };
         if let Some((other, earlier)) = seen.insert(name, (station.name, &raw.at)) {
             report.add(
                 Problem::warning(

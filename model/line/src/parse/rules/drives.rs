@@ -6,13 +6,13 @@ use linewright_text::{Located, Problem, Report};
 
 use super::operations::same_place;
 use crate::drive::trapezoid_time;
-use crate::parse::draft::{Draft, DraftDrive, DraftStation};
+use crate::parse::draft::{DraftDrive, DraftLine, DraftStation};
 use crate::parse::drive::method;
 use crate::parse::raw::{RawDevice, RawDrive, RawTarget};
 use crate::{AxisId, DriveMode, Owner, StationId};
 
 /// Applies every rule about drives.
-pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     axes_have_one_drive(draft, report);
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
         let (Some(drive), Some(raw_drive)) = (&device.drive, &raw.drive) else { continue };
@@ -37,7 +37,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-fn axes_have_one_drive(draft: &Draft<'_>, report: &mut Report) {
+fn axes_have_one_drive(draft: &DraftLine<'_>, report: &mut Report) {
     let mut seen: HashMap<(StationId, AxisId), _> = HashMap::new();
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
         let (Some(Owner::Station(station)), Some(drive), Some(raw)) = (device.owner, &device.drive, &raw.drive) else {

@@ -2,11 +2,11 @@
 
 use linewright_text::{Problem, Report, TextRange, or};
 
-use crate::parse::draft::Draft;
+use crate::parse::draft::DraftLine;
 use crate::parse::frames::when;
 use crate::parse::raw::{RawDevice, RawFrames, RawSignalInput, RawTold};
 
-pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
         let Some(frames) = &device.frames else { continue };
         nothing_of_canopen_is_said(device, frames, report);

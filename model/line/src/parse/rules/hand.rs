@@ -5,16 +5,17 @@
 
 use linewright_text::{Located, Problem, Report};
 
-use crate::Hand;
+use crate::HandMode;
 use crate::parse::draft::{DraftOperation, DraftStation, DraftTask};
 use crate::parse::hand::purpose;
-use crate::parse::raw::Kind;
+use crate::parse::raw::ModuleKind;
 
 /// Each step's hand entry with the operation that stands for the step, and the following step's, going round; at a
 /// station on order as far as the task goes.
 fn neighbours<'s>(
     station: &'s DraftStation<'s>,
-) -> impl Iterator<Item = (&'s DraftOperation<'s>, &'s Located<Hand>, &'s DraftOperation<'s>, &'s Located<Hand>)> {
+) -> impl Iterator<Item = (&'s DraftOperation<'s>, &'s Located<HandMode>, &'s DraftOperation<'s>, &'s Located<HandMode>)>
+{
     let count = station.steps.len();
     let task = |index: usize| station.operation(*station.steps[index].first()?).task.as_ref().map(|task| task.value);
     // Sequences stay within a task; in a cycle they go round.
@@ -31,7 +32,7 @@ pub(super) fn modules_suit_their_types(station: &DraftStation<'_>, report: &mut 
     for operation in &station.operations {
         let Some(hand) = &operation.hand else { continue };
         let number = hand.value.number();
-        if operation.kind() == Some(Kind::Irreversible) && number >= 3 {
+        if operation.kind() == Some(ModuleKind::Irreversible) && number >= 3 {
             report.add(
                 Problem::error(
                     hand.at.clone(),
@@ -70,9 +71,9 @@ pub(super) fn sequences_continue(station: &DraftStation<'_>, report: &mut Report
     for (this, hand, next, next_hand) in neighbours(station) {
         let number = hand.value.number();
         let allowed: &[u8] = match hand.value {
-            Hand::Sequence { .. } => &[1, 2],
-            Hand::ReversedStart { .. } | Hand::ReversedMiddle { .. } => &[4, 5],
-            Hand::SequenceEnd { .. } | Hand::ReversedEnd { .. } | Hand::Single { .. } => continue,
+            HandMode::Sequence { .. } => &[1, 2],
+            HandMode::ReversedStart { .. } | HandMode::ReversedMiddle { .. } => &[4, 5],
+            HandMode::SequenceEnd { .. } | HandMode::ReversedEnd { .. } | HandMode::Single { .. } => continue,
         };
         if !allowed.contains(&next_hand.value.number()) {
             let message = format!(

@@ -4,10 +4,10 @@ use linewright_text::{Problem, Report};
 
 use super::operations::same_place;
 use crate::Stand;
-use crate::parse::draft::{Draft, DraftHolder, DraftReach, DraftSign, DraftStand};
+use crate::parse::draft::{DraftHolder, DraftLine, DraftReach, DraftSign, DraftStand};
 
 /// Applies the rules.
-pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     let handling = &draft.handling;
     for (id, holder) in handling.holders.iter().enumerate() {
         hands_close(holder, report);
@@ -50,7 +50,7 @@ fn hands_close(holder: &DraftHolder<'_>, report: &mut Report) {
     }
 }
 
-fn hands_reach_nests(draft: &Draft<'_>, reach: &DraftReach<'_>, report: &mut Report) {
+fn hands_reach_nests(draft: &DraftLine<'_>, reach: &DraftReach<'_>, report: &mut Report) {
     let holders = &draft.handling.holders;
     if let (Some(hand), Some(name)) = (reach.hand, &reach.raw.hand)
         && !holders[hand.index()].raw.is_hand
@@ -70,7 +70,7 @@ fn hands_reach_nests(draft: &Draft<'_>, reach: &DraftReach<'_>, report: &mut Rep
     }
 }
 
-fn positions_can_be_told(draft: &Draft<'_>, reach: &DraftReach<'_>, report: &mut Report) {
+fn positions_can_be_told(draft: &DraftLine<'_>, reach: &DraftReach<'_>, report: &mut Report) {
     let Some(to) = &reach.to else { return };
     let nest = &draft.handling.holders[to.value.index()];
     let places = nest.raw.places.as_ref().map_or(1, |places| places.value);
@@ -104,7 +104,7 @@ fn positions_can_be_told(draft: &Draft<'_>, reach: &DraftReach<'_>, report: &mut
 }
 
 /// An axis that stands nowhere but at the ends of its motions must end one there.
-fn axes_come_there(draft: &Draft<'_>, stand: &DraftStand, report: &mut Report) {
+fn axes_come_there(draft: &DraftLine<'_>, stand: &DraftStand, report: &mut Report) {
     let Stand { station, axis, at } = stand.value;
     let station = &draft.stations[station.index()];
     if station.operations.iter().any(|operation| operation.motion.is_none()) {

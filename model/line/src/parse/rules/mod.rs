@@ -29,10 +29,10 @@ pub(super) use devices::node_id;
 
 use linewright_text::Report;
 
-use super::draft::Draft;
+use super::draft::DraftLine;
 
 /// Applies every rule.
-pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     timing::limits_exceed_their_periods(draft, report);
     stations::line_has_stations(draft, report);
     devices::node_ids_are_usable(draft, report);

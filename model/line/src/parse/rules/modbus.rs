@@ -5,11 +5,11 @@ use std::ops::Range;
 use linewright_text::{Problem, Report, TextRange, or};
 
 use crate::Table;
-use crate::parse::draft::{Draft, DraftDevice};
+use crate::parse::draft::{DraftDevice, DraftLine};
 use crate::parse::modbus::{CYCLE, TIMEOUT, host_and_port, inputs_at, outputs_at};
 use crate::parse::raw::{RawDevice, RawDeviceKind, RawModbus};
 
-pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
         kind_and_table_agree(raw, report);
         let Some(modbus) = &raw.modbus else { continue };
@@ -168,7 +168,7 @@ fn outputs_go_off_without_a_manager(device: &RawDevice, modbus: &RawModbus, repo
     }
 }
 
-fn outputs_are_one_devices(draft: &Draft<'_>, report: &mut Report) {
+fn outputs_are_one_devices(draft: &DraftLine<'_>, report: &mut Report) {
     type Taken<'a> = (&'a str, i64, Table, Range<usize>, &'a TextRange);
     let mut seen: Vec<Taken<'_>> = Vec::new();
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {

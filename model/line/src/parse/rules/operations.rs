@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_text::{Located, Problem, Report};
 
 use crate::parse::draft::DraftOperation;
-use crate::parse::raw::Kind;
+use crate::parse::raw::ModuleKind;
 
 /// Coordinates nearer than this are the same place: a micrometre below anything a switch can tell apart.
 pub(super) const SAME_PLACE: f64 = 1e-6;
@@ -58,7 +58,7 @@ fn outlasts(what: &str, duration: &Located<Duration>, watchdog: &Located<Duratio
 pub(super) fn module_has_its_recovery(operation: &DraftOperation<'_>, report: &mut Report) {
     let (raw, name) = (operation.raw, operation.name);
     match operation.kind() {
-        Some(Kind::Reversible) => {
+        Some(ModuleKind::Reversible) => {
             if raw.recovery.is_none() {
                 report.add(
                     Problem::error(operation.place(), format!("reversible operation `{name}` has no `recovery`"))
@@ -72,7 +72,7 @@ pub(super) fn module_has_its_recovery(operation: &DraftOperation<'_>, report: &m
                 );
             }
         }
-        Some(Kind::Irreversible) => {
+        Some(ModuleKind::Irreversible) => {
             if let Some(recovery) = &raw.recovery {
                 report.add(
                     Problem::error(recovery.at.clone(), format!("irreversible operation `{name}` has a `recovery`"))

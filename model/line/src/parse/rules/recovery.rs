@@ -10,14 +10,14 @@ use super::operations::same_place;
 use super::tasks::earlier_in_task;
 use crate::OpId;
 use crate::parse::draft::{DraftOperation, DraftStation};
-use crate::parse::raw::Kind;
+use crate::parse::raw::ModuleKind;
 
 fn irreversible<'s>(station: &'s DraftStation<'s>) -> impl Iterator<Item = (OpId, &'s DraftOperation<'s>)> {
     station
         .op_ids()
         .map(OpId::at)
         .map(|op| (op, station.operation(op)))
-        .filter(|(_, operation)| operation.kind() == Some(Kind::Irreversible))
+        .filter(|(_, operation)| operation.kind() == Some(ModuleKind::Irreversible))
 }
 
 pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, report: &mut Report) {
@@ -41,7 +41,7 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
                     ))
                     .hint("leave it out: it always follows at the end of the path"),
                 );
-            } else if other.kind() == Some(Kind::Irreversible) {
+            } else if other.kind() == Some(ModuleKind::Irreversible) {
                 report.add(
                     problem(format!("`{}` is irreversible and cannot be taken back", other.name))
                         .hint("a recovery path consists of reversible operations"),

@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use linewright_text::{Problem, Report, TextRange};
 
 use crate::parse::analogue;
-use crate::parse::draft::{Draft, DraftDevice, DraftStation};
+use crate::parse::draft::{DraftDevice, DraftLine, DraftStation};
 use crate::parse::raw::{RawDevice, RawSetting};
 use crate::parse::setup::{object, part, setting};
 use crate::{InputId, OutputId, Owner, Reaction, is_the_managers, keeps_an_output};
 
-pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
         identity_has_numbers(device, report);
         for setting in &device.settings {
@@ -27,7 +27,12 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
 }
 
 /// A device that may be lost without a fault must carry nothing that a motion, a panel or the console is decided by.
-fn nothing_depends_on_what_may_be_lost(draft: &Draft<'_>, device: &DraftDevice, raw: &RawDevice, report: &mut Report) {
+fn nothing_depends_on_what_may_be_lost(
+    draft: &DraftLine<'_>,
+    device: &DraftDevice,
+    raw: &RawDevice,
+    report: &mut Report,
+) {
     let Some(when_lost) = raw.when_lost.as_ref().filter(|key| key.value == Reaction::Report) else { return };
     let problem = |at: &TextRange, what: &str, label: &str| {
         Problem::error(when_lost.at.clone(), format!("this device cannot be lost without a fault: {what}"))

@@ -14,7 +14,7 @@ use crate::parse::draft::DraftStation;
 
 /// What a signal means.
 #[derive(Clone, Debug)]
-pub(super) enum Meaning {
+pub(super) enum SignalUse {
     /// On while this axis stands here.
     Switch(String, f64),
     Fault,
@@ -31,30 +31,30 @@ pub(super) enum Meaning {
     ModeLamp(&'static str),
 }
 
-impl Meaning {
-    fn agrees_with(&self, other: &Meaning) -> bool {
+impl SignalUse {
+    fn agrees_with(&self, other: &SignalUse) -> bool {
         match (self, other) {
-            (Meaning::Switch(a, x), Meaning::Switch(b, y)) | (Meaning::Drive(a, x), Meaning::Drive(b, y)) => {
+            (SignalUse::Switch(a, x), SignalUse::Switch(b, y)) | (SignalUse::Drive(a, x), SignalUse::Drive(b, y)) => {
                 a == b && same_place(*x, *y)
             }
-            (Meaning::Number(a, x), Meaning::Number(b, y)) => a == b && x == y,
-            (Meaning::Fault, Meaning::Fault) | (Meaning::Lamp, Meaning::Lamp) => true,
+            (SignalUse::Number(a, x), SignalUse::Number(b, y)) => a == b && x == y,
+            (SignalUse::Fault, SignalUse::Fault) | (SignalUse::Lamp, SignalUse::Lamp) => true,
             _ => false,
         }
     }
 }
 
-impl fmt::Display for Meaning {
+impl fmt::Display for SignalUse {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Meaning::Switch(axis, at) => write!(f, "`{axis}` has arrived at {at}"),
-            Meaning::Fault => f.write_str("a motion has failed"),
-            Meaning::Control(key) => write!(f, "the operator's `{key}`"),
-            Meaning::Drive(axis, to) => write!(f, "drive `{axis}` to {to}"),
-            Meaning::Lamp => f.write_str("a fault lamp"),
-            Meaning::Number(parameter, bit) => write!(f, "bit {bit} of parameter `{parameter}`"),
-            Meaning::Part => f.write_str("a sensor sees parts"),
-            Meaning::ModeLamp(key) => write!(f, "the lamp for `{key}`"),
+            SignalUse::Switch(axis, at) => write!(f, "`{axis}` has arrived at {at}"),
+            SignalUse::Fault => f.write_str("a motion has failed"),
+            SignalUse::Control(key) => write!(f, "the operator's `{key}`"),
+            SignalUse::Drive(axis, to) => write!(f, "drive `{axis}` to {to}"),
+            SignalUse::Lamp => f.write_str("a fault lamp"),
+            SignalUse::Number(parameter, bit) => write!(f, "bit {bit} of parameter `{parameter}`"),
+            SignalUse::Part => f.write_str("a sensor sees parts"),
+            SignalUse::ModeLamp(key) => write!(f, "the lamp for `{key}`"),
         }
     }
 }
@@ -62,7 +62,7 @@ impl fmt::Display for Meaning {
 /// The uses of one image's bits, in the order of the text.
 pub(super) struct Uses<'d> {
     names: &'d [Located<String>],
-    by_bit: BTreeMap<usize, Vec<(Meaning, Range<usize>)>>,
+    by_bit: BTreeMap<usize, Vec<(SignalUse, Range<usize>)>>,
 }
 
 impl<'d> Uses<'d> {
@@ -71,7 +71,7 @@ impl<'d> Uses<'d> {
     }
 
     /// Notes that bit `bit` is used as `meaning` at `at`.
-    pub fn note(&mut self, bit: usize, meaning: Meaning, at: &Range<usize>) {
+    pub fn note(&mut self, bit: usize, meaning: SignalUse, at: &Range<usize>) {
         self.by_bit.entry(bit).or_default().push((meaning, at.clone()));
     }
 
@@ -109,14 +109,14 @@ pub(super) fn inputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Rep
     for operation in &station.operations {
         for (signals, _) in operation.motions() {
             if let Some(fault) = &signals.fault {
-                uses.note(fault.value.index(), Meaning::Fault, &fault.at);
+                uses.note(fault.value.index(), SignalUse::Fault, &fault.at);
             }
         }
         let axis = operation.motion.as_ref().map(|m| station.axes[m.value.axis.index()].name.clone());
         for (signals, end) in operation.motions() {
             match (&signals.complete, &axis, end) {
                 (Some(complete), Some(axis), Some(end)) => {
-                    uses.note(complete.value.index(), Meaning::Switch(axis.clone(), end), &complete.at);
+                    uses.note(complete.value.index(), SignalUse::Switch(axis.clone(), end), &complete.at);
                 }
                 (Some(complete), _, _) => uses.note_unclear(complete.value.index()),
                 (None, _, _) => {}
@@ -129,11 +129,11 @@ pub(super) fn inputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Rep
     });
     for (input, key) in station.panel.iter().zip(["manual", "advance", "return"]) {
         if let Some(input) = input {
-            uses.note(input.value.index(), Meaning::Control(key.to_owned()), &input.at);
+            uses.note(input.value.index(), SignalUse::Control(key.to_owned()), &input.at);
         }
     }
     for input in &station.sensed {
-        uses.note(input.value.index(), Meaning::Part, &input.at);
+        uses.note(input.value.index(), SignalUse::Part, &input.at);
     }
     uses.report(report);
 }
@@ -145,20 +145,20 @@ pub(super) fn outputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Re
         for (signals, end) in operation.motions() {
             match (&signals.actuator, &axis, end) {
                 (Some(actuator), Some(axis), Some(end)) => {
-                    uses.note(actuator.value.index(), Meaning::Drive(axis.clone(), end), &actuator.at);
+                    uses.note(actuator.value.index(), SignalUse::Drive(axis.clone(), end), &actuator.at);
                 }
                 (Some(actuator), _, _) => uses.note_unclear(actuator.value.index()),
                 (None, _, _) => {}
             }
             if let Some(lamp) = &signals.lamp {
-                uses.note(lamp.value.index(), Meaning::Lamp, &lamp.at);
+                uses.note(lamp.value.index(), SignalUse::Lamp, &lamp.at);
             }
         }
     }
     for parameter in station.tasks.iter().flat_map(|task| &task.parameters) {
         for (nth, bit) in parameter.bits.iter().enumerate() {
             if let Some(bit) = bit {
-                uses.note(bit.value.index(), Meaning::Number(parameter.name.to_owned(), nth), &bit.at);
+                uses.note(bit.value.index(), SignalUse::Number(parameter.name.to_owned(), nth), &bit.at);
             }
         }
     }

@@ -2,13 +2,13 @@
 
 use linewright_text::{Problem, Report};
 
-use crate::Bus;
-use crate::parse::draft::{Draft, DraftStation};
+use crate::DeviceBus;
+use crate::parse::draft::{DraftLine, DraftStation};
 
 /// Longest name of a Linux network interface (`IFNAMSIZ` less the closing zero).
 const INTERFACE_MAX: usize = 15;
 
-pub(super) fn line_has_stations(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn line_has_stations(draft: &DraftLine<'_>, report: &mut Report) {
     if draft.stations.is_empty() {
         report.add(Problem::error(0..0, "a line needs at least one station").hint("begin one with `[[station]]`"));
     }
@@ -46,7 +46,7 @@ pub(super) fn panel_is_complete(station: &DraftStation<'_>, report: &mut Report)
 }
 
 pub(super) fn bus_is_an_interface(station: &DraftStation<'_>, report: &mut Report) {
-    let (Some(bus), Bus::Own(name)) = (&station.raw.bus, &station.bus) else { return };
+    let (Some(bus), DeviceBus::Own(name)) = (&station.raw.bus, &station.bus) else { return };
     let fits =
         !name.is_empty() && name.len() <= INTERFACE_MAX && name.chars().all(|c| c.is_ascii_graphic() && c != '/');
     if !fits {

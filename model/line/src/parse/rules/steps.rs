@@ -4,7 +4,7 @@ use linewright_text::{Problem, Report};
 
 use crate::parse::draft::DraftStation;
 use crate::parse::names::StationNames;
-use crate::parse::raw::{Kind, RawStation};
+use crate::parse::raw::{ModuleKind, RawStation};
 use crate::{BRANCHES_MAX, OpId};
 
 /// Divides a station's operations into steps: an operation joins the step before it if its `with` says so.
@@ -69,7 +69,7 @@ pub(super) fn groups_are_allowed(station: &DraftStation<'_>, report: &mut Report
         }
         for &op in step {
             let operation = station.operation(op);
-            if operation.kind() == Some(Kind::Irreversible) {
+            if operation.kind() == Some(ModuleKind::Irreversible) {
                 report.add(
                     Problem::error(
                         operation.place(),

@@ -3,11 +3,11 @@
 use linewright_text::{Located, Problem, Report};
 
 use crate::device::is_synchronous;
-use crate::parse::draft::Draft;
+use crate::parse::draft::DraftLine;
 use crate::parse::raw::RawDevice;
 use crate::parse::setup::transmission;
 
-pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
         let Some(raw) = &device.transmission else { continue };
         for number in [&raw.inputs, &raw.outputs].into_iter().flatten() {
@@ -24,7 +24,7 @@ pub(super) fn check(draft: &Draft<'_>, report: &mut Report) {
     }
 }
 
-fn check_type(number: &Located<i64>, draft: &Draft<'_>, report: &mut Report) {
+fn check_type(number: &Located<i64>, draft: &DraftLine<'_>, report: &mut Report) {
     match transmission(number.value) {
         None => report.add(
             Problem::error(number.at.clone(), format!("{} is no transmission type", number.value))

@@ -9,8 +9,8 @@ use linewright_text::{Problem, Report};
 
 use super::motion::{Position, gap};
 use super::operations::same_place;
-use crate::parse::draft::{Draft, DraftStation, DraftTask};
-use crate::parse::raw::Kind;
+use crate::parse::draft::{DraftLine, DraftStation, DraftTask};
+use crate::parse::raw::ModuleKind;
 use crate::{OpId, RestId, TaskId};
 
 /// Applies the rules for a station on order.
@@ -60,7 +60,7 @@ pub(super) fn nothing_of_tasks(station: &DraftStation<'_>, report: &mut Report) 
 }
 
 /// No arrows: a station on order waits for its orders.
-pub(super) fn stations_on_order_are_not_joined(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn stations_on_order_are_not_joined(draft: &DraftLine<'_>, report: &mut Report) {
     let on_order = |station: crate::StationId| draft.stations[station.index()].works_on_order();
     for arrow in &draft.arrows {
         let ends = [&arrow.from, &arrow.to].into_iter().flatten();
@@ -74,7 +74,7 @@ pub(super) fn stations_on_order_are_not_joined(draft: &Draft<'_>, report: &mut R
 }
 
 /// Two tasks are kept apart by orders, two stretches by arrows; nothing keeps one of each apart.
-pub(super) fn tasks_are_in_conflict_with_tasks(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn tasks_are_in_conflict_with_tasks(draft: &DraftLine<'_>, report: &mut Report) {
     let on_order = |station: crate::StationId| draft.stations[station.index()].works_on_order();
     for conflict in &draft.conflicts {
         let (Some(a), Some(b)) = (&conflict.a, &conflict.b) else { continue };
@@ -197,7 +197,7 @@ fn from_home(roads: &[(RestId, RestId)]) -> Vec<RestId> {
 /// A recovery path leads to where the task ends. Where that is another rest than where it began, the part would count as
 /// worked on though it was not.
 fn irreversible_operations_come_back(station: &DraftStation<'_>, report: &mut Report) {
-    for operation in station.operations.iter().filter(|operation| operation.kind() == Some(Kind::Irreversible)) {
+    for operation in station.operations.iter().filter(|operation| operation.kind() == Some(ModuleKind::Irreversible)) {
         let Some(task) = operation.task.as_ref().map(|task: &linewright_text::Located<TaskId>| task.value) else {
             continue;
         };

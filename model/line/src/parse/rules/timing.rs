@@ -5,12 +5,12 @@ use std::time::Duration;
 use linewright_text::{Located, Problem, Report};
 
 use crate::Timing;
-use crate::parse::draft::Draft;
+use crate::parse::draft::DraftLine;
 
 /// A limit below twice its period would trip on a single late message.
 const PERIODS_MIN: u32 = 2;
 
-pub(super) fn limits_exceed_their_periods(draft: &Draft<'_>, report: &mut Report) {
+pub(super) fn limits_exceed_their_periods(draft: &DraftLine<'_>, report: &mut Report) {
     let (raw, default) = (&draft.raw.timing, Timing::default());
     let refresh = ("refresh_ms", &raw.refresh, default.refresh);
     let heartbeat = ("heartbeat_ms", &raw.heartbeat, default.heartbeat);

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use linewright_canopen::Frame;
-use linewright_line::{Field, FrameBinding, FrameId, HeardFrame, Page, Tick, ToldFrame, When};
+use linewright_line::{FrameBinding, FrameField, FrameId, Page, ReceivedFrameBinding, SentFrameBinding, Tick, When};
 
 use super::DeviceOutbox;
 use crate::fault::DeviceFault;
@@ -21,16 +21,16 @@ const PER_TIMEOUT: u32 = 4;
 const PERIODS: u32 = 3;
 
 #[derive(Debug)]
-struct Sent {
-    frame: HeardFrame,
+struct SentFrame {
+    frame: ReceivedFrameBinding,
     count: u64,
     page: usize,
     due: Tick,
 }
 
 #[derive(Debug)]
-struct Taken {
-    frame: ToldFrame,
+struct ReceivedFrame {
+    frame: SentFrameBinding,
     /// When it is missed; `None` before it has come, and after that.
     missed: Option<Tick>,
     /// The outputs it switched on.
@@ -39,21 +39,21 @@ struct Taken {
 
 /// A simulated device that speaks no CANopen.
 #[derive(Debug)]
-pub struct PlainNode {
-    sent: Vec<Sent>,
-    taken: Vec<Taken>,
+pub struct DbcDeviceNode {
+    sent: Vec<SentFrame>,
+    taken: Vec<ReceivedFrame>,
     /// The counter each message came with last, whatever it showed.
     counters: BTreeMap<FrameId, u64>,
     inputs: u128,
     silent: bool,
 }
 
-impl PlainNode {
+impl DbcDeviceNode {
     /// One that is switched on at `now`.
     pub fn new(now: Tick, binding: &FrameBinding) -> Self {
-        let sent = |frame: &HeardFrame| Sent { frame: frame.clone(), count: 0, page: 0, due: now };
-        let taken = |frame: &ToldFrame| Taken { frame: frame.clone(), missed: None, outputs: 0 };
-        PlainNode {
+        let sent = |frame: &ReceivedFrameBinding| SentFrame { frame: frame.clone(), count: 0, page: 0, due: now };
+        let taken = |frame: &SentFrameBinding| ReceivedFrame { frame: frame.clone(), missed: None, outputs: 0 };
+        DbcDeviceNode {
             sent: binding.heard.iter().map(sent).collect(),
             taken: binding.told.iter().map(taken).collect(),
             counters: BTreeMap::new(),
@@ -121,15 +121,15 @@ impl PlainNode {
         }
     }
 
-    /// When [`PlainNode::poll`] has something to do next.
+    /// When [`DbcDeviceNode::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
         let missed = self.taken.iter().filter_map(|taken| taken.missed);
         self.sent.iter().map(|sent| sent.due).chain(missed).min()
     }
 }
 
-fn send(sent: &mut Sent, now: Tick, inputs: u128, silent: bool, out: &mut DeviceOutbox) {
-    let Sent { frame, count, page, due } = sent;
+fn send(sent: &mut SentFrame, now: Tick, inputs: u128, silent: bool, out: &mut DeviceOutbox) {
+    let SentFrame { frame, count, page, due } = sent;
     let data = bytes(frame, *page, *count, inputs);
     let pages = frame.pages.len().max(1);
     *page = (*page + 1) % pages;
@@ -141,7 +141,7 @@ fn send(sent: &mut Sent, now: Tick, inputs: u128, silent: bool, out: &mut Device
     }
 }
 
-fn bytes(frame: &HeardFrame, page: usize, count: u64, inputs: u128) -> [u8; 8] {
+fn bytes(frame: &ReceivedFrameBinding, page: usize, count: u64, inputs: u128) -> [u8; 8] {
     let mut data = [0; 8];
     if let Some(page) = frame.pages.get(page) {
         if let Some((selector, values)) = &page.selected {
@@ -189,7 +189,7 @@ fn show(page: &Page, inputs: u128, data: &mut [u8; 8]) {
     }
 }
 
-fn edges(field: &Field, when: When) -> Vec<u64> {
+fn edges(field: &FrameField, when: When) -> Vec<u64> {
     let values = match when {
         When::NotZero => vec![0.0],
         When::Equals(value) => vec![value],
@@ -202,7 +202,7 @@ fn edges(field: &Field, when: When) -> Vec<u64> {
     around.filter_map(|value| field.bits(value)).collect()
 }
 
-impl Taken {
+impl ReceivedFrame {
     /// Whether a frame is this message, in this form.
     fn is(&self, len: usize, data: &[u8; 8]) -> bool {
         let frame = &self.frame;

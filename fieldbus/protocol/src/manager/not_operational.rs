@@ -7,14 +7,14 @@
 
 use linewright_line::{Owner, Tick};
 
-use super::flood::{FRAMES_MAX, WINDOW};
-use super::peer::{Peer, Phase};
+use super::peer::{Peer, PeerPhase};
+use super::rate_limit::{FRAMES_MAX, WINDOW};
 use super::{Manager, RETRY};
 use crate::codec::{Emergency, NmtState, NodeId};
 
 /// Why a device is not operational any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Why {
+pub(super) enum NotOperationalReason {
     /// Its heartbeat stopped, and none has come since.
     Silent,
     /// It has booted.
@@ -82,21 +82,21 @@ impl Peer {
         let silent = now.since(self.heard).as_millis();
         match &self.phase {
             _ if self.flood.is_on() => self.distrusted(now),
-            Phase::Absent { .. } => {
+            PeerPhase::Absent { .. } => {
                 let asked = format!("asked for its device type (1000h) every {} ms", RETRY.as_millis());
                 format!("{}; {asked}", self.silence(now))
             }
-            Phase::Booting(boot) => boot.explain(&self.plan),
-            Phase::Refused { why, retry } => {
+            PeerPhase::Booting(boot) => boot.explain(&self.plan),
+            PeerPhase::Refused { why, retry } => {
                 let again = retry.since(now).as_millis();
                 format!("not started: {why}; looked at again in {again} ms, and when it boots")
             }
-            Phase::Starting { .. } => "configured and ordered to start; waits for it to say that it has".to_owned(),
-            Phase::Operational if self.errors.stand() => {
+            PeerPhase::Starting { .. } => "configured and ordered to start; waits for it to say that it has".to_owned(),
+            PeerPhase::Operational if self.errors.stand() => {
                 format!("operational, but not trusted: {}", self.distrusted(now))
             }
-            Phase::Operational if self.process.fault(now).is_some() => self.distrusted(now),
-            Phase::Operational => match self.updated() {
+            PeerPhase::Operational if self.process.fault(now).is_some() => self.distrusted(now),
+            PeerPhase::Operational => match self.updated() {
                 Some(at) => {
                     let heard = now.since(at).as_millis();
                     let error = self.errors.explain(self.process.profile());
@@ -106,7 +106,7 @@ impl Peer {
                 }
                 None => format!("operational; its heartbeat came {silent} ms ago, its inputs have not come yet"),
             },
-            Phase::Stopped => {
+            PeerPhase::Stopped => {
                 format!("stopped by somebody else, and left so; its heartbeat came {silent} ms ago")
             }
         }
@@ -117,33 +117,37 @@ impl Peer {
         if self.trusted(now) {
             return None;
         }
-        if matches!(self.phase, Phase::Operational) || self.flood.is_on() {
+        if matches!(self.phase, PeerPhase::Operational) || self.flood.is_on() {
             return Some(self.distrusted(now));
         }
         let now_is = self.explain(now);
         Some(match self.why {
             None => now_is,
             // It says so itself, and what it waits for then is of no use to anybody.
-            Some(Why::Silent) => match &self.phase {
-                Phase::Refused { .. } => format!("{}; {now_is}", self.silence(now)),
+            Some(NotOperationalReason::Silent) => match &self.phase {
+                PeerPhase::Refused { .. } => format!("{}; {now_is}", self.silence(now)),
                 _ => self.silence(now),
             },
-            Some(Why::Left(NmtState::Stopped | NmtState::Unknown(_))) if matches!(self.phase, Phase::Stopped) => {
+            Some(NotOperationalReason::Left(NmtState::Stopped | NmtState::Unknown(_)))
+                if matches!(self.phase, PeerPhase::Stopped) =>
+            {
                 format!(
                     "stopped by somebody else (NMT), and left so until it is started; its heartbeat says {}",
                     self.said()
                 )
             }
-            Some(Why::NoSync) if matches!(self.phase, Phase::Refused { .. }) => now_is,
-            Some(Why::NoSync) => format!("it hears no SYNC (080h): TPDO1 has stopped; {now_is}"),
-            Some(Why::Babbled) => format!("it babbled; {now_is}"),
-            Some(Why::Contested) => format!("another manager was on the bus; {now_is}"),
-            Some(Why::BusOff) => format!("the bus was off; {now_is}"),
-            Some(Why::Booted) => format!("it has booted (boot-up, {}); {now_is}", self.beat_id()),
-            Some(Why::Left(state)) => {
+            Some(NotOperationalReason::NoSync) if matches!(self.phase, PeerPhase::Refused { .. }) => now_is,
+            Some(NotOperationalReason::NoSync) => format!("it hears no SYNC (080h): TPDO1 has stopped; {now_is}"),
+            Some(NotOperationalReason::Babbled) => format!("it babbled; {now_is}"),
+            Some(NotOperationalReason::Contested) => format!("another manager was on the bus; {now_is}"),
+            Some(NotOperationalReason::BusOff) => format!("the bus was off; {now_is}"),
+            Some(NotOperationalReason::Booted) => format!("it has booted (boot-up, {}); {now_is}", self.beat_id()),
+            Some(NotOperationalReason::Left(state)) => {
                 format!("it has left the operational state ({} says {:02X}h); {now_is}", self.beat_id(), state.code())
             }
-            Some(Why::Reported(emergency)) => format!("emergency {}; {now_is}", emergency.text(self.process.profile())),
+            Some(NotOperationalReason::Reported(emergency)) => {
+                format!("emergency {}; {now_is}", emergency.text(self.process.profile()))
+            }
         })
     }
 
@@ -192,7 +196,7 @@ impl Peer {
 
     fn said(&self) -> String {
         match self.why {
-            Some(Why::Left(state)) => format!("{:02X}h ({})", state.code(), self.beat_id()),
+            Some(NotOperationalReason::Left(state)) => format!("{:02X}h ({})", state.code(), self.beat_id()),
             _ => self.beat_id(),
         }
     }

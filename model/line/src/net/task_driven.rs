@@ -8,21 +8,21 @@
 //! 2. A station that is to go back ([`Var::Secure`]) takes back what is complete, operation by operation, by t4 and t12,
 //!    as far as everything is reversible. On a task's last operation it does not: that is a rest, and the task is done.
 //! 3. When the first operation of a task has been undone, the station is where the task began. The token goes on to the
-//!    place that stands for that rest ([`Kind::GiveUp`]), so that any task can begin there, and the net stays strongly
+//!    place that stands for that rest ([`TransitionKind::GiveUp`]), so that any task can begin there, and the net stays strongly
 //!    connected.
 //! 4. What a fault has stopped, t2, t5, t7, t10 and recovery paths are for, waits for a person, as everywhere.
 //!
 //! t12 is there between any two reversible operations of a task, and the panel's return leads over it: going back needs
 //! it, and in manual there is no reason to go back less far. In hand mode it is what the hand type says.
 
-use crate::net::condition::{ControlMode, Literal, Term, Var, off, on};
-use crate::net::connect::{Builder, Kind};
-use crate::net::module::{Place, is_reversible};
+use crate::net::condition::{Conjunction, ControlMode, Literal, Var, off, on};
+use crate::net::connect::{StationNetBuilder, TransitionKind};
+use crate::net::module::{StationPlace, is_reversible};
 use crate::{ButtonId, OpId, RestId};
 
-impl Builder<'_> {
+impl StationNetBuilder<'_> {
     /// t4 in auto: what the station takes back by itself when it is to go back.
-    pub(super) fn secured(&self, op: OpId) -> Option<Term> {
+    pub(super) fn secured(&self, op: OpId) -> Option<Conjunction> {
         let station = self.station;
         let within = station.works_on_order() && station.rest_after(op).is_none();
         within.then(|| vec![on(Var::Secure)])
@@ -30,7 +30,7 @@ impl Builder<'_> {
 
     /// t4 in hand mode where a task ends: by the operation's own button, unless one is pressed that leads on. Forward
     /// wins, as everywhere. None where no task ends; `Some(None)` where the hand type begins no reverse motion.
-    pub(super) fn reversed_at_rest(&self, op: OpId) -> Option<Option<Term>> {
+    pub(super) fn reversed_at_rest(&self, op: OpId) -> Option<Option<Conjunction>> {
         let rest = self.station.rest_after(op)?;
         let back = self.station.operations[op.index()].hand.reverses_from_its_end();
         Some(back.map(|back| {
@@ -67,10 +67,10 @@ impl Builder<'_> {
         }
     }
 
-    fn lead(&mut self, step: usize, to: usize, ordered: Literal, by_hand: Term, by_panel: bool) {
+    fn lead(&mut self, step: usize, to: usize, ordered: Literal, by_hand: Conjunction, by_panel: bool) {
         let [from, first] = [step, to].map(|step| self.station.steps[step][0]);
-        let places = (vec![Place::completed(from)], vec![Place::operating(first)]);
-        let t11 = self.add(Kind::Next { from: step, to }, places.0, places.1);
+        let places = (vec![StationPlace::completed(from)], vec![StationPlace::operating(first)]);
+        let t11 = self.add(TransitionKind::Next { from: step, to }, places.0, places.1);
         t11.when(ControlMode::Auto, [vec![ordered, on(Var::Causal(to))]]);
         t11.when(ControlMode::Hand, [by_hand]);
         t11.when(ControlMode::Manual, by_panel.then(|| vec![on(Var::AdvancePressed), on(Var::Causal(to))]));
@@ -84,8 +84,8 @@ impl Builder<'_> {
         let by_panel = vec![on(Var::RetractPressed), off(Var::OnAnyPath)];
         if let Some(rest) = station.rest_before(op) {
             let Some(arrival) = station.arrival_at(rest) else { return };
-            let places = (vec![Place::undone(op)], vec![Place::completed(arrival)]);
-            let give_up = self.add(Kind::GiveUp(task), places.0, places.1);
+            let places = (vec![StationPlace::undone(op)], vec![StationPlace::completed(arrival)]);
+            let give_up = self.add(TransitionKind::GiveUp(task), places.0, places.1);
             give_up.when(ControlMode::Auto, [vec![off(Var::OnAnyPath)]]);
             give_up.when(ControlMode::Manual, [by_panel]);
             return;
@@ -95,8 +95,8 @@ impl Builder<'_> {
             return;
         }
         let by_hand = station.operations[op.index()].hand.reverse_on();
-        let places = (vec![Place::undone(op)], vec![Place::undoing(previous)]);
-        let t12 = self.add(Kind::Back { from: step, to: step - 1 }, places.0, places.1);
+        let places = (vec![StationPlace::undone(op)], vec![StationPlace::undoing(previous)]);
+        let t12 = self.add(TransitionKind::Back { from: step, to: step - 1 }, places.0, places.1);
         t12.when(ControlMode::Auto, [vec![on(Var::Secure), off(Var::OnAnyPath)]]);
         t12.when(ControlMode::Hand, by_hand.map(|back| vec![on(Var::Held(back)), off(Var::OnAnyPath)]));
         t12.when(ControlMode::Manual, [by_panel]);

@@ -12,40 +12,40 @@ use linewright_msgs::{
     AnswerAlarm, AnswerAlarmResponse, ChangeOrder, ChangeOrderResponse, SetResource, SetResourceResponse, SubmitOrders,
     SubmitOrdersResponse,
 };
-use linewright_node_shell::Reply;
+use linewright_node_shell::ServiceReply;
 
 use super::why::refused;
 
 /// Who waits for the reply to a ticket.
-pub enum Customer {
-    Submit(Reply<SubmitOrders>),
-    Change(Reply<ChangeOrder>),
+pub enum Requester {
+    Submit(ServiceReply<SubmitOrders>),
+    Change(ServiceReply<ChangeOrder>),
 }
 
 /// Who waits to hear whether he is believed.
-pub enum Operator {
-    Answer(Reply<AnswerAlarm>),
-    Resource(Reply<SetResource>),
+pub enum AnsweringOperator {
+    Answer(ServiceReply<AnswerAlarm>),
+    Resource(ServiceReply<SetResource>),
 }
 
 /// Everybody who waits.
 #[derive(Default)]
-pub struct People {
+pub struct PendingReplies {
     tickets: RequestId,
-    customers: Vec<(RequestId, Customer)>,
-    operators: Vec<(ResourceRequest, Operator)>,
+    customers: Vec<(RequestId, Requester)>,
+    operators: Vec<(ResourceRequest, AnsweringOperator)>,
 }
 
-impl People {
+impl PendingReplies {
     /// A ticket for somebody who wants something made, or not to be made.
-    pub fn ticket(&mut self, customer: Customer) -> RequestId {
+    pub fn ticket(&mut self, customer: Requester) -> RequestId {
         self.tickets += 1;
         self.customers.push((self.tickets, customer));
         self.tickets
     }
 
     /// Somebody who says something in the next step.
-    pub fn expect(&mut self, asked: ResourceRequest, operator: Operator) {
+    pub fn expect(&mut self, asked: ResourceRequest, operator: AnsweringOperator) {
         self.operators.push((asked, operator));
     }
 
@@ -70,10 +70,10 @@ impl People {
     }
 }
 
-impl Customer {
+impl Requester {
     fn hear(self, reply: Result<Vec<ProductionId>, ProductionCommandError>) {
         match self {
-            Customer::Submit(to) => to.send(match reply {
+            Requester::Submit(to) => to.send(match reply {
                 Ok(ids) => SubmitOrdersResponse {
                     accepted: true,
                     ids: ids.into_iter().map(|id| id.0).collect(),
@@ -84,7 +84,7 @@ impl Customer {
                     ProductionCommandError::Order(_) | ProductionCommandError::Superseded => vec![denied.to_string()],
                 }),
             }),
-            Customer::Change(to) => to.send(match reply {
+            Requester::Change(to) => to.send(match reply {
                 Ok(_) => ChangeOrderResponse { done: true, reason: String::new() },
                 Err(denied) => ChangeOrderResponse { done: false, reason: denied.to_string() },
             }),
@@ -97,12 +97,12 @@ pub fn denied_all(problems: Vec<String>) -> SubmitOrdersResponse {
     SubmitOrdersResponse { accepted: false, ids: Vec::new(), problems }
 }
 
-impl Operator {
+impl AnsweringOperator {
     fn hear(self, objection: Option<String>) {
         let (accepted, reason) = (objection.is_none(), objection.unwrap_or_default());
         match self {
-            Operator::Answer(to) => to.send(AnswerAlarmResponse { accepted, reason }),
-            Operator::Resource(to) => to.send(SetResourceResponse { accepted, reason }),
+            AnsweringOperator::Answer(to) => to.send(AnswerAlarmResponse { accepted, reason }),
+            AnsweringOperator::Resource(to) => to.send(SetResourceResponse { accepted, reason }),
         }
     }
 }

@@ -9,10 +9,10 @@
 //! That holds in every state of the device. One that was refused is looked at again and started without a reset, and
 //! what the description does not set keeps what was written meanwhile: an output that goes on without a manager, say.
 
-use crate::sdo::{ObjectId, Setting};
+use crate::sdo::{ObjectId, SdoWrite};
 
 /// Why `object` is not written for others; `None` if it may be.
-pub(super) fn guarded(object: ObjectId, settings: &[Setting]) -> Option<&'static str> {
+pub(super) fn guarded(object: ObjectId, settings: &[SdoWrite]) -> Option<&'static str> {
     match object.index {
         _ if settings.iter().any(|setting| setting.object == object) => {
             Some("the manager has set it, by the line's description")
@@ -34,7 +34,7 @@ mod tests {
 
     #[test]
     fn what_the_process_rests_on_is_guarded_and_what_is_the_manufacturers_is_not() {
-        let set = [Setting::new(0x2001, 1, [7])];
+        let set = [SdoWrite::new(0x2001, 1, [7])];
         for guarded_one in [
             0x1005, 0x1014, 0x1016, 0x1017, 0x1029, 0x1200, 0x1400, 0x1600, 0x1800, 0x1A00, 0x1BFF, 0x1F51, 0x6000,
             0x6002, 0x6040, 0x607A, 0x6200, 0x6206, 0x6207, 0x60FF, 0x9FFF, 0xA000, 0xFFFF, 0x0001,

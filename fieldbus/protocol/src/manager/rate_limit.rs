@@ -9,9 +9,9 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use super::RETRY;
-use super::event::{Event, IgnoreReason, Outbox};
-use super::peer::{Outcome, Peer, Phase};
-use super::trouble::Why;
+use super::event::{BusEvent, BusOutbox, IgnoreReason};
+use super::not_operational::NotOperationalReason;
+use super::peer::{Peer, PeerChange, PeerPhase};
 
 /// A node may say this much of itself within one [`WINDOW`]: process data, heartbeats and emergencies together. A drive
 /// that moves sends some forty; two thousand a second is a third of what 500 kbit/s carry.
@@ -23,7 +23,7 @@ const CALM: Duration = Duration::from_secs(1);
 
 /// How much a node says.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Flood {
+pub(super) struct NodeRateLimits {
     begun: Tick,
     frames: u32,
     /// It counts as babbling until then.
@@ -32,7 +32,7 @@ pub(super) struct Flood {
 
 /// What one more frame is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(super) enum RateVerdict {
     /// To be looked at.
     Fine,
     /// The one with which the node begins to babble; not to be looked at.
@@ -41,18 +41,18 @@ pub(super) enum Verdict {
     TooMuch,
 }
 
-impl Flood {
+impl NodeRateLimits {
     /// Counts a frame.
-    pub fn hear(&mut self, now: Tick) -> Verdict {
+    pub fn hear(&mut self, now: Tick) -> RateVerdict {
         if self.begun + WINDOW <= now {
             (self.begun, self.frames) = (now, 0);
         }
         self.frames = self.frames.saturating_add(1);
         if self.frames <= FRAMES_MAX {
-            return if self.is_on() { Verdict::TooMuch } else { Verdict::Fine };
+            return if self.is_on() { RateVerdict::TooMuch } else { RateVerdict::Fine };
         }
         let before = self.until.replace(now + CALM);
-        if before.is_none() { Verdict::Begins } else { Verdict::TooMuch }
+        if before.is_none() { RateVerdict::Begins } else { RateVerdict::TooMuch }
     }
 
     /// Whether it babbles.
@@ -76,22 +76,22 @@ impl Peer {
     pub(super) fn unless_babbling(
         &mut self,
         now: Tick,
-        out: &mut Outbox,
-        act: impl FnOnce(&mut Peer, &mut Outbox) -> Outcome,
-    ) -> Outcome {
+        out: &mut BusOutbox,
+        act: impl FnOnce(&mut Peer, &mut BusOutbox) -> PeerChange,
+    ) -> PeerChange {
         match self.flood.hear(now) {
-            Verdict::Fine => act(self, out),
-            Verdict::Begins => {
-                out.events.push(Event::Babbles { node: self.node });
+            RateVerdict::Fine => act(self, out),
+            RateVerdict::Begins => {
+                out.events.push(BusEvent::Babbles { node: self.node });
                 self.send_rest(out);
-                self.leave(now, Phase::Absent { probe: now + RETRY }, Why::Babbled)
+                self.leave(now, PeerPhase::Absent { probe: now + RETRY }, NotOperationalReason::Babbled)
             }
-            Verdict::TooMuch => Outcome::Ignored(IgnoreReason::Babbling),
+            RateVerdict::TooMuch => PeerChange::Ignored(IgnoreReason::Babbling),
         }
     }
 
     /// Reports something, unless there was too much of it.
-    pub(super) fn tell(&mut self, now: Tick, event: Event, out: &mut Outbox) {
+    pub(super) fn tell(&mut self, now: Tick, event: BusEvent, out: &mut BusOutbox) {
         if self.told.take(now) {
             out.events.push(event);
         }

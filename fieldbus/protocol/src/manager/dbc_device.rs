@@ -16,11 +16,13 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::time::Duration;
 
-use linewright_line::{Device, FrameBinding, FrameId, HeardFrame, Owner, Tick, ToldFrame, Unsound};
+use linewright_line::{
+    Device, FrameBinding, FrameId, Owner, ReceivedFrameBinding, SentFrameBinding, SignalError, Tick,
+};
 
-use super::channels::Channels;
-use super::event::{Event, IgnoreReason, Outbox};
-use super::peer::{Outcome, Peer};
+use super::channels::AnalogueChannels;
+use super::event::{BusEvent, BusOutbox, IgnoreReason};
+use super::peer::{Peer, PeerChange};
 use super::{Manager, ManagerError};
 use crate::frame::Frame;
 
@@ -36,7 +38,7 @@ pub enum FrameFault {
     /// Its counter stands still.
     Counter,
     /// A signal that an input follows has no value.
-    Value(Unsound),
+    Value(SignalError),
     /// Nothing is wrong with it, but one of its multiplexed parts has not come.
     Page,
 }
@@ -56,7 +58,7 @@ impl fmt::Display for FrameFault {
 
 /// A device that speaks no CANopen, as its manager knows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PlainStatus<'a> {
+pub struct DbcDeviceState<'a> {
     /// Name of the device.
     pub name: &'a str,
     /// Whose image it carries.
@@ -71,8 +73,8 @@ pub struct PlainStatus<'a> {
     pub is: String,
 }
 
-struct Heard {
-    frame: HeardFrame,
+struct ReceivedMessage {
+    frame: ReceivedFrameBinding,
     counter: Option<u64>,
     /// For each page, when it last came, and which of its inputs are on.
     pages: Vec<(Option<Tick>, Vec<bool>)>,
@@ -80,19 +82,19 @@ struct Heard {
     last: Option<(Tick, FrameFault)>,
 }
 
-struct Told {
-    frame: ToldFrame,
+struct PublishedMessage {
+    frame: SentFrameBinding,
     due: Tick,
     /// What was last sent, without the counter.
     sent: Option<[u8; 8]>,
 }
 
 /// Such a device.
-pub(super) struct Plain {
+pub(super) struct DbcDevice {
     pub name: String,
     pub owner: Owner,
-    heard: Vec<Heard>,
-    told: Vec<Told>,
+    heard: Vec<ReceivedMessage>,
+    told: Vec<PublishedMessage>,
     /// How often each message has been sent: in several forms it is one to the device.
     counts: BTreeMap<FrameId, u64>,
     live: bool,
@@ -101,16 +103,16 @@ pub(super) struct Plain {
     updated: Option<Tick>,
 }
 
-impl Plain {
+impl DbcDevice {
     pub fn new(device: &Device, binding: &FrameBinding) -> Self {
-        let heard = |frame: &HeardFrame| Heard {
+        let heard = |frame: &ReceivedFrameBinding| ReceivedMessage {
             frame: frame.clone(),
             counter: None,
             pages: frame.pages.iter().map(|page| (None, vec![false; page.inputs.len()])).collect(),
             last: None,
         };
-        let told = |frame: &ToldFrame| Told { frame: frame.clone(), due: Tick::ZERO, sent: None };
-        Plain {
+        let told = |frame: &SentFrameBinding| PublishedMessage { frame: frame.clone(), due: Tick::ZERO, sent: None };
+        DbcDevice {
             name: device.name.clone(),
             owner: device.owner,
             heard: binding.heard.iter().map(heard).collect(),
@@ -145,7 +147,7 @@ impl Plain {
     }
 
     /// A message that has not come in time, how long it has not, and why.
-    fn late(&self, now: Tick) -> Option<(&Heard, Option<Duration>, FrameFault)> {
+    fn late(&self, now: Tick) -> Option<(&ReceivedMessage, Option<Duration>, FrameFault)> {
         self.heard.iter().find_map(|heard| {
             let timeout = heard.frame.timeout;
             let stale = |at: &Option<Tick>| at.is_none_or(|at| at + timeout <= now);
@@ -159,38 +161,38 @@ impl Plain {
     }
 
     /// Takes a frame, if it is one of this device's.
-    fn hear(&mut self, now: Tick, id: FrameId, frame: &Frame, out: &mut Outbox) -> Option<Outcome> {
+    fn hear(&mut self, now: Tick, id: FrameId, frame: &Frame, out: &mut BusOutbox) -> Option<PeerChange> {
         let heard = self.heard.iter_mut().find(|heard| heard.frame.id == id)?;
         if let Err(fault) = heard.take(now, frame) {
             heard.last = Some((now, fault));
             return Some(if fault == FrameFault::Short {
-                Outcome::Ignored(IgnoreReason::ShortPdo)
+                PeerChange::Ignored(IgnoreReason::ShortPdo)
             } else {
-                Outcome::Unchanged
+                PeerChange::Unchanged
             });
         }
         heard.last = Some((now, FrameFault::Page));
         self.updated = Some(now);
         if self.live || self.late(now).is_some() {
-            return Some(Outcome::Inputs);
+            return Some(PeerChange::Inputs);
         }
         self.live = true;
-        out.events.push(Event::FramesUp { id });
-        Some(Outcome::Up)
+        out.events.push(BusEvent::FramesUp { id });
+        Some(PeerChange::Up)
     }
 
     /// Does what is due: noticing silence, sending again.
-    fn poll(&mut self, now: Tick, out: &mut Outbox) -> Outcome {
-        let mut outcome = Outcome::Unchanged;
+    fn poll(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
+        let mut outcome = PeerChange::Unchanged;
         if self.live
             && let Some((heard, silent_for, why)) = self.late(now)
         {
             let (id, silent_for) = (heard.frame.id, silent_for.unwrap_or_default());
-            out.events.push(Event::FramesLost { id, silent_for, why });
+            out.events.push(BusEvent::FramesLost { id, silent_for, why });
             self.live = false;
             self.losses += 1;
             self.image = 0;
-            outcome = Outcome::Lost;
+            outcome = PeerChange::Lost;
         }
         let image = self.vouched();
         for told in &mut self.told {
@@ -210,20 +212,20 @@ impl Plain {
     }
 
     /// Takes the image its owner has set, and sends what that changes.
-    pub fn set_image(&mut self, now: Tick, image: u128, out: &mut Outbox) {
+    pub fn set_image(&mut self, now: Tick, image: u128, out: &mut BusOutbox) {
         self.image = image;
         self.send_changes(now, out);
     }
 
     /// Sends every message with everything off, whatever it was sent before.
-    pub fn release(&mut self, now: Tick, out: &mut Outbox) {
+    pub fn release(&mut self, now: Tick, out: &mut BusOutbox) {
         self.image = 0;
         for told in &mut self.told {
             told.send(now, 0, &mut self.counts, out);
         }
     }
 
-    /// What [`Plain::release`] would send now.
+    /// What [`DbcDevice::release`] would send now.
     fn release_frames(&self, frames: &mut Vec<Frame>) {
         for (nth, told) in self.told.iter().enumerate() {
             // Forms of one message that come before it in the same go are counted as well.
@@ -233,7 +235,7 @@ impl Plain {
         }
     }
 
-    fn send_changes(&mut self, now: Tick, out: &mut Outbox) {
+    fn send_changes(&mut self, now: Tick, out: &mut BusOutbox) {
         let image = self.vouched();
         for told in &mut self.told {
             if told.sent.is_some_and(|sent| sent != told.frame.bytes(image, 0)) {
@@ -263,7 +265,7 @@ impl Plain {
     }
 }
 
-impl Heard {
+impl ReceivedMessage {
     fn take(&mut self, now: Tick, frame: &Frame) -> Result<(), FrameFault> {
         let (bytes, definition) = (frame.data(), &self.frame);
         if bytes.len() < usize::from(definition.len) {
@@ -301,8 +303,8 @@ impl Heard {
     }
 }
 
-impl Told {
-    fn send(&mut self, now: Tick, image: u128, counts: &mut BTreeMap<FrameId, u64>, out: &mut Outbox) {
+impl PublishedMessage {
+    fn send(&mut self, now: Tick, image: u128, counts: &mut BTreeMap<FrameId, u64>, out: &mut BusOutbox) {
         let count = counts.entry(self.frame.id).or_default();
         let frame = self.frame_of(image, *count);
         out.frames.extend(frame);
@@ -329,7 +331,7 @@ impl Manager {
 
     /// Adds a device that speaks no CANopen.
     pub(super) fn add_plain(&mut self, device: &Device, binding: &FrameBinding) {
-        let plain = Plain::new(device, binding);
+        let plain = DbcDevice::new(device, binding);
         for told in &plain.told {
             self.pace.treat_as_process_data(Frame::of_id(told.frame.id, &[]).map_or(0, |frame| frame.id_word()));
         }
@@ -358,8 +360,9 @@ impl Manager {
                 if id.id == 0 || id.id == 0x080 || id.id == 0x77F {
                     return refuse("the manager".to_owned());
                 }
-                let uses =
-                    |peer: &&Peer| of_node || of_channels && peer.process.channels().is_some_and(Channels::is_any);
+                let uses = |peer: &&Peer| {
+                    of_node || of_channels && peer.process.channels().is_some_and(AnalogueChannels::is_any)
+                };
                 if let Some(peer) = self.peers.iter().filter(uses).find(|peer| u32::from(peer.node.get()) == node) {
                     return refuse(format!("device `{}`", peer.name));
                 }
@@ -369,7 +372,7 @@ impl Manager {
     }
 
     /// Takes a frame of a device that speaks no CANopen; false if it is none.
-    pub(super) fn take_plain(&mut self, now: Tick, frame: &Frame, out: &mut Outbox) -> bool {
+    pub(super) fn take_plain(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) -> bool {
         let Some(id) = frame.frame_id().filter(|_| !self.plains.is_empty()) else { return false };
         let Some((at, outcome)) =
             self.plains.iter_mut().enumerate().find_map(|(at, plain)| Some((at, plain.hear(now, id, frame, out)?)))
@@ -377,14 +380,14 @@ impl Manager {
             return false;
         };
         match outcome {
-            Outcome::Ignored(reason) => self.ignore(now, reason, *frame, out),
+            PeerChange::Ignored(reason) => self.ignore(now, reason, *frame, out),
             outcome => self.settle_plain(now, at, outcome, out),
         }
         true
     }
 
     /// Does what is due for them.
-    pub(super) fn poll_plain(&mut self, now: Tick, out: &mut Outbox) {
+    pub(super) fn poll_plain(&mut self, now: Tick, out: &mut BusOutbox) {
         for at in 0..self.plains.len() {
             let outcome = self.plains[at].poll(now, out);
             self.settle_plain(now, at, outcome, out);
@@ -393,12 +396,12 @@ impl Manager {
 
     /// When that is.
     pub(super) fn plain_deadline(&self) -> Tick {
-        self.plains.iter().map(Plain::deadline).fold(Tick::NEVER, Tick::min)
+        self.plains.iter().map(DbcDevice::deadline).fold(Tick::NEVER, Tick::min)
     }
 
     /// Every device that speaks no CANopen as it is at `now`, in the order of the description.
-    pub fn plain_statuses(&self, now: Tick) -> impl Iterator<Item = PlainStatus<'_>> {
-        self.plains.iter().map(move |plain| PlainStatus {
+    pub fn plain_statuses(&self, now: Tick) -> impl Iterator<Item = DbcDeviceState<'_>> {
+        self.plains.iter().map(move |plain| DbcDeviceState {
             name: &plain.name,
             owner: plain.owner,
             live: plain.trusted(now),
@@ -409,14 +412,14 @@ impl Manager {
     }
 
     /// What a change of one of them means for its owner's images.
-    fn settle_plain(&mut self, now: Tick, at: usize, outcome: Outcome, out: &mut Outbox) {
+    fn settle_plain(&mut self, now: Tick, at: usize, outcome: PeerChange, out: &mut BusOutbox) {
         let owner = self.plains[at].owner;
         match outcome {
-            Outcome::Unchanged | Outcome::Ignored(_) => return,
-            Outcome::Inputs => {}
-            Outcome::Up => self.plains[at].send_changes(now, out),
+            PeerChange::Unchanged | PeerChange::Ignored(_) => return,
+            PeerChange::Inputs => {}
+            PeerChange::Up => self.plains[at].send_changes(now, out),
             // It is told to let go as well: it may hear what it cannot answer.
-            Outcome::Lost => self.let_go(now, owner, out),
+            PeerChange::Lost => self.let_go(now, owner, out),
         }
         self.gather(now, owner, out);
     }

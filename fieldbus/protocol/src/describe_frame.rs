@@ -6,23 +6,23 @@ use std::collections::BTreeMap;
 
 use linewright_line::Line;
 
-use crate::codec::{Message, NmtCommand, NodeId, Payload};
+use crate::bus_scan::state_name;
+use crate::codec::{CanopenMessage, NmtCommand, NodeId, Payload};
 use crate::frame::Frame;
-use crate::sdo::wire::{Content, Raw, Request, Response};
-use crate::survey::state_name;
+use crate::sdo::wire::{ClientFrame, InitiateContent, SdoBytes, ServerFrame};
 
 /// What the nodes of one bus are called.
 #[derive(Clone, Debug, Default)]
-pub struct Names(BTreeMap<u8, String>);
+pub struct NodeNames(BTreeMap<u8, String>);
 
-impl Names {
+impl NodeNames {
     /// The names in a description, on the bus that is reached over this interface.
     pub fn of(line: Option<&Line>, interface: &str) -> Self {
         let devices = line.into_iter().flat_map(|line| line.devices_on(interface));
         let names = devices.filter_map(|device| Some((device.node_id()?, device.name.clone())));
         let mut names: BTreeMap<u8, String> = names.collect();
         names.entry(crate::MANAGER_NODE.get()).or_insert_with(|| "manager".to_owned());
-        Names(names)
+        NodeNames(names)
     }
 
     fn name(&self, node: NodeId) -> String {
@@ -31,30 +31,30 @@ impl Names {
 }
 
 /// What a frame means.
-pub fn tell(frame: &Frame, names: &Names) -> String {
-    let message = match Message::decode(frame) {
+pub fn describe_frame(frame: &Frame, names: &NodeNames) -> String {
+    let message = match CanopenMessage::decode(frame) {
         Ok(message) => message,
         Err(error) => return error.to_string(),
     };
     match message {
-        Message::Nmt { command, node } => {
+        CanopenMessage::Nmt { command, node } => {
             let whom = node.map_or("all nodes".to_owned(), |node| names.name(node));
             format!("order to {whom}: {}", order(command))
         }
-        Message::Sync { counter: None } => "SYNC".to_owned(),
-        Message::Sync { counter: Some(counter) } => format!("SYNC {counter}"),
-        Message::Emergency { node, emergency } => format!("{}: emergency {emergency}", names.name(node)),
-        Message::Tpdo1 { node, payload } => format!("{}: inputs {}", names.name(node), bits(payload)),
-        Message::Rpdo1 { node, payload } => format!("to {}: outputs {}", names.name(node), bits(payload)),
-        Message::Tpdo { node, number, payload } => {
+        CanopenMessage::Sync { counter: None } => "SYNC".to_owned(),
+        CanopenMessage::Sync { counter: Some(counter) } => format!("SYNC {counter}"),
+        CanopenMessage::Emergency { node, emergency } => format!("{}: emergency {emergency}", names.name(node)),
+        CanopenMessage::Tpdo1 { node, payload } => format!("{}: inputs {}", names.name(node), bits(payload)),
+        CanopenMessage::Rpdo1 { node, payload } => format!("to {}: outputs {}", names.name(node), bits(payload)),
+        CanopenMessage::Tpdo { node, number, payload } => {
             format!("{}: analogue inputs {}", names.name(node), channels(number, payload))
         }
-        Message::Rpdo { node, number, payload } => {
+        CanopenMessage::Rpdo { node, number, payload } => {
             format!("to {}: analogue outputs {}", names.name(node), channels(number, payload))
         }
-        Message::SdoRequest { node, raw } => format!("to {}: {}", names.name(node), asked(&raw)),
-        Message::SdoResponse { node, raw } => format!("{}: {}", names.name(node), answered(&raw)),
-        Message::Heartbeat { node, state } => format!("{}: {}", names.name(node), state_name(state)),
+        CanopenMessage::SdoRequest { node, raw } => format!("to {}: {}", names.name(node), asked(&raw)),
+        CanopenMessage::SdoResponse { node, raw } => format!("{}: {}", names.name(node), answered(&raw)),
+        CanopenMessage::Heartbeat { node, state } => format!("{}: {}", names.name(node), state_name(state)),
     }
 }
 
@@ -70,35 +70,35 @@ fn order(command: NmtCommand) -> String {
 }
 
 /// What is asked of an SDO server. A segment of a block looks like anything, so only what stands by itself is told.
-fn asked(raw: &Raw) -> String {
-    match Request::decode(raw) {
-        Some(Request::Upload { object } | Request::BlockUpload { object, .. }) => format!("read {object}"),
-        Some(Request::Download { object, content }) => format!("write {object}: {}", carried(&content)),
-        Some(Request::BlockDownload { object, size, .. }) => format!("write {object} in blocks{}", of_size(size)),
-        Some(Request::Abort { object, code }) => format!("{object} given up: {code}"),
+fn asked(raw: &SdoBytes) -> String {
+    match ClientFrame::decode(raw) {
+        Some(ClientFrame::Upload { object } | ClientFrame::BlockUpload { object, .. }) => format!("read {object}"),
+        Some(ClientFrame::Download { object, content }) => format!("write {object}: {}", carried(&content)),
+        Some(ClientFrame::BlockDownload { object, size, .. }) => format!("write {object} in blocks{}", of_size(size)),
+        Some(ClientFrame::Abort { object, code }) => format!("{object} given up: {code}"),
         _ => "SDO, more of a transfer".to_owned(),
     }
 }
 
 /// What an SDO server answers.
-fn answered(raw: &Raw) -> String {
-    match Response::decode(raw) {
-        Some(Response::Upload { object, content }) => format!("{object} is {}", carried(&content)),
-        Some(Response::Download { object }) => format!("{object} written"),
-        Some(Response::Abort { object, code }) => format!("{object} refused: {code}"),
-        Some(Response::BlockUpload { object, size, .. }) => format!("{object} comes in blocks{}", of_size(size)),
-        Some(Response::BlockDownload { object, .. }) => format!("{object} may come in blocks"),
+fn answered(raw: &SdoBytes) -> String {
+    match ServerFrame::decode(raw) {
+        Some(ServerFrame::Upload { object, content }) => format!("{object} is {}", carried(&content)),
+        Some(ServerFrame::Download { object }) => format!("{object} written"),
+        Some(ServerFrame::Abort { object, code }) => format!("{object} refused: {code}"),
+        Some(ServerFrame::BlockUpload { object, size, .. }) => format!("{object} comes in blocks{}", of_size(size)),
+        Some(ServerFrame::BlockDownload { object, .. }) => format!("{object} may come in blocks"),
         _ => "SDO, more of a transfer".to_owned(),
     }
 }
 
-fn carried(content: &Content) -> String {
+fn carried(content: &InitiateContent) -> String {
     match content {
-        Content::Expedited { bytes, len, .. } => {
+        InitiateContent::Expedited { bytes, len, .. } => {
             let digits = bytes[..usize::from(*len)].iter().rev().map(|byte| format!("{byte:02X}"));
             format!("{}h", digits.collect::<String>())
         }
-        Content::Segmented { size } => format!("to come in segments{}", of_size(*size)),
+        InitiateContent::Segmented { size } => format!("to come in segments{}", of_size(*size)),
     }
 }
 
@@ -123,23 +123,23 @@ fn channels(object: u8, payload: Payload) -> String {
 
 /// Tells frames that say what their sender said before from those that say something new.
 #[derive(Clone, Debug, Default)]
-pub struct News {
+pub struct ChangeFilter {
     /// The last data of each identifier that is sent again and again: at most one for each of the 11-bit ones.
     last: BTreeMap<u16, Vec<u8>>,
 }
 
-impl News {
+impl ChangeFilter {
     /// Whether a frame says something new: heartbeats that change nothing and repeated process data do not.
     pub fn is_news(&mut self, frame: &Frame) -> bool {
-        match Message::decode(frame) {
+        match CanopenMessage::decode(frame) {
             Ok(
-                Message::Heartbeat { .. }
-                | Message::Tpdo1 { .. }
-                | Message::Tpdo { .. }
-                | Message::Rpdo1 { .. }
-                | Message::Rpdo { .. },
+                CanopenMessage::Heartbeat { .. }
+                | CanopenMessage::Tpdo1 { .. }
+                | CanopenMessage::Tpdo { .. }
+                | CanopenMessage::Rpdo1 { .. }
+                | CanopenMessage::Rpdo { .. },
             ) => {}
-            Ok(Message::Sync { .. }) => return false,
+            Ok(CanopenMessage::Sync { .. }) => return false,
             _ => return true,
         }
         let Some(cob_id) = frame.cob_id() else { return true };
@@ -153,9 +153,9 @@ mod tests {
     use super::*;
 
     fn said(frame: &str) -> String {
-        let mut names = Names::of(None, "vcan0");
+        let mut names = NodeNames::of(None, "vcan0");
         names.0.insert(4, "clamp_1_io".to_owned());
-        tell(&frame.parse().expect("a frame"), &names)
+        describe_frame(&frame.parse().expect("a frame"), &names)
     }
 
     #[test]
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn only_what_changes_is_news() {
-        let mut news = News::default();
+        let mut news = ChangeFilter::default();
         let mut is_news = |text: &str| news.is_news(&text.parse().expect("a frame"));
         let heard = ["704#05", "704#05", "184#01", "184#01", "184#00", "704#7F", "000#0104", "000#0104", "080#"];
         let new = heard.map(&mut is_news);

@@ -3,7 +3,7 @@
 use linewright_coordinator_shell::InputsImage;
 use linewright_line::{Line, Owner, StationId};
 use linewright_msgs::ProcessImage;
-use linewright_node_line::devices::Trouble;
+use linewright_node_line::devices::DeviceDiagnosticsTopic;
 use linewright_node_shell::{RosNode, TopicError, stamp};
 
 /// The message that carries a station's inputs.
@@ -18,16 +18,16 @@ pub fn inputs_message(image: InputsImage, boot_id: u64, sequence: u64) -> Proces
 }
 
 /// A station behind the gateway.
-pub struct Behind {
+pub struct GatewayTopics {
     pub station: StationId,
     /// What it is told of its devices.
-    pub trouble: Trouble,
+    pub trouble: DeviceDiagnosticsTopic,
 }
 
-impl Behind {
+impl GatewayTopics {
     pub fn open(node: &mut RosNode, line: &Line, station: StationId) -> Result<Self, TopicError> {
         let topic = format!("{}/trouble", line.station(station).name);
-        let trouble = Trouble::open(node, &topic, Owner::Station(station))?;
-        Ok(Behind { station, trouble })
+        let trouble = DeviceDiagnosticsTopic::open(node, &topic, Owner::Station(station))?;
+        Ok(GatewayTopics { station, trouble })
     }
 }

@@ -8,14 +8,14 @@ use linewright_station_logic::{DEVICES_INVALID, HappeningKind, StationHappening,
 
 /// What is known of the devices' trouble.
 #[derive(Debug, Default)]
-pub struct Words {
+pub struct DeviceTexts {
     /// What is wrong now; empty if nothing is known to be.
     now: String,
     /// What was wrong first when they were last lost: the cause, before what came of it.
     first: String,
 }
 
-impl Words {
+impl DeviceTexts {
     /// Takes what the devices' manager says, or anybody on its topic: no more of it than there is room for.
     pub fn trouble(&mut self, text: &str) {
         self.now = cut(text.to_owned(), TROUBLE_BYTES_MAX);
@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn a_state_with_a_fault_fits_a_message_whatever_is_said_of_the_devices() {
-        let mut words = Words::default();
+        let mut words = DeviceTexts::default();
         words.trouble(&"x".repeat(4096));
         let mut state = StationState { station: "press".to_owned(), boot_id: 1, ..StationState::default() };
         state.fault = vec!["close: devices lost"; 40].join("; ");
@@ -79,8 +79,8 @@ mod tests {
 
     #[test]
     fn the_first_cause_stays_with_the_fault_and_the_present_one_is_what_is_waited_for() {
-        let mut words = Words::default();
-        let state = |words: &mut Words, valid, fault: &str| {
+        let mut words = DeviceTexts::default();
+        let state = |words: &mut DeviceTexts, valid, fault: &str| {
             let mut fault = fault.to_owned();
             let mut reasons = [DEVICES_INVALID.to_owned(), "a mode".to_owned()];
             words.complete(valid, &mut fault, &mut reasons);

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use crate::codec::{Emergency, Message, NmtState, NodeId};
+use crate::codec::{CanopenMessage, Emergency, NmtState, NodeId};
 use crate::frame::Frame;
 
 /// Heartbeats that stay away for so many of their own periods are missed.
@@ -17,7 +17,7 @@ const PERIODS_MISSED: u32 = 3;
 
 /// What is known of one node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Heard {
+pub struct ScannedState {
     /// Its state by its last heartbeat or boot-up message; `None` if it has sent none.
     pub state: Option<NmtState>,
     /// When it sent that.
@@ -36,26 +36,26 @@ pub struct Heard {
 
 /// Everything heard on a bus, by node.
 #[derive(Clone, Debug)]
-pub struct Survey {
-    nodes: [Option<Heard>; 128],
+pub struct BusScan {
+    nodes: [Option<ScannedState>; 128],
     /// Frames that belong to no node: NMT orders, SYNC, foreign identifiers.
     pub other: u64,
     /// Error frames of the kernel.
     pub bus_errors: u64,
 }
 
-impl Default for Survey {
+impl Default for BusScan {
     fn default() -> Self {
-        Survey { nodes: [None; 128], other: 0, bus_errors: 0 }
+        BusScan { nodes: [None; 128], other: 0, bus_errors: 0 }
     }
 }
 
-impl Survey {
+impl BusScan {
     /// Takes a frame heard at `now`.
     pub fn hear(&mut self, now: Tick, frame: &Frame) {
-        let message = match Message::decode(frame) {
+        let message = match CanopenMessage::decode(frame) {
             Ok(message) => message,
-            Err(crate::DecodeError::ErrorFrame { .. }) => {
+            Err(crate::FrameDecodeError::ErrorFrame { .. }) => {
                 self.bus_errors += 1;
                 return;
             }
@@ -65,42 +65,49 @@ impl Survey {
             }
         };
         match message {
-            Message::Heartbeat { node, state } => self.of(now, node).heartbeat(now, state),
-            Message::Emergency { node, emergency } => self.of(now, node).emergency = Some((now, emergency)),
-            Message::Tpdo1 { node, .. } | Message::Tpdo { node, .. } => self.of(now, node).inputs += 1,
-            Message::SdoResponse { node, .. } => _ = self.of(now, node),
+            CanopenMessage::Heartbeat { node, state } => self.of(now, node).heartbeat(now, state),
+            CanopenMessage::Emergency { node, emergency } => self.of(now, node).emergency = Some((now, emergency)),
+            CanopenMessage::Tpdo1 { node, .. } | CanopenMessage::Tpdo { node, .. } => self.of(now, node).inputs += 1,
+            CanopenMessage::SdoResponse { node, .. } => _ = self.of(now, node),
             // Sent to a node, not by it.
-            Message::Nmt { .. }
-            | Message::Sync { .. }
-            | Message::Rpdo1 { .. }
-            | Message::Rpdo { .. }
-            | Message::SdoRequest { .. } => {
+            CanopenMessage::Nmt { .. }
+            | CanopenMessage::Sync { .. }
+            | CanopenMessage::Rpdo1 { .. }
+            | CanopenMessage::Rpdo { .. }
+            | CanopenMessage::SdoRequest { .. } => {
                 self.other += 1;
             }
         }
     }
 
     /// What is known of a node; `None` if it was never heard.
-    pub fn node(&self, node: NodeId) -> Option<&Heard> {
+    pub fn node(&self, node: NodeId) -> Option<&ScannedState> {
         self.nodes[usize::from(node.get())].as_ref()
     }
 
     /// Every node that was heard, by id.
-    pub fn heard(&self) -> impl Iterator<Item = (NodeId, &Heard)> {
+    pub fn heard(&self) -> impl Iterator<Item = (NodeId, &ScannedState)> {
         let numbered = (0u8..).zip(&self.nodes);
         numbered.filter_map(|(id, heard)| Some((NodeId::new(id)?, heard.as_ref()?)))
     }
 
-    fn of(&mut self, now: Tick, node: NodeId) -> &mut Heard {
-        let blank =
-            Heard { state: None, heartbeat: None, period: None, last: now, boots: 0, emergency: None, inputs: 0 };
+    fn of(&mut self, now: Tick, node: NodeId) -> &mut ScannedState {
+        let blank = ScannedState {
+            state: None,
+            heartbeat: None,
+            period: None,
+            last: now,
+            boots: 0,
+            emergency: None,
+            inputs: 0,
+        };
         let heard = self.nodes[usize::from(node.get())].get_or_insert(blank);
         heard.last = now;
         heard
     }
 }
 
-impl Heard {
+impl ScannedState {
     fn heartbeat(&mut self, now: Tick, state: NmtState) {
         if state == NmtState::BootUp {
             self.boots = self.boots.saturating_add(1);
@@ -174,8 +181,8 @@ mod tests {
         Tick::from_millis(ms)
     }
 
-    fn survey(frames: &[(u64, &str)]) -> Survey {
-        let mut survey = Survey::default();
+    fn survey(frames: &[(u64, &str)]) -> BusScan {
+        let mut survey = BusScan::default();
         for (ms, frame) in frames {
             survey.hear(at(*ms), &frame.parse().expect("a frame"));
         }
@@ -214,7 +221,7 @@ mod tests {
         fn any_frames_at_any_time_have_a_sentence(
             frames in proptest::collection::vec((proptest::prelude::any::<[u8; 16]>(), 0u64..100_000), 0..40),
         ) {
-            let mut survey = Survey::default();
+            let mut survey = BusScan::default();
             for (bytes, ms) in &frames {
                 if let Ok(frame) = Frame::from_bytes(bytes) {
                     survey.hear(at(*ms), &frame);
