@@ -53,7 +53,7 @@ fn the_shipped_scenario_goes_as_it_expects_and_leaves_its_trace_and_chart() {
     let output = simulate(&["--scenario", scenario.to_str().unwrap(), "--trace", &trace, "--svg", &chart]);
     assert!(output.status.success(), "{output:?}");
     let trace = scratch.read("trace.txt");
-    assert!(trace.contains("clamp_1 (cycle 2) stops advance clamp: took too long"), "{trace}");
+    assert!(trace.contains("clamp_1 (cycle 2) stopped advance clamp: watchdog"), "{trace}");
     let chart = scratch.read("chart.svg");
     assert!(chart.starts_with("<svg") && chart.ends_with("</svg>\n"));
     // Of 17 operations two bars each, and the three of the legend, and the ground.
@@ -82,7 +82,12 @@ fn a_line_that_cannot_go_on_is_a_failure_with_its_reasons() {
     assert_eq!(output.status.code(), Some(1));
     let said = text(&output.stderr);
     assert!(said.contains("nothing happens any more"), "{said}");
-    assert!(said.contains("transfer waits for recovery of advance transfer in manual (took too long)"), "{said}");
+    assert!(
+        said.contains(
+            "transfer waits for recovery of advance transfer in manual (watchdog: motion not complete in time)"
+        ),
+        "{said}"
+    );
 }
 
 #[test]

@@ -175,7 +175,7 @@ fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
         sim.run_for(Duration::from_secs(5));
         assert_eq!(sim.mode(), Some(ControlMode::Auto), "nothing is wrong with any of them");
         assert!(!sim.anything_energised(), "but none goes on");
-        let heard = sim.blocked_by(clamp).iter().chain(&sim.blocked_by(transfer)).any(|r| r.contains("to be heard"));
+        let heard = sim.blocked_by(clamp).iter().chain(&sim.blocked_by(transfer)).any(|r| r.contains("the state of "));
         assert!(heard, "and each says why");
         sim.heal();
         two_more_cycles(&mut sim);

@@ -127,7 +127,7 @@ fn both_stop_by_the_followed(operator: &Operator, _: &Other) {
 }
 
 fn is_named(reason: &str) -> bool {
-    reason.contains("two coordinators give orders") && reason.contains(&OTHER.to_string())
+    reason.contains("one coordinator: two are active") && reason.contains(&OTHER.to_string())
 }
 
 fn nothing_moves(rig: &Rig, operator: &Operator) {

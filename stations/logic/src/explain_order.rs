@@ -1,0 +1,59 @@
+//! What a task-driven station waits for between two motions.
+
+use linewright_line::net::{Block, ControlMode, Place};
+use linewright_line::{InputId, Line, Owner};
+
+use crate::controller::Controller;
+use crate::texts::StationWait;
+
+impl Controller {
+    /// Where a station on order stands between two motions: what it waits for. Gives false where it waits for what every
+    /// station waits for.
+    pub(crate) fn explain_order(&self, line: &Line, place: Place, reasons: &mut Vec<String>) -> bool {
+        let Some(tasks) = &self.program.on_order else { return false };
+        let station = line.station(self.program.station);
+        match self.mode() {
+            ControlMode::Auto => {
+                if self.master_stop_is_given() {
+                    reasons.push(StationWait::MasterStopOfOrders.text());
+                }
+                match self.next_step() {
+                    Some(step) => self.explain_missing(line, step, reasons),
+                    None if self.rest().is_some() => reasons.push(StationWait::TaskOrder.text()),
+                    None => reasons.push(StationWait::Rest.text()),
+                }
+                true
+            }
+            ControlMode::Hand => match (self.rest(), place.block) {
+                (Some(rest), Block::Normal) => {
+                    let choices = station.tasks_from(rest).map(|task| {
+                        let forward = station.operations[station.first_of(task).index()].hand.forward();
+                        StationWait::task_button(&line.buttons[usize::from(forward.0)], &station.task(task).name)
+                    });
+                    let choices: Vec<String> = choices.collect();
+                    reasons.push(StationWait::TaskButton { choices: &choices }.text());
+                    true
+                }
+                (_, Block::Normal) => {
+                    let step = self.program.step_of[place.op.index()] + 1;
+                    if usize::from(step) < tasks.waits.len() {
+                        self.explain_missing(line, step, reasons);
+                    }
+                    false
+                }
+                (_, Block::Recovery) => false,
+            },
+            ControlMode::Home | ControlMode::StandBy | ControlMode::Manual | ControlMode::EStop => false,
+        }
+    }
+
+    fn explain_missing(&self, line: &Line, step: u8, reasons: &mut Vec<String>) {
+        let station = self.program.station;
+        let missing = self.missing(step);
+        let name = &line.operation((station, line.station(station).steps[usize::from(step)][0])).name;
+        for input in (0..128).filter(|bit| missing & (1 << bit) != 0).map(InputId) {
+            let input = line.input_text(Owner::Station(station), input);
+            reasons.push(StationWait::Input { input: &input, own: name }.text());
+        }
+    }
+}
