@@ -83,7 +83,7 @@ fn without_the_reservation_either_cell_has_a_story() {
         let plain = linewright(&["check", &dir]);
         let out = text(&plain.stdout);
         assert_eq!(plain.status.code(), Some(1));
-        assert!(out.contains("and so: nothing of this moves any more") && out.contains("  help: "), "{out}");
+        assert!(out.contains("and so: no activity of this group can start again") && out.contains("  help: "), "{out}");
     }
 }
 

@@ -196,7 +196,7 @@ fn a_cell_that_gets_stuck_says_what_its_parts_wait_for() {
     let stuck: Vec<Output> = stuck.filter(|output| !output.status.success()).collect();
     let [first, ..] = &stuck[..] else { panic!("it never got stuck") };
     let said = text(&first.stderr);
-    assert!(said.contains("parts were finished; nothing happens any more after"), "{said}");
+    assert!(said.contains("parts finished; no further event after"), "{said}");
     assert!(!said.contains("3600"), "the end is when the last thing happened: {said}");
     assert!(said.contains(" has been in ") && said.contains("`ST.available-capacity`"), "{said}");
 }

@@ -252,7 +252,7 @@ impl OperatorAction {
                 let (side, way) = (if advance { "advance" } else { "return" }, if down { "down" } else { "up" });
                 format!("{side} of {} {way}", name(station))
             }
-            OperatorAction::Buttons(0) => "hand-mode buttons let go".to_owned(),
+            OperatorAction::Buttons(0) => "hand-mode buttons released".to_owned(),
             OperatorAction::Buttons(held) => {
                 let buttons = line.buttons.iter().enumerate().filter(|(at, _)| held >> at & 1 == 1);
                 format!("{} held", buttons.map(|(_, name)| name.as_str()).collect::<Vec<_>>().join(" and "))

@@ -47,7 +47,7 @@ fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
             assert!(!sim.anything_energised());
             assert_eq!(sim.mode(), Some(ControlMode::StandBy));
             let refusal = sim.ask(ModeCommand::Auto).expect_err("a station is missing");
-            assert!(refusal.contains(&format!("{station} is not heard")), "{refusal}");
+            assert!(refusal.contains(&format!("{station}: no state received")), "{refusal}");
 
             sim.restart_station(id);
             sim.settle();

@@ -55,7 +55,7 @@ fn a_device_that_falls_silent_at_any_moment() {
                 sim.log().of(id).any(|(_, e)| matches!(e.what, HappeningKind::Stopped(_, _, StopCause::Devices)));
             assert!(stopped || !was_moving || !sim.is_incomplete(station));
             let refusal = sim.ask(ModeCommand::Auto).expect_err("its devices are lost");
-            assert!(refusal.contains(&format!("{station} has lost its devices")), "{refusal}");
+            assert!(refusal.contains(&format!("{station}: I/O devices lost")), "{refusal}");
             sim.fail_device(device, None);
             off_until_recovered(&mut sim, station);
             bring_back(&mut sim);

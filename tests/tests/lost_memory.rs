@@ -110,7 +110,7 @@ fn start_and_auto_find_a_switch_that_contradicts_the_marking() {
     sim.run_for(Duration::from_millis(300));
     let _ = sim.ask(ModeCommand::Start);
     let refusal = sim.ask(ModeCommand::Auto).expect_err("the clamp is not measured open");
-    assert!(refusal.contains("clamp_1 is not measured where its chart has it"), "{refusal}");
+    assert!(refusal.contains("clamp_1: position lost"), "{refusal}");
     assert!(sim.fault(StationId(1)).contains("LS_open"), "{}", sim.fault(StationId(1)));
     sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_open", None);
     sim.run_for(Duration::from_millis(300));

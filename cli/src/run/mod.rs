@@ -357,7 +357,7 @@ impl Session {
         if self.ends() && went_on.elapsed() > self.patience {
             let mut reasons = match self.client.coordinator() {
                 Some(state) => vec![format!("the mode is {}", state.text)],
-                None => vec!["the coordinator is not heard".to_owned()],
+                None => vec!["no state received from the coordinator".to_owned()],
             };
             reasons.extend(self.cell.iter().flat_map(CellRun::waits));
             for id in self.line.station_ids() {
@@ -365,7 +365,7 @@ impl Session {
                 match self.client.station(id) {
                     Some(state) if state.blocked_by.is_empty() => reasons.push(format!("{name}: {}", state.operation)),
                     Some(state) => reasons.push(format!("{name} waits for {}", state.blocked_by.join("; "))),
-                    None => reasons.push(format!("{name} is not heard")),
+                    None => reasons.push(format!("no state received from {name}")),
                 }
             }
             return Err(miette!("nothing was done for {:.0} s: {}", self.patience.as_secs_f64(), reasons.join(", ")));
@@ -410,7 +410,7 @@ impl Session {
         let error = match &outcome {
             Err(error) => Some(error.to_string()),
             Ok(()) if let Some((made, wanted)) = parts.filter(|_| short) => {
-                Some(format!("{made} of {wanted} parts were made"))
+                Some(format!("{made} of {wanted} parts finished"))
             }
             Ok(()) if short => Some(format!("{} of {} cycles ended", self.tally.cycles(), args.cycles.unwrap_or(0))),
             Ok(()) => None,

@@ -98,7 +98,7 @@ fn refused(rig: &Rig, operator: &Operator, started: usize) {
     assert_eq!(operator.station("clamp_1").generation, 0);
     let refusal = operator.refused("auto");
     let way_back =
-        "clamp_1 has no memory of the counts the others share: lead all stations home in manual, then give auto";
+        "clamp_1: no generation in common with the other stations; lead all stations home in manual, then give auto";
     assert!(refusal.contains(way_back), "{refusal}");
     pause(1000);
     let seen = rig.eye.seen();

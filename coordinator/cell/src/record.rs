@@ -5,8 +5,6 @@
 //! [`super::player`]). A record says what has happened, never what was tried: that an order was *sent* is none, since
 //! written before it might be untrue, and written after it might be missing.
 
-use std::fmt;
-
 use linewright_line::{StationId, Tick};
 use serde::{Deserialize, Serialize};
 
@@ -215,19 +213,6 @@ impl ActivityFailure {
             ActivityFailure::TimedOut => true,
             ActivityFailure::Order { key: _, failure } => failure.is_expiry(),
             ActivityFailure::ByHand { .. } => false,
-        }
-    }
-}
-
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Failure::Code(code) => write!(f, "ended with code {code}"),
-            Failure::Refused(refusal) => write!(f, "refused ({refusal:?})"),
-            Failure::TimedOut => f.write_str("not done in time"),
-            Failure::Forgotten => f.write_str("forgotten by its station"),
-            Failure::Lost => f.write_str("its station is not heard any more"),
-            Failure::DevicesLost => f.write_str("its station has lost its devices"),
         }
     }
 }

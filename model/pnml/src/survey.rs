@@ -23,8 +23,9 @@ pub(crate) fn choose(text: &str, wanted: Option<&str>, report: &mut Report) -> O
     let (_, second) = nets.get(1).unwrap_or(nets.first()?);
     let finding = match (wanted, nets.len()) {
         (None, 1) => return Some(0),
-        (None, count) => Finding::new(*second, format!("the file has {count} nets: {}", named()))
-            .hint("say which one with `--net ID`"),
+        (None, count) => {
+            Finding::new(*second, format!("the file has {count} nets: {}", named())).hint("select one with `--net ID`")
+        }
         (Some(wanted), _) => match nets.iter().filter(|(id, _)| id == wanted).count() {
             1 => return nets.iter().position(|(id, _)| id == wanted),
             0 => Finding::new(nets[0].1, format!("no net of this file has the id `{}`", shown(wanted)))

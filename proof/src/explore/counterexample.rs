@@ -88,14 +88,16 @@ fn act(setting: &LineExploration, station: StationId, act: StationAct) -> String
         StationAct::Mode(_) => String::new(),
         StationAct::Key(Some(PanelKey::Advance)) => "its operator holds `advance`".to_owned(),
         StationAct::Key(Some(PanelKey::Return)) => "its operator holds `return`".to_owned(),
-        StationAct::Key(None) => "its operator lets go".to_owned(),
-        StationAct::Button(Some(button)) => format!("hears {} held", setting.line.buttons[usize::from(button)]),
-        StationAct::Button(None) => "hears the button released".to_owned(),
+        StationAct::Key(None) => "operator releases the button".to_owned(),
+        StationAct::Button(Some(button)) => {
+            format!("receives: button {} held", setting.line.buttons[usize::from(button)])
+        }
+        StationAct::Button(None) => "receives: button released".to_owned(),
         StationAct::Arrive(op, block) => format!("{} arrives", motion(op, block)),
         StationAct::Fail(op, block) => format!("{} fails", motion(op, block)),
         StationAct::Step => "looks again".to_owned(),
         StationAct::Order(task) => format!("is ordered to do {}", setting.line.station(station).task(task).name),
-        StationAct::Secure => "is told to go back".to_owned(),
+        StationAct::Secure => "receives: secure the order".to_owned(),
         StationAct::Expire => "has no time left for its order".to_owned(),
         StationAct::Sensors(true) => "sees what its operations wait for".to_owned(),
         StationAct::Restart => "restarts".to_owned(),

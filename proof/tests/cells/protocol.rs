@@ -136,7 +136,7 @@ fn somebody_who_is_asked_before_the_stations_stand_is_answered_too_soon() {
 fn a_station_that_goes_back_with_every_copy_moves_while_it_is_answered() {
     let found = without(PROCESS, 1, |setting| setting.order_rules.secures_once = false);
     assert_eq!(found.rule, ANSWERED);
-    let told = found.steps.iter().filter(|step| step.ends_with("hears that it is to leave order 5")).count();
+    let told = found.steps.iter().filter(|step| step.ends_with("receives: leave order 5")).count();
     assert!(told >= 2 && found.steps.iter().any(|step| step.contains("a person leads m1")), "{found:?}");
 }
 

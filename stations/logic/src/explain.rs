@@ -4,7 +4,7 @@
 //! reason the controller does not have. The texts are in `texts`.
 
 use linewright_line::net::{Block, ControlMode, Place, Stage};
-use linewright_line::{Line, OpId, StationId, Tick};
+use linewright_line::{Line, OpId, Tick};
 
 use crate::controller::Controller;
 use crate::event::{StationHappening, StopCause};

@@ -156,12 +156,12 @@ impl Shell {
             if let Some(record) = record {
                 match from_record(&line, station, &record, &host) {
                     Ok(snapshot) => {
-                        let lost = if snapshot.generation == 0 { ", without a memory of common counts" } else { "" };
-                        tracing::info!(station = name, "goes on from its journal{lost}");
+                        let lost = if snapshot.generation == 0 { ", without a generation" } else { "" };
+                        tracing::info!(station = name, "continued from its journal{lost}");
                         restore = Restore::From(snapshot);
                     }
                     // Without memory it has no generation, so no other station builds on it, and it on none.
-                    Err(error) => tracing::warn!(station = name, "comes up without memory: {error}"),
+                    Err(error) => tracing::warn!(station = name, "started without its journal: {error}"),
                 }
             }
             journal = Some(opened);

@@ -9,7 +9,6 @@
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
-use std::fmt;
 use std::time::Duration;
 
 pub use linewright_cell::DispatchRule;
@@ -124,10 +123,10 @@ pub struct Measure {
     #[serde(with = "serial::rule")]
     pub rule: DispatchRule,
     /// First by this: 0 before 1 before 2.
-    class: u8,
+    pub(crate) class: u8,
     /// Then by this, times `1 / over`.
-    value: i64,
-    over: u64,
+    pub(crate) value: i64,
+    pub(crate) over: u64,
 }
 
 impl Measure {
@@ -212,30 +211,5 @@ impl RuleInputs<'_> {
             },
         };
         Measure { rule, class, value, over }
-    }
-}
-
-impl fmt::Display for Measure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let seconds = self.value as f64 / 1e6;
-        let when = |f: &mut fmt::Formatter<'_>, what: &str| match self.value {
-            0.. => write!(f, "{what} in {seconds} s"),
-            _ => write!(f, "{what} {} s ago", -seconds),
-        };
-        match (self.rule, self.class) {
-            (DispatchRule::Fifo, 0) => write!(f, "has waited {} s", 0.0 - seconds),
-            (DispatchRule::Fifo, _) => f.write_str("has not come yet"),
-            (DispatchRule::ShortestProcessingTime, _) => write!(f, "takes {seconds} s"),
-            (DispatchRule::EarliestDueDate, 0) => when(f, "due"),
-            (DispatchRule::LeastSlack, 0) => write!(f, "slack {seconds} s"),
-            (DispatchRule::CriticalRatio, 0) => write!(f, "ratio {:.2}", self.value as f64 / self.over as f64),
-            (DispatchRule::EarliestDueDate | DispatchRule::LeastSlack | DispatchRule::CriticalRatio, _) => {
-                f.write_str("never due")
-            }
-            (DispatchRule::Priority, _) => write!(f, "priority {}", self.value.saturating_neg()),
-            (DispatchRule::Schedule, 0) => when(f, "late: planned"),
-            (DispatchRule::Schedule, 1) => when(f, "planned"),
-            (DispatchRule::Schedule, _) => f.write_str("not planned"),
-        }
     }
 }

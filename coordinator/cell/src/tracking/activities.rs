@@ -7,7 +7,6 @@ use linewright_line::Tick;
 use super::super::exception::ExceptionStep;
 use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::record::{Record, RecordKind};
-use super::cause_in_words;
 
 /// An activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,7 +51,7 @@ impl Activities {
             }
             RecordKind::Raised { firing, cause } => {
                 if let Some(done) = self.open.get(firing).map(|&at| &mut self.done[at]) {
-                    done.failed = Some(ActivityFailed { at: record.at, cause: cause_in_words(cause) });
+                    done.failed = Some(ActivityFailed { at: record.at, cause: cause.summary() });
                 }
             }
             RecordKind::Ended { firing } | RecordKind::Exception(ExceptionStep::Closed { firing, .. }) => {

@@ -11,8 +11,8 @@ use std::time::{Duration, SystemTime};
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::compile::{OrderTiming, Unplayable, compile_cell, schedule_follower};
+use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::ShortestRoutes;
-use linewright_coordinator_cell::dispatch::words::Reasons;
 use linewright_coordinator_cell::exception::{RecoveryPolicy, ResourceRequest, StationUnavailable};
 use linewright_coordinator_cell::production::ProductionOrderRequest;
 use linewright_coordinator_cell::schedule::{PlanActualBar, ScheduleFollower};
@@ -54,7 +54,7 @@ pub enum CellError {
     #[error(transparent)]
     Epoch(#[from] OldEpoch),
     /// Another coordinator has begun after this one.
-    #[error("station {station} knows a later coordinator (epoch {epoch}); this one gives no more orders")]
+    #[error("station {station} reports a newer coordinator epoch ({epoch}); this one stops giving task orders")]
     Superseded {
         /// Station that reports the newer epoch.
         station: String,
@@ -329,12 +329,17 @@ impl Player {
                 }
             }
             News::Answer(alarm, word, by, reply) => {
-                tracing::info!("alarm {alarm}: {} says {}", quoted(&by), quoted(&word));
+                tracing::info!("alarm {alarm}: answered {} by {}", quoted(&word), quoted(&by));
                 self.say(ResourceRequest::Answer(AlarmId(alarm)), word, Operator::Answer(reply));
             }
             News::Resource(said, reply) => {
                 let SetResourceRequest { resource, what, text, by } = said;
-                tracing::info!("{}: {} says {what} {}", quoted(&resource), quoted(&by), quoted(&text));
+                tracing::info!(
+                    "resource {}: request {what} by {}, text {}",
+                    quoted(&resource),
+                    quoted(&by),
+                    quoted(&text)
+                );
                 match wire::said(self.coordination.state(), &resource, what) {
                     Ok(said) => self.say(said, text, Operator::Resource(reply)),
                     Err(reason) => reply.send(SetResourceResponse { accepted: false, reason }),
@@ -462,7 +467,7 @@ impl Player {
         match event {
             CellEvent::BadAnswer { question, why } => {
                 tracing::error!(
-                    "question {question}: the dispatcher's answer cannot be followed, first come first served: {why}"
+                    "dispatch decision {question} not valid: {why}; first come, first served is used instead"
                 );
                 Ok(())
             }
@@ -470,7 +475,9 @@ impl Player {
             CellEvent::Objected { .. } => Ok(()),
             CellEvent::Busy { mode } => {
                 let name = self.coordination.state().table().mode_name(mode).to_owned();
-                tracing::warn!("very much happens at one moment, `{name}` last");
+                tracing::warn!(
+                    "more than 10000 firings at one time, `{name}` last: check for an endless loop of activities without duration"
+                );
                 Ok(())
             }
             CellEvent::Superseded { by, epoch } => {

@@ -10,17 +10,17 @@ pub(super) fn message(line: &Line, message: &StationMessage) -> String {
     let name = |station: StationId| &line.station(station).name;
     match message {
         StationMessage::Order(order) => {
-            format!("{} hears order {}: {}", name(order.station), number(order.key), order.task)
+            format!("{} receives order {}: {}", name(order.station), number(order.key), order.task)
         }
         StationMessage::Secure { station, key, stop, alarmed: _ } => {
             let what = if *stop { "stop" } else { "leave" };
-            format!("{} hears that it is to {what} order {}", name(*station), number(*key))
+            format!("{} receives: {what} order {}", name(*station), number(*key))
         }
     }
 }
 
 pub(super) fn number(key: OrderKey) -> String {
-    if key.epoch == 1 { key.id.to_string() } else { format!("{} (life {})", key.id, key.epoch) }
+    if key.epoch == 1 { key.id.to_string() } else { format!("{} (epoch {})", key.id, key.epoch) }
 }
 
 pub(super) fn act(line: &Line, machine: &TaskStationModel, act: TaskStationAct) -> String {
@@ -29,8 +29,8 @@ pub(super) fn act(line: &Line, machine: &TaskStationModel, act: TaskStationAct) 
     match act {
         TaskStationAct::Arrive => format!("{name}: \"{doing}\" arrives"),
         TaskStationAct::Fail => format!("{name}: \"{doing}\" fails"),
-        TaskStationAct::Sensors(true) => format!("what {name} waits for comes"),
-        TaskStationAct::Sensors(false) => format!("what {name} waits for goes"),
+        TaskStationAct::Sensors(true) => format!("input of {name} comes on"),
+        TaskStationAct::Sensors(false) => format!("input of {name} goes off"),
         TaskStationAct::Expire => format!("{name}: the time of its order is over, by its own clock"),
         TaskStationAct::Restart => format!("the node of {name} is started again, with what it kept"),
         TaskStationAct::Led { on } => {
@@ -47,13 +47,13 @@ pub(super) fn says(line: &Line, station: StationId, said: &StationAnswer) -> Str
     let ended: Vec<String> =
         said.heard.results.iter().rev().take(2).map(|(key, end)| format!("{} ended {end:?}", number(*key))).collect();
     let ended = if ended.is_empty() { String::new() } else { format!("; order {}", ended.join(", ")) };
-    format!("{name} says: {slot}{held}{ended}")
+    format!("{name} reports: {slot}{held}{ended}")
 }
 
 pub(super) fn event(player: &ProtocolPlayer, event: PlayerMove) -> String {
     match event {
-        PlayerMove::Heard(..) => "the coordinator hears a station".to_owned(),
-        PlayerMove::Time => "at the coordinator time goes on to its next limit".to_owned(),
+        PlayerMove::Heard(..) => "the coordinator receives a station state".to_owned(),
+        PlayerMove::Time => "time at the coordinator advances to the next limit".to_owned(),
         PlayerMove::Answer => {
             let mut alarms = player.coordination.state().exceptions().alarms();
             let word = alarms.find_map(|alarm| alarm.words.first());

@@ -6,7 +6,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher, Window, words};
+use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher, Window};
+use linewright_coordinator_cell::texts;
 use linewright_coordinator_cell::{DecidingRule, HoldReason, ModeId, PartId, PlayerOutbox, RecordKind};
 
 use crate::player::printed::conflict_state;
@@ -29,7 +30,7 @@ fn decided(times: [u64; 3], tolerance: u64) -> (String, Vec<(ModeId, HoldReason)
     assert_eq!(out.events, []);
     let RecordKind::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records[0]) };
     let [(mode, Some(_))] = started[..] else { panic!("{started:?}") };
-    let words = words::decision(&world.it.table, started, held);
+    let words = texts::decision(&world.it.table, started, held);
     (world.it.table.mode_name(mode).to_owned(), held.clone(), words)
 }
 

@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::words::{self, Reasons};
+use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher, ShortestRoutes, why_not};
+use linewright_coordinator_cell::texts;
 use linewright_coordinator_cell::{PartId, PlayerState, Record, RecordKind};
 use linewright_line::Tick;
 
@@ -15,7 +16,7 @@ use crate::player::plans::Compiled;
 fn said(it: &Compiled, records: &[Record], at: u64) -> Vec<String> {
     let at = records.iter().filter(|record| record.at == Tick::from_millis(at));
     let decided = at.filter_map(|record| match &record.fact {
-        RecordKind::Decided { started, held, .. } => Some(words::decision(&it.table, started, held)),
+        RecordKind::Decided { started, held, .. } => Some(texts::decision(&it.table, started, held)),
         _ => None,
     });
     decided.flatten().collect()
