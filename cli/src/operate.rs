@@ -154,7 +154,7 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let station = line.station(id);
     if let Some(unknown) = args.within.as_ref().filter(|name| station.operation_named(name).is_none()) {
         let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
-        return Err(miette!("'{unknown}' is no operation of {}; operations are {}", station.name, names.join(", ")));
+        return Err(miette!("unknown operation '{unknown}' of {}; operations: {}", station.name, names.join(", ")));
     }
     let mut client = OperatorClient::open(&line, ros, "operator")?;
     let publisher = client.rejoin(id)?;

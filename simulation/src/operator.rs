@@ -282,7 +282,7 @@ impl OperatorAction {
             }
             OperatorAction::Kill(process) => format!("{} killed", process.name(line)),
             OperatorAction::Restart(process) => format!("{} restarted", process.name(line)),
-            OperatorAction::RestartEmpty(process) => format!("{} restarted without memory", process.name(line)),
+            OperatorAction::RestartEmpty(process) => format!("{} restarted without its journal", process.name(line)),
             OperatorAction::DieAtRecord(station, true) => format!("{} to die at its next record", name(station)),
             OperatorAction::DieAtRecord(station, false) => format!("{} spared", name(station)),
             OperatorAction::FillDisk(full) => format!("the coordinator's disk is full: {full}"),

@@ -415,7 +415,7 @@ impl Session {
             Ok(()) if short => Some(format!("{} of {} cycles ended", self.tally.cycles(), args.cycles.unwrap_or(0))),
             Ok(()) => None,
         };
-        let mode = self.client.coordinator().map_or("not heard", |state| mode_name(state.mode));
+        let mode = self.client.coordinator().map_or("no state received", |state| mode_name(state.mode));
         let mut report = self.tally.report(mode, &self.observer, restarts, error.clone());
         (report.parts_made, report.parts_wanted) = parts.unzip();
         if args.json {

@@ -201,7 +201,7 @@ fn put_right(rig: &Rig, operator: &Operator) {
     let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
     rig.said(&["answer"], &[alarm, "as-done"]).unwrap_or_else(|error| panic!("{said}: {error}"));
     // Who could not work when the activity was closed is left out until somebody says otherwise.
-    if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 has been left out")) {
+    if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 out of service")) {
         rig.said(&["resource"], &["robot_2", "up"]).expect("it works");
     }
 }

@@ -108,7 +108,10 @@ fn an_order_that_has_ended_while_its_station_moves_is_answered_and_started_again
         Some("the operator answers \"in-store\""),
         "which starts it again"
     );
-    assert!(again.steps.iter().any(|step| step.contains("is at order 1; order 1 ended Failed(1000)")), "{again:?}");
+    assert!(
+        again.steps.iter().any(|step| step.contains("order 1 in progress; order 1 failed with code 1000")),
+        "{again:?}"
+    );
 }
 
 #[test]
@@ -122,7 +125,7 @@ fn a_station_that_ends_its_order_before_it_stands_says_what_is_not_so() {
 fn a_slot_that_does_not_count_is_answered_while_the_station_goes_back() {
     let found = without(LOAD, 1, |setting| setting.rules.slot_counts = false);
     assert_eq!(found.rule, ANSWERED);
-    assert!(found.steps.iter().any(|step| step.contains("is at order 1; order 1 ended")), "{found:?}");
+    assert!(found.steps.iter().any(|step| step.contains("order 1 in progress; order 1 failed")), "{found:?}");
 }
 
 #[test]

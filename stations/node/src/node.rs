@@ -315,7 +315,7 @@ impl Shell {
         if op.is_none() && !within.is_empty() {
             let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
             let known = names.join(", ");
-            return self.ignore(format!("rejoin: '{}' is no operation here; operations are {known}", quoted(within)));
+            return self.ignore(format!("rejoin: unknown operation '{}'; operations: {known}", quoted(within)));
         }
         self.handle(StationArrival::Rejoin(op));
     }

@@ -28,9 +28,9 @@ pub fn decisions(sim: &CellSim) -> String {
 /// Why an activity has failed.
 pub fn cause(cause: &ActivityFailure) -> String {
     match cause {
-        ActivityFailure::Order { key, failure } => format!("{key} was {failure}"),
-        ActivityFailure::ByHand { resource } => format!("alarm was given of {resource}"),
-        ActivityFailure::TimedOut => "it was not done in time".to_owned(),
+        ActivityFailure::Order { key, failure } => format!("{key}: {failure}"),
+        ActivityFailure::ByHand { resource } => format!("alarm raised by hand for {resource}"),
+        ActivityFailure::TimedOut => cause.summary(),
     }
 }
 

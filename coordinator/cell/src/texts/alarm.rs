@@ -19,23 +19,21 @@ pub(crate) const GONE: &str = "gone";
 pub(crate) fn alarm(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
     let handling = state.table().handling();
     let tell = handling.rule(firing.mode, cause).map(|rule| filled(&rule.tell, state, firing.mode, firing.part));
-    let tell = tell.unwrap_or_else(|| {
-        let of = part(firing.part).map(|part| format!(" with {part}")).unwrap_or_default();
-        format!("{}{of} failed. Answer where the part is.", state.table().called(firing.mode))
-    });
-    format!("{tell} ({})", facts(state, firing, cause, now))
+    let tell = tell
+        .unwrap_or_else(|| AlarmText::Failed { activity: state.table().called(firing.mode), part: firing.part }.text());
+    AlarmText::WithFacts { tell: &tell, facts: &facts(state, firing, cause, now) }.text()
 }
 
 /// What is known: `load M1: m1: time limit exceeded, after 26 s; robot: at rest, m1: at rest`.
 fn facts(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
     let handling = state.table().handling();
     let failed_after = state.exceptions().trouble(firing.id).map_or(now, |trouble| trouble.since).since(firing.began);
-    let mut text = format!(
-        "{}: {}, after {} s",
-        state.table().called(firing.mode),
-        cause_of(state, firing, cause),
-        failed_after.as_millis() as f64 / 1e3
-    );
+    let mut text = AlarmText::Facts {
+        activity: state.table().called(firing.mode),
+        cause: &cause_of(state, firing, cause),
+        seconds: failed_after.as_millis() as f64 / 1e3,
+    }
+    .text();
     let mut joint = ";";
     for order in &firing.orders {
         let is_stopped = state.exceptions().is_stopped(order.station);
@@ -123,7 +121,7 @@ pub(crate) fn differs(
     let handling = state.table().handling();
     let found: Vec<String> = found.iter().map(|found| difference(handling, found)).collect();
     let again = alarm(state, firing, cause, now);
-    format!("Answer \"{}\" contradicts the sensors: {}. {again}", ruling.word, found.join("; "))
+    AlarmText::Contradicted { word: &ruling.word, found: &found.join("; "), again: &again }.text()
 }
 
 /// A station that moved after the answer.
@@ -136,31 +134,75 @@ pub(crate) fn moved(
     now: Tick,
 ) -> String {
     let name = state.table().handling().station_name(station);
-    format!("{name} moved after the answer \"{}\". {}", ruling.word, alarm(state, firing, cause, now))
+    let again = alarm(state, firing, cause, now);
+    AlarmText::Moved { station: &name, word: &ruling.word, again: &again }.text()
 }
 
 /// The carrier holds the part.
 pub(crate) fn carried(state: &PlayerState, mode: ModeId, of: Option<PartId>) -> String {
-    let text = "{carrier} holds part {part}. Move it to {to} or back to {from}, then answer which.";
-    filled(text, state, mode, of)
+    filled(&AlarmText::Carried.text(), state, mode, of)
 }
 
 /// A sensor that contradicts the model.
 pub(crate) fn mismatch(handling: &RecoveryPolicy, found: &SensorMismatch, missing: Option<PartId>) -> String {
-    let or = missing.map(|part| format!("; if {part} was removed, answer \"{GONE}\"")).unwrap_or_default();
-    format!("{}. Correct it, then answer \"{UP}\"{or}.", difference(handling, found))
+    AlarmText::Mismatch { found: &difference(handling, found), missing }.text()
 }
 
 fn difference(handling: &RecoveryPolicy, found: &SensorMismatch) -> String {
-    let name = handling.resource_name(found.resource);
-    match (found.model, found.plant) {
-        (true, _) => format!("{name}: part expected, sensor off"),
-        (false, _) => format!("{name}: no part expected, sensor on"),
-    }
+    let resource = handling.resource_name(found.resource);
+    if found.model { AlarmText::PartMissing { resource }.text() } else { AlarmText::PartUnexpected { resource }.text() }
 }
 
-fn part(of: Option<PartId>) -> Option<String> {
-    of.map(|part| part.to_string())
+/// The sentences of alarms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlarmText<'a> {
+    /// An activity failed, and its rule has no text.
+    Failed { activity: &'a str, part: Option<PartId> },
+    /// What to do, and the facts.
+    WithFacts { tell: &'a str, facts: &'a str },
+    /// The facts of a failed activity; how its stations stand follows.
+    Facts { activity: &'a str, cause: &'a str, seconds: f64 },
+    /// Sensors contradict an answer; the alarm follows again.
+    Contradicted { word: &'a str, found: &'a str, again: &'a str },
+    /// A station moved after an answer; the alarm follows again.
+    Moved { station: &'a str, word: &'a str, again: &'a str },
+    /// The carrier holds the part; with placeholders.
+    Carried,
+    /// A sensor contradicts the model; a part that is missing may have been removed.
+    Mismatch { found: &'a str, missing: Option<PartId> },
+    /// A sensor that should be on.
+    PartMissing { resource: &'a str },
+    /// A sensor that should be off.
+    PartUnexpected { resource: &'a str },
+}
+
+impl AlarmText<'_> {
+    /// The text.
+    pub fn text(self) -> String {
+        match self {
+            AlarmText::Failed { activity, part: Some(part) } => {
+                format!("{activity} with {part} failed. Answer where the part is.")
+            }
+            AlarmText::Failed { activity, part: None } => format!("{activity} failed. Answer where the part is."),
+            AlarmText::WithFacts { tell, facts } => format!("{tell} ({facts})"),
+            AlarmText::Facts { activity, cause, seconds } => format!("{activity}: {cause}, after {seconds} s"),
+            AlarmText::Contradicted { word, found, again } => {
+                format!("Answer \"{word}\" contradicts the sensors: {found}. {again}")
+            }
+            AlarmText::Moved { station, word, again } => {
+                format!("{station} moved after the answer \"{word}\". {again}")
+            }
+            AlarmText::Carried => {
+                "{carrier} holds part {part}. Move it to {to} or back to {from}, then answer which.".to_owned()
+            }
+            AlarmText::Mismatch { found, missing: None } => format!("{found}. Correct it, then answer \"{UP}\"."),
+            AlarmText::Mismatch { found, missing: Some(part) } => {
+                format!("{found}. Correct it, then answer \"{UP}\"; if {part} was removed, answer \"{GONE}\".")
+            }
+            AlarmText::PartMissing { resource } => format!("{resource}: part expected, sensor off"),
+            AlarmText::PartUnexpected { resource } => format!("{resource}: no part expected, sensor on"),
+        }
+    }
 }
 
 /// A text with the names in braces replaced.

@@ -6,9 +6,9 @@ impl OutOfServiceReason {
     /// The reason, for operators.
     pub fn text(&self) -> String {
         match self {
-            OutOfServiceReason::ByHand { text } => with("taken out of service by hand", text),
+            OutOfServiceReason::ByHand { text } => with("taken out by hand", text),
             OutOfServiceReason::Alarm { text } => with("alarm raised by hand", text),
-            OutOfServiceReason::Rule(firing) => format!("taken out of service by the rule for {firing}"),
+            OutOfServiceReason::Rule(firing) => format!("taken out by the rule for {firing}"),
             OutOfServiceReason::Station(firing) => format!("station not available after {firing}"),
             OutOfServiceReason::EmergencyStop(firing) => format!("station in emergency stop after {firing}"),
             OutOfServiceReason::Mismatch => "sensor contradicts the model".to_owned(),
@@ -18,10 +18,10 @@ impl OutOfServiceReason {
     /// The reason without what differs from time to time, for reports.
     pub fn summary(&self) -> String {
         match self {
-            OutOfServiceReason::ByHand { text } if text.is_empty() => "taken out of service by hand".to_owned(),
+            OutOfServiceReason::ByHand { text } if text.is_empty() => "taken out by hand".to_owned(),
             OutOfServiceReason::Alarm { text } if text.is_empty() => "alarm raised by hand".to_owned(),
             OutOfServiceReason::ByHand { text } | OutOfServiceReason::Alarm { text } => text.clone(),
-            OutOfServiceReason::Rule(_) => "taken out of service by a rule".to_owned(),
+            OutOfServiceReason::Rule(_) => "taken out by a rule".to_owned(),
             OutOfServiceReason::Station(_) => "station not available".to_owned(),
             OutOfServiceReason::EmergencyStop(_) => "station in emergency stop".to_owned(),
             OutOfServiceReason::Mismatch => "sensor contradicts the model".to_owned(),

@@ -3,7 +3,7 @@
 
 mod crash;
 mod dice;
-mod dispatch;
+pub mod dispatch;
 mod enabled;
 mod exceptions;
 mod ledger;

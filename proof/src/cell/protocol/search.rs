@@ -211,7 +211,7 @@ impl ProtocolSearch<'_> {
                     slot.map_or_else(|| "moves".to_owned(), |key| format!("is at order {}", words::number(key)));
                 let (rule, what) = match reason {
                     StandReason::Answered => (ANSWERED, "the answer is taken"),
-                    StandReason::Restored => (RESTORED, "tokens and part are put where the answer says"),
+                    StandReason::Restored => (RESTORED, "tokens and part are placed by the answer"),
                     StandReason::Asked => (STOPPED, "the operator is asked"),
                 };
                 let and = if moves && slot.is_some() { ", and moves" } else { "" };
@@ -286,7 +286,7 @@ impl ProtocolSearch<'_> {
                 }
                 ProtocolArc::Player(PlayerMove::Heard(nth, number)) => {
                     let said = &self.machines[nth as usize].said[number as usize];
-                    format!("the coordinator hears: {}", words::says(line, self.stations[nth as usize], said))
+                    format!("the coordinator receives: {}", words::says(line, self.stations[nth as usize], said))
                 }
                 ProtocolArc::Player(event) => words::event(&self.players.all[state[PLAYER] as usize], event),
             }

@@ -1,6 +1,6 @@
 //! The steps of a counterexample, as text.
 
-use linewright_coordinator_cell::OrderKey;
+use linewright_coordinator_cell::{OrderKey, Outcome};
 use linewright_line::{Line, StationId};
 
 use super::players::{PlayerMove, ProtocolPlayer, StationMessage};
@@ -31,23 +31,37 @@ pub(super) fn act(line: &Line, machine: &TaskStationModel, act: TaskStationAct) 
         TaskStationAct::Fail => format!("{name}: \"{doing}\" fails"),
         TaskStationAct::Sensors(true) => format!("input of {name} comes on"),
         TaskStationAct::Sensors(false) => format!("input of {name} goes off"),
-        TaskStationAct::Expire => format!("{name}: the time of its order is over, by its own clock"),
-        TaskStationAct::Restart => format!("the node of {name} is started again, with what it kept"),
+        TaskStationAct::Expire => format!("{name}: time limit of its order exceeded, by its own clock"),
+        TaskStationAct::Restart => format!("the node of {name} is restarted with its journal"),
         TaskStationAct::Led { on } => {
             format!("a person leads {name} {} by one motion, in manual mode", if on { "on" } else { "back" })
         }
-        TaskStationAct::Forget => format!("the node of {name} is started again, without its memory"),
+        TaskStationAct::Forget => format!("the node of {name} is restarted without its journal"),
     }
 }
 
 pub(super) fn says(line: &Line, station: StationId, said: &StationAnswer) -> String {
     let name = &line.station(station).name;
-    let slot = said.heard.slot.map_or_else(|| "has no order".to_owned(), |key| format!("is at order {}", number(key)));
-    let held = if said.heard.is_held { ", stands between rests" } else { "" };
-    let ended: Vec<String> =
-        said.heard.results.iter().rev().take(2).map(|(key, end)| format!("{} ended {end:?}", number(*key))).collect();
+    let slot =
+        said.heard.slot.map_or_else(|| "no order".to_owned(), |key| format!("order {} in progress", number(key)));
+    let held = if said.heard.is_held { ", stopped between two rests" } else { "" };
+    let ended: Vec<String> = said
+        .heard
+        .results
+        .iter()
+        .rev()
+        .take(2)
+        .map(|(key, end)| format!("{} {}", number(*key), ended_as(*end)))
+        .collect();
     let ended = if ended.is_empty() { String::new() } else { format!("; order {}", ended.join(", ")) };
     format!("{name} reports: {slot}{held}{ended}")
+}
+
+fn ended_as(end: Outcome) -> String {
+    match end {
+        Outcome::Done => "done".to_owned(),
+        Outcome::Failed(code) => format!("failed with code {code}"),
+    }
 }
 
 pub(super) fn event(player: &ProtocolPlayer, event: PlayerMove) -> String {
@@ -59,8 +73,8 @@ pub(super) fn event(player: &ProtocolPlayer, event: PlayerMove) -> String {
             let word = alarms.find_map(|alarm| alarm.words.first());
             format!("the operator answers \"{}\"", word.map_or("?", |word| word))
         }
-        PlayerMove::Alarm => "a person gives alarm of a resource of the activity".to_owned(),
-        PlayerMove::Restart => "the coordinator is started again".to_owned(),
+        PlayerMove::Alarm => "alarm raised by hand for a resource of the activity".to_owned(),
+        PlayerMove::Restart => "the coordinator is restarted".to_owned(),
         PlayerMove::Start(mode) => {
             let table = player.coordination.state().table();
             format!("the coordinator starts {}", table.called(mode))

@@ -70,6 +70,6 @@ fn what_is_planned_for_later_is_held_until_then() {
     let (started, held, words) = decided([0, 5, 20], 0);
     assert_eq!(started, "t5<m1,r1,p1>");
     assert!(held.iter().all(|(_, reason)| matches!(reason, HoldReason::NotYet(_))));
-    assert!(words[1].starts_with("`t1<m2,r1,p2>` is held: it is too early, not before "), "{}", words[1]);
-    assert_eq!(words[0], "`t5<m1,r1,p1>` with part 1 starts: nothing else wanted what it takes.");
+    assert!(words[1].starts_with("`t1<m2,r1,p2>` is held: scheduled not before "), "{}", words[1]);
+    assert_eq!(words[0], "`t5<m1,r1,p1>` with part 1 starts: no competing candidate.");
 }
