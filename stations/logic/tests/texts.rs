@@ -129,12 +129,12 @@ fn doubts() -> Vec<PositionDoubt> {
     })
 }
 
-fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str) -> Vec<StationWait<'a>> {
+fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a str) -> Vec<StationWait<'a>> {
     let (station, op, own) = ("clamp_1", "close", "advance");
     let mut waits = samples!(StationWait<'_> {
         StationWait::RivalCoordinators { .. } => StationWait::RivalCoordinators { followed: 17, other: 23 };
         StationWait::Devices => StationWait::Devices;
-        StationWait::PositionLost(_) => StationWait::PositionLost(detail);
+        StationWait::PositionLost(_) => StationWait::PositionLost(lost);
         StationWait::Rejoin(..) => StationWait::Rejoin(doubts()[0], advice()[0]);
         StationWait::NewGeneration => StationWait::NewGeneration;
         StationWait::Released { .. } => StationWait::Released { op };
@@ -189,6 +189,7 @@ fn all_texts_of_a_station() {
     let choices = [StationWait::task_button("PB_run", "machine"), StationWait::task_button("PB_open", "release")];
     let arrow = StationWait::Arrow { station: "clamp_1", op: "close", cycle: 7, own: "advance" }.text();
     let detail = StopCause::Interlock { station: CLAMP, input: Some(INPUT) }.detail(&line, TRANSFER);
+    let lost = StopCause::PositionLost { op: OP, input: INPUT }.detail(&line, CLAMP);
     let event = |line: &Line, station, what| StationHappening { cycle: 1, what }.text(line, station);
     let lists = [
         listed("causes of a stop", &causes(), |cause| cause.text().to_owned()),
@@ -203,7 +204,7 @@ fn all_texts_of_a_station() {
             }
             _ => event(&line, CLAMP, *what),
         }),
-        listed("what is waited for, behind `waits for`", &waits(&choices, &arrow, &detail), |wait| wait.text()),
+        listed("what is waited for, behind `waits for`", &waits(&choices, &arrow, &detail, &lost), |wait| wait.text()),
         listed("task failures", &failures(), |failure| failure.text()),
         listed("rejected task orders", &refusals(), |refusal| refusal.text().to_owned()),
         listed("ignored inputs", &ignored(), |why| why.text().to_owned()),

@@ -228,7 +228,7 @@ fn while_m1_is_down_parts_go_over_m2() {
     assert!(!bench.state().enabling().is_enabled(firing.mode) && bench.count("M1.available-capacity") == 1);
     let from = bench.sim.log.len();
     bench.all_leave(3);
-    let started = |record: &linewright_coordinator_cell::Record| match record.fact {
+    let started = |record: &Record| match record.fact {
         RecordKind::Started { mode, .. } => Some(bench.table.mode_name(mode)),
         _ => None,
     };

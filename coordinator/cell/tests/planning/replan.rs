@@ -78,7 +78,7 @@ fn when_something_is_late_what_follows_is_planned_anew() {
         let late = follower.revisions().find(|revision| late(&revision.why)).map(|revision| revision.at);
         let begun = shop.starts().into_iter().find(|&(_, name, _)| name == "M1.process<A.new>").unwrap().0;
         let on_m2 = shop.starts().into_iter().filter(|(_, name, _)| *name == "load M2<A.new>").count();
-        let said = whys(&follower).iter().map(|why| why.words(&made.table)).collect();
+        let said = whys(&follower).iter().map(|why| why.text(&made.table)).collect();
         (late.map(|at| at.since(Tick::from_millis(begun))), on_m2, said)
     };
     let (late, as_planned, said) = on_m2(40);

@@ -466,18 +466,14 @@ impl Player {
     fn event(&self, event: CellEvent) -> Result<(), CellError> {
         match event {
             CellEvent::BadAnswer { question, why } => {
-                tracing::error!(
-                    "dispatch decision {question} not valid: {why}; first come, first served is used instead"
-                );
+                tracing::error!("dispatch decision {question} not valid: {why}; first come, first served instead");
                 Ok(())
             }
             // Whoever asked is told.
             CellEvent::Objected { .. } => Ok(()),
             CellEvent::Busy { mode } => {
                 let name = self.coordination.state().table().mode_name(mode).to_owned();
-                tracing::warn!(
-                    "more than 10000 firings at one time, `{name}` last: check for an endless loop of activities without duration"
-                );
+                tracing::warn!("too many firings at one time, `{name}` last; check activities without duration");
                 Ok(())
             }
             CellEvent::Superseded { by, epoch } => {
