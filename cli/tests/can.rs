@@ -89,7 +89,7 @@ fn status_says_how_each_device_of_the_line_is() {
     assert_eq!((&nodes[1]["name"], &nodes[1]["operational"]), (&"transfer io".into(), &false.into()));
     assert!(nodes[1]["is"].as_str().is_some_and(|is| is.starts_with("pre-operational, a heartbeat every")), "{nodes}");
     let table = devices.can(&["status", &line]);
-    assert!(text(&table.stdout).contains("no manager is heard"), "{table:?}");
+    assert!(text(&table.stdout).contains("no manager on the bus"), "{table:?}");
     devices.says(&["nmt", "start", "all"]);
     let after = devices.can(&["status", &line, "--json"]);
     assert_eq!(json(&after)["ok"], true, "{after:?}");

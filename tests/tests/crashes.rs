@@ -91,7 +91,7 @@ fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
             assert_eq!(sim.mode(), Some(ControlMode::StandBy));
             assert_eq!(started_after(&sim, believed + Duration::from_millis(6)), None);
             let refusal = sim.ask(ModeCommand::Auto).expect_err("nobody has looked at it");
-            assert!(refusal.contains(&format!("{station} was restarted")), "{refusal}");
+            assert!(refusal.contains(&format!("{station}: restarted")), "{refusal}");
             if sim.is_incomplete(station) {
                 sim.bring_back();
             } else {

@@ -64,7 +64,7 @@ fn lead_home(sim: &mut Sim, lost: StationId, stood: Place) {
     if sim.mode() != Some(ControlMode::Manual) {
         sim.go_manual();
     }
-    let asks = |sim: &Sim| sim.blocked_by(lost).iter().any(|reason| reason.contains("confirm that with rejoin"));
+    let asks = |sim: &Sim| sim.blocked_by(lost).iter().any(|reason| reason.contains("confirm it with rejoin"));
     let is_home = |sim: &Sim, id: StationId| sim.controller(id).is_some_and(|c| c.is_at_home());
     if !is_home(sim, lost) {
         let within = (!asks(sim)).then_some(stood.op);
@@ -127,11 +127,7 @@ fn a_closed_clamp_whose_switch_goes_off_stops_the_mill() {
     sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_closed", Some(false));
     sim.run_for(Duration::from_millis(100));
     assert!(sim.is_incomplete("mill_1"), "the feed is stopped");
-    assert!(
-        sim.fault(StationId(2)).contains("interlock: clamp_1 is not clear: LS_closed"),
-        "{}",
-        sim.fault(StationId(2))
-    );
+    assert!(sim.fault(StationId(2)).contains("interlock: clamp_1 not clear: LS_closed"), "{}", sim.fault(StationId(2)));
     assert!(sim.fault(StationId(1)).contains("position lost"), "{}", sim.fault(StationId(1)));
     assert_eq!(sim.mode(), Some(ControlMode::StandBy));
     sim.wire(linewright_line::Owner::Station(StationId(1)), "LS_closed", None);

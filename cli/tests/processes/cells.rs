@@ -156,7 +156,7 @@ fn alarm_stops_a_station_by_itself_until_it_is_reset() {
     let mode = operator.heard().line.mode;
     assert_eq!(mode, StationState::MODE_HOME, "{}", operator.picture());
     let why = rig.said(&["resource"], &["robot_2", "up"]).expect_err("not without looking");
-    assert!(why.contains("activity of robot_2 has failed"), "{why}");
+    assert!(why.contains("robot_2: an activity with it failed"), "{why}");
     let is_reset = || rig.said(&["resource"], &["robot_2", "reset"]).is_ok();
     assert!(wait_for(LONG, is_reset), "{:?}", rig.said(&["resource"], &["robot_2", "reset"]));
     operator.wait("it follows the line again", |heard| heard.station("robot_2").mode != StationState::MODE_ESTOP);

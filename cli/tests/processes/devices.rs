@@ -104,7 +104,7 @@ fn a_device_is_asked_seen_and_reset_while_the_line_runs() {
     let report = technician.hear(&mut reports, back);
     assert_eq!(report.status.iter().filter(|s| lost_once(s)).count(), 1, "one device, once: {report:?}");
     let refusal = operator.refused("auto");
-    assert!(refusal.contains("transfer has an incomplete operation"), "{refusal}");
+    assert!(refusal.contains("transfer: operation incomplete"), "{refusal}");
     operator.wait("its devices are back", |heard| heard.all(|state| state.devices_valid));
     operator.recover();
     operator.cycles(2);

@@ -29,7 +29,7 @@ fn a_fault_in_each_station_stops_it_and_the_line_is_recovered_by_topics() {
         fails(&rig, &operator, station, operation, output, code);
         the_others_finish_and_nothing_starts(&rig, &operator, station, operation);
         let refusal = operator.refused("auto");
-        assert!(refusal.contains(&format!("{station} has an incomplete operation")), "{refusal}");
+        assert!(refusal.contains(&format!("{station}: operation incomplete")), "{refusal}");
         rig.fail(station, operation, "clear");
         if station == "mill_1" { by_its_selector(&operator, station) } else { operator.recover() }
     }

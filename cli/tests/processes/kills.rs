@@ -104,7 +104,7 @@ fn a_waiting_station(rig: &Rig, operator: &Operator) {
     operator.wait("auto has ended", |heard| heard.line.mode == StationState::MODE_STANDBY);
     nothing_starts(rig, operator);
     let refusal = operator.refused("auto");
-    assert!(refusal.contains("mill_1 was restarted"), "{refusal}");
+    assert!(refusal.contains("mill_1: restarted"), "{refusal}");
     // It stood still, so the operator's word that it was looked at is enough.
     operator.say("start");
     operator.order("auto", StationState::MODE_AUTO);

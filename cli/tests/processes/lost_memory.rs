@@ -29,7 +29,7 @@ fn a_clamp_without_its_memory_does_not_close_under_the_bar_and_is_led_back() {
     assert!(rig.eye.seen().input("clamp_1", "LS_closed"));
     refused(&rig, &operator, started);
     operator.wait("it asks where it stands", |heard| {
-        heard.station("clamp_1").blocked_by.iter().any(|why| why.contains("confirm that with rejoin"))
+        heard.station("clamp_1").blocked_by.iter().any(|why| why.contains("confirm it with rejoin"))
     });
     let said = rig.said(&["rejoin"], &["clamp_1"]).expect("its switches tell where it stands");
     assert!(said.contains("advance clamp"), "{said}");

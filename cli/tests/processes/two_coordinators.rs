@@ -86,7 +86,7 @@ fn a_second_coordinator_ends_and_names_the_first() {
     assert!(ended && output.status.code() == Some(1), "{text}");
     let expected = format!("second coordinator: one with boot id {first} is active on this line; this one ends");
     assert!(text.contains(&expected), "{text}");
-    operator.wait("the first one is alone", |heard| !heard.line.text.contains("another coordinator"));
+    operator.wait("the first one is alone", |heard| !heard.line.text.contains("second coordinator"));
     operator.recover();
     operator.cycles(1);
     operator.go_home();

@@ -91,14 +91,16 @@ fn measures() -> Vec<Measure> {
         let text = format!(r#"{{"rule":"{rule}","class":{class},"value":{value},"over":1000000}}"#);
         serde_json::from_str(&text).expect("a measure as the log has it")
     };
-    rules
-        .into_iter()
-        .flat_map(|rule| [of(rule, 0, -2_000_000), of(rule, 0, 3_000_000), of(rule, 1, 3_000_000), of(rule, 2, 0)])
-        .collect()
+    let first = |rule: DispatchRule| match rule {
+        DispatchRule::Fifo | DispatchRule::EarliestDueDate | DispatchRule::Schedule => -2_000_000,
+        DispatchRule::ShortestProcessingTime | DispatchRule::LeastSlack | DispatchRule::CriticalRatio => 3_000_000,
+        DispatchRule::Priority => -5,
+    };
+    rules.into_iter().flat_map(|rule| [of(rule, 0, first(rule)), of(rule, 1, 3_000_000), of(rule, 2, 0)]).collect()
 }
 
 fn deciding_rules() -> Vec<DecidingRule> {
-    let [theirs, ours, ..] = measures()[..] else { unreachable!("seven rules have measures") };
+    let (theirs, ours) = (measures()[0], measures()[1]);
     samples!(DecidingRule {
         DecidingRule::Waited => DecidingRule::Waited;
         DecidingRule::Helps { .. } => DecidingRule::Helps { part: Some(PART) }, DecidingRule::Helps { part: None };
@@ -265,7 +267,7 @@ fn requests() -> Vec<RequestProblem> {
     let hint = || Some("did you mean `A`?".to_owned());
     let (due, release) = (Tick::from_millis(8_000), Tick::from_millis(9_000));
     samples!(RequestProblem {
-        RequestProblem::Name(_) => RequestProblem::Name("a\nb".to_owned());
+        RequestProblem::Name(_) => RequestProblem::Name(String::new());
         RequestProblem::NameTaken(_) => RequestProblem::NameTaken(name());
         RequestProblem::NameTwice(_) => RequestProblem::NameTwice(name());
         RequestProblem::KeyTaken { .. } => RequestProblem::KeyTaken { name: name(), other: other() };
@@ -305,7 +307,7 @@ fn of_decisions(table: &CellTable) -> Vec<String> {
     vec![
         listed("why an activity is held", &hold_reasons(), |reason| texts::reason(table, reason)),
         listed("what rules measure", &measures(), |measure| format!("{}: {measure}", measure.rule)),
-        listed("a decision", &decision, Clone::clone),
+        format!("a decision\n  {}\n", decision.join("\n  ")),
         listed("decisions that are not valid", &bad_answers(), ToString::to_string),
         listed("why a schedule is made anew", &revisions(), |reason| reason.text(table)),
     ]

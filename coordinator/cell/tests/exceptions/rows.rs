@@ -343,7 +343,11 @@ fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
     bench.until_that(|bench| bench.firing(LOAD).is_some());
     bench.at("robot").forget();
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
-    assert!(bench.alarm().text.contains("load M1: robot does not remember it,"), "{}", bench.alarm().text);
+    assert!(
+        bench.alarm().text.contains("load M1: robot: order lost, its order store was reset,"),
+        "{}",
+        bench.alarm().text
+    );
     assert!(
         bench.alarm().text.contains("robot: restarted with an empty order store, m1: at rest"),
         "{}",

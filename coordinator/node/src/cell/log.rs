@@ -30,7 +30,7 @@ pub enum CellLogError {
     #[error(transparent)]
     Log(#[from] LogError),
     /// It is about something else.
-    #[error("log {path} belongs to {is}, not to {expected}; empty the cell, then remove the log")]
+    #[error("log {path} is about {is}, not about {expected}; empty the cell, then remove the log")]
     Other {
         /// The log.
         path: PathBuf,
