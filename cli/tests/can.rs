@@ -104,7 +104,7 @@ fn an_order_is_given_and_its_effect_waited_for() {
     let all = devices.says(&["nmt", "pre-operational", "all"]);
     assert_eq!(all.lines().count(), 6, "{all}");
     let nobody = devices.refuses(&["nmt", "start", "99"]);
-    assert!(nobody.contains("node 99 has not reported itself operational"), "{nobody}");
+    assert!(nobody.contains("node 99: state operational not reached"), "{nobody}");
     assert_eq!(devices.can(&["nmt", "start", "128"]).status.code(), Some(2));
 }
 

@@ -147,7 +147,7 @@ fn nothing_is_enabled_before_a_described_console_was_heard() {
         assert_eq!(bench.command(ModeCommand::Start), None);
         let refusal = bench.command(mode).expect("the console is not heard");
         assert!(refusal.contains("no console input received yet"), "{refusal}");
-        assert!(refusal.contains("see to its device's supply and bus"), "{refusal}");
+        assert!(refusal.contains("check supply and bus"), "{refusal}");
         bench.input(ModeInput::Console { bits: 0, valid: false });
         assert!(bench.command(mode).is_some());
         bench.input(console(&[]));
