@@ -37,7 +37,7 @@ pub struct Args {
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let files = load::files_of(&args.line);
     let nothing_of = |asked: Option<&'static str>, what: &str| {
-        asked.map_or(Ok(()), |asked| Err(miette!("`{asked}` is about {what}, and {} has none", args.line.display())))
+        asked.map_or(Ok(()), |asked| Err(miette!("`{asked}` needs {what}; {} has none", args.line.display())))
     };
     let (mut report, line) = match &files.line {
         Some(file) => of_line(args, file, files.cell.is_some())?,

@@ -70,7 +70,7 @@ pub fn join(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<(RosNode, 
 
 /// That nobody is there.
 pub fn not_heard(of: &str, domain: u16) -> miette::Report {
-    miette!("no coordinator of {of} is heard on ROS domain {domain} (is it running, and on the same ROS_DOMAIN_ID?)")
+    miette!("no coordinator of {of} found on ROS domain {domain}; check that it runs, with the same ROS_DOMAIN_ID")
 }
 
 impl OperatorClient {

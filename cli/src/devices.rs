@@ -80,19 +80,19 @@ fn lets_go(device: &Device, eds: &Eds) -> Result<(), String> {
     if setup.without_error_values.is_some() {
         return Ok(());
     }
-    let remedy = "use a device that lets go, or say in `without_error_values` why that is safe";
+    let remedy = "use a device that switches its outputs off, or state in `without_error_values` why it is safe";
     let settings = &setup.settings;
     // The last value stays.
     let last =
         |nth: usize| !settings[nth + 1..].iter().any(|l| (l.index, l.sub) == (settings[nth].index, settings[nth].sub));
     let mut keeps = settings.iter().enumerate().filter(|(nth, own)| last(*nth) && keeps_an_output(&io.outputs, own));
     if let Some((_, ObjectWrite { index, sub, .. })) = keeps.next() {
-        return Err(format!("by object {index:04X}h:{sub:02X} an output stays on when the manager is gone: {remedy}"));
+        return Err(format!("object {index:04X}h:{sub:02X} keeps an output on after loss of the manager: {remedy}"));
     }
     for (sub, _) in (1..).zip(io.outputs.chunks(8)).filter(|(_, byte)| byte.iter().any(Option::is_some)) {
         if let Some(index) = [0x6206, 0x6207].into_iter().find(|index| eds.entry(*index, sub).is_none()) {
             return Err(format!(
-                "there is no object {index:04X}h:{sub:02X}, by which its outputs go off when the manager is gone: {remedy}"
+                "no object {index:04X}h:{sub:02X}, by which outputs go off after loss of the manager: {remedy}"
             ));
         }
     }
@@ -184,7 +184,7 @@ mod tests {
                 vec![ObjectWrite { index: 0x6206, sub: 1, data: vec![0] }];
         };
         let why = tried(&keeps, &eds()).expect_err("it stays as it is");
-        assert!(why.starts_with("by object 6206h:01 an output stays on when the manager is gone"), "{why}");
+        assert!(why.starts_with("object 6206h:01 keeps an output on after loss of the manager"), "{why}");
         let excused = |device: &mut Device| {
             keeps(device);
             device.canopen_mut().expect("CANopen").setup.without_error_values = Some("a safety relay".to_owned());

@@ -39,7 +39,7 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let command = match &args.command {
         Some(word) => Some(ModeCommand::parse(word).ok_or_else(|| {
             let known: Vec<&str> = ModeCommand::ALL.iter().map(|command| command.name()).collect();
-            miette!("'{word}' is no command; commands are {}", known.join(", "))
+            miette!("unknown command '{word}'; commands: {}", known.join(", "))
         })?),
         None => None,
     };
@@ -59,7 +59,7 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             }
         }
     }
-    crate::out::say!("{}", client.coordinator().map_or("the coordinator is not heard", |state| &state.text));
+    crate::out::say!("{}", client.coordinator().map_or("no state received from the coordinator", |state| &state.text));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -135,7 +135,7 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
 /// Confirm where a station stands.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A station that comes up without its memory moves nothing by itself. Look at the machine first: this puts its marking where its limit switches say it stands. Where it stands between two switches, name the operation it was stopped in. Then lead all stations home in manual and give auto."
+    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. Then lead all stations home in manual and give auto."
 )]
 pub struct RejoinArgs {
     /// The line's directory, or its description file.
@@ -154,7 +154,7 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let station = line.station(id);
     if let Some(unknown) = args.within.as_ref().filter(|name| station.operation_named(name).is_none()) {
         let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
-        return Err(miette!("'{unknown}' is no operation of {}; operations are {}", station.name, names.join(", ")));
+        return Err(miette!("unknown operation '{unknown}' of {}; operations: {}", station.name, names.join(", ")));
     }
     let mut client = OperatorClient::open(&line, ros, "operator")?;
     let publisher = client.rejoin(id)?;
@@ -169,11 +169,9 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
         let state = client.station(id);
         let advice = state.and_then(|state| state.blocked_by.iter().find_map(|why| why.strip_prefix("rejoin: ")));
         let why = match (state, advice) {
-            (None, _) => "the station is not heard".to_owned(),
-            (Some(state), _) if !state.stopped => "the station moves; rejoin is for one that stands".to_owned(),
-            (Some(_), None) => {
-                "the station asks for no rejoin: it knows where it stands, or its switches do not tell".to_owned()
-            }
+            (None, _) => "no state received from the station".to_owned(),
+            (Some(state), _) if !state.stopped => "rejected: station moving; rejoin needs standstill".to_owned(),
+            (Some(_), None) => "no effect: station position already known, or its switches match no place".to_owned(),
             (Some(_), Some(advice)) => match &args.within {
                 Some(op) => format!("its switches do not fit `{op}`: {advice}"),
                 None => advice.to_owned(),
@@ -212,6 +210,6 @@ fn print_station(client: &OperatorClient, id: StationId) {
     match client.station(id) {
         Some(state) if state.blocked_by.is_empty() => crate::out::say!("{name}: {}", state.operation),
         Some(state) => crate::out::say!("{name}: {}; waits for {}", state.operation, state.blocked_by.join("; ")),
-        None => crate::out::say!("{name}: not heard"),
+        None => crate::out::say!("{name}: no state received"),
     }
 }

@@ -125,7 +125,7 @@ impl WatchState {
                     lines.push(format!("last refusal: {}", state.refusal));
                 }
             }
-            None => lines.push(format!("{} — coordinator not heard", self.line.title)),
+            None => lines.push(format!("{}: no state received from the coordinator", self.line.title)),
         }
         lines.push(String::new());
         for id in self.line.station_ids() {
@@ -145,7 +145,7 @@ impl WatchState {
 
     fn station(&self, client: &OperatorClient, id: StationId) -> Vec<String> {
         let name = &self.line.station(id).name;
-        let Some(state) = client.station(id) else { return vec![format!("{name:12} not heard")] };
+        let Some(state) = client.station(id) else { return vec![format!("{name:12} no state received")] };
         let mut lines = vec![format!("{name:12} cycle {:<4} {}", state.cycle, state.operation)];
         if !state.fault.is_empty() {
             lines.push(format!("{:12} FAULT {}", "", state.fault));

@@ -89,7 +89,7 @@ fn status_says_how_each_device_of_the_line_is() {
     assert_eq!((&nodes[1]["name"], &nodes[1]["operational"]), (&"transfer io".into(), &false.into()));
     assert!(nodes[1]["is"].as_str().is_some_and(|is| is.starts_with("pre-operational, a heartbeat every")), "{nodes}");
     let table = devices.can(&["status", &line]);
-    assert!(text(&table.stdout).contains("no manager is heard"), "{table:?}");
+    assert!(text(&table.stdout).contains("no manager on the bus"), "{table:?}");
     devices.says(&["nmt", "start", "all"]);
     let after = devices.can(&["status", &line, "--json"]);
     assert_eq!(json(&after)["ok"], true, "{after:?}");
@@ -104,7 +104,7 @@ fn an_order_is_given_and_its_effect_waited_for() {
     let all = devices.says(&["nmt", "pre-operational", "all"]);
     assert_eq!(all.lines().count(), 6, "{all}");
     let nobody = devices.refuses(&["nmt", "start", "99"]);
-    assert!(nobody.contains("node 99 has not reported itself operational"), "{nobody}");
+    assert!(nobody.contains("node 99: state operational not reached"), "{nobody}");
     assert_eq!(devices.can(&["nmt", "start", "128"]).status.code(), Some(2));
 }
 

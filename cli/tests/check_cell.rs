@@ -83,7 +83,7 @@ fn without_the_reservation_either_cell_has_a_story() {
         let plain = linewright(&["check", &dir]);
         let out = text(&plain.stdout);
         assert_eq!(plain.status.code(), Some(1));
-        assert!(out.contains("and so: nothing of this moves any more") && out.contains("  help: "), "{out}");
+        assert!(out.contains("and so: no activity of this group can start again") && out.contains("  help: "), "{out}");
     }
 }
 
@@ -194,7 +194,7 @@ fn what_is_not_there_cannot_be_asked_about() {
     let cell = changed(&scratch, "workcell-c1", &[]);
     let output = linewright(&["check", &cell, "--flags"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(text(&output.stderr).contains("`--flags` is about the stations of a line"), "{output:?}");
+    assert!(text(&output.stderr).contains("`--flags` needs the stations of a line"), "{output:?}");
     let output = linewright(&["check", shipped().to_str().unwrap(), "--structure", "--expanded"]);
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     let output = linewright(&["check", &cell, "--structure"]);

@@ -53,7 +53,7 @@ fn the_shipped_scenario_goes_as_it_expects_and_leaves_its_trace_and_chart() {
     let output = simulate(&["--scenario", scenario.to_str().unwrap(), "--trace", &trace, "--svg", &chart]);
     assert!(output.status.success(), "{output:?}");
     let trace = scratch.read("trace.txt");
-    assert!(trace.contains("clamp_1 (cycle 2) stops advance clamp: took too long"), "{trace}");
+    assert!(trace.contains("clamp_1 (cycle 2) stopped advance clamp: watchdog"), "{trace}");
     let chart = scratch.read("chart.svg");
     assert!(chart.starts_with("<svg") && chart.ends_with("</svg>\n"));
     // Of 17 operations two bars each, and the three of the legend, and the ground.
@@ -82,7 +82,12 @@ fn a_line_that_cannot_go_on_is_a_failure_with_its_reasons() {
     assert_eq!(output.status.code(), Some(1));
     let said = text(&output.stderr);
     assert!(said.contains("nothing happens any more"), "{said}");
-    assert!(said.contains("transfer waits for recovery of advance transfer in manual (took too long)"), "{said}");
+    assert!(
+        said.contains(
+            "transfer waits for recovery of advance transfer in manual (watchdog: motion not complete in time)"
+        ),
+        "{said}"
+    );
 }
 
 #[test]
@@ -151,7 +156,7 @@ fn a_part_of_a_cell_takes_as_long_as_its_activities() {
     for (resource, busy) in [("robot_2", "55.6 %"), ("robot_1", "44.4 %"), ("human", "0.0 %")] {
         assert!(shown.lines().any(|line| line.starts_with(resource) && line.contains(busy)), "{resource}: {shown}");
     }
-    assert!(shown.contains("3.000 s  `robot_2.process<1.new>` with part 1 starts: nothing else wanted"), "{shown}");
+    assert!(shown.contains("3.000 s  `robot_2.process<1.new>` with part 1 starts: no competing candidate"), "{shown}");
 }
 
 #[test]
@@ -191,7 +196,7 @@ fn a_cell_that_gets_stuck_says_what_its_parts_wait_for() {
     let stuck: Vec<Output> = stuck.filter(|output| !output.status.success()).collect();
     let [first, ..] = &stuck[..] else { panic!("it never got stuck") };
     let said = text(&first.stderr);
-    assert!(said.contains("parts were finished; nothing happens any more after"), "{said}");
+    assert!(said.contains("parts finished; no further event after"), "{said}");
     assert!(!said.contains("3600"), "the end is when the last thing happened: {said}");
     assert!(said.contains(" has been in ") && said.contains("`ST.available-capacity`"), "{said}");
 }

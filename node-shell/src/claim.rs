@@ -33,7 +33,7 @@ const TICKS: f64 = 100.0;
 #[derive(Debug, Error)]
 pub enum ClaimError {
     /// Another process holds it.
-    #[error("{what} is there already: {holder}. {advice}")]
+    #[error("{what} is already running: {holder}. {advice}")]
     Taken {
         /// What was claimed.
         what: String,

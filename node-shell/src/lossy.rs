@@ -95,9 +95,7 @@ fn report(output: &mut impl Write, dropped: &AtomicU64) -> bool {
     if missing == 0 {
         return true;
     }
-    if writeln!(output, "({missing} log lines were dropped: nobody read them in time, or they could not be written)")
-        .is_err()
-    {
+    if writeln!(output, "({missing} log lines dropped: output too slow or not writable)").is_err() {
         return false;
     }
     dropped.fetch_sub(missing, Ordering::Relaxed);

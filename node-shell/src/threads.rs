@@ -39,8 +39,8 @@ pub fn watch_middleware() -> Forward {
             tokio::time::sleep(EVERY).await;
         }
         tracing::error!(
-            "a thread of the middleware has ended, nothing is heard or said any more; that is so after a process was \
-             stopped for a moment (Ctrl-Z, a debugger)"
+            "middleware thread ended (after the process was stopped, by Ctrl-Z or a debugger): no messages in or out; \
+             the node ends, restart it"
         );
     })
 }

@@ -51,7 +51,7 @@ impl Watchdog {
             }
         });
         if let Err(error) = spawned {
-            tracing::error!("nobody watches whether the node stands still: {error}");
+            tracing::error!("watchdog of the node's loop not started: {error}");
         }
         Watchdog { fed, last }
     }

@@ -215,7 +215,7 @@ impl PositionSide {
                 continue;
             }
             let undoing = if place.block == Block::Recovery { "undoing " } else { "" };
-            let text = format!("{} starts {undoing}{}", station.name, operation.name);
+            let text = format!("{} started {undoing}{}", station.name, operation.name);
             self.commands.push(MotionCommand { place, path, axis, target, up: target > from, text });
         }
     }

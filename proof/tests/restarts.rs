@@ -35,7 +35,7 @@ fn counts_compared_across_a_lost_memory_close_the_clamp_under_the_bar() {
     let explored = found(&setting);
     let story = explored.counterexample().expect("the rule is needed");
     println!("{story}");
-    assert!(story.steps.iter().any(|step| step.contains("restarts without its memory")), "{story}");
+    assert!(story.steps.iter().any(|step| step.contains("restarts without its journal")), "{story}");
     assert_eq!(story.end, "the bar is off its rest while clamp 1 is not open");
 }
 

@@ -252,7 +252,7 @@ impl OperatorAction {
                 let (side, way) = (if advance { "advance" } else { "return" }, if down { "down" } else { "up" });
                 format!("{side} of {} {way}", name(station))
             }
-            OperatorAction::Buttons(0) => "hand-mode buttons let go".to_owned(),
+            OperatorAction::Buttons(0) => "hand-mode buttons released".to_owned(),
             OperatorAction::Buttons(held) => {
                 let buttons = line.buttons.iter().enumerate().filter(|(at, _)| held >> at & 1 == 1);
                 format!("{} held", buttons.map(|(_, name)| name.as_str()).collect::<Vec<_>>().join(" and "))
@@ -282,7 +282,7 @@ impl OperatorAction {
             }
             OperatorAction::Kill(process) => format!("{} killed", process.name(line)),
             OperatorAction::Restart(process) => format!("{} restarted", process.name(line)),
-            OperatorAction::RestartEmpty(process) => format!("{} restarted without memory", process.name(line)),
+            OperatorAction::RestartEmpty(process) => format!("{} restarted without its journal", process.name(line)),
             OperatorAction::DieAtRecord(station, true) => format!("{} to die at its next record", name(station)),
             OperatorAction::DieAtRecord(station, false) => format!("{} spared", name(station)),
             OperatorAction::FillDisk(full) => format!("the coordinator's disk is full: {full}"),

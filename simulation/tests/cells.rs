@@ -333,7 +333,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     let expected = format!("R came to {machine} without part 1. Put the part back into slot 1 of ST.");
     assert!(text.starts_with(&expected), "{text}");
     let station = machine.to_lowercase();
-    assert!(text.ends_with(&format!("robot is at rest, {station} is at rest)")), "{text}");
+    assert!(text.ends_with(&format!("robot: at rest, {station}: at rest)")), "{text}");
     let waited = since.since(started);
     assert!((Duration::from_secs(24)..Duration::from_secs(40)).contains(&waited), "{waited:?}");
     for station in [robot, of.line.station_named(&station).expect("there")] {

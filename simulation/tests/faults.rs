@@ -191,7 +191,9 @@ fn a_line_that_cannot_go_on_says_what_everybody_waits_for() {
     let RunEnd::Stuck(reasons) = end else { panic!("{end:?}") };
     assert!(reasons[0].contains("stand-by"), "{reasons:?}");
     assert!(
-        reasons.iter().any(|r| r.contains("recovery of advance transfer in manual (took too long)")),
+        reasons
+            .iter()
+            .any(|r| r.contains("recovery of advance transfer in manual (watchdog: motion not complete in time)")),
         "{reasons:?}"
     );
 }

@@ -141,7 +141,7 @@ impl WatchedLine {
             self.give_up(&format!("by the description: {:?}", self.conflicts()));
         }
         if self.alarms() != 0 {
-            self.give_up("drives both ways of one axis came on at once");
+            self.give_up("both actuators of one axis were on at once");
         }
         if !self.ledger.errors().is_empty() {
             self.give_up(&self.ledger.errors().join("\n"));

@@ -47,7 +47,7 @@ fn a_station_killed_at_any_moment_and_restarted_from_its_journal() {
             assert!(!sim.anything_energised());
             assert_eq!(sim.mode(), Some(ControlMode::StandBy));
             let refusal = sim.ask(ModeCommand::Auto).expect_err("a station is missing");
-            assert!(refusal.contains(&format!("{station} is not heard")), "{refusal}");
+            assert!(refusal.contains(&format!("{station}: no state received")), "{refusal}");
 
             sim.restart_station(id);
             sim.settle();
@@ -91,7 +91,7 @@ fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
             assert_eq!(sim.mode(), Some(ControlMode::StandBy));
             assert_eq!(started_after(&sim, believed + Duration::from_millis(6)), None);
             let refusal = sim.ask(ModeCommand::Auto).expect_err("nobody has looked at it");
-            assert!(refusal.contains(&format!("{station} was restarted")), "{refusal}");
+            assert!(refusal.contains(&format!("{station}: restarted")), "{refusal}");
             if sim.is_incomplete(station) {
                 sim.bring_back();
             } else {
@@ -175,7 +175,7 @@ fn neighbours_that_do_not_hear_each_other_wait_and_go_on_when_they_do() {
         sim.run_for(Duration::from_secs(5));
         assert_eq!(sim.mode(), Some(ControlMode::Auto), "nothing is wrong with any of them");
         assert!(!sim.anything_energised(), "but none goes on");
-        let heard = sim.blocked_by(clamp).iter().chain(&sim.blocked_by(transfer)).any(|r| r.contains("to be heard"));
+        let heard = sim.blocked_by(clamp).iter().chain(&sim.blocked_by(transfer)).any(|r| r.contains("the state of "));
         assert!(heard, "and each says why");
         sim.heal();
         two_more_cycles(&mut sim);

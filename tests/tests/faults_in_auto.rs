@@ -86,7 +86,7 @@ fn one_stops_and_the_others_finish(sim: &mut WatchedLine, station: &str, operati
         assert_eq!(sim.log().of(id).find(late), None, "nothing new starts");
     }
     let refusal = sim.ask(ModeCommand::Auto).expect_err("auto is refused with a fault standing");
-    assert!(refusal.contains(&format!("{station} has an incomplete operation")), "{refusal}");
+    assert!(refusal.contains(&format!("{station}: operation incomplete")), "{refusal}");
 }
 
 fn drive_of(sim: &WatchedLine, station: StationId, op: OpId) -> Option<&Drive> {

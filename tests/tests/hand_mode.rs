@@ -116,13 +116,13 @@ fn an_illegal_button_does_nothing_and_gives_a_reason() {
     refused(&mut sim, "PB_8", mill, "clamp_1: advance clamp (cycle 1)");
     assert_eq!(hold(&mut sim, "PB_2"), LIFTS);
     // Under a raised bar the clamp neither closes on to its next step nor takes its opening back.
-    refused(&mut sim, "PB_5", clamp, "interlock: transfer is not clear: LS_vertical_0");
+    refused(&mut sim, "PB_5", clamp, "interlock: transfer not clear: LS_vertical_0");
     refused(&mut sim, "PB_8", mill, "clamp_1: advance clamp (cycle 1)");
     assert_eq!(hold(&mut sim, "PB_3"), ["advance transfer"]);
     assert_eq!(hold(&mut sim, "PB_4"), LOWERS);
     assert_eq!(hold(&mut sim, "PB_5"), ["advance clamp"]);
     // Up again under a closed clamp: it is measured in the way.
-    refused(&mut sim, "PB_2", transfer, "interlock: clamp_1 is not clear: LS_open");
+    refused(&mut sim, "PB_2", transfer, "interlock: clamp_1 not clear: LS_open");
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn a_mill_sent_home_and_its_clamp_opened_by_hand_closes_it_again_before_machinin
     assert!(sim.jog("mill_1", false) && sim.jog("mill_1", false), "the mill goes home");
     assert!(!sim.jog("clamp_1", false), "the bar has run back on the strength of the closed clamp");
     let reasons = sim.blocked_by(sim.id("clamp_1")).join("; ");
-    assert!(reasons.contains("transfer: return transfer has started"), "{reasons}");
+    assert!(reasons.contains("transfer, return transfer has started"), "{reasons}");
     assert!(sim.jog("transfer", false), "so the bar goes over again first");
     assert!(sim.jog("clamp_1", false), "and the clamp is taken back: the tool is home");
     assert!(!sim.jog("mill_1", true), "no tool on an open clamp");
@@ -82,7 +82,7 @@ fn a_bar_under_a_closed_clamp_does_not_go_back_up() {
     // The clamp has finished closing; the bar has not begun to run back.
     assert!(!sim.jog("transfer", false), "it does not lift");
     let reasons = sim.blocked_by(transfer).join("; ");
-    assert!(reasons.contains("interlock: clamp_1 is not clear: LS_open"), "{reasons}");
+    assert!(reasons.contains("interlock: clamp_1 not clear: LS_open"), "{reasons}");
     sim.selector("transfer", false);
     sim.run_for(Duration::from_millis(200));
     sim.back_to_auto();

@@ -53,6 +53,11 @@ enum InjectedFault {
 }
 
 impl InjectedFault {
+    /// Its name on the command line.
+    fn name(self) -> String {
+        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    }
+
     /// What happens to a motion (`Some(None)`: nothing any more), if it happens to one.
     fn of_a_motion(self) -> Option<Option<MotionFault>> {
         match self {
@@ -137,13 +142,13 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let node = device
         .node_id()
         .and_then(NodeId::new)
-        .ok_or_else(|| miette!("{} speaks no CANopen: it cannot be told to fail", device.name))?;
+        .ok_or_else(|| miette!("{}: not a CANopen device; faults cannot be injected", device.name))?;
     for ((index, sub), value) in orders {
         sdo_client::write(&mut bus, node, ObjectId::new(index, sub), &value.to_le_bytes(), TransferOptions::default())
             .await
             .map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))?;
     }
-    crate::out::say!("{} (node {node}): {:?}", device.name, args.what);
+    crate::out::say!("{} (node {node}): {}", device.name, args.what.name());
     Ok(ExitCode::SUCCESS)
 }
 
@@ -151,13 +156,13 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, ObjectWrites)> {
     let what = args.what;
     if args.operation.is_some() {
-        let fault =
-            what.of_a_motion().ok_or_else(|| miette!("{what:?} happens to a whole device: leave --operation away"))?;
+        let fault = what
+            .of_a_motion()
+            .ok_or_else(|| miette!("{} is a fault of a whole device; omit --operation", what.name()))?;
         let (device, sub) = moving(line, args)?;
         return Ok((device, vec![((FAULT_INDEX, sub), fault.map_or(0, MotionFault::code))]));
     }
-    let orders =
-        what.of_a_device().ok_or_else(|| miette!("{what:?} happens to a motion: say which with --operation"))?;
+    let orders = what.of_a_device().ok_or_else(|| miette!("{} needs --operation", what.name()))?;
     let id = load::station(line, &args.station)?;
     let devices: Vec<&Device> = line.devices_of(Owner::Station(id)).collect();
     let named = |device: &&&Device| args.device.as_ref().is_none_or(|name| device.name == *name);

@@ -157,7 +157,7 @@ pub async fn replay(bus: &mut Bus, args: &ReplayArgs) -> miette::Result<ExitCode
     crate::out::say!("{sent} of {} frames sent in {:.3} s", frames.len(), start.elapsed().as_secs_f64());
     let refused = bus.stats().send_errors;
     if refused > 0 {
-        crate::out::complain!("{refused} of them were refused: nobody acknowledges, or the queue is full");
+        crate::out::complain!("{refused} frames not sent: no acknowledge on the bus, or transmit queue full");
     }
     Ok(if refused == 0 && sent == frames.len() as u64 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -95,9 +95,8 @@ pub async fn run(bus: &mut Bus, args: &NmtArgs) -> miette::Result<ExitCode> {
         }
     }
     if seen.is_empty() {
-        let who = addressed.map_or("no node".to_owned(), |node| format!("node {node} has not"));
-        let said = if addressed.is_some() { "reported itself" } else { "has reported itself" };
-        crate::out::complain!("{who} {said} {} within {} ms", state_name(expected), PATIENCE.as_millis());
+        let node = addressed.map_or("all nodes".to_owned(), |node| format!("node {node}"));
+        crate::out::complain!("{node}: state {} not reached within {} ms", state_name(expected), PATIENCE.as_millis());
         return Ok(ExitCode::FAILURE);
     }
     Ok(ExitCode::SUCCESS)

@@ -128,7 +128,7 @@ fn profile(device_type: u32) -> String {
 
 fn table(found: &[ScannedNode]) {
     if found.is_empty() {
-        crate::out::complain!("nobody answers");
+        crate::out::complain!("no node answered");
         return;
     }
     let hex = |number: Option<u32>| number.map_or("-".to_owned(), |number| format!("{number:08X}h"));

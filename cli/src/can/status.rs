@@ -92,7 +92,7 @@ fn nodes(line: &Line, interface: &str, survey: &BusScan, now: Tick, listened: Du
             owner: Some(line.owner_name(device.owner).to_owned()),
             operational: heard.is_some_and(|heard| heard.state == Some(NmtState::Operational)),
             is: heard.map_or_else(
-                || format!("silent: nothing heard in {} ms; off, unplugged, or another node id", listened.as_millis()),
+                || format!("no frames in {} ms: check supply, cable and node id", listened.as_millis()),
                 |heard| heard.explain(now),
             ),
         }
@@ -127,7 +127,7 @@ fn table(nodes: &[StatusNode], survey: &BusScan) {
         crate::out::say!("{mark} {number:>3}  {:width$}  {}", name(node), node.is);
     }
     if !nodes.iter().any(|node| node.node == Some(MANAGER_NODE.get())) {
-        crate::out::say!("no manager is heard (node {MANAGER_NODE}): nobody starts these devices");
+        crate::out::say!("no manager on the bus (node {MANAGER_NODE}): devices are not started");
     }
     if survey.bus_errors > 0 {
         crate::out::say!("the kernel reports {} errors of the bus", survey.bus_errors);

@@ -166,7 +166,7 @@ pub async fn answer(args: AnswerArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let state = client.until_heard(CONNECT).await?;
     let (Some(alarm), Some(word)) = (args.alarm, args.word) else {
         if state.alarms.as_slice().is_empty() {
-            say!("no alarm stands");
+            say!("no active alarm");
         }
         for alarm in state.alarms.as_slice() {
             say!("alarm {}: {} Answers: {}", alarm.id, alarm.text, alarm.answers.join(", "));
@@ -217,22 +217,24 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
         (None, None) => {
             let down = state.down.clone();
             if down.as_slice().is_empty() {
-                say!("no resource is left out");
+                say!("no resource is out of service");
             }
             for name in down.as_slice() {
                 client.why(name).await?.iter().for_each(|reason| say!("{reason}"));
             }
             return Ok(ExitCode::SUCCESS);
         }
-        (Some(name), None) => return Err(miette!("how is {name}? Say alarm, down, up or reset behind it")),
-        (None, Some(_)) => return Err(miette!("which resource? Name it before what is said of it")),
+        (Some(name), None) => return Err(miette!("missing state for {name}: alarm, down, up or reset")),
+        (None, Some(_)) => return Err(miette!("missing resource name")),
     };
     let (what, text, done) = match is {
-        ResourceService::Alarm { text } => {
-            (SetResourceRequest::ALARM, text.join(" "), "is left out, and what it was doing is stopped and has failed")
-        }
-        ResourceService::Down => (SetResourceRequest::DOWN, String::new(), "is left out"),
-        ResourceService::Up => (SetResourceRequest::UP, String::new(), "is counted on again"),
+        ResourceService::Alarm { text } => (
+            SetResourceRequest::ALARM,
+            text.join(" "),
+            "is out of service; its activities were stopped and have failed",
+        ),
+        ResourceService::Down => (SetResourceRequest::DOWN, String::new(), "is out of service"),
+        ResourceService::Up => (SetResourceRequest::UP, String::new(), "is in service again"),
         ResourceService::Reset => (SetResourceRequest::RESET, String::new(), "is reset"),
     };
     client.resource(&name, what, &text).await?;

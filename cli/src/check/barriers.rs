@@ -108,8 +108,8 @@ impl Barriers {
         let Some(ByThemselves { states, verdict, counterexample }) = &self.by_themselves else { return sides };
         match *verdict {
             "holds" => format!(
-                "{sides}; positions by themselves exclude it whatever is commanded and remembered ({states} states), but \
-                 for two motions that start within one report's delay"
+                "{sides}; excluded by measured positions alone, for every command and memory ({states} states), \
+                 except two starts within one report delay"
             ),
             "fails" => {
                 format!("{sides}; ✗ positions by themselves do not exclude it:\n    {}", counterexample.join("\n    "))

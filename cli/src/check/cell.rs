@@ -20,8 +20,8 @@ use super::report::TextPlace;
 use crate::load;
 
 /// What no exploration of a cell settles.
-pub const BREAKDOWN: &str = "whether parts are finished while something has failed, and in time: in the exploration of parts \
-     nothing breaks, and time stands still";
+pub const BREAKDOWN: &str = "whether parts are finished in time, or with a resource failed: exploration has no \
+     failures and no time";
 /// What is left open without one.
 pub const NOT_EXPLORED: &str = "whether parts of the cell get stuck: explore for that, without --structure";
 /// More groups than this are not listed one by one.

@@ -16,7 +16,7 @@ const DEVICES: &str = "whether mechanisms and devices behave as the description 
 const NOT_EXPLORED: [&str; 2] = [
     "whether a conflict can be reached through faults, undone operations, recovery paths and late messages: explore for \
      that, without --structure",
-    "whether every wait ends outside the normal cycle: a live net can still be held by a condition that never comes true",
+    "whether every wait ends outside the normal cycle: a live net can be blocked by a condition that never holds",
 ];
 /// What one report on its way over each link leaves open.
 const RING: &str = "what a report can do that arrives after newer ones were sent: stations of this line wait for each \

@@ -91,7 +91,7 @@ impl CellRun {
 
     /// What it is waiting for, in words.
     pub fn waits(&self) -> Vec<String> {
-        let Some(state) = self.client.state() else { return vec!["the cell is not heard".to_owned()] };
+        let Some(state) = self.client.state() else { return vec!["no state received from the cell".to_owned()] };
         let alarms = state.alarms.as_slice().iter().map(|alarm| format!("alarm {}: {}", alarm.id, alarm.text));
         let activities = |state: &CellState| {
             let line = |a: &linewright_msgs::ActivityState| format!("`{}` of part {}: {}", a.name, a.part, a.text);

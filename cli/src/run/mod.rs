@@ -359,7 +359,7 @@ impl Session {
         if self.ends() && went_on.elapsed() > self.patience {
             let mut reasons = match self.client.coordinator() {
                 Some(state) => vec![format!("the mode is {}", state.text)],
-                None => vec!["the coordinator is not heard".to_owned()],
+                None => vec!["no state received from the coordinator".to_owned()],
             };
             reasons.extend(self.cell.iter().flat_map(CellRun::waits));
             for id in self.line.station_ids() {
@@ -367,7 +367,7 @@ impl Session {
                 match self.client.station(id) {
                     Some(state) if state.blocked_by.is_empty() => reasons.push(format!("{name}: {}", state.operation)),
                     Some(state) => reasons.push(format!("{name} waits for {}", state.blocked_by.join("; "))),
-                    None => reasons.push(format!("{name} is not heard")),
+                    None => reasons.push(format!("no state received from {name}")),
                 }
             }
             return Err(miette!("nothing was done for {:.0} s: {}", self.patience.as_secs_f64(), reasons.join(", ")));
@@ -412,12 +412,12 @@ impl Session {
         let error = match &outcome {
             Err(error) => Some(error.to_string()),
             Ok(()) if let Some((made, wanted)) = parts.filter(|_| short) => {
-                Some(format!("{made} of {wanted} parts were made"))
+                Some(format!("{made} of {wanted} parts finished"))
             }
             Ok(()) if short => Some(format!("{} of {} cycles ended", self.tally.cycles(), args.cycles.unwrap_or(0))),
             Ok(()) => None,
         };
-        let mode = self.client.coordinator().map_or("not heard", |state| mode_name(state.mode));
+        let mode = self.client.coordinator().map_or("no state received", |state| mode_name(state.mode));
         let mut report = self.tally.report(mode, &self.observer, restarts, error.clone());
         (report.parts_made, report.parts_wanted) = parts.unzip();
         if args.json {

@@ -107,7 +107,7 @@ impl SimulationReport {
             text.push_str(&critical_text(line, path));
         }
         if !self.waits.is_empty() {
-            text.push_str("\nwho waits for whom, after its own station was ready:\n");
+            text.push_str("\nwaiting times at arrows, after the waiting station was ready:\n");
             for (arrow, starts, seconds) in &self.waits {
                 let arrow = &line.arrows[*arrow];
                 let mean = seconds / *starts as f64;
@@ -200,7 +200,7 @@ pub fn end_text(sim: &LineSim, end: &RunEnd) -> Option<String> {
                 let conflict = &line.conflicts[seen.conflict];
                 format!("conflict at {}: {} ({})", seen.at, conflict.why, seen.positions)
             });
-            let alarms = (sim.alarms() > 0).then(|| "drives both ways of one axis came on at once".to_owned());
+            let alarms = (sim.alarms() > 0).then(|| "both actuators of one axis were on at once".to_owned());
             Some(conflicts.chain(alarms).collect::<Vec<_>>().join("\n"))
         }
         RunEnd::Miscounted => Some(sim.record().errors().join("\n")),

@@ -150,7 +150,7 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
 
     let again = refusal(&machine.ends(domain, &["run", "--cycles", "1"], &line, &[]));
     let by =
-        format!("a run of line /one_line in ROS domain {domain} is there already: process {}, since", first.0.id());
+        format!("a run of line /one_line in ROS domain {domain} is already running: process {}, since", first.0.id());
     assert!(again.contains(&by), "{again}");
 
     // One that is not refused ends by itself: its standard input has ended.
@@ -160,7 +160,7 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
     {
         let again = refusal(&machine.ends(domain, words, &line, &alone));
         assert!(
-            again.contains(&format!("node /one_line/{name} in ROS domain {domain} is there already: process")),
+            again.contains(&format!("node /one_line/{name} in ROS domain {domain} is already running: process")),
             "{again}"
         );
     }
@@ -168,7 +168,7 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
     let there = ["--end-with-stdin", "--state-dir", &state];
     let again = refusal(&machine.ends(other, &["station", "--station", "clamp_1"], &line, &there));
     assert!(
-        again.contains("a process that keeps its state in") && again.contains("is there already: process"),
+        again.contains("a process that keeps its state in") && again.contains("is already running: process"),
         "{again}"
     );
 

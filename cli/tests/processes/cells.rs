@@ -140,7 +140,7 @@ fn alarm_stops_a_station_by_itself_until_it_is_reset() {
     operator.wait("people are told", |heard| heard.line.text.contains("robot_2 in emergency stop"));
 
     let why = rig.said(&["resource"], &["robot_2", "up"]).expect_err("not without looking");
-    assert!(why.contains("activity of robot_2 has failed"), "{why}");
+    assert!(why.contains("robot_2: an activity with it failed"), "{why}");
     let is_reset = || rig.said(&["resource"], &["robot_2", "reset"]).is_ok();
     assert!(wait_for(LONG, is_reset), "{:?}", rig.said(&["resource"], &["robot_2", "reset"]));
     operator.wait("it follows the line again", |heard| heard.station("robot_2").mode != StationState::MODE_ESTOP);
@@ -185,7 +185,7 @@ fn put_right(rig: &Rig, operator: &Operator) {
     let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
     rig.said(&["answer"], &[alarm, "as-done"]).unwrap_or_else(|error| panic!("{said}: {error}"));
     // Who could not work when the activity was closed is left out until somebody says otherwise.
-    if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 has been left out")) {
+    if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 out of service")) {
         rig.said(&["resource"], &["robot_2", "up"]).expect("it works");
     }
 }

@@ -94,7 +94,7 @@ fn a_device_is_asked_seen_and_reset_while_the_line_runs() {
     rig.eye.wait("the bar advances", |seen| seen.output("transfer", "advance"));
     let answer = technician.call(&reset, &TriggerRequest::default());
     assert!(answer.success, "{}", answer.message);
-    let by_name = "devices lost (transfer io (node 11h): ";
+    let by_name = "I/O devices lost (transfer io (node 11h): ";
     operator.wait("the station says which device and why", |heard| heard.station("transfer").fault.contains(by_name));
     technician.hear(&mut states, |state| state.data == "START");
     let lost_once = |s: &DiagnosticStatus| s.values.iter().any(|value| value.key == "losses" && value.value == "1");
@@ -104,7 +104,7 @@ fn a_device_is_asked_seen_and_reset_while_the_line_runs() {
     let report = technician.hear(&mut reports, back);
     assert_eq!(report.status.iter().filter(|s| lost_once(s)).count(), 1, "one device, once: {report:?}");
     let refusal = operator.refused("auto");
-    assert!(refusal.contains("transfer has an incomplete operation"), "{refusal}");
+    assert!(refusal.contains("transfer: operation incomplete"), "{refusal}");
     operator.wait("its devices are back", |heard| heard.all(|state| state.devices_valid));
     operator.recover();
     operator.cycles(2);

@@ -61,7 +61,7 @@ fn by_its_selector(operator: &Operator, station: &str) {
     assert!(!operator.jog("clamp_1", "return") && !operator.jog("transfer", "return"), "their selectors stand at auto");
     operator.complete();
     let refusal = operator.refused("auto");
-    assert!(refusal.contains(&format!("the selector of {station} stands at manual")), "{refusal}");
+    assert!(refusal.contains(&format!("{station}: selector at manual")), "{refusal}");
     operator.select(station, "auto");
     operator.wait("stand-by", |heard| heard.in_mode(StationState::MODE_STANDBY));
     operator.order("auto", StationState::MODE_AUTO);

@@ -20,7 +20,7 @@ fn a_clamp_without_its_memory_does_not_move_and_is_led_back() {
     assert!(rig.eye.seen().input("clamp_1", "LS_closed"));
     refused(&rig, &operator, started);
     operator.wait("it asks where it stands", |heard| {
-        heard.station("clamp_1").blocked_by.iter().any(|why| why.contains("confirm that with rejoin"))
+        heard.station("clamp_1").blocked_by.iter().any(|why| why.contains("confirm it with rejoin"))
     });
     let said = rig.said(&["rejoin"], &["clamp_1"]).expect("its switches tell where it stands");
     assert!(said.contains("advance clamp"), "{said}");
@@ -50,7 +50,7 @@ fn refused(rig: &Rig, operator: &Operator, started: usize) {
     assert_eq!(operator.station("clamp_1").generation, 0);
     let refusal = operator.refused("auto");
     let way_back =
-        "clamp_1 has no memory of the counts the others share: lead all stations home in manual, then give auto";
+        "clamp_1: no generation in common with the other stations; lead all stations home in manual, then give auto";
     assert!(refusal.contains(way_back), "{refusal}");
     pause(1000);
     let seen = rig.eye.seen();

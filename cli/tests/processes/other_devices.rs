@@ -87,7 +87,7 @@ fn a_measured_pressure_and_a_probe_that_speaks_no_canopen() {
     // A broken wire is no pressure at all.
     hold(&rig, 0x7FFF);
     let broken =
-        "devices lost (clamp 1 io (node 21h): operational, but analogue input 1 (6401h:01) is at the end of its";
+        "I/O devices lost (clamp 1 io (node 21h): operational, but analogue input 1 (6401h:01) is at the end of its";
     operator.wait("the clamp says what is broken", |heard| heard.station("clamp_1").fault.contains(broken));
     hold(&rig, LETS_GO);
     operator.wait("its devices are back", |heard| heard.all(|state| state.devices_valid));

@@ -60,7 +60,7 @@ fn rubbish_on_topics_and_on_the_bus_changes_nothing() {
 fn is_reported(rig: &Rig, operator: &Operator) {
     // As long as a message may be: an answer that repeated it would be longer, and nobody would hear it.
     let refusal = operator.refused(&"x".repeat(TEXT_MAX));
-    assert!(refusal.len() < 500 && refusal.contains("is no command"), "{refusal}");
+    assert!(refusal.len() < 500 && refusal.contains("unknown command"), "{refusal}");
     let heard = operator.heard();
     assert!(heard.line.refusals > 10, "commands and buttons are refused: {}", heard.line.refusals);
     let ignored = |event: &StationEvent| event.kind == StationEvent::KIND_IGNORED;

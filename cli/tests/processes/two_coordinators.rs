@@ -84,9 +84,9 @@ fn a_second_coordinator_ends_and_names_the_first() {
     let text = String::from_utf8_lossy(&output.stderr);
     let text: String = text.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
     assert!(ended && output.status.code() == Some(1), "{text}");
-    let expected = format!("another coordinator (boot id {first}) gives orders to this line, and this one came second");
+    let expected = format!("second coordinator: one with boot id {first} is active on this line; this one ends");
     assert!(text.contains(&expected), "{text}");
-    operator.wait("the first one is alone", |heard| !heard.line.text.contains("another coordinator"));
+    operator.wait("the first one is alone", |heard| !heard.line.text.contains("second coordinator"));
     operator.recover();
     operator.cycles(1);
     operator.go_home();
@@ -117,14 +117,14 @@ fn while_two_coordinators_are_up_nothing_moves_and_the_emergency_stop_of_the_oth
 }
 
 fn is_named(reason: &str) -> bool {
-    reason.contains("two coordinators give orders") && reason.contains(&OTHER.to_string())
+    reason.contains("one coordinator: two are active") && reason.contains(&OTHER.to_string())
 }
 
 fn nothing_moves(rig: &Rig, operator: &Operator) {
     operator.wait("every station says why", |heard| {
         heard.all(|state| state.mode == StationState::MODE_STANDBY && state.blocked_by.iter().any(|why| is_named(why)))
     });
-    let named = format!("another coordinator (boot id {OTHER}) gives orders to this line");
+    let named = format!("second coordinator active on this line (boot id {OTHER})");
     operator.wait("the coordinator as well", |heard| heard.line.text.contains(&named));
     operator.wait("everything stands", |heard| heard.all(|state| state.stopped));
     let started = rig.eye.seen().starts().len();

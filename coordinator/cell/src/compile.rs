@@ -45,7 +45,7 @@ pub struct OrderTiming {
 #[derive(Debug, Error)]
 pub enum Unplayable {
     /// Such a cell is there to be found wrong.
-    #[error("the description says `reserve = false`: a part could be grasped with nowhere to put it")]
+    #[error("`reserve = false`: a part could be grasped without a free place for it; not allowed for a running cell")]
     Unreserved,
     /// Too large for a net.
     #[error("the cell has no net: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]

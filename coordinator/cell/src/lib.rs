@@ -12,6 +12,7 @@
 //! - [`ahead`]: the dispatcher that tries out in thought what comes of a decision.
 //! - [`schedule`]: when everything is to start, followed and revised.
 //! - [`tracking`]: what has happened, for reports.
+//! - [`texts`]: what operators read.
 //! - [`exception`]: what becomes of what has failed, and what is down.
 //! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
 //! - [`compile`]: what is played, from a cell's description; the only module that knows one.
@@ -44,6 +45,7 @@ mod situation;
 mod snapshot;
 mod state;
 mod table;
+pub mod texts;
 pub mod tracking;
 
 pub use enabling::Enabling;

@@ -7,7 +7,6 @@
 use linewright_line::{StationId, Tick};
 use linewright_orders::TaskOrder;
 pub use linewright_orders::{TaskOutcome, TaskReply};
-use thiserror::Error;
 
 use super::exception::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
 use super::ids::{AlarmId, ModeId, OrderKey, PartId, ProductionId, ResourceId};
@@ -61,16 +60,13 @@ pub enum ProductionCommand<'a> {
 }
 
 /// Why something was not changed.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProductionCommandError {
     /// All that is wrong with the requests.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Request(Vec<RequestProblem>),
     /// The order cannot be changed so.
-    #[error(transparent)]
     Order(ProductionRefusal),
     /// Another life of the coordinator has begun, and knows better.
-    #[error("this coordinator is not the newest any more; ask that one")]
     Superseded,
 }
 

@@ -52,7 +52,7 @@ const FIRINGS_MAX: usize = 10_000;
 
 /// The epoch of a new life is not a new one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("epoch {asked} cannot begin after epoch {newest}")]
+#[error("epoch {asked} is not newer than epoch {newest} of the log")]
 pub struct OldEpoch {
     /// What it would have been.
     pub asked: u64,

@@ -11,7 +11,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_line::Tick;
-use thiserror::Error;
 
 use super::ids::{CellId, ModeId, PartId};
 use super::plan::{CellKind, PartPick};
@@ -103,22 +102,17 @@ pub trait Dispatcher {
 }
 
 /// Why an answer cannot be followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BadAnswer {
     /// There is no such candidate.
-    #[error("candidate {0} was not asked about")]
     NoCandidate(usize),
     /// The part cannot be taken, or there must be none, or one is missing.
-    #[error("{mode} cannot start with {part:?}")]
     Part { mode: ModeId, part: Option<PartId> },
     /// A part would be in two places.
-    #[error("{0} is to start twice")]
     PartTwice(PartId),
     /// A mode more often than its servers allow, or more than one part of a cell that gives one after the other.
-    #[error("{0} cannot start so often at once")]
     TooOften(ModeId),
     /// Not enough tokens for all that is to start.
-    #[error("{0} has fewer tokens than the answer takes")]
     NotCovered(CellId),
 }
 

@@ -1,7 +1,7 @@
 //! Why something does not start: part of every decision that is written down.
 //!
 //! A reason is data and names what it is about by number, so that it can be compared, kept for years and asked for by
-//! machines; [`super::dispatch::words`] says it to people. What was started is not given a reason of its own: that it was
+//! machines; [`super::texts`] says it to people. What was started is not given a reason of its own: that it was
 //! started before others stands with these.
 
 use std::time::Duration;

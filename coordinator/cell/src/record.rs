@@ -5,8 +5,6 @@
 //! [`super::player`]). A record says what has happened, never what was tried: that an order was *sent* is none, since
 //! written before it might be untrue, and written after it might be missing.
 
-use std::fmt;
-
 use linewright_line::{StationId, Tick};
 use linewright_orders::TaskFailure;
 pub use linewright_orders::TaskRefusal;
@@ -241,19 +239,6 @@ impl ActivityFailure {
             ActivityFailure::TimedOut => true,
             ActivityFailure::Order { key: _, failure } => failure.is_expiry(),
             ActivityFailure::ByHand { .. } => false,
-        }
-    }
-}
-
-impl fmt::Display for OrderFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            OrderFailure::Code(code) => write!(f, "ended with code {code}"),
-            OrderFailure::Refused(refusal) => write!(f, "refused ({refusal:?})"),
-            OrderFailure::TimedOut => f.write_str("not done in time"),
-            OrderFailure::Forgotten => f.write_str("forgotten by its station"),
-            OrderFailure::Lost => f.write_str("its station is not heard any more"),
-            OrderFailure::DevicesLost => f.write_str("its station has lost its devices"),
         }
     }
 }

@@ -103,14 +103,14 @@ fn restored(table: Arc<CellTable>, of: CellSnapshot) -> Result<PlayerState, Stri
     let counters =
         [of.sequence, of.epoch, of.questions, of.last_order, of.last_firing, of.last_part, of.left, of.arrivals];
     if counters.iter().any(|&counter| counter >= NUMBER_MAX) {
-        return Err("it counts further than anybody can".to_owned());
+        return Err("counter out of range".to_owned());
     }
     let marking = marking(&table, &of)?;
     let production = Production::restored(&table, of.production)?;
     let (mut parts, mut firings) = (BTreeMap::new(), BTreeMap::new());
     for part in of.parts {
         if part.id.0 > of.last_part || parts.insert(part.id, part).is_some() {
-            return Err(format!("{} is in it twice, or has not come yet", part.id));
+            return Err(format!("{}: occurs twice, or its number was not assigned yet", part.id));
         }
     }
     let mut in_progress = vec![0; table.mode_count()];
@@ -230,7 +230,7 @@ fn marking(table: &CellTable, of: &CellSnapshot) -> Result<CellMarking, String> 
         let PartPlace::On { cell, arrival } = part.place else { continue };
         let is_parts = cell.index() < table.cell_count() && table.kind(cell) != CellKind::Tokens;
         if !is_parts || arrival > of.arrivals || !marking.lay(cell, arrival, part.id) {
-            return Err(format!("{} cannot be on {cell}, where it came as number {arrival}", part.id));
+            return Err(format!("{}: not valid at {cell} with arrival number {arrival}", part.id));
         }
     }
     Ok(marking)

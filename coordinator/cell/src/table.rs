@@ -39,7 +39,7 @@ pub enum PlanError {
         expected: usize,
     },
     /// An activity that is not in the list.
-    #[error("`{mode}` is said to be activity {activity} of {count}")]
+    #[error("`{mode}` names activity {activity}; there are {count}")]
     NoActivity {
         mode: String,
         /// The position asked for.
@@ -66,10 +66,10 @@ pub enum PlanError {
     #[error("activity `{activity}` is immediate and has orders; make it a decided one")]
     ImmediateOrders { activity: String },
     /// It would happen for ever.
-    #[error("`{mode}` is immediate and takes nothing, so it would never stop happening")]
+    #[error("`{mode}` is immediate and consumes no token: it would fire without end")]
     ImmediateSource { mode: String },
     /// A product whose parts do not enter by that mode.
-    #[error("parts of `{product}` are said to enter by mode {mode}, which lets no part enter")]
+    #[error("product `{product}` names entry mode {mode}, which admits no part")]
     NoEntrance {
         product: String,
         /// The mode, as a number.
@@ -83,7 +83,7 @@ pub enum PlanError {
         cell: u32,
     },
     /// Nobody could say which number to send.
-    #[error("task `{task}` of `{mode}` wants to know the position in a store, where the part is in none")]
+    #[error("task `{task}` of `{mode}` has a store position as parameter, but the part is in no store")]
     NoPosition { task: String, mode: String },
     /// Not even one firing is allowed.
     #[error("activity `{activity}` has no server; 1 lets each of its modes happen once at a time")]

@@ -5,3 +5,6 @@ mod exceptions;
 mod planning;
 mod player;
 mod recovery;
+#[path = "../../../stations/logic/tests/samples.rs"]
+mod samples;
+mod texts;

@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, Unplayable, compile_cell, dispatcher};
-use linewright_coordinator_cell::dispatch::{Fairness, words};
+use linewright_coordinator_cell::dispatch::Fairness;
+use linewright_coordinator_cell::texts;
 use linewright_coordinator_cell::{
     ActivityPhase, ActivityTiming, DispatchDecision, Dispatcher, Fifo, HeldCandidate, HoldReason, PlayerOutbox,
     Question, RecordKind, Start, TaskParameterValue,
@@ -83,7 +84,7 @@ fn the_described_cell_decides_its_conflict_by_its_own_rules() {
     world.coordination.reconsider();
     world.coordination.step(now, &[], &mut by_rules, &mut out);
     let RecordKind::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records) };
-    let said = words::decision(&world.it.table, started, held);
+    let said = texts::decision(&world.it.table, started, held);
     assert_eq!(started.len(), 1);
     assert!(said[0].starts_with("`unload robot_2<1.done>` with part "), "{said:?}");
     assert!(said[1].contains("by shortest-processing-time (takes 3 s; the other takes 7 s)"), "{said:?}");

@@ -79,7 +79,7 @@ pub enum HistoryError {
         why: String,
     },
     /// The log from which it is caught up cannot be read.
-    #[error("cannot catch up database {path}: {why}")]
+    #[error("records missing in database {path} cannot be added from the log: {why}")]
     Source {
         /// The database.
         path: PathBuf,

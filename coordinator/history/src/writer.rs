@@ -188,7 +188,7 @@ pub(crate) fn read_about(db: &Connection, path: &Path) -> Result<CellAbout, Hist
     let text =
         db.query_row("SELECT data FROM about", [], |row| row.get::<_, String>(0)).optional().map_err(at(path))?;
     let damaged = |why: String| HistoryError::Damaged { path: path.to_owned(), why };
-    let text = text.ok_or_else(|| damaged("it does not say which cell it is about".to_owned()))?;
+    let text = text.ok_or_else(|| damaged("no cell named in its header".to_owned()))?;
     serde_json::from_str(&text).map_err(|error| damaged(format!("what it is about cannot be read: {error}")))
 }
 

@@ -9,8 +9,10 @@ mod coordinator;
 pub mod decision;
 mod gateway;
 mod refusal;
+mod texts;
 
 pub use coordinator::{Coordinator, ModeGrant, ModeInput, ModeOutbox, StationView};
 pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};
 pub use refusal::{ModeRefusal, RefusedCommand};
+pub use texts::ModeText;

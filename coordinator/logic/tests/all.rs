@@ -4,4 +4,7 @@ mod common;
 mod isolated;
 mod mode_table;
 mod on_order;
+#[path = "../../../stations/logic/tests/samples.rs"]
+mod samples;
+mod texts;
 mod watchfulness;

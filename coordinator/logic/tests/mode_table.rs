@@ -13,11 +13,11 @@ use crate::common::Bench;
 /// The mode after the command, and the refusal's reasons; "" where it is obeyed.
 type Row = (ControlMode, ModeCommand, ControlMode, &'static str);
 
-const TAKES_START: &str = "this mode takes start";
-const ALREADY: &str = "the line is in that mode already";
-const LATCHED: &str = "the emergency stop is on: reset it, then only manual leads out";
-const FROM_AUTO: &str = "this mode takes stop, estop";
-const FROM_HAND: &str = "this mode takes auto, stop, estop";
+const TAKES_START: &str = "commands in this mode: start";
+const ALREADY: &str = "mode already in force";
+const LATCHED: &str = "emergency stop active; reset it, then select manual";
+const FROM_AUTO: &str = "commands in this mode: stop, estop";
+const FROM_HAND: &str = "commands in this mode: auto, stop, estop";
 
 const AT_HOME: [Row; 42] = [
     (M::Home, C::Start, M::StandBy, ""),
@@ -102,7 +102,7 @@ fn after_a_reset_only_manual_leads_out_of_the_emergency_stop() {
     check(&mut bench, (M::EStop, C::Manual, M::Manual, ""));
 }
 
-const AWAY_AND_MOVING: &str = "mill_1 is not at home; mill_1 is still moving";
+const AWAY_AND_MOVING: &str = "mill_1: not at home; mill_1: motion in progress";
 
 #[test]
 fn a_line_whose_mill_is_under_way() {
@@ -110,8 +110,8 @@ fn a_line_whose_mill_is_under_way() {
         (M::Auto, C::Stop, M::Auto, ""),
         (M::StandBy, C::Stop, M::StandBy, AWAY_AND_MOVING),
         (M::StandBy, C::Auto, M::Auto, ""),
-        (M::StandBy, C::Hand, M::StandBy, "mill_1 is still moving"),
-        (M::StandBy, C::Manual, M::StandBy, "mill_1 is still moving"),
+        (M::StandBy, C::Hand, M::StandBy, "mill_1: motion in progress"),
+        (M::StandBy, C::Manual, M::StandBy, "mill_1: motion in progress"),
         (M::Hand, C::Auto, M::Auto, ""),
         (M::Hand, C::Stop, M::StandBy, ""),
         (M::Auto, C::EStop, M::EStop, ""),
@@ -132,7 +132,7 @@ fn what_speaks_against_auto_is_said_in_full() {
     bench.beat();
     let refusal = bench.command(C::Auto);
     let expected = "auto refused in stand-by: \
-                    transfer has an incomplete operation: recover it in manual; clamp_1 has lost its devices";
+                    transfer: operation incomplete; complete or undo it in manual; clamp_1: I/O devices lost";
     assert_eq!(refusal.as_deref(), Some(expected));
 }
 
@@ -150,12 +150,12 @@ fn a_stop_in_stand_by_that_is_refused_always_says_why() {
         b.heard[1].round = 3;
         b.beat();
     });
-    assert_eq!(behind, "stop refused in stand-by: mill_1 is at home, but a cycle behind: give auto and then stop");
+    assert_eq!(behind, "stop refused in stand-by: mill_1: at home one cycle behind the others; give auto, then stop");
     let unheard = reason(|b| {
         b.wait(std::time::Duration::from_millis(240));
         b.say(0);
         b.say(1);
         b.wait(std::time::Duration::from_millis(20));
     });
-    assert_eq!(unheard, "stop refused in stand-by: mill_1 is not heard");
+    assert_eq!(unheard, "stop refused in stand-by: mill_1: no state received");
 }

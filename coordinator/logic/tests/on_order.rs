@@ -31,6 +31,6 @@ fn away_from_its_rests_it_keeps_the_line_from_home_mode_and_it_is_said_so() {
     let refusal = bench.command(ModeCommand::Stop).expect("it is refused");
     assert_eq!(
         refusal,
-        "stop refused in stand-by: transfer is at home, but a cycle behind: give auto and then stop; clamp_1 is not at home"
+        "stop refused in stand-by: transfer: at home one cycle behind the others; give auto, then stop; clamp_1: not at home"
     );
 }

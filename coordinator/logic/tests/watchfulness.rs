@@ -49,7 +49,7 @@ fn a_station_that_falls_silent_ends_auto_and_a_silent_line_ends_nothing_else() {
     assert_eq!(bench.mode(), ControlMode::Auto);
     bench.wait(Duration::from_micros(1));
     assert_eq!(bench.mode(), ControlMode::StandBy);
-    assert!(bench.coordinator.text().contains("mill_1 is not heard"), "{}", bench.coordinator.text());
+    assert!(bench.coordinator.text().contains("mill_1: no state received"), "{}", bench.coordinator.text());
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn a_station_restarted_in_auto_or_hand_means_stand_by_until_somebody_has_looked(
         bench.beat();
         assert_eq!(bench.mode(), ControlMode::StandBy, "from {mode}");
         let refusal = bench.command(ModeCommand::Auto).expect("it was restarted");
-        assert!(refusal.contains("clamp_1 was restarted: give start or go through manual first"), "{refusal}");
+        assert!(refusal.contains("clamp_1: restarted; give start, or select manual first"), "{refusal}");
         assert_eq!(bench.command(ModeCommand::Start), None);
         assert_eq!(bench.command(ModeCommand::Auto), None);
     }
@@ -112,10 +112,10 @@ fn a_console_that_is_lost_is_an_emergency_stop_and_must_be_back_before_the_reset
     bench.input(ModeInput::Console { bits: 0, valid: false });
     assert_eq!(bench.mode(), ControlMode::EStop);
     let refusal = bench.command(ModeCommand::Reset).expect("the button cannot be heard");
-    assert!(refusal.ends_with("the console's devices are not heard"), "{refusal}");
+    assert!(refusal.ends_with("console: I/O devices not operational"), "{refusal}");
     bench.input(console(&["ES_pressed"]));
     let refusal = bench.command(ModeCommand::Reset).expect("the button is in");
-    assert!(refusal.ends_with("the emergency stop button is pressed: pull it out first"), "{refusal}");
+    assert!(refusal.ends_with("emergency stop button pressed; release it first"), "{refusal}");
     bench.input(console(&[]));
     assert_eq!(bench.command(ModeCommand::Reset), None);
     assert_eq!(bench.command(ModeCommand::Manual), None);
@@ -134,7 +134,7 @@ fn a_closed_circuit_contact_is_pressed_while_it_is_off() {
     bench.input(console(&[]));
     assert_eq!(bench.mode(), ControlMode::EStop);
     let refusal = bench.command(ModeCommand::Reset).expect("the button is in");
-    assert!(refusal.ends_with("the emergency stop button is pressed: pull it out first"), "{refusal}");
+    assert!(refusal.ends_with("emergency stop button pressed; release it first"), "{refusal}");
     bench.input(console(&["ES_pressed"]));
     assert_eq!(bench.command(ModeCommand::Reset), None);
 }
@@ -146,8 +146,8 @@ fn nothing_is_enabled_before_a_described_console_was_heard() {
         let mut bench = Bench::of_unheard_console(line(), 0);
         assert_eq!(bench.command(ModeCommand::Start), None);
         let refusal = bench.command(mode).expect("the console is not heard");
-        assert!(refusal.contains("the console has not been heard yet"), "{refusal}");
-        assert!(refusal.contains("see to its device's supply and bus"), "{refusal}");
+        assert!(refusal.contains("no console input received yet"), "{refusal}");
+        assert!(refusal.contains("check supply and bus"), "{refusal}");
         bench.input(ModeInput::Console { bits: 0, valid: false });
         assert!(bench.command(mode).is_some());
         bench.input(console(&[]));
@@ -174,7 +174,7 @@ fn an_emergency_stop_is_not_reset_before_a_described_console_was_heard() {
     let mut bench = Bench::of_unheard_console(line(), 0);
     bench.command(ModeCommand::EStop);
     let refusal = bench.command(ModeCommand::Reset).expect("the button may be in");
-    assert!(refusal.contains("the console has not been heard yet"), "{refusal}");
+    assert!(refusal.contains("no console input received yet"), "{refusal}");
 }
 
 #[test]
@@ -272,7 +272,7 @@ fn a_coordinator_that_has_heard_nobody_stays_where_nothing_moves() {
     }
     assert_eq!(coordinator.mode(), ControlMode::StandBy);
     assert_eq!(out.refusals.len(), 3);
-    assert!(out.refusals.iter().all(|refusal| refusal.text(&line()).contains("transfer is not heard")));
+    assert!(out.refusals.iter().all(|refusal| refusal.text(&line()).contains("transfer: no state received")));
 }
 
 /// A station that was last heard at home may have begun its next round before it heard of the stop.
@@ -309,7 +309,7 @@ fn in_stand_by_a_station_stands_only_when_it_has_heard_of_it() {
         bench.heard[1].devices_valid = true;
         bench.say(1);
         let refusal = bench.command(command).expect("nobody has heard of stand-by");
-        assert!(refusal.contains("transfer has not acknowledged stand-by yet"), "{refusal}");
+        assert!(refusal.contains("transfer: stand-by not acknowledged yet"), "{refusal}");
         bench.acknowledge = true;
         bench.beat();
         assert_eq!(bench.command(command), None);

@@ -46,8 +46,8 @@ pub enum CoordinatorNodeError {
     Journal(#[from] JournalError),
     /// Another coordinator was there first.
     #[error(
-        "another coordinator (boot id {0}) gives orders to this line, and this one came second: it ends. Give it another \
-         ROS_DOMAIN_ID or namespace, or end the other one first"
+        "second coordinator: one with boot id {0} is active on this line; this one ends. Use another ROS_DOMAIN_ID or \
+         namespace, or stop the other one first"
     )]
     Second(u64),
     /// The cell is not played any more.
@@ -247,7 +247,7 @@ impl CoordinatorLoop {
                 }
                 None => {
                     let known: Vec<&str> = ModeCommand::ALL.iter().map(|command| command.name()).collect();
-                    self.refuse(format!("'{}' is no command; commands are {}", quoted(word.trim()), known.join(", ")));
+                    self.refuse(format!("unknown command '{}'; commands: {}", quoted(word.trim()), known.join(", ")));
                 }
             },
             CoordinatorInbound::Buttons(names) => match self.buttons(&names) {

@@ -39,7 +39,7 @@ fn auto_ends_while_another_coordinator_gives_orders_and_no_mode_that_moves_is_en
     rig.in_auto();
     rig.beside_another(4, 1);
     assert_eq!(rig.mode(), ControlMode::StandBy);
-    let expected = format!("another coordinator (boot id {OTHER}) gives orders to this line: end one of the two");
+    let expected = format!("second coordinator active on this line (boot id {OTHER}), no motion; stop one of the two");
     assert!(rig.shell.coordinator().text().contains(&expected), "{}", rig.shell.coordinator().text());
     for command in [ModeCommand::Auto, ModeCommand::Hand, ModeCommand::Manual] {
         let refusal = rig.refusal(command);

@@ -9,7 +9,7 @@ use std::time::Duration;
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::RecordKind;
 use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, dispatcher};
-use linewright_coordinator_cell::dispatch::words::named;
+use linewright_coordinator_cell::texts::named;
 use linewright_line::Tick;
 use linewright_simulation::cell::{CellSim, CellSimOptions};
 

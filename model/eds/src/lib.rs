@@ -173,7 +173,7 @@ fn classify<'a>(document: &'a Document, report: &mut Report) -> Vec<(SectionKind
             _ => {}
         }
         if let Some(before) = first.get(&kind) {
-            let message = format!("[{}] stands here a second time", shown(section.name()));
+            let message = format!("[{}] occurs twice", shown(section.name()));
             let finding = Problem::error(section.at(), message).hint("remove one of them, or put both together");
             report.add(finding.earlier(before.at()));
             continue;

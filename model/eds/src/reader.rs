@@ -91,7 +91,7 @@ impl<'a, 'r> SectionReader<'a, 'r> {
     /// That a leading zero makes the number another one.
     pub(crate) fn say_octal(&mut self, key: IniKey, text: &str, value: i128) {
         let message = format!("`{}` is octal and means {value}", shown(text));
-        self.say(key, Weight::Warning, message, "write it without the leading 0, or with 0x, if that is not meant");
+        self.say(key, Weight::Warning, message, "octal by its leading 0; write it without, or with 0x");
     }
 
     /// Reports something about a key.
@@ -143,7 +143,7 @@ impl<'a, 'r> SectionReader<'a, 'r> {
                 self.say_here(Weight::Warning, message, format!("write {counted_by}=0"));
             }
             None => {
-                let message = format!("has no {counted_by}, so nobody knows whether it is complete");
+                let message = format!("has no {counted_by}: completeness cannot be checked");
                 self.say_here(Weight::Error, message, format!("write {counted_by}={}", found.len()));
             }
         }

@@ -168,14 +168,11 @@ fn what_stands_twice_is_an_error_if_it_matters() {
     let twice = format!("{HEAD}[1000]\nParameterName=Other\nDataType=7\nAccessType=rw\n");
     let problems = read("a.eds", twice.as_bytes()).unwrap_err();
     let problem = problems.iter().next().expect("one");
-    assert_eq!((problem.line, problem.message.as_str()), (8, "[1000] stands here a second time"));
+    assert_eq!((problem.line, problem.message.as_str()), (8, "[1000] occurs twice"));
     assert!(problem.hint.as_ref().is_some_and(|hint| hint.contains("the first is in line 4")), "{problem:?}");
     expect(
         &said_of("[1018sub1]\nParameterName=P\nDataType=7\nAccessType=ro\n[1018SUB01]\n"),
-        &[
-            "8:2: warning: [1018sub1] is an element, but there is no section [1018]",
-            "12:2: [1018SUB01] stands here a second time",
-        ],
+        &["8:2: warning: [1018sub1] is an element, but there is no section [1018]", "12:2: [1018SUB01] occurs twice"],
     );
     expect(&var("DataType=5\nDefaultValue=1\ndefaultvalue=2\n"), &["16:1: [6000] defaultvalue: stands here twice"]);
     expect(
@@ -184,7 +181,7 @@ fn what_stands_twice_is_an_error_if_it_matters() {
     );
     expect(&said_of("[Tools]\nA=1\nA=2\n[Tools]\n"), &[]);
     let both = "[DeviceComissioning]\nNodeID=1\n[DeviceCommissioning]\nNodeID=2\n";
-    expect(&said_of(both), &["10:2: [DeviceCommissioning] stands here a second time"]);
+    expect(&said_of(both), &["10:2: [DeviceCommissioning] occurs twice"]);
 }
 
 #[test]

@@ -56,14 +56,14 @@ impl TaskFailure {
     /// In words, for the operator.
     pub fn text(self) -> String {
         match self {
-            TaskFailure::Waiting(code) => format!("what it waited for did not come (code {code})"),
-            TaskFailure::TimedOut => "its time was over".to_owned(),
-            TaskFailure::Fault => "a fault".to_owned(),
-            TaskFailure::Interrupted => "the mode was changed".to_owned(),
-            TaskFailure::Restarted => "the controller was restarted".to_owned(),
-            TaskFailure::Cancelled => "it was taken back".to_owned(),
-            TaskFailure::Held => "it was taken back, as far as it could be".to_owned(),
-            TaskFailure::Stopped => "it was stopped where it was".to_owned(),
+            TaskFailure::Waiting(code) => format!("awaited input not on in time (code {code})"),
+            TaskFailure::TimedOut => "time limit exceeded".to_owned(),
+            TaskFailure::Fault => "station fault".to_owned(),
+            TaskFailure::Interrupted => "mode changed during the task".to_owned(),
+            TaskFailure::Restarted => "station controller restarted during the task".to_owned(),
+            TaskFailure::Cancelled => "undone on request".to_owned(),
+            TaskFailure::Held => "undone on request as far as possible; lead it to a rest in manual".to_owned(),
+            TaskFailure::Stopped => "stopped on request between two rests; lead it to a rest in manual".to_owned(),
             TaskFailure::Other(code) => format!("code {code}"),
         }
     }

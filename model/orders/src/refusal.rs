@@ -72,20 +72,20 @@ impl TaskRefusal {
         }
     }
 
-    /// In words, for the operator.
+    /// That the order was rejected, and the reason, for the operator; it may follow `task order`.
     pub const fn text(self) -> &'static str {
         match self {
-            TaskRefusal::Busy => "it has another one",
-            TaskRefusal::Mode => "it is not in auto, or is to stop",
-            TaskRefusal::OtherMemory => "it was meant for a memory that is gone",
-            TaskRefusal::OldEpoch => "it knows a later life of the coordinator",
-            TaskRefusal::Old => "it has had it before",
-            TaskRefusal::Late => "its time was over before it began",
-            TaskRefusal::NotThere => "it does not stand where the task begins",
-            TaskRefusal::Devices => "its devices are not there",
-            TaskRefusal::Unknown => "it has no such task, or not with these parameters",
-            TaskRefusal::Incomplete => "an operation was stopped before its end",
-            TaskRefusal::Isolated => "it is left out until somebody has looked after it",
+            TaskRefusal::Busy => "rejected: another task order is in progress",
+            TaskRefusal::Mode => "rejected: station not in auto, or master stop given",
+            TaskRefusal::OtherMemory => "rejected: addressed to an order store that was reset",
+            TaskRefusal::OldEpoch => "rejected: a newer coordinator epoch is active",
+            TaskRefusal::Old => "rejected: order already received",
+            TaskRefusal::Late => "rejected: time limit exceeded before the start",
+            TaskRefusal::NotThere => "rejected: station not at the rest where the task begins",
+            TaskRefusal::Devices => "rejected: I/O devices not operational",
+            TaskRefusal::Unknown => "rejected: task or parameters not in the description",
+            TaskRefusal::Incomplete => "rejected: an operation is incomplete; complete or undo it in manual",
+            TaskRefusal::Isolated => "rejected: station isolated; clear its fault, then return it to service",
         }
     }
 }

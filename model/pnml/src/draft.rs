@@ -162,7 +162,7 @@ impl<'a> DraftReader<'a, '_> {
                     let text = label(&mut self.xml, self.report)?;
                     if marking.is_some() {
                         let finding = Problem::error(child.at, format!("{} is given twice", what("the marking", &id)));
-                        self.report.add(finding.hint("keep the one that is meant"));
+                        self.report.add(finding.hint("remove one of the two"));
                     }
                     marking = text.or(marking);
                 }
@@ -233,7 +233,7 @@ impl<'a> DraftReader<'a, '_> {
                     let text = label(&mut self.xml, self.report)?;
                     if inscription.is_some() {
                         let finding = Problem::error(child.at, "this arc has two inscriptions");
-                        self.report.add(finding.hint("keep the one that is meant"));
+                        self.report.add(finding.hint("remove one of the two"));
                     }
                     inscription = text.or(inscription);
                 }

@@ -41,7 +41,7 @@ pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option
 fn add<'a>(found: &mut Option<AttributeValue<'a>>, value: AttributeValue<'a>, at: At, report: &mut Report) {
     match found {
         Some(first) if first.text != value.text => {
-            report.add(Problem::error(at, "this label has two texts").hint("keep the one that is meant"));
+            report.add(Problem::error(at, "this label has two texts").hint("remove one of the two"));
         }
         _ => *found = Some(value),
     }

@@ -24,7 +24,7 @@ pub(crate) fn choose(text: &str, wanted: Option<&str>, report: &mut Report) -> O
     let finding = match (wanted, nets.len()) {
         (None, 1) => return Some(0),
         (None, count) => Problem::error(*second, format!("the file has {count} nets: {}", named()))
-            .hint("say which one with `--net ID`"),
+            .hint("select one with `--net ID`"),
         (Some(wanted), _) => match nets.iter().filter(|(id, _)| id == wanted).count() {
             1 => return nets.iter().position(|(id, _)| id == wanted),
             0 => Problem::error(nets[0].1, format!("no net of this file has the id `{}`", shown(wanted)))

@@ -59,15 +59,15 @@ const IN_A_NET: &[(&str, &[&str])] = &[
     ),
     (
         r#"<place id="p"><initialMarking><text>1</text></initialMarking><initialMarking><text>2</text></initialMarking></place>"#,
-        &["3:62: the marking of the place `p` is given twice => keep the one that is meant"],
+        &["3:62: the marking of the place `p` is given twice => remove one of the two"],
     ),
     (
         r#"<place id="p"><name><text>a</text><text>b</text></name></place>"#,
-        &["3:35: this label has two texts => keep the one that is meant"],
+        &["3:35: this label has two texts => remove one of the two"],
     ),
     (
         r#"<place id="p"><initialMarking>1<text>2</text></initialMarking></place>"#,
-        &["3:31: this label has two texts => keep the one that is meant"],
+        &["3:31: this label has two texts => remove one of the two"],
     ),
     (
         r#"<place id="p"><initialMarking>two</initialMarking></place>"#,
@@ -186,7 +186,7 @@ const FILES: &[(&[u8], &str)] = &[
     (b"<pnml/>", "1:1: there is no net in this file => a net is an element `<net>` in `<pnml>`"),
     (
         b"<pnml><net id=\"a\"/>\n<net id=\"b\"/></pnml>",
-        "2:1: the file has 2 nets: `a`, `b` => say which one with `--net ID`",
+        "2:1: the file has 2 nets: `a`, `b` => select one with `--net ID`",
     ),
     (
         b"<pnml><net id=\"n\"/></pnml>\n<pnml/>",

@@ -57,7 +57,7 @@ pub enum LogError {
         most: usize,
     },
     /// A record that was on the disk is not there any more.
-    #[error("log {path} is damaged at byte {offset}, and what is behind that counts on it")]
+    #[error("log {path} is damaged at byte {offset}, before records that were flushed; not used")]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -75,7 +75,7 @@ pub enum LogError {
         why: String,
     },
     /// What could not be written before may stand half in the file.
-    #[error("log {path} has failed before; open it again")]
+    #[error("log {path}: an earlier write failed; open it again")]
     Failed {
         /// The file.
         path: PathBuf,

@@ -74,7 +74,7 @@ fn leads_back(net: &RecoveryNet) -> CellProperty {
         Some(&place) => property(BACK, Verdict::Fails, format!("not from `{}`", long.place_name(place))),
         None => {
             let most = far.values().flatten().max().copied().unwrap_or(0);
-            let reason = format!("from all {} error places, by at most {most} steps that wait for nobody", far.len());
+            let reason = format!("from all {} error places, by at most {most} steps without waiting", far.len());
             property(BACK, Verdict::Holds, reason)
         }
     }

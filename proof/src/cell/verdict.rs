@@ -141,7 +141,7 @@ impl<'p> Summary<'p> {
             Excess::Sound | Excess::Endless(_) | Excess::Wrong(_) | Excess::Limit(_) => None,
         });
         if let Some((group, play, found)) = stuck.min_by_key(|(_, play, _)| play.sound) {
-            let story = tell(nets, group, found, "nothing of this moves any more, whatever else comes");
+            let story = tell(nets, group, found, "no activity of this group can start again");
             return self.failed(STUCK, play, Some(story));
         }
         let open = self.all.iter().find_map(|(_, play)| match &play.end {

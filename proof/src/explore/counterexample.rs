@@ -71,7 +71,9 @@ fn cause(system: &System, state: &ComposedState, what: SystemMove) -> String {
     let setting = &system.setting;
     match what {
         SystemMove::Grant(mode) => format!("coordinator: grants {}", setting.modes[mode]),
-        SystemMove::Hear { link, .. } => format!("hears {}", setting.line.stations[setting.links[link].writer].name),
+        SystemMove::Hear { link, .. } => {
+            format!("receives the state of {}", setting.line.stations[setting.links[link].writer].name)
+        }
         SystemMove::Act { station, nth } => {
             let situation = state.situations[station] as usize;
             act(setting, StationId::at(station), system.stations[station].facts[situation].acts[nth])
@@ -88,19 +90,21 @@ fn act(setting: &LineExploration, station: StationId, act: StationAct) -> String
         StationAct::Mode(_) => String::new(),
         StationAct::Key(Some(PanelKey::Advance)) => "its operator holds `advance`".to_owned(),
         StationAct::Key(Some(PanelKey::Return)) => "its operator holds `return`".to_owned(),
-        StationAct::Key(None) => "its operator lets go".to_owned(),
-        StationAct::Button(Some(button)) => format!("hears {} held", setting.line.buttons[usize::from(button)]),
-        StationAct::Button(None) => "hears the button released".to_owned(),
+        StationAct::Key(None) => "its operator releases the button".to_owned(),
+        StationAct::Button(Some(button)) => {
+            format!("receives: button {} held", setting.line.buttons[usize::from(button)])
+        }
+        StationAct::Button(None) => "receives: button released".to_owned(),
         StationAct::Arrive(op, block) => format!("{} arrives", motion(op, block)),
         StationAct::Fail(op, block) => format!("{} fails", motion(op, block)),
-        StationAct::Step => "looks again".to_owned(),
-        StationAct::Order(task) => format!("is ordered to do {}", setting.line.station(station).task(task).name),
-        StationAct::Secure => "is told to go back".to_owned(),
-        StationAct::Expire => "has no time left for its order".to_owned(),
-        StationAct::Sensors(true) => "sees what its operations wait for".to_owned(),
+        StationAct::Step => "next step".to_owned(),
+        StationAct::Order(task) => format!("receives task order {}", setting.line.station(station).task(task).name),
+        StationAct::Secure => "receives: secure the order".to_owned(),
+        StationAct::Expire => "time limit of its order exceeded".to_owned(),
+        StationAct::Sensors(true) => "inputs of its operations come on".to_owned(),
         StationAct::Restart => "restarts".to_owned(),
-        StationAct::Forget => "restarts without its memory".to_owned(),
-        StationAct::Sensors(false) => "does not see what its operations wait for".to_owned(),
+        StationAct::Forget => "restarts without its journal".to_owned(),
+        StationAct::Sensors(false) => "inputs of its operations go off".to_owned(),
     }
 }
 

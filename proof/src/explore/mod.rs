@@ -73,7 +73,7 @@ pub enum LineNotExplorable {
         max: usize,
     },
     /// More incoming links at one station than there are bits for them.
-    #[error("{station} listens to {found} stations, more than the {max} an exploration can keep apart")]
+    #[error("{station} reads {found} stations, exploration supports {max}")]
     Links {
         station: String,
         /// So many.

@@ -92,7 +92,9 @@ fn state_machine(reduced: &Net, groups: &[PlaceGroup]) -> Result<String, String>
 /// Output transitions of a place exclude each other, mode by mode.
 fn exclusive(station: &Station, net: &StationNet) -> Result<String, String> {
     let found = overlaps(net);
-    let Some(first) = found.first() else { return Ok("no two transitions of a place can be meant at once".to_owned()) };
+    let Some(first) = found.first() else {
+        return Ok("conditions of the transitions of each place are exclusive".to_owned());
+    };
     let name = net.place_index(first.place).map_or_else(
         || station.operations[first.place.op.index()].name.clone(),
         |index| net.net().place_name(PlaceId(index as u32)).to_owned(),
@@ -110,7 +112,7 @@ fn conditions(net: &StationNet) -> Result<String, String> {
         .zip(net.net().transitions())
         .find(|(transition, _)| !ControlMode::ALL.iter().any(|&mode| transition.terms(mode).iter().any(possible)));
     match dead {
-        None => Ok("every transition can be meant in some mode".to_owned()),
+        None => Ok("each transition has a satisfiable condition in some mode".to_owned()),
         Some((_, id)) => Err(format!("`{}` can fire in no mode", net.net().transition_name(id))),
     }
 }

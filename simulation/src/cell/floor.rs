@@ -205,7 +205,7 @@ impl ShopFloor {
                 self.settle();
             }
         }
-        assert!(self.is_at_rest(station), "{} does not come to a rest", self.line.station(station).name);
+        assert!(self.is_at_rest(station), "{} reaches no rest", self.line.station(station).name);
         self.now
     }
 

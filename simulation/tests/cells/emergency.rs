@@ -64,7 +64,7 @@ fn the_stations_of_a_failed_loading_go_into_emergency_stop_and_the_others_work_o
         assert_eq!(sim.lives, 1 + usize::from(crash));
         assert!(stations.iter().all(|&station| mode(&sim, station) == ControlMode::EStop));
         let alarm = sim.state().exceptions().alarms().next().cloned().expect("somebody is asked");
-        assert!(alarm.text.contains("robot is in emergency stop"), "{}", alarm.text);
+        assert!(alarm.text.contains("robot: in emergency stop"), "{}", alarm.text);
 
         // Not even manual leads out before the reset.
         let floor = sim.floor.as_mut().expect("real stations");

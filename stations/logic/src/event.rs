@@ -49,24 +49,6 @@ impl StopCause {
     pub const fn is_fault(self) -> bool {
         !matches!(self, StopCause::Released)
     }
-
-    /// A few words for the operator.
-    pub const fn text(self) -> &'static str {
-        match self {
-            StopCause::Signal => "fault signal",
-            StopCause::Watchdog => "took too long",
-            StopCause::SwitchStuck => "took too long; its switch was already on when it started",
-            StopCause::Devices => "devices lost",
-            StopCause::Released => "button released",
-            StopCause::EStop => "emergency stop",
-            StopCause::Ordered => "told to stop",
-            StopCause::Restart => "controller restarted",
-            StopCause::NotAtHome => "not at home when switched on",
-            StopCause::Interlock { .. } => "interlock: another station is in the way",
-            StopCause::PositionLost { .. } => "position lost",
-            StopCause::Ambiguous => "controller stopped itself: two exclusive transitions were both allowed",
-        }
-    }
 }
 
 /// What happened.

@@ -1,40 +1,26 @@
-//! Why nothing happens: for every state in which the station waits, the conditions it waits for, in words.
+//! Why nothing happens: for every state in which the station waits, the conditions it waits for.
 //!
 //! Called when a state is published, never in the step; it reads the same tables the step reads, so it cannot give a
-//! reason the controller does not have.
+//! reason the controller does not have. The texts are in `texts`.
 
 use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace};
-use linewright_line::{Line, OpId, StationId, Tick};
+use linewright_line::{Line, OpId, Tick};
 
 use crate::controller::Controller;
-use crate::event::{HappeningKind, StationHappening, StopCause};
-use crate::order_words::task_name;
+use crate::event::{StationHappening, StopCause};
 use crate::program::IncomingArrow as Arrow;
+use crate::texts::place::{op_names, place_text};
+use crate::texts::{PositionDoubt, RejoinAdvice, StationWait};
 use crate::views::Comparability;
-
-/// What a station waits for whose devices cannot be trusted. Which device and why, their manager knows.
-pub const DEVICES_INVALID: &str = "its devices: not heard, or not operational";
 
 impl Controller {
     /// What each branch of the station is doing, e.g. `advance clamp` or `undoing 1st lift (stopped)`.
     pub fn operation_text(&self, line: &Line) -> String {
-        let parts: Vec<String> = self.marking().map(|place| self.place_text(line, place)).collect();
+        let parts: Vec<String> = self.marking().map(|place| place_text(line, self.program.station, place)).collect();
         parts.join(" + ")
     }
 
-    fn place_text(&self, line: &Line, place: StationPlace) -> String {
-        let name = self.op_name(line, place.op);
-        match (place.block, place.stage) {
-            (Block::Normal, MotionStage::Operating) => name.to_owned(),
-            (Block::Normal, MotionStage::Incomplete) => format!("{name} (stopped)"),
-            (Block::Normal, MotionStage::Completed) => format!("{name} (done)"),
-            (Block::Recovery, MotionStage::Operating) => format!("undoing {name}"),
-            (Block::Recovery, MotionStage::Incomplete) => format!("undoing {name} (stopped)"),
-            (Block::Recovery, MotionStage::Completed) => format!("{name} (undone)"),
-        }
-    }
-
-    /// The fault to announce, e.g. `advance clamp: took too long`; empty when there is none.
+    /// The fault to announce, e.g. `advance clamp: fault signal`; empty when there is none.
     pub fn fault_text(&self, line: &Line) -> String {
         let mut parts = Vec::new();
         for place in self.marking().filter(|place| place.is_incomplete()) {
@@ -54,13 +40,14 @@ impl Controller {
     pub fn blocked_by(&self, line: &Line, now: Tick) -> Vec<String> {
         let mut reasons = Vec::new();
         if let Some((followed, other)) = self.commands.contested(now) {
-            reasons.push(format!("two coordinators give orders (boot ids {followed} and {other}): end one of them"));
+            reasons.push(StationWait::RivalCoordinators { followed, other }.text());
         }
         if !self.image.valid {
-            reasons.push(DEVICES_INVALID.to_owned());
+            reasons.push(StationWait::Devices.text());
         }
         if let Some((op, input)) = self.position_lost() {
-            reasons.push(StopCause::PositionLost { op, input }.detail(line, self.program.station));
+            let detail = StopCause::PositionLost { op, input }.detail(line, self.program.station);
+            reasons.push(StationWait::PositionLost(&detail).text());
         }
         self.explain_generation(line, &mut reasons);
         for place in self.marking() {
@@ -70,12 +57,8 @@ impl Controller {
             self.explain_request(line, pending.request.ops, pending.needs, now, &mut reasons);
         }
         if let Some((by, in_the_way, ops)) = self.agreement.refusal {
-            reasons.push(format!(
-                "{} cannot be taken back: {}: {} has started on it",
-                self.op_names(line, ops),
-                line.station(by).name,
-                line.operation((by, in_the_way)).name
-            ));
+            let (station, op) = (&line.station(by).name, &line.operation((by, in_the_way)).name);
+            reasons.push(StationWait::Disagreement { station, op, ops: &self.op_names(line, ops) }.text());
         }
         reasons.dedup();
         reasons
@@ -90,32 +73,29 @@ impl Controller {
             return;
         }
         let not_home = |place: StationPlace| self.marking.causes_of_stop[place.op.index()] == StopCause::NotAtHome;
-        let why =
-            if forgot { "it has no memory of where it stands" } else { "its axes are not where its chart has them" };
+        let doubt = if forgot { PositionDoubt::NoJournal } else { PositionDoubt::AxisOff };
         reasons.push(match self.read_off() {
-            Some(step) if is_lost || self.marking().any(not_home) => format!(
-                "rejoin: {why}; by its switches `{}` is complete: confirm that with rejoin",
-                self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0))
-            ),
+            Some(step) if is_lost || self.marking().any(not_home) => {
+                let ops = self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0));
+                StationWait::Rejoin(doubt, RejoinAdvice::Confirm { ops: &ops }).text()
+            }
             None if forgot && self.marking().any(not_home) => {
-                let may_be = self.counts.done.iter().enumerate().map(|(op, _)| OpId::at(op)).filter(|&op| self.stands_within(op));
+                let may_be = self
+                    .counts
+                    .done
+                    .iter()
+                    .enumerate()
+                    .map(|(op, _)| OpId::at(op))
+                    .filter(|&op| self.stands_within(op));
                 let may_be: Vec<&str> = may_be.map(|op| self.op_name(line, op)).collect();
                 let advice = match may_be.as_slice() {
-                    [] => "its switches fit no operation of the chart: bring its axes to a switch by hand".to_owned(),
-                    ops => format!(
-                        "it stands between two switches: look, and name with rejoin the operation that it stands within; by its \
-                         switches that may be `{}`",
-                        ops.join("`, `")
-                    ),
+                    [] => RejoinAdvice::NoOperation,
+                    ops => RejoinAdvice::Between { ops },
                 };
-                format!("rejoin: {why}; {advice}")
+                StationWait::Rejoin(doubt, advice).text()
             }
-            None if is_lost => format!(
-                "rejoin: {why}, and its switches fit no place of the chart: bring the axis back to its switch by hand, \
-                 or name with rejoin the operation that it stands within"
-            ),
-            _ => "a common start: it has no memory of the others' counts; lead all stations home in manual, then give auto"
-                .to_owned(),
+            None if is_lost => StationWait::Rejoin(doubt, RejoinAdvice::NoPlace).text(),
+            _ => StationWait::NewGeneration.text(),
         });
     }
 
@@ -128,8 +108,8 @@ impl Controller {
                 let unknown = self.rules.generations && self.views.generation == 0 && self.program.on_order.is_none();
                 reasons.extend(match self.marking.causes_of_stop[place.op.index()] {
                     StopCause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
-                    StopCause::Released => Some(format!("{name} to be finished or taken back in manual")),
-                    cause => Some(format!("recovery of {name} in manual ({})", cause.text())),
+                    StopCause::Released => Some(StationWait::Released { op: name }.text()),
+                    cause => Some(StationWait::Recovery { op: name, cause }.text()),
                 });
                 if self.mode() == ControlMode::Manual {
                     self.explain_guard(line, StationPlace { stage: MotionStage::Operating, ..place }, reasons);
@@ -149,7 +129,7 @@ impl Controller {
                 Block::Recovery => hand.back(),
             };
             if let Some(button) = button {
-                reasons.push(format!("{} to be held", line.buttons[usize::from(button.0)]));
+                reasons.push(StationWait::Held { button: &line.buttons[usize::from(button.0)] }.text());
             }
             self.explain_guard(line, place, reasons);
         }
@@ -163,7 +143,7 @@ impl Controller {
             return;
         }
         if let Some(other) = self.marking().find(|other| other.is_operating()) {
-            reasons.push(format!("{} beside it", self.op_name(line, other.op)));
+            reasons.push(StationWait::Concurrent { op: self.op_name(line, other.op) }.text());
             return;
         }
         if self.explain_order(line, place, reasons) {
@@ -172,32 +152,32 @@ impl Controller {
         match self.mode() {
             ControlMode::Auto => {
                 if self.is_at_home() && self.master_stop() {
-                    reasons.push("master stop: halted at home".to_owned());
+                    reasons.push(StationWait::MasterStop.text());
                 }
                 self.explain_causes(line, next, now, reasons);
             }
             ControlMode::Hand => {
-                reasons.push(format!("a button: {}", self.hand_choices(line, place)));
+                reasons.push(self.hand_choices(line, place));
                 self.explain_positions(line, step, StationPlace::undoing, reasons);
                 self.explain_causes(line, next, now, reasons);
             }
             ControlMode::Manual => {
                 if self.panel_is_live() {
-                    reasons.push("advance or return at its panel".to_owned());
+                    reasons.push(StationWait::Panel.text());
                     self.explain_positions(line, step, StationPlace::undoing, reasons);
                     self.explain_causes(line, next, now, reasons);
                 } else {
-                    reasons.push("its selector to be switched to manual".to_owned());
+                    reasons.push(StationWait::Selector.text());
                 }
             }
-            ControlMode::Home | ControlMode::StandBy => reasons.push(format!("a mode (now {})", self.mode())),
-            ControlMode::EStop => reasons.push("the emergency stop to be reset".to_owned()),
+            ControlMode::Home | ControlMode::StandBy => reasons.push(StationWait::Mode(self.mode()).text()),
+            ControlMode::EStop => reasons.push(StationWait::EStop.text()),
         }
     }
 
     fn hand_choices(&self, line: &Line, place: StationPlace) -> String {
         let hand = line.operation((self.program.station, place.op)).hand;
-        let name = |button: linewright_line::ButtonId| line.buttons[usize::from(button.0)].clone();
+        let name = |button: linewright_line::ButtonId| line.buttons[usize::from(button.0)].as_str();
         let onward = match place.block {
             Block::Normal => Some(hand.next().unwrap_or(hand.forward())),
             Block::Recovery if matches!(hand.number(), 3 | 6) => Some(hand.forward()),
@@ -208,13 +188,7 @@ impl Controller {
             Block::Recovery if matches!(hand.number(), 4 | 5) => hand.back(),
             Block::Normal | Block::Recovery => None,
         };
-        match (onward, back) {
-            (Some(on), Some(back)) if on == back => name(on),
-            (Some(on), Some(back)) => format!("{} to go on, {} to go back", name(on), name(back)),
-            (Some(on), None) => format!("{} to go on", name(on)),
-            (None, Some(back)) => format!("{} to go back", name(back)),
-            (None, None) => "none leads on from here; use manual or auto".to_owned(),
-        }
+        StationWait::Button { onward: onward.map(name), back: back.map(name) }.text()
     }
 
     fn explain_way_home(&self, line: &Line, place: StationPlace, now: Tick, reasons: &mut Vec<String>) {
@@ -227,7 +201,7 @@ impl Controller {
             let causes =
                 self.program.causes[usize::from(step)].iter().filter(|c| c.modes[ControlMode::Manual as usize]);
             for cause in causes.filter(|cause| !self.views.holds(cause, ControlMode::Manual, cycle, now)) {
-                reasons.push(format!("{}, which going home includes", self.cause_text(line, cause, cycle, now)));
+                reasons.push(StationWait::WayHome { cause: &self.cause_text(line, cause, cycle, now) }.text());
             }
         }
     }
@@ -253,8 +227,8 @@ impl Controller {
 
     fn explain_guard(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) {
         if let Some(guard) = self.violated(place, self.marking.path) {
-            let text = self.interlock(&guard).detail(line, self.program.station);
-            reasons.push(format!("{text}, for {}", self.op_name(line, place.op)));
+            let detail = self.interlock(&guard).detail(line, self.program.station);
+            reasons.push(StationWait::Position { detail: &detail, own: self.op_name(line, place.op) }.text());
         }
     }
 
@@ -263,35 +237,28 @@ impl Controller {
         let (station, op) = (&line.station(peer).name, &line.operation((peer, cause.from)).name);
         let own = self.op_name(line, cause.to);
         let view = &self.views.peers[cause.peer as usize];
-        match self.views.standing(cause.peer as usize, cycle, now) {
-            Comparability::Comparable => {}
-            Comparability::NotHeard => return format!("{station} to be heard, for {own}"),
-            Comparability::OtherGeneration if self.views.generation == 0 => {
-                return format!("a common start, for {own}: this station has no memory of the others' counts");
+        let is_withdrawn = view.request.is_some_and(|request| request.ops & (1 << cause.from.0) != 0);
+        let wait = match self.views.standing(cause.peer as usize, cycle, now) {
+            Comparability::NotHeard => StationWait::NoState { station, own },
+            Comparability::OtherGeneration if self.views.generation == 0 => StationWait::OwnGeneration { own },
+            Comparability::OtherGeneration => StationWait::OtherGeneration { station, own },
+            Comparability::PositionLost => StationWait::PositionOf { station, own },
+            Comparability::TooFarAhead => StationWait::Implausible { station, cycle: view.cycle, own },
+            Comparability::Comparable if is_withdrawn => StationWait::BeingWithdrawn { station, op, own },
+            Comparability::Comparable => {
+                StationWait::Arrow { station, op, cycle: cycle.saturating_sub(cause.lag), own }
             }
-            Comparability::OtherGeneration => {
-                return format!("a common start with {station}, for {own}: it has no memory of these counts");
-            }
-            Comparability::PositionLost => {
-                return format!("{station} to be where its chart has it (position lost), for {own}");
-            }
-            Comparability::TooFarAhead => {
-                return format!("{station} to report a cycle that can be (it reports {}), for {own}", view.cycle);
-            }
-        }
-        if view.request.is_some_and(|request| request.ops & (1 << cause.from.0) != 0) {
-            return format!("{station}: {op}, which is being taken back, for {own}");
-        }
-        format!("{station}: {op} (cycle {}), for {own}", cycle.saturating_sub(cause.lag))
+        };
+        wait.text()
     }
 
     fn explain_request(&self, line: &Line, ops: u64, needs: u64, now: Tick, reasons: &mut Vec<String>) {
         for (index, view) in self.views.peers.iter().enumerate().filter(|&(i, _)| needs & (1 << i) != 0) {
-            let heard = if now < view.known_until { "" } else { " (not heard)" };
+            let is_heard = now < view.known_until;
             let agreed = matches!(view.verdict, Some((_, number, None)) if Some(number) == self.agreement.pending.map(|p| p.request.number));
             if !agreed {
                 let station = &line.station(self.program.peers[index]).name;
-                reasons.push(format!("{station}{heard} to agree that {} is taken back", self.op_names(line, ops)));
+                reasons.push(StationWait::Agreement { station, is_heard, ops: &self.op_names(line, ops) }.text());
             }
         }
     }
@@ -304,63 +271,8 @@ impl Controller {
         op_names(line, self.program.station, ops)
     }
 
-    /// An event of this station in words, as the operator would say it.
+    /// The text of an event of this station.
     pub fn event_text(&self, line: &Line, event: &StationHappening) -> String {
         event.text(line, self.program.station)
-    }
-}
-
-fn op_names(line: &Line, station: StationId, ops: u64) -> String {
-    let described = line.station(station);
-    let named = described.op_ids().filter(|op| ops & (1 << op.0) != 0);
-    let names: Vec<&str> = named.map(|op| described.operations[op.index()].name.as_str()).collect();
-    names.join(", ")
-}
-
-impl StationHappening {
-    /// The event in words, for the station it belongs to.
-    pub fn text(&self, line: &Line, station: StationId) -> String {
-        let name = |op: OpId| line.operation((station, op)).name.as_str();
-        let undoing = |block: Block| match block {
-            Block::Normal => "",
-            Block::Recovery => "undoing ",
-        };
-        match self.what {
-            HappeningKind::Started(op, block) => format!("starts {}{}", undoing(block), name(op)),
-            HappeningKind::Completed(op, Block::Normal) => format!("has done {}", name(op)),
-            HappeningKind::Completed(op, Block::Recovery) => format!("has undone {}", name(op)),
-            HappeningKind::Stopped(op, block, cause) => {
-                format!("stops {}{}: {}", undoing(block), name(op), cause.text_of(line, station, op, block))
-            }
-            HappeningKind::Withdrawn(0) => "takes nothing back".to_owned(),
-            HappeningKind::Withdrawn(ops) => format!("takes back {}", op_names(line, station, ops)),
-            HappeningKind::HomeAgain if line.station(station).works_on_order() => {
-                "is back where the task began".to_owned()
-            }
-            HappeningKind::HomeAgain => "is home; the cycle will be done again".to_owned(),
-            HappeningKind::Founded => "is at home with the others: counts begin anew".to_owned(),
-            HappeningKind::Rejoined => "stands where its switches say, by an operator's confirmation".to_owned(),
-            HappeningKind::PositionLost(op, input) => StopCause::PositionLost { op, input }.detail(line, station),
-            HappeningKind::PositionFound => "is measured where its chart has it again".to_owned(),
-            HappeningKind::Asked(number) => format!("asks to go back (request {number})"),
-            HappeningKind::NotAgreed { by, in_the_way } => {
-                format!(
-                    "may not go back: {}: {} has started",
-                    line.station(by).name,
-                    line.operation((by, in_the_way)).name
-                )
-            }
-            HappeningKind::Refused => "refuses the command".to_owned(),
-            HappeningKind::Mode(mode) => format!("obeys {mode}"),
-            HappeningKind::Devices(true) => "has its devices".to_owned(),
-            HappeningKind::Devices(false) => "has lost its devices".to_owned(),
-            HappeningKind::Ordered(task) => format!("is to do {}", task_name(line, station, task)),
-            HappeningKind::OrderRefused(refusal) => format!("refuses an order: {}", refusal.text()),
-            HappeningKind::OrderDone(task) => format!("has done the task {}", task_name(line, station, task)),
-            HappeningKind::OrderFailed(task, failure) => {
-                format!("has not done the task {}: {}", task_name(line, station, task), failure.text())
-            }
-            HappeningKind::Securing(task) => format!("goes back from the task {}", task_name(line, station, task)),
-        }
     }
 }

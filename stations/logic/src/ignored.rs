@@ -49,21 +49,3 @@ impl From<Result<(), Ignored>> for Handled {
         }
     }
 }
-
-impl Ignored {
-    /// For the log.
-    pub const fn text(self) -> &'static str {
-        match self {
-            Ignored::OlderEpoch => "a mode command with an older epoch than the one in force",
-            Ignored::NotAPeer => "a report of a station on which no operation here depends",
-            Ignored::Misfit => "a report that does not fit the line description: is it the same on all hosts?",
-            Ignored::NoTasks => "a task for a station that is not task-driven",
-            Ignored::EpochTooHigh => "a mode command or a task with an epoch too far above the last one",
-            Ignored::LeaseTooLong => "a mode command with a longer lease than the line description gives",
-            Ignored::NoRejoin => "rejoin: a task-driven station needs none",
-            Ignored::Moving => "rejoin: the station is moving",
-            Ignored::NotLost => "rejoin: the position of the station is known",
-            Ignored::PositionUnclear => "rejoin: the switches contradict the position, or do not determine it",
-        }
-    }
-}

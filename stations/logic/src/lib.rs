@@ -50,18 +50,18 @@
 //! The net comes from [`linewright_line::net`]; here it is compiled to tables (`program`) and played (`step`, `fire`).
 //! Counted internal variables are in `views`, taking a count back by agreement in `withdraw`, which counts may be compared
 //! in `generation`; the check of measured positions, which needs no memory, in `interlock`. A task-driven station has
-//! `slot` besides. There is no clock, no thread and no message format here.
+//! `slot` besides. `texts` has what operators read. There is no clock, no thread and no message format here.
 
 mod controller;
 mod drive;
 mod event;
 mod explain;
+mod explain_order;
 mod fire;
 mod generation;
 mod ignored;
 mod interlock;
 mod order;
-mod order_words;
 mod panel;
 mod parts;
 mod position_guard;
@@ -73,13 +73,12 @@ mod situation;
 mod slot;
 mod step;
 mod tasks;
+mod texts;
 mod views;
 mod withdraw;
-mod words;
 
 pub use controller::{Controller, NO_DELAY, StationInput, StationOutbox};
 pub use event::{HappeningKind, StationHappening, StopCause};
-pub use explain::DEVICES_INVALID;
 pub use ignored::{Handled, Ignored};
 pub use order::{
     OrderKey, OrderMemory, RESULTS_MAX, SlotReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport, TaskOutcome,
@@ -91,3 +90,4 @@ pub use program::{CompileError, Program};
 pub use report::{Restore, StationReport, StationSnapshot, WithdrawalAnswer, WithdrawalRequest};
 pub use rules::{OrderRules, Rules};
 pub use situation::{PeerSituation, RequestWriter};
+pub use texts::{DEVICES_INVALID, PositionDoubt, RejoinAdvice, StationWait};

@@ -5,7 +5,6 @@
 //! causal arrows, the neighbours of a concurrent operation — is looked at only once the masks match. The conditions
 //! themselves are [`linewright_line::net`]'s; this module changes their form and nothing else.
 
-use std::fmt;
 use std::time::Duration;
 
 use linewright_line::net::{Block, Conjunction, ControlMode, Literal, StationNet, StationPlace, TransitionKind, Var};
@@ -154,27 +153,10 @@ pub enum CompileError {
     },
 }
 
-impl fmt::Display for CompileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            CompileError::TooManyPaths { station, has, most } => {
-                write!(f, "station {station} has {has} irreversible operations; a controller holds {most} at most")
-            }
-            CompileError::TooManyPeers { station, has } => {
-                write!(
-                    f,
-                    "arrows and conflicts join station {station} with {has} others; a controller holds {PEERS_MAX} at most"
-                )
-            }
-            CompileError::SnapshotDoesNotFit { why } => write!(f, "the kept state is not of this station: {why}"),
-        }
-    }
-}
-
 impl std::error::Error for CompileError {}
 
 /// Stations that one exchanges counts or positions with: sets of them are a bit each of a `u64`.
-const PEERS_MAX: usize = 64;
+pub(crate) const PEERS_MAX: usize = 64;
 
 /// The compiled controller of one station. Immutable; a [`crate::Controller`] plays it.
 #[derive(Clone, Debug)]

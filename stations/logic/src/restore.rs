@@ -42,19 +42,19 @@ impl Controller {
     fn check(&self, snapshot: &StationSnapshot) -> Result<(), &'static str> {
         let operations = self.counts.done.len();
         if snapshot.done.len() != operations || snapshot.started.len() != operations {
-            return Err("it counts another number of operations");
+            return Err("other number of operations");
         }
         let known = |op: linewright_line::OpId| op.index() < operations;
         let exists = |p: &linewright_line::net::StationPlace| {
             known(p.op) && (p.block == Block::Normal || !self.program.paths.contains(&p.op))
         };
         if !snapshot.marking.iter().all(exists) {
-            return Err("it marks a place the station does not have");
+            return Err("marked place not in the net");
         }
         if snapshot.path.is_some_and(|op| !self.program.paths.contains(&op)) {
-            return Err("it is on a recovery path the station does not have");
+            return Err("recovery path not in the net");
         }
-        let Some(first) = snapshot.marking.first() else { return Err("it marks no place") };
+        let Some(first) = snapshot.marking.first() else { return Err("no marked place") };
         let step = self.program.step_of[first.op.index()];
         let mut marked: Vec<_> = snapshot.marking.iter().map(|p| p.op).collect();
         marked.sort_unstable();
@@ -63,14 +63,14 @@ impl Controller {
         // A recovery path runs one operation at a time, be it one of a group.
         let on_path = snapshot.path.is_some() && marked.len() == 1;
         if !whole_step && !on_path {
-            return Err("it does not mark the operations of one step");
+            return Err("marked places are not those of one step");
         }
         let counts = snapshot.done.iter().zip(&snapshot.started);
         // On its way home a station has claimed what it skips, which may belong to the next cycle.
         let newest = snapshot.cycle.saturating_add(i32::from(snapshot.path.is_some()));
         let in_order = |(&done, &started): (&i32, &i32)| -COUNT_MAX < done && done <= started && started <= newest;
         if snapshot.cycle > COUNT_MAX || !counts.into_iter().all(in_order) {
-            return Err("its counts contradict each other");
+            return Err("counts contradict each other");
         }
         Ok(())
     }

@@ -7,3 +7,5 @@ mod build;
 mod controller;
 mod explore;
 mod orders;
+mod samples;
+mod texts;

@@ -37,7 +37,7 @@ impl DeviceTexts {
         }
         if !self.now.is_empty() {
             for reason in blocked_by.iter_mut().filter(|reason| *reason == DEVICES_INVALID) {
-                *reason = format!("its devices: {}", self.now);
+                *reason = format!("its I/O devices: {}", self.now);
             }
         }
         for text in blocked_by.iter_mut().chain([fault]) {
@@ -68,13 +68,13 @@ mod tests {
         let mut words = DeviceTexts::default();
         words.trouble(&"x".repeat(4096));
         let mut state = StationState { station: "press".to_owned(), boot_id: 1, ..StationState::default() };
-        state.fault = vec!["close: devices lost"; 40].join("; ");
+        state.fault = vec!["close: I/O devices lost"; 40].join("; ");
         state.blocked_by = vec![DEVICES_INVALID.to_owned(), "y".repeat(5000)];
         words.complete(false, &mut state.fault, &mut state.blocked_by);
         assert_eq!(state.validate(), Ok(()));
-        assert!(state.fault.starts_with("close: devices lost (xxx"), "{}", state.fault);
+        assert!(state.fault.starts_with("close: I/O devices lost (xxx"), "{}", state.fault);
         let event = StationHappening { cycle: 0, what: HappeningKind::Devices(false) };
-        assert!(words.event(&event, "devices lost".to_owned()).len() < 4096);
+        assert!(words.event(&event, "I/O devices lost".to_owned()).len() < 4096);
     }
 
     #[test]
@@ -86,20 +86,20 @@ mod tests {
             words.complete(valid, &mut fault, &mut reasons);
             (fault, reasons[0].clone())
         };
-        let none = state(&mut words, false, "close: devices lost");
-        assert_eq!(none, ("close: devices lost".to_owned(), DEVICES_INVALID.to_owned()));
+        let none = state(&mut words, false, "close: I/O devices lost");
+        assert_eq!(none, ("close: I/O devices lost".to_owned(), DEVICES_INVALID.to_owned()));
         words.trouble("io: silent");
         words.trouble("io: being identified");
-        let (fault, reason) = state(&mut words, false, "close: devices lost");
+        let (fault, reason) = state(&mut words, false, "close: I/O devices lost");
         assert_eq!(
             (fault.as_str(), reason.as_str()),
-            ("close: devices lost (io: silent)", "its devices: io: being identified")
+            ("close: I/O devices lost (io: silent)", "its I/O devices: io: being identified")
         );
         words.trouble("");
-        assert_eq!(state(&mut words, true, "close: devices lost").0, "close: devices lost (io: silent)");
+        assert_eq!(state(&mut words, true, "close: I/O devices lost").0, "close: I/O devices lost (io: silent)");
         // Recovered; the next loss has a cause of its own.
         state(&mut words, true, "");
         words.trouble("io: booted");
-        assert_eq!(state(&mut words, false, "close: devices lost").0, "close: devices lost (io: booted)");
+        assert_eq!(state(&mut words, false, "close: I/O devices lost").0, "close: I/O devices lost (io: booted)");
     }
 }

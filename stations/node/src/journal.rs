@@ -294,7 +294,7 @@ mod tests {
             let text = record.replace(from, to);
             assert_ne!(text, record);
             let error = from_record(&line, StationId(0), text.as_bytes(), "host").expect_err("refused").to_string();
-            assert!(error.contains("feeder") && error.contains("its counts contradict each other"), "{error}");
+            assert!(error.contains("feeder") && error.contains("counts contradict each other"), "{error}");
         }
     }
 

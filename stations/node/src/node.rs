@@ -155,12 +155,12 @@ impl StationLoop {
             if let Some(record) = record {
                 match from_record(&line, station, &record, &host) {
                     Ok(snapshot) => {
-                        let lost = if snapshot.generation == 0 { ", without a memory of common counts" } else { "" };
-                        tracing::info!(station = name, "goes on from its journal{lost}");
+                        let lost = if snapshot.generation == 0 { ", without a generation" } else { "" };
+                        tracing::info!(station = name, "continued from its journal{lost}");
                         restore = Restore::From(snapshot);
                     }
                     // Without memory it has no generation, so no other station builds on it, and it on none.
-                    Err(error) => tracing::warn!(station = name, "comes up without memory: {error}"),
+                    Err(error) => tracing::warn!(station = name, "started without its journal: {error}"),
                 }
             }
             journal = Some(opened);
@@ -315,7 +315,7 @@ impl StationLoop {
         if op.is_none() && !within.is_empty() {
             let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
             let known = names.join(", ");
-            return self.ignore(format!("rejoin: '{}' is no operation here; operations are {known}", quoted(within)));
+            return self.ignore(format!("rejoin: unknown operation '{}'; operations: {known}", quoted(within)));
         }
         self.handle(StationArrival::Rejoin(op));
     }

@@ -44,7 +44,7 @@ fn while_two_coordinators_give_orders_nothing_moves_and_both_are_named() {
     assert_eq!(rig.mode(), StandBy);
     assert!(rig.kinds().contains(&"off"), "{:?}", rig.kinds());
     assert!(rig.shell.controller().marking().any(|place| place.is_incomplete()), "the motion was stopped");
-    let expected = format!("two coordinators give orders (boot ids {FOLLOWED} and {OTHER}): end one of them");
+    let expected = format!("one coordinator: two are active (boot ids {FOLLOWED} and {OTHER}); stop one of them");
     assert!(rig.reasons().contains(&expected), "{}", rig.reasons());
     rig.effects.clear();
     rig.both(20);
@@ -53,7 +53,7 @@ fn while_two_coordinators_give_orders_nothing_moves_and_both_are_named() {
     // It ends by itself, and the button that stayed down starts nothing.
     rig.alone(rig.timing().stale.as_millis() as u64 / rig.timing().refresh.as_millis() as u64 + 1);
     assert_eq!(rig.mode(), Manual);
-    assert!(!rig.reasons().contains("two coordinators"), "{}", rig.reasons());
+    assert!(!rig.reasons().contains("two are active"), "{}", rig.reasons());
     assert!(!rig.kinds().contains(&"on"), "{:?}", rig.kinds());
 }
 
@@ -90,7 +90,7 @@ fn a_successor_is_no_second_coordinator() {
         rig.now = rig.now + rig.timing().refresh;
         rig.order(OTHER, 6, Manual);
         rig.act();
-        assert!(!rig.reasons().contains("two coordinators"), "{}", rig.reasons());
+        assert!(!rig.reasons().contains("two are active"), "{}", rig.reasons());
     }
     assert_eq!(rig.shell.controller().mode_epoch(), 6);
     rig.pass(Duration::from_millis(1));

@@ -3,7 +3,7 @@
 use linewright_cell::Cell;
 use linewright_coordinator_cell::RecordKind;
 use linewright_coordinator_cell::compile::CompiledCell;
-use linewright_coordinator_cell::dispatch::words;
+use linewright_coordinator_cell::texts;
 use linewright_line::Tick;
 use linewright_simulation::cell::CellSim;
 use serde::Serialize;
@@ -92,7 +92,7 @@ impl CellSimulationJson {
         });
         let decisions = sim.log.iter().filter_map(|record| {
             let RecordKind::Decided { started, held, .. } = &record.fact else { return None };
-            Some(Decision { at_s: seconds(record.at), why: words::decision(&sim.table, started, held) })
+            Some(Decision { at_s: seconds(record.at), why: texts::decision(&sim.table, started, held) })
         });
         CellSimulationJson {
             cell: cell.name.clone(),

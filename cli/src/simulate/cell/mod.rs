@@ -17,8 +17,8 @@ use std::time::Duration;
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, compile_cell, dispatcher, planner};
+use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::why_not;
-use linewright_coordinator_cell::dispatch::words::Reasons;
 use linewright_coordinator_cell::{ActivityPhase, PlayerState};
 use linewright_line::{Line, Tick};
 use linewright_simulation::cell::{CellSim, CellSimOptions};
@@ -152,11 +152,11 @@ fn error(sim: &CellSim, played: &CompiledCell, asked: u32, end: Tick) -> Option<
     let end_s = end.as_micros() as f64 / 1e6;
     let mut lines = vec![match sim.spins() {
         None => {
-            format!("only {left} of {asked} parts were finished; nothing happens any more after {end_s:.3} s")
+            format!("{left} of {asked} parts finished; no further event after {end_s:.3} s")
         }
         Some(mode) => format!(
-            "only {left} of {asked} parts were finished; at {end_s:.3} s what takes no time goes round without end, \
-             `{}` last: give it a `time_s`",
+            "{left} of {asked} parts finished; endless loop of activities without duration at {end_s:.3} s, last \
+             `{}`: give it a `time_s`",
             state.table().mode_name(mode)
         ),
     }];
@@ -165,7 +165,7 @@ fn error(sim: &CellSim, played: &CompiledCell, asked: u32, end: Tick) -> Option<
         ActivityPhase::Running => None,
     });
     for (firing, cause) in failed.take(STUCK_MAX) {
-        let what = linewright_coordinator_cell::dispatch::words::named(state.table(), firing.mode, firing.part);
+        let what = linewright_coordinator_cell::texts::named(state.table(), firing.mode, firing.part);
         lines.push(format!("  {what} has failed: {}", show::cause(&cause)));
     }
     let mut reasons = Reasons::default();

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use linewright_cell::Cell;
-use linewright_coordinator_cell::dispatch::words;
+use linewright_coordinator_cell::texts;
 use linewright_coordinator_cell::{ActivityFailure, RecordKind};
 use linewright_simulation::cell::CellSim;
 
@@ -17,7 +17,7 @@ pub fn decisions(sim: &CellSim) -> String {
     let mut text = String::new();
     for record in &sim.log {
         let RecordKind::Decided { started, held, .. } = &record.fact else { continue };
-        for line in words::decision(&sim.table, started, held) {
+        for line in texts::decision(&sim.table, started, held) {
             // Writing to a string does not fail.
             let _ = writeln!(text, "{:>10.3} s  {line}", record.at.as_micros() as f64 / 1e6);
         }
@@ -28,9 +28,9 @@ pub fn decisions(sim: &CellSim) -> String {
 /// Why an activity has failed.
 pub fn cause(cause: &ActivityFailure) -> String {
     match cause {
-        ActivityFailure::Order { key, failure } => format!("{key} was {failure}"),
-        ActivityFailure::ByHand { resource } => format!("alarm was given of {resource}"),
-        ActivityFailure::TimedOut => "it was not done in time".to_owned(),
+        ActivityFailure::Order { key, failure } => format!("{key}: {failure}"),
+        ActivityFailure::ByHand { resource } => format!("alarm raised by hand for {resource}"),
+        ActivityFailure::TimedOut => cause.summary(),
     }
 }
 

@@ -5,7 +5,7 @@
 //! - [`RuleDispatcher`]: the dispatcher.
 //! - [`Fairness`]: urgency, reservation and inheritance, with the argument in the head of `urgency.rs`.
 //! - [`ShortestRoutes`]: remaining work and processing times, from the table.
-//! - [`words`], [`why_not`], [`why_out`]: what was decided and why, what a part waits for, and why a resource is left out, in
+//! - [`Reasons`], [`why_not`], [`why_out`]: what was held and why, what a part waits for, and why a resource is out of service, in
 //!   sentences.
 //!
 //! A dispatcher chooses among what the player has found possible, and the player looks at the answer: nothing here can
@@ -15,16 +15,17 @@
 mod by_rules;
 mod measure;
 mod priorities;
+mod reasons;
 mod rule;
 mod urgency;
 mod ways;
 mod why;
-pub mod words;
 
 pub use by_rules::RuleDispatcher;
 pub use linewright_cell::DispatchRule;
 pub use measure::Measure;
 pub use priorities::{Admission, EntryCandidate, PartPriorities, PartPriority, Timetable, Window};
+pub use reasons::Reasons;
 pub use urgency::Fairness;
 pub use ways::ShortestRoutes;
 pub(super) use ways::{shortest, time};

@@ -1,5 +1,5 @@
 //! Why a part does not go on: what it could do next, and for each of these what it lacks and who has that; and why a resource
-//! is left out.
+//! is out of service. The texts are in `texts`.
 //!
 //! Who has a token is said only where the net says it: the activity in progress that will give it back, or the modes that
 //! would if they happened, with the parts that wait for them.
@@ -8,14 +8,16 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::exception::{AlarmSubject, ExceptionStage, OutOfServiceReason};
+use super::super::exception::AlarmSubject;
 use super::super::firing::{ActivityPhase, OngoingActivity};
-use super::super::ids::{CellId, FiringId, ModeId, PartId, ResourceId};
+use super::super::ids::{CellId, ModeId, PartId, ResourceId};
 use super::super::plan::{ActivityTiming, CellKind};
 use super::super::state::{PartPlace, PlayerState};
 use super::super::table::CellTable;
+use super::Reasons;
 use super::ways::ShortestRoutes;
-use super::words::{Reasons, called, reason};
+use crate::texts::wait::{failed, remaining};
+use crate::texts::{CellWait, TokenOwner, called, reason};
 
 /// At most so many are named where many would do.
 const NAMED_MAX: usize = 3;
@@ -23,26 +25,28 @@ const NAMED_MAX: usize = 3;
 /// Why a part is where it is, in sentences; the first says where that is.
 pub fn why_not(ways: &ShortestRoutes, reasons: &Reasons, state: &PlayerState, now: Tick, part: PartId) -> Vec<String> {
     let table = state.table();
-    let Some(found) = state.part(part) else { return vec![format!("{part} is not in the cell.")] };
+    let Some(found) = state.part(part) else { return vec![CellWait::NotInCell(part).text()] };
     let cell = match found.place {
         PartPlace::In(firing) => {
-            let of = state.firing(firing).map(|firing| progress(state, firing, now));
-            return vec![format!("{part} is under way: {}.", of.unwrap_or_default())];
+            let activity = state.firing(firing).map(|firing| progress(state, firing, now)).unwrap_or_default();
+            return vec![CellWait::UnderWay { part, activity: &activity }.text()];
         }
         PartPlace::On { cell, arrival: _ } => cell,
     };
-    let mut lines = vec![format!("{part} has been {} for {} s.", place(table, cell), seconds(now.since(found.since)))];
+    let (place, seconds) = (place(table, cell), seconds(now.since(found.since)));
+    let mut lines = vec![CellWait::Resting { part, place: &place, seconds }.text()];
     let options: Vec<_> = table.consumers(cell).iter().copied().filter(|&m| table.part_in(m) == Some(cell)).collect();
     if options.is_empty() {
-        lines.push("Nothing takes it on from there.".to_owned());
+        lines.push(CellWait::NoWay.text());
     }
     for mode in options {
-        lines.push(format!("{}: {}.", called(table, mode, None), option(ways, reasons, state, now, part, mode)));
+        let (activity, why) = (called(table, mode, None), option(ways, reasons, state, now, part, mode));
+        lines.push(CellWait::Activity { activity: &activity, why: &why }.text());
     }
     lines
 }
 
-/// In tenths: nobody waits for less.
+/// In tenths.
 fn seconds(span: Duration) -> f64 {
     (span.as_secs_f64() * 10.0).round() / 10.0
 }
@@ -66,7 +70,7 @@ fn option(
 ) -> String {
     let table = state.table();
     if let Some(first) = state.takeable(mode).next().filter(|_| !state.takeable(mode).any(|able| able == part)) {
-        return format!("{first} has to be taken first");
+        return CellWait::First(first).text();
     }
     let lacked = table.takes(mode).iter().filter(|&&(cell, weight)| state.marking().count(cell) < u64::from(weight));
     let lacked: Vec<String> = lacked.map(|&(cell, _)| owner(ways, state, now, cell)).collect();
@@ -75,17 +79,16 @@ fn option(
         return left_out(state, now, resource);
     }
     if !lacked.is_empty() {
-        let before = last.map(|(at, why)| format!("; at {at} it was held: {}", reason(table, why)));
-        return lacked.join("; ") + &before.unwrap_or_default();
+        let held = last.map(|(at, why)| (at, reason(table, why)));
+        let held = held.as_ref().map(|(at, why)| (*at, why.as_str()));
+        return CellWait::Tokens { owners: &lacked.join("; "), held }.text();
     }
     if state.room(mode) == 0 {
-        return "it is in progress as often as it may be".to_owned();
+        return CellWait::InProgress.text();
     }
     match state.held().iter().find(|(held, _)| *held == mode) {
         Some((_, why)) => reason(table, why),
-        None => {
-            "it has what it takes, and is started when the cell may start things and its stations are heard".to_owned()
-        }
+        None => CellWait::Ready.text(),
     }
 }
 
@@ -105,45 +108,26 @@ fn owner(ways: &ShortestRoutes, state: &PlayerState, now: Tick, cell: CellId) ->
     let held: Vec<_> =
         state.firings().filter(gives).take(NAMED_MAX).map(|firing| progress(state, firing, now)).collect();
     if !held.is_empty() {
-        return format!("`{name}` is with {}", held.join(", and with "));
+        return TokenOwner::InUse { name, by: &held }.text();
     }
     let waits = ways.producers(cell).iter().filter_map(|&mode| Some((mode, resting(state, mode)?)));
     let waits: Vec<_> =
         waits.take(NAMED_MAX).map(|(mode, part)| format!("{} of {part}", called(table, mode, None))).collect();
     match (waits.is_empty(), ways.producers(cell).is_empty()) {
-        (false, _) => format!("`{name}` comes back by {}, which has not started", waits.join(", or ")),
-        (true, false) => format!("there is no `{name}` yet"),
-        (true, true) => format!("there is no `{name}`, and nothing gives it"),
+        (false, _) => TokenOwner::Returned { name, by: &waits }.text(),
+        (true, false) => TokenOwner::NotYet { name }.text(),
+        (true, true) => TokenOwner::Never { name }.text(),
     }
 }
 
 /// Why a resource is not counted on.
 fn left_out(state: &PlayerState, now: Tick, resource: ResourceId) -> String {
     let name = state.table().handling().resource_name(resource);
-    let Some(down) = state.exceptions().is_down(resource) else { return format!("{name} is counted on") };
-    let since = seconds(now.since(down.since));
-    let why = match &down.why {
-        OutOfServiceReason::ByHand { text } if text.is_empty() => "somebody has left it out".to_owned(),
-        OutOfServiceReason::Alarm { text } if text.is_empty() => "somebody has given alarm".to_owned(),
-        OutOfServiceReason::ByHand { text } | OutOfServiceReason::Alarm { text } => {
-            format!("somebody has given alarm: {text}")
-        }
-        OutOfServiceReason::Rule(firing) => format!("the rule for {firing} leaves it out"),
-        OutOfServiceReason::Station(firing) => format!("its station could not work after {firing}"),
-        OutOfServiceReason::EmergencyStop(firing) => format!("its station went into emergency stop after {firing}"),
-        OutOfServiceReason::Mismatch => "its sensor says otherwise than the model".to_owned(),
+    let Some(down) = state.exceptions().is_down(resource) else {
+        return CellWait::InService { resource: name }.text();
     };
-    format!("{name} has been left out for {since} s: {why}")
-}
-
-/// What a failed activity waits for.
-fn waits(state: &PlayerState, firing: FiringId) -> String {
-    match state.exceptions().trouble(firing).map(|trouble| &trouble.stage) {
-        Some(ExceptionStage::Securing) => "waits for its stations to come to rest".to_owned(),
-        Some(ExceptionStage::Waiting(alarm)) => format!("waits for an answer to {alarm}"),
-        Some(ExceptionStage::Restoring { .. }) => "waits for sensors to agree with what was answered".to_owned(),
-        None => "waits for somebody to look".to_owned(),
-    }
+    let seconds = seconds(now.since(down.since));
+    CellWait::OutOfService { resource: name, seconds, why: &down.why.text() }.text()
 }
 
 /// The part that waits for a mode, if it is where that takes it from.
@@ -159,11 +143,12 @@ fn progress(state: &PlayerState, firing: &OngoingActivity, now: Tick) -> String 
     let mode: ModeId = firing.mode;
     let what = called(state.table(), mode, firing.part);
     match (firing.phase, state.table().activity(mode).kind) {
-        (ActivityPhase::Failed(_), _) => format!("{what}, which has failed and {}", waits(state, firing.id)),
+        (ActivityPhase::Failed(_), _) => {
+            failed(&what, state.exceptions().trouble(firing.id).map(|trouble| &trouble.stage))
+        }
         (ActivityPhase::Running, ActivityTiming::Immediate) => what,
         (ActivityPhase::Running, ActivityTiming::Decided { time, limit: _ }) => {
-            let left = seconds((firing.began + time).since(now));
-            if left > 0.0 { format!("{what}, {left} s left") } else { format!("{what}, longer than it should be") }
+            remaining(&what, seconds((firing.began + time).since(now)))
         }
     }
 }

@@ -9,7 +9,7 @@ use super::super::player::Coordination;
 use super::super::record::{ActivityFailure, RecordKind};
 use super::fact::{AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, Whereabouts};
 use super::watch::{AlarmAnswerRefusal, Presence, ResourceRequest};
-use super::words;
+use crate::texts::alarm;
 
 impl Coordination {
     /// Takes an answer, unless stations say that it cannot be.
@@ -29,8 +29,8 @@ impl Coordination {
     ) -> Result<(), AlarmAnswerRefusal> {
         let about = self.state.exceptions().alarm(alarm).ok_or(AlarmAnswerRefusal::NoSuchAlarm)?.about;
         match about {
-            AlarmSubject::Resource(resource) if word == words::UP => self.try_up(now, resource, out),
-            AlarmSubject::Resource(resource) if word == words::GONE => self.try_gone(now, resource, out),
+            AlarmSubject::Resource(resource) if word == alarm::UP => self.try_up(now, resource, out),
+            AlarmSubject::Resource(resource) if word == alarm::GONE => self.try_gone(now, resource, out),
             AlarmSubject::Resource(_) => Err(AlarmAnswerRefusal::NoSuchWord),
             AlarmSubject::Firing(firing) => {
                 let ruling = self.ruling(now, firing, alarm, word)?;

@@ -137,7 +137,7 @@ impl PlayerState {
             }
         }
         let owes = self.owed(firing).any(|order| order.key == key);
-        if owes { Ok(()) } else { Err(format!("nobody waits for the station of {key} to come to rest")) }
+        if owes { Ok(()) } else { Err(format!("no securing is in progress for order {key}")) }
     }
 
     fn failed(&self, id: FiringId) -> Result<&OngoingActivity, String> {
@@ -158,7 +158,7 @@ impl PlayerState {
         match self.exceptions.open.get(&id).map(|trouble| &trouble.stage) {
             Some(ExceptionStage::Restoring { ruling, since: _ }) => Ok(ruling),
             Some(ExceptionStage::Securing | ExceptionStage::Waiting(_)) | None => {
-                Err(format!("nobody has said how {id} goes on"))
+                Err(format!("{id}: no recovery decision recorded"))
             }
         }
     }
@@ -233,8 +233,7 @@ impl PlayerState {
             Whereabouts::From | Whereabouts::To => Some(&[][..]),
             Whereabouts::Carrier => return Err(format!("the part of {id} is with its carrier")),
         };
-        let gone =
-            gone.ok_or_else(|| format!("`{}` does not say what is left without its part", table.mode_name(mode)))?;
+        let gone = gone.ok_or_else(|| format!("`{}`: no marking defined for a removed part", table.mode_name(mode)))?;
         let unstopped: Vec<_> = self.unstopped(id).collect();
         self.exceptions.unstopped.extend(unstopped);
         self.forget(id);
@@ -304,7 +303,7 @@ impl PlayerState {
             return Err(format!("{part} does not rest at {resource}"));
         }
         let known = self.table.has_mode(mode).then(|| self.left_without(mode, cell)).flatten();
-        let left = known.ok_or_else(|| format!("{mode} does not say what is left without {part}"))?;
+        let left = known.ok_or_else(|| format!("{mode}: no marking defined without {part}"))?;
         let table = self.table.clone();
         self.marking.take(cell, 1);
         self.enabling.taken(&table, self.marking.counts(), cell);

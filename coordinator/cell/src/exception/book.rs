@@ -156,7 +156,7 @@ impl Exceptions {
     }
 
     /// Whether stations of this order are not waited for to come to rest.
-    pub(super) fn stands(&self, firing: FiringId, key: OrderKey) -> Option<SecuredState> {
+    pub(crate) fn stands(&self, firing: FiringId, key: OrderKey) -> Option<SecuredState> {
         let standing = &self.open.get(&firing)?.standing;
         standing.iter().find(|(of, _)| *of == key).map(|&(_, standing)| standing)
     }

@@ -14,7 +14,7 @@ use super::fact::{
 };
 use super::policy::{PermittedAnswer, usual};
 use super::watch::{Presence, StationUnavailable};
-use super::words;
+use crate::texts::alarm;
 
 /// What sensors say to an answer.
 enum SensorVerdict {
@@ -193,7 +193,7 @@ impl Coordination {
                 self.except(now, ExceptionStep::Answered { firing: id, ruling, by: AnsweredBy::Rule }, out);
             }
             None => {
-                let text = words::alarm(&self.state, firing, cause, now);
+                let text = alarm::alarm(&self.state, firing, cause, now);
                 self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
             }
         }
@@ -228,21 +228,21 @@ impl Coordination {
         let Some((firing, cause)) = self.failed(id) else { return };
         let (mode, part) = (firing.mode, firing.part);
         if let Some(station) = self.moving(now, firing) {
-            let text = words::moved(&self.state, firing, cause, &ruling, station, now);
+            let text = alarm::moved(&self.state, firing, cause, &ruling, station, now);
             let answers = self.answers(firing, cause);
             return self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
         }
         match self.verdict(now, firing, &ruling, since) {
             SensorVerdict::Wait => (),
             SensorVerdict::Differs(found) => {
-                let text = words::differs(&self.state, firing, cause, &ruling, &found, now);
+                let text = alarm::differs(&self.state, firing, cause, &ruling, &found, now);
                 let answers = self.answers(firing, cause);
                 self.except(now, ExceptionStep::Mismatch { about: AlarmSubject::Firing(id), found }, out);
                 self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
             }
             SensorVerdict::Agrees(unchecked) => match ruling.part {
                 Whereabouts::Carrier => {
-                    let text = words::carried(&self.state, mode, part);
+                    let text = alarm::carried(&self.state, mode, part);
                     let answers: Vec<_> = self.answers_of(usual().into(), mode);
                     self.except(now, ExceptionStep::Carried { firing: id }, out);
                     self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
@@ -388,9 +388,9 @@ impl Coordination {
             self.except(now, ExceptionStep::Down { resource, why: OutOfServiceReason::Mismatch }, out);
         }
         let missing = self.state.resting(resource).map(|(_, part)| part).filter(|_| found.model);
-        let text = words::mismatch(self.state.table().handling(), &found, missing);
+        let text = alarm::mismatch(self.state.table().handling(), &found, missing);
         let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
-        let words = [words::UP].into_iter().chain(missing.map(|_| words::GONE)).map(str::to_owned).collect();
+        let words = [alarm::UP].into_iter().chain(missing.map(|_| alarm::GONE)).map(str::to_owned).collect();
         self.except(now, ExceptionStep::Alarmed { alarm, about: AlarmSubject::Resource(resource), text, words }, out);
     }
 

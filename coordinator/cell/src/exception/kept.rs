@@ -48,7 +48,7 @@ impl PlayerState {
     /// Why they are none of this state.
     pub(in super::super) fn with_exceptions(mut self, of: SavedExceptions) -> Result<Self, String> {
         if of.last_alarm >= NUMBER_MAX || of.scrapped >= NUMBER_MAX {
-            return Err("it counts further than anybody can".to_owned());
+            return Err("counter out of range".to_owned());
         }
         let mut new = Exceptions { last_alarm: of.last_alarm, scrapped: of.scrapped, ..Exceptions::default() };
         let (open, alarms, down, retries) = (of.open.len(), of.alarms.len(), of.down.len(), of.retries.len());
@@ -88,12 +88,12 @@ impl PlayerState {
         for (id, trouble) in &of.open {
             let orders = &self.firings[id].orders;
             if trouble.standing.iter().any(|(key, _)| orders.iter().all(|order| order.key != *key)) {
-                return Err(format!("a station stands for an order that is not of {id}"));
+                return Err(format!("station state recorded for an order that does not belong to {id}"));
             }
             if let ExceptionStage::Waiting(alarm) = trouble.stage
                 && of.alarms.get(&alarm).is_none_or(|alarm| alarm.about != AlarmSubject::Firing(*id))
             {
-                return Err(format!("{id} waits for an answer to an alarm that is not there"));
+                return Err(format!("{id} waits for an alarm that does not exist"));
             }
         }
         of.alarms.values().try_for_each(|alarm| {

@@ -34,7 +34,6 @@ mod kept;
 mod policy;
 mod secure;
 mod watch;
-mod words;
 
 pub use book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService};
 pub use fact::{

@@ -150,7 +150,7 @@ impl RecoveryPolicy {
 
     /// The rule for a failure of a mode: the first that fits. One of the station's own code goes before one of time-outs,
     /// which fits as well where the code says what a station waited for until its time was over.
-    pub(super) fn rule(&self, mode: ModeId, cause: ActivityFailure) -> Option<&RecoveryRule> {
+    pub(crate) fn rule(&self, mode: ModeId, cause: ActivityFailure) -> Option<&RecoveryRule> {
         let word = word(cause);
         let rules = || self.mode(mode).rules.iter().filter_map(|&at| self.rules.get(at));
         let own = rules().find(|rule| matches!(&rule.code, FailureMatch::Word(code) if **code == word));

@@ -38,10 +38,9 @@ impl ProductionChange {
 }
 
 /// Why an order is not cancelled or withdrawn.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProductionRefusal {
     /// Nobody knows of it.
-    #[error("there is no order `{name}`{}", .hint.as_ref().map(|hint| format!("; {hint}")).unwrap_or_default())]
     Unknown {
         /// What was asked about.
         name: String,
@@ -49,10 +48,8 @@ pub enum ProductionRefusal {
         hint: Option<String>,
     },
     /// There is nothing left to change.
-    #[error("`{0}` is over already")]
     Over(String),
     /// It can only be cancelled.
-    #[error("`{name}` has begun: {entered} of its parts have entered; cancel it instead")]
     Begun {
         /// The order.
         name: String,
@@ -60,7 +57,6 @@ pub enum ProductionRefusal {
         entered: u32,
     },
     /// Others would wait for ever.
-    #[error("`{name}` is what `{by}` waits for; withdraw that first, or cancel this one")]
     Needed {
         /// The order.
         name: String,

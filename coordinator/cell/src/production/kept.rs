@@ -41,7 +41,7 @@ impl Production {
             let id = order.id;
             let product = new.products.iter().position(|product| **product == *order.request.product);
             if product != Some(order.product) || id.0 > kept.last || order.after.iter().any(|&after| after >= id) {
-                return Err(format!("{id} is of another cell, or after one that came later"));
+                return Err(format!("{id}: product unknown, or predecessor has a later number"));
             }
             if order.done > order.entered || order.begun.is_none() && order.entered + order.lost > 0 {
                 return Err(format!("of {id} more parts have left than entered"));

@@ -7,7 +7,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_line::{Tick, suggestion};
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::super::serial;
 
@@ -44,26 +43,21 @@ pub struct ProductionOrderRequest {
 }
 
 /// What is wrong with a request.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RequestProblem {
     /// Nobody could call it by that.
-    #[error("`{0}` is no name for an order: 1 to {NAME_MAX} letters, on one line")]
     Name(String),
     /// An order of that name is not over.
-    #[error("there is an order `{0}` already; wait until it is over, or choose another name")]
     NameTaken(String),
     /// Two of one batch.
-    #[error("`{0}` is asked for twice under different keys; choose another name for one of them")]
     NameTwice(String),
     /// Another request had this key.
-    #[error("`{name}` has the key of `{other}`, which asks for something else; draw a new key for each request")]
     KeyTaken {
         name: String,
         /// The one that had the key before.
         other: String,
     },
     /// Nothing of that name is made here.
-    #[error("`{name}`: nothing called `{product}` is made here{}", advice(.hint))]
     Product {
         name: String,
         /// What it asks for.
@@ -72,14 +66,12 @@ pub enum RequestProblem {
         hint: Option<String>,
     },
     /// None, or too many.
-    #[error("`{name}`: {quantity} parts; ask for 1 to {QUANTITY_MAX}")]
     Quantity {
         name: String,
         /// How many it asks for.
         quantity: u32,
     },
     /// It could not be in time.
-    #[error("`{name}`: due at {due}, but not released before {release}")]
     DueBeforeRelease {
         name: String,
         /// When it is due.
@@ -88,7 +80,6 @@ pub enum RequestProblem {
         release: Tick,
     },
     /// It waits for what is not there.
-    #[error("`{name}` is after `{after}`, and there is no such order{}", advice(.hint))]
     NoSuchOrder {
         name: String,
         /// What it waits for.
@@ -97,30 +88,18 @@ pub enum RequestProblem {
         hint: Option<String>,
     },
     /// It waits for what was withdrawn.
-    #[error("`{name}` is after `{after}`, which was withdrawn and will never be over")]
     AfterWithdrawn {
         name: String,
         /// What it waits for.
         after: String,
     },
     /// Each waits for the next, and the last for the first.
-    #[error("none of these could ever begin, each is after the next: {}", circle(.0))]
     Circle(Vec<String>),
     /// More than are kept.
-    #[error("{open} orders would not be over, at most {ORDERS_MAX} can be; wait until some are")]
     TooMany {
         /// How many there would be.
         open: usize,
     },
-}
-
-fn advice(hint: &Option<String>) -> String {
-    hint.as_ref().map(|hint| format!("; {hint}")).unwrap_or_default()
-}
-
-fn circle(names: &[String]) -> String {
-    let first = names.first().cloned().into_iter();
-    names.iter().cloned().chain(first).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" after ")
 }
 
 impl ProductionOrderRequest {

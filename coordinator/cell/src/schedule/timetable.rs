@@ -8,11 +8,9 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::dispatch::words::named;
 use super::super::dispatch::{PartPriorities, Timetable, Window};
 use super::super::ids::{FiringId, ModeId, PartId, ResourceId};
 use super::super::state::{PartPlace, PlayerState};
-use super::super::table::CellTable;
 use super::slots::{Schedule, ScheduleSlot};
 
 /// Why a schedule is made anew.
@@ -41,26 +39,6 @@ pub enum RevisionReason {
     Over,
     /// Something else has started than was planned.
     Stray(ModeId, Option<PartId>),
-}
-
-impl RevisionReason {
-    /// In words, with the names of the table.
-    pub fn words(&self, table: &CellTable) -> String {
-        match self {
-            RevisionReason::First => "nothing was planned yet".to_owned(),
-            RevisionReason::Orders => "production orders have changed".to_owned(),
-            RevisionReason::Failed(firing) => format!("{firing} has failed"),
-            RevisionReason::Down(resource) => format!("{} is down", table.handling().resource_name(*resource)),
-            RevisionReason::Restored => "something has been put right".to_owned(),
-            RevisionReason::Late { mode, part, by } => {
-                format!("{} is later than it may be, by {} s", named(table, *mode, *part), by.as_secs_f64())
-            }
-            RevisionReason::Over => "all that was planned has started".to_owned(),
-            RevisionReason::Stray(mode, part) => {
-                format!("{} has started, and was not planned", named(table, *mode, *part))
-            }
-        }
-    }
 }
 
 impl Schedule {

@@ -6,7 +6,6 @@ use linewright_line::Tick;
 
 use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::record::{ActivityStep, Record};
-use super::cause_in_words;
 
 /// An activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,7 +50,7 @@ impl Activities {
             }
             Some(ActivityStep::Raised { firing, cause }) => {
                 if let Some(done) = self.open.get(&firing).map(|&at| &mut self.done[at]) {
-                    done.failed = Some(ActivityFailed { at: record.at, cause: cause_in_words(cause) });
+                    done.failed = Some(ActivityFailed { at: record.at, cause: cause.summary() });
                 }
             }
             Some(ActivityStep::Ended { firing } | ActivityStep::Closed { firing, .. }) => {

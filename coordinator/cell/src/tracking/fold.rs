@@ -11,14 +11,14 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::super::exception::{ExceptionStep, OutOfServiceReason, Whereabouts};
+use super::super::exception::{ExceptionStep, Whereabouts};
 use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::production::{Production, ProductionChange};
 use super::super::record::{ActivityFailure, Record, RecordKind};
 use super::orders::OrdersReport;
 use super::report::{Causes, CellSummary, ResourceReport};
 use super::spread::Spread;
-use super::{ModeEntry, PartFlow, ReportMetadata, ResourceEntry, cause_in_words};
+use super::{ModeEntry, PartFlow, ReportMetadata, ResourceEntry};
 
 /// What has happened so far.
 #[derive(Clone, Debug)]
@@ -271,7 +271,7 @@ impl Tracking {
 
     fn fails(&mut self, firing: FiringId, cause: &ActivityFailure, at: Tick) {
         let Some(open) = self.open.get_mut(&firing) else { return };
-        let cause = cause_in_words(cause);
+        let cause = cause.summary();
         open.failed = Some((at, cause));
         let mode = open.mode;
         self.failures += u64::from(at >= self.from);
@@ -305,7 +305,7 @@ impl Tracking {
             }
             ExceptionStep::Down { resource, why } => {
                 if let Some(tally) = self.resources.get_mut(resource.index()) {
-                    let cause = out(why);
+                    let cause = why.summary();
                     if at >= self.from {
                         tally.causes.add(&cause, Duration::ZERO);
                     }
@@ -389,18 +389,5 @@ impl Tracking {
         let leaves = self.sheet.entry(mode).is_some_and(|entry| entry.passing == PartFlow::Leaves);
         let passage = part.filter(|_| leaves).and_then(|part| self.parts.remove(&part));
         self.left.extend(passage.filter(|_| at >= self.from).map(|passage| PartHistory { left: Some(at), ..passage }));
-    }
-}
-
-/// Why somebody is left out, in words.
-fn out(why: &OutOfServiceReason) -> String {
-    match why {
-        OutOfServiceReason::ByHand { text } if text.is_empty() => "left out by hand".to_owned(),
-        OutOfServiceReason::Alarm { text } if text.is_empty() => "alarm given by hand".to_owned(),
-        OutOfServiceReason::ByHand { text } | OutOfServiceReason::Alarm { text } => text.clone(),
-        OutOfServiceReason::Rule(_) => "left out by a rule".to_owned(),
-        OutOfServiceReason::Station(_) => "its station could not work".to_owned(),
-        OutOfServiceReason::EmergencyStop(_) => "its station went into emergency stop".to_owned(),
-        OutOfServiceReason::Mismatch => "model and plant differ".to_owned(),
     }
 }

@@ -26,7 +26,6 @@ pub use spread::Spread;
 use serde::{Deserialize, Serialize};
 
 use super::ids::ModeId;
-use super::record::ActivityFailure;
 
 /// What a report has to know of a cell beside its records. It is written down beside them, so that a report needs no
 /// description.
@@ -95,14 +94,5 @@ impl ReportMetadata {
     /// What a mode is; none for one that there is not.
     pub fn entry(&self, mode: ModeId) -> Option<&ModeEntry> {
         self.modes.get(mode.index())
-    }
-}
-
-/// Why an activity has failed, without the numbers that differ each time.
-fn cause_in_words(cause: &ActivityFailure) -> String {
-    match cause {
-        ActivityFailure::TimedOut => "takes longer than it may".to_owned(),
-        ActivityFailure::Order { failure, .. } => failure.to_string(),
-        ActivityFailure::ByHand { .. } => "alarm given by hand".to_owned(),
     }
 }

@@ -53,7 +53,7 @@ fn its_stations_stop_and_the_resources_are_left_out() {
 
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
     let text = bench.alarm().text.clone();
-    assert!(text.ends_with("robot is in emergency stop, m1 is in emergency stop)"), "{text}");
+    assert!(text.ends_with("robot: in emergency stop, m1: in emergency stop)"), "{text}");
     assert!(bench.at("m1").is_held && bench.at("robot").is_held);
 }
 
@@ -112,7 +112,7 @@ fn a_station_of_another_activity_can_be_named() {
     assert_eq!(bench.stopped(), [station]);
     assert!(bench.state().exceptions().is_down(m3).is_some() && isolated(bench.state()).contains(&station));
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
-    assert!(bench.alarm().text.ends_with("m3 is in emergency stop)"), "{}", bench.alarm().text);
+    assert!(bench.alarm().text.ends_with("m3: in emergency stop)"), "{}", bench.alarm().text);
 }
 
 /// One that is not heard, or that was heard at its order, is not reset: nobody knows whether it has stopped.

@@ -36,7 +36,7 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     assert_eq!(bench.state().exceptions().alarms().len(), 0, "the robot moves");
     bench.say(PlayerInput::Station(robot, &stands));
     let alarm = bench.alarm().clone();
-    assert!(alarm.text.contains("robot is at rest"), "{}", alarm.text);
+    assert!(alarm.text.contains("robot: at rest"), "{}", alarm.text);
     // It begins to move again.
     bench.say(PlayerInput::Station(robot, &moves));
     bench.answer("as-before");
@@ -45,11 +45,7 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     bench.answer("as-before");
     // And once more, before what was answered has been compared.
     bench.say(PlayerInput::Station(robot, &moves));
-    assert!(
-        bench.alarm().text.starts_with("robot has moved since \"as-before\" was answered."),
-        "{}",
-        bench.alarm().text
-    );
+    assert!(bench.alarm().text.starts_with("robot moved after the answer \"as-before\"."), "{}", bench.alarm().text);
     assert!(bench.firing(LOAD).is_some());
 }
 

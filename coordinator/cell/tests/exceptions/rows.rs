@@ -9,7 +9,7 @@ use linewright_coordinator_cell::exception::{
 };
 use linewright_coordinator_cell::{
     ActivityFailure, ActivityPhase, CellEvent, FiringId, OngoingActivity, OrderFailure, PartId, PlayerInput,
-    PlayerState, Presence, RecordKind, StationUnavailable,
+    PlayerState, Presence, Record, RecordKind, StationUnavailable,
 };
 
 use super::bench::{Bench, workcell};
@@ -157,8 +157,8 @@ fn a_part_that_breaks_while_it_is_worked_on_is_gone() {
     let firing = bench.firing("M1.process<A.new>").expect("it has failed").clone();
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
     assert!(bench.alarm().text.starts_with(
-        "M1.process with part 1 has failed. Say where the part is. (M1.process: m1 has not ended in time, what it \
-         waited for did not come (code 7),"
+        "M1.process with part 1 failed. Answer where the part is. (M1.process: m1: awaited input not on in time (code 7), \
+         after "
     ));
     bench.sim.truth.put(PART, None);
     bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
@@ -190,7 +190,7 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     bench.answer("in-hand");
     bench.until_that(|bench| bench.steps().contains(&&ExceptionStep::Carried { firing: firing.id }));
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
-    assert_eq!(bench.alarm().text, "R has part 1. Bring it to M1, or back to ST, and say which.");
+    assert_eq!(bench.alarm().text, "R holds part 1. Move it to M1 or back to ST, then answer which.");
     assert_eq!(bench.firing(LOAD).map(|firing| firing.id), Some(firing.id));
     // Somebody brings it, and leaves the robot where it stands.
     bench.sim.truth.put(PART, Some(bench.resource("M1")));
@@ -228,7 +228,7 @@ fn while_m1_is_down_parts_go_over_m2() {
     assert!(!bench.state().enabling().is_enabled(firing.mode) && bench.count("M1.available-capacity") == 1);
     let from = bench.sim.log.len();
     bench.all_leave(3);
-    let started = |record: &linewright_coordinator_cell::Record| match record.fact {
+    let started = |record: &Record| match record.fact {
         RecordKind::Started { mode, .. } => Some(bench.table.mode_name(mode)),
         _ => None,
     };
@@ -239,10 +239,10 @@ fn while_m1_is_down_parts_go_over_m2() {
     let m1 = bench.resource("M1");
     let since = bench.state().exceptions().is_down(m1).expect("it is down").since;
     let why = why_out(bench.state(), since + Duration::from_secs(9), m1);
-    assert_eq!(why, [format!("M1 has been left out for 9 s: the rule for {} leaves it out.", firing.id)]);
+    assert_eq!(why, [format!("M1 out of service for 9 s: taken out by the rule for {}.", firing.id)]);
     bench.say(PlayerInput::Resource { resource: m1, up: true });
     assert_eq!(bench.steps().last(), Some(&&ExceptionStep::Up { resource: m1, unchecked: false }));
-    assert_eq!(why_out(bench.state(), bench.sim.now, m1), ["M1 is counted on."]);
+    assert_eq!(why_out(bench.state(), bench.sim.now, m1), ["M1 in service."]);
 }
 
 /// What needs nobody is done without, as often as the rule has it.
@@ -285,9 +285,12 @@ fn an_answer_that_sensors_contradict_is_asked_about_again() {
     assert_eq!((*about, found.len()), (AlarmSubject::Firing(firing.id), 1));
     assert_eq!((found[0].resource, found[0].model, found[0].plant), (m1, true, false));
     assert!(bench.alarm().id > first && bench.state().marking() == &before);
-    assert!(bench.alarm().text.starts_with(
-        "\"in-machine\" cannot be: M1 should have a part, and its sensor says that there is none. R came to M1"
-    ));
+    assert!(
+        bench
+            .alarm()
+            .text
+            .starts_with("Answer \"in-machine\" contradicts the sensors: M1: part expected, sensor off. R came to M1")
+    );
     bench.answer("in-store");
     bench.all_leave(1);
 }
@@ -316,11 +319,7 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
     let firing = bench.firing(LOAD).expect("it has failed").clone();
     let lost = ActivityFailure::Order { key: firing.orders[0].key, failure: OrderFailure::Lost };
     assert_eq!(firing.phase, ActivityPhase::Failed(lost));
-    assert!(
-        bench.alarm().text.ends_with("robot was not heard to have come to rest, m1 is at rest)"),
-        "{}",
-        bench.alarm().text
-    );
+    assert!(bench.alarm().text.ends_with("robot: rest not confirmed, m1: at rest)"), "{}", bench.alarm().text);
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"], "C1's rule is for what takes too long");
     bench.at("m1").is_stuck = false;
     bench.answer("as-before");
@@ -344,9 +343,13 @@ fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
     bench.until_that(|bench| bench.firing(LOAD).is_some());
     bench.at("robot").forget();
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
-    assert!(bench.alarm().text.contains("load M1: robot does not remember it,"), "{}", bench.alarm().text);
     assert!(
-        bench.alarm().text.contains("robot has come up without its memory, m1 is at rest"),
+        bench.alarm().text.contains("load M1: robot: order lost, its order store was reset,"),
+        "{}",
+        bench.alarm().text
+    );
+    assert!(
+        bench.alarm().text.contains("robot: restarted with an empty order store, m1: at rest"),
         "{}",
         bench.alarm().text
     );
@@ -357,7 +360,7 @@ fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
     bench.until_that(|bench| bench.sim.stations[bench.station("robot").index()].doing().is_some());
     bench.at("robot").unable = Some(StationUnavailable::Devices);
     bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
-    assert!(bench.alarm().text.contains("load M1: robot has lost its devices,"), "{}", bench.alarm().text);
+    assert!(bench.alarm().text.contains("load M1: robot: I/O devices lost,"), "{}", bench.alarm().text);
     let firing = bench.firing(LOAD).expect("it has failed").id;
     bench.answer("as-before");
     bench.closed(firing);
@@ -386,16 +389,13 @@ fn after_a_restart_a_part_too_many_is_found() {
     assert_eq!(bench.alarm().about, AlarmSubject::Resource(m2));
     assert_eq!(
         (bench.alarm().text.as_str(), bench.alarm().words.as_slice()),
-        (
-            "M2 should have no part, and its sensor says that there is one. Put that right, and say \"up\".",
-            &["up".to_owned()][..]
-        )
+        ("M2: no part expected, sensor on. Correct it, then answer \"up\".", &["up".to_owned()][..])
     );
     let since = bench.state().exceptions().is_down(m2).expect("it is down").since;
     assert_eq!(
         why_out(bench.state(), since, m2),
         [
-            "M2 has been left out for 0 s: its sensor says otherwise than the model.".to_owned(),
+            "M2 out of service for 0 s: sensor contradicts the model.".to_owned(),
             format!("{}: {}", bench.alarm().id, bench.alarm().text)
         ]
     );
@@ -423,8 +423,8 @@ fn a_part_that_is_missing_where_it_rested_can_be_given_up() {
             (bench.alarm().text.clone(), bench.alarm().words.as_slice()),
             (
                 format!(
-                    "M1 should have a part, and its sensor says that there is none. Put that right, and say \"up\"; if \
-                     {part} is no more, say \"gone\"."
+                    "M1: part expected, sensor off. Correct it, then answer \"up\"; if {part} was removed, answer \
+                     \"gone\"."
                 ),
                 &["up".to_owned(), "gone".to_owned()][..]
             )
@@ -476,4 +476,15 @@ fn what_there_is_not_cannot_be_answered() {
     ];
     assert_eq!(bench.objections(), expected);
     assert_eq!(bench.alarm().id, alarm);
+}
+
+/// Logs of earlier versions have such a text.
+#[test]
+fn a_resource_taken_out_by_hand_with_a_text_is_no_alarm() {
+    let bench = Bench::c1(&[1, 0]);
+    let (mut state, m1, at) = (bench.state().clone(), bench.resource("M1"), bench.sim.now);
+    let why = OutOfServiceReason::ByHand { text: "new tool".to_owned() };
+    let fact = RecordKind::Exception(ExceptionStep::Down { resource: m1, why });
+    state.apply(&Record { at, fact }).expect("it fits");
+    assert_eq!(why_out(&state, at, m1), ["M1 out of service for 0 s: taken out by hand: new tool."]);
 }

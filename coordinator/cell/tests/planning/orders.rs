@@ -60,15 +60,15 @@ fn all_that_is_wrong_with_a_batch_is_said_at_once() {
     let batch = [bad, named(4, "first", &[]), named(1, "other", &[]), named(5, "twice", &[]), named(6, "twice", &[])];
     let said: Vec<String> = production.submit(&batch).unwrap_err().iter().map(RequestProblem::to_string).collect();
     let expected = [
-        "`other` has the key of `first`, which asks for something else; draw a new key for each request",
-        "`a\nb` is no name for an order: 1 to 64 letters, on one line",
-        "`a\nb`: nothing called `C` is made here; did you mean `A`?",
-        "`a\nb`: 0 parts; ask for 1 to 1000000",
-        "`a\nb`: due at 8.000000 s, but not released before 9.000000 s",
-        "`a\nb` is after `frist`, and there is no such order; did you mean `first`?",
-        "`a\nb` is after `second`, which was withdrawn and will never be over",
-        "there is an order `first` already; wait until it is over, or choose another name",
-        "`twice` is asked for twice under different keys; choose another name for one of them",
+        "order `other`: key already used by `first` with other content; use a new key for each request",
+        "order name `a\nb` not valid: 1 to 64 characters, one line",
+        "order `a\nb`: no product `C`; did you mean `A`?",
+        "order `a\nb`: quantity 0, allowed 1 to 1000000",
+        "order `a\nb`: due at 8.000000 s, before its release at 9.000000 s",
+        "order `a\nb`: no predecessor `frist`; did you mean `first`?",
+        "order `a\nb`: predecessor `second` was withdrawn",
+        "order name `first` in use; choose another, or wait until that order is finished",
+        "order name `twice` requested twice with different keys; choose another for one",
     ];
     assert_eq!(said, expected);
     assert_eq!(production.orders().len(), 2, "nothing has changed");
@@ -82,12 +82,9 @@ fn what_waits_for_itself_is_refused_and_the_circle_is_named() {
         other => panic!("{other:?}"),
     };
     let alone = [named(1, "a", &["a"])];
-    assert_eq!(circle(&alone), "none of these could ever begin, each is after the next: `a` after `a`");
+    assert_eq!(circle(&alone), "predecessors form a circle: `a` after `a`");
     let three = [named(1, "x", &["a"]), named(2, "a", &["b"]), named(3, "b", &["c"]), named(4, "c", &["a"])];
-    assert_eq!(
-        circle(&three),
-        "none of these could ever begin, each is after the next: `a` after `b` after `c` after `a`"
-    );
+    assert_eq!(circle(&three), "predecessors form a circle: `a` after `b` after `c` after `a`");
 }
 
 /// A long chain, given from its end: each becomes an order after the one it is after, and no stack runs over.
@@ -186,7 +183,10 @@ fn cancelled_and_withdrawn_orders() {
     shop.run(&mut desk, at(100));
     let inside = u32::try_from(shop.state().parts().len()).unwrap();
     let begun = shop.command(Withdraw("order 1"), &mut desk).unwrap_err();
-    assert_eq!(begun.to_string(), "`order 1` has begun: 6 of its parts have entered; cancel it instead");
+    assert_eq!(
+        begun.to_string(),
+        "order `order 1` cannot be withdrawn: 6 of its parts have entered; cancel it instead"
+    );
     assert_eq!(shop.command(Cancel("order 1"), &mut desk), Ok(vec![ProductionId(1)]));
     let status = |shop: &Shop| {
         let production = shop.state().production();

@@ -78,13 +78,13 @@ fn when_something_is_late_what_follows_is_planned_anew() {
         let late = follower.revisions().find(|revision| late(&revision.why)).map(|revision| revision.at);
         let begun = shop.starts().into_iter().find(|&(_, name, _)| name == "M1.process<A.new>").unwrap().0;
         let on_m2 = shop.starts().into_iter().filter(|(_, name, _)| *name == "load M2<A.new>").count();
-        let said = whys(&follower).iter().map(|why| why.words(&made.table)).collect();
+        let said = whys(&follower).iter().map(|why| why.text(&made.table)).collect();
         (late.map(|at| at.since(Tick::from_millis(begun))), on_m2, said)
     };
     let (late, as_planned, said) = on_m2(40);
-    assert_eq!((late, &said[..]), (None, &["nothing was planned yet".to_owned()][..]));
+    assert_eq!((late, &said[..]), (None, &["no schedule yet".to_owned()][..]));
     let (late, instead, said) = on_m2(79);
-    assert!(said[1].contains("is later than it may be, by 0.000001 s"), "{said:?}");
+    assert!(said[1].contains("later than tolerated, by 0.000001 s"), "{said:?}");
     assert!((44..79).contains(&late.unwrap().as_secs()), "{late:?}");
     // It is late again and again, and is believed to take as long again as it is late; M2 never becomes better by that.
     assert!((3..8).contains(&said.len()) && (as_planned, instead) == (0, 0), "{said:?}");

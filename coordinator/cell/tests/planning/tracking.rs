@@ -135,7 +135,10 @@ fn busy_and_down_are_what_a_slow_recount_says() {
             }
             assert_eq!(report.failures > 0, failing);
             assert_eq!(report.resources.iter().any(|resource| resource.down > Duration::ZERO), failing);
-            assert!(!failing || report.to_string().contains("1 times ended with code 7"), "{report}");
+            assert!(
+                !failing || report.to_string().contains("1 times awaited input not on in time (code 7)"),
+                "{report}"
+            );
         }
     }
 }
@@ -163,7 +166,7 @@ fn a_resource_is_left_out_as_often_as_somebody_leaves_it_out() {
     let m1 = report.resources.iter().find(|resource| &*resource.name == "M1").unwrap();
     let down = thirds[1].since(thirds[0]) + now.since(thirds[2]);
     assert!(down > Duration::ZERO);
-    assert_eq!((m1.down, m1.causes.iter().collect::<Vec<_>>()), (down, vec![("left out by hand", 2, down)]));
+    assert_eq!((m1.down, m1.causes.iter().collect::<Vec<_>>()), (down, vec![("taken out by hand", 2, down)]));
 }
 
 /// A part that is inside counts to nothing yet.

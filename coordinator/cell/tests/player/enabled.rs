@@ -269,7 +269,7 @@ fn a_plan_that_does_not_fit_its_net_says_why() {
     let all = |kind| vec![kind; cells];
     assert!(why(plan(vec![], alone(1), vec![0; modes])).starts_with("the plan has kinds for 0 cells"));
     assert!(why(plan(all(TOKENS), alone(1), vec![])).starts_with("the plan has activities for 0 modes"));
-    assert!(why(plan(all(TOKENS), alone(1), vec![1; modes])).ends_with("is said to be activity 1 of 1"));
+    assert!(why(plan(all(TOKENS), alone(1), vec![1; modes])).ends_with("names activity 1; there are 1"));
     assert!(why(plan(all(super::plans::PARTS), alone(1), vec![0; modes])).ends_with("a mode moves one at most"));
     let idle = PlayedActivity { servers: 0, ..alone(1) };
     assert!(matches!(

@@ -2,7 +2,7 @@
 //! whole runs with pretended stations, some of them killed at every step. Under `dispatch` the dispatcher with rules.
 
 mod crash;
-mod dispatch;
+pub mod dispatch;
 mod enabled;
 mod exceptions;
 mod ledger;

@@ -109,6 +109,6 @@ fn a_life_has_an_epoch_above_all_before() {
     let begin = |state, epoch, out: &mut PlayerOutbox| Coordination::begin(state, Tick::ZERO, epoch, out);
     let first = begin(PlayerState::new(merged([1, 0, 0]).table), 4, &mut out).unwrap();
     let refused = begin(first.state().clone(), 4, &mut out).unwrap_err();
-    assert_eq!(refused.to_string(), "epoch 4 cannot begin after epoch 4");
+    assert_eq!(refused.to_string(), "epoch 4 is not newer than epoch 4 of the log");
     assert!(begin(first.state().clone(), 5, &mut out).is_ok());
 }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::{DispatchRule, PartPriority, RuleDispatcher, words};
+use linewright_coordinator_cell::dispatch::{DispatchRule, PartPriority, RuleDispatcher};
+use linewright_coordinator_cell::texts;
 use linewright_coordinator_cell::{
     ActivityFailure, ActivityTiming, CellSnapshot, CellTable, Coordination, DecidingRule, Fifo, FiringId, Gain,
     HoldReason, LostDecision, ModeId, OrderFailure, OrderKey, PartId, PlayerInput, PlayerOutbox, PlayerState,
@@ -121,7 +122,7 @@ fn a_snapshot_or_a_record_that_somebody_has_made_up_is_refused_or_fits() {
                     break;
                 }
                 if let RecordKind::Decided { started, held, .. } = &record.fact {
-                    assert!(words::decision(table, started, held).len() >= held.len());
+                    assert!(texts::decision(table, started, held).len() >= held.len());
                 }
                 fitted += 1;
             }

@@ -9,6 +9,7 @@ use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
 use super::{Coordinator, StationEntry, StationView};
+use crate::texts::ModeText;
 
 impl Coordinator {
     /// Leaves these stations out, and no others: what is wrong with them is an exception of the cell they work in
@@ -82,30 +83,17 @@ impl Coordinator {
         self.stations.get(station.index()).is_some_and(|s| self.is_known(s))
     }
 
-    /// The mode in words, with what keeps it: `auto`, `auto, stopping at home`, `stand-by: mill_1 is not heard`.
+    /// The text of the mode, with what keeps it.
     pub fn text(&self) -> String {
-        let mut text = self.mode.name().to_owned();
-        if self.stopping {
-            text.push_str(", stopping at home");
-        }
-        let waiting: Vec<&str> = self.waiting_for().iter().map(|&s| self.line.station(s).name.as_str()).collect();
-        if !waiting.is_empty() {
-            text.push_str(&format!(", waiting for {}", waiting.join(", ")));
-        }
-        let alone = self.line.station_ids().zip(&self.stations).filter(|(_, station)| station.isolated);
-        let alone: Vec<&str> = alone.map(|(id, _)| self.line.station(id).name.as_str()).collect();
-        if !alone.is_empty() {
-            text.push_str(&format!(", without {}", alone.join(", ")));
-        }
-        let stopped = self.line.station_ids().zip(&self.stations).filter(|(_, station)| station.stopped);
-        let stopped: Vec<&str> = stopped.map(|(id, _)| self.line.station(id).name.as_str()).collect();
-        if !stopped.is_empty() {
-            text.push_str(&format!(", {} in emergency stop", stopped.join(" and ")));
-        }
-        let troubles: Vec<String> = self.troubles().iter().map(|reason| reason.text(&self.line)).collect();
-        if !troubles.is_empty() {
-            text.push_str(&format!(": {}", troubles.join("; ")));
-        }
-        text
+        let name = |id| self.line.station(id).name.as_str();
+        let stations = || self.line.station_ids().zip(&self.stations);
+        let text = ModeText {
+            stopping: self.stopping,
+            waiting: self.waiting_for().into_iter().map(name).collect(),
+            without: stations().filter(|(_, station)| station.isolated).map(|(id, _)| name(id)).collect(),
+            stopped: stations().filter(|(_, station)| station.stopped).map(|(id, _)| name(id)).collect(),
+            troubles: self.troubles().iter().map(|reason| reason.text(&self.line)).collect(),
+        };
+        text.text(self.mode)
     }
 }

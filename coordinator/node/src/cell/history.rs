@@ -74,7 +74,7 @@ pub(super) fn begin(
     match History::open(&dir.join("cell.db"), &about) {
         Ok(history) => Some(HistoryFeeder::begin(history, &dir.join("cell.log"), state)),
         Err(error) => {
-            tracing::error!("{error}; the cell goes on without");
+            tracing::error!("{error}; the cell continues without a database");
             None
         }
     }

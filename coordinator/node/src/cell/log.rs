@@ -30,7 +30,7 @@ pub enum CellLogError {
     #[error(transparent)]
     Log(#[from] LogError),
     /// It is about something else.
-    #[error("log {path} is about {is}, not about {expected}; once the cell is empty, remove the log to start afresh")]
+    #[error("log {path} is about {is}, not about {expected}; empty the cell, then remove the log")]
     Other {
         /// The log.
         path: PathBuf,
@@ -186,7 +186,7 @@ pub(super) fn known(
     }
     if found.state.sequence() > 0 {
         let (parts, running) = (found.state.parts().len(), found.state.firings().len());
-        tracing::info!("goes on from its log: {parts} parts inside, {running} activities in progress");
+        tracing::info!("continued from the log: {parts} parts in the cell, {running} activities in progress");
     }
     Ok((found.state, Some(found.log)))
 }

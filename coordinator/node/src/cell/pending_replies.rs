@@ -4,6 +4,7 @@
 //! it in a step that did not is believed.
 
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, ResourceRequest};
+use linewright_coordinator_cell::texts::answer_refused;
 use linewright_coordinator_cell::{
     CellEvent, PlayerOutbox, PlayerState, ProductionCommandError, ProductionId, RequestId,
 };
@@ -13,8 +14,6 @@ use linewright_msgs::{
     SubmitOrdersResponse,
 };
 use linewright_node_shell::ServiceReply;
-
-use super::why::refused;
 
 /// Who waits for the reply to a ticket.
 pub enum Requester {
@@ -65,7 +64,7 @@ impl PendingReplies {
                 | CellEvent::Superseded { .. }
                 | CellEvent::Busy { .. } => None,
             });
-            operator.hear(objection.map(|why: AlarmAnswerRefusal| refused(line, state, asked, why)));
+            operator.hear(objection.map(|why: AlarmAnswerRefusal| answer_refused(line, state, asked, why)));
         }
     }
 }

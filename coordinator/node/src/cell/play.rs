@@ -11,8 +11,8 @@ use std::time::{Duration, SystemTime};
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::compile::{OrderTiming, Unplayable, compile_cell, schedule_follower};
+use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::ShortestRoutes;
-use linewright_coordinator_cell::dispatch::words::Reasons;
 use linewright_coordinator_cell::exception::{RecoveryPolicy, ResourceRequest, StationUnavailable};
 use linewright_coordinator_cell::production::ProductionOrderRequest;
 use linewright_coordinator_cell::schedule::{PlanActualBar, ScheduleFollower};
@@ -54,7 +54,7 @@ pub enum CellError {
     #[error(transparent)]
     Epoch(#[from] OldEpoch),
     /// Another coordinator has begun after this one.
-    #[error("station {station} knows a later coordinator (epoch {epoch}); this one gives no more orders")]
+    #[error("station {station} reports a newer coordinator epoch ({epoch}); this one stops giving task orders")]
     Superseded {
         /// Station that reports the newer epoch.
         station: String,
@@ -333,12 +333,17 @@ impl CellLoop {
                 }
             }
             CellInbound::Answer(alarm, word, by, reply) => {
-                tracing::info!("alarm {alarm}: {} says {}", quoted(&by), quoted(&word));
+                tracing::info!("alarm {alarm}: answered {} by {}", quoted(&word), quoted(&by));
                 self.say(ResourceRequest::Answer(AlarmId(alarm)), word, AnsweringOperator::Answer(reply));
             }
             CellInbound::Resource(said, reply) => {
                 let SetResourceRequest { resource, what, text, by } = said;
-                tracing::info!("{}: {} says {what} {}", quoted(&resource), quoted(&by), quoted(&text));
+                tracing::info!(
+                    "resource {}: request {what} by {}, text {}",
+                    quoted(&resource),
+                    quoted(&by),
+                    quoted(&text)
+                );
                 match wire::said(self.coordination.state(), &resource, what) {
                     Ok(said) => self.say(said, text, AnsweringOperator::Resource(reply)),
                     Err(reason) => reply.send(SetResourceResponse { accepted: false, reason }),
@@ -465,16 +470,14 @@ impl CellLoop {
     fn event(&self, event: CellEvent) -> Result<(), CellError> {
         match event {
             CellEvent::BadAnswer { question, why } => {
-                tracing::error!(
-                    "question {question}: the dispatcher's answer cannot be followed, first come first served: {why}"
-                );
+                tracing::error!("dispatch decision {question} not valid: {why}; first come, first served instead");
                 Ok(())
             }
             // Whoever asked is told.
             CellEvent::Objected { .. } => Ok(()),
             CellEvent::Busy { mode } => {
                 let name = self.coordination.state().table().mode_name(mode).to_owned();
-                tracing::warn!("very much happens at one moment, `{name}` last");
+                tracing::warn!("too many firings at one time, `{name}` last; check activities without duration");
                 Ok(())
             }
             CellEvent::Superseded { by, epoch } => {

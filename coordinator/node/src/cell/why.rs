@@ -1,11 +1,10 @@
-//! Why something does not go on, whatever a person calls it.
+//! Why a part, a production order or a resource does not go on, by its name.
 
-use linewright_coordinator_cell::dispatch::words::Reasons;
+use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::{ShortestRoutes, why_not, why_out};
-use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, ResourceRequest, StationUnavailable};
 use linewright_coordinator_cell::production::ProductionStatus;
-use linewright_coordinator_cell::{PartId, PlayerState, ResourceId};
-use linewright_line::{Line, StationId, Tick, suggestion};
+use linewright_coordinator_cell::{PartId, PlayerState};
+use linewright_line::{Tick, suggestion};
 
 use super::words::{names, parts};
 
@@ -43,7 +42,7 @@ pub fn why(
             ),
             ProductionStatus::Done { .. } => format!("`{about}` is done."),
             ProductionStatus::Cancelled { inside, .. } => {
-                format!("`{about}` is cancelled; {} still to be finished.", parts(inside))
+                format!("`{about}` is cancelled; {} still in the cell.", parts(inside))
             }
             ProductionStatus::Withdrawn => format!("`{about}` is withdrawn."),
         }];
@@ -64,62 +63,7 @@ pub fn why(
             let resources = handling.resources.iter().map(|resource| resource.name.as_ref());
             let names: Vec<&str> = orders.chain(resources).collect();
             let hint = suggestion(about, names.iter().copied()).map(|hint| format!("; {hint}")).unwrap_or_default();
-            Err(format!("there is no part, no production order and no resource `{about}`{hint}"))
-        }
-    }
-}
-
-/// Why what a person says is not believed or not done, in words.
-pub fn refused(line: &Line, state: &PlayerState, asked: ResourceRequest, why: AlarmAnswerRefusal) -> String {
-    let station = |id: StationId| line.station(id).name.as_str();
-    let resource = |id: ResourceId| state.table().handling().resource(id).map_or("?", |resource| &resource.name);
-    match why {
-        AlarmAnswerRefusal::NoSuchAlarm => format!("there is no {}", asked_for(asked)),
-        AlarmAnswerRefusal::NoSuchWord => {
-            let words = state.exceptions().alarms().find(|alarm| asked == ResourceRequest::Answer(alarm.id));
-            let words = words.map(|alarm| alarm.words.join(", "));
-            format!("answers to {} are {}", asked_for(asked), words.unwrap_or_default())
-        }
-        AlarmAnswerRefusal::NoSuchResource => "there is no such resource".to_owned(),
-        AlarmAnswerRefusal::AlreadySo if matches!(asked, ResourceRequest::Reset(_)) => {
-            "it is not in emergency stop by itself".to_owned()
-        }
-        AlarmAnswerRefusal::AlreadySo => "it is so already".to_owned(),
-        AlarmAnswerRefusal::Moves(id) if matches!(asked, ResourceRequest::Reset(_)) => {
-            format!("{} has not been heard to stand", station(id))
-        }
-        AlarmAnswerRefusal::Moves(id) => {
-            format!("{} still moves; wait until it stands, look again where the part is, then answer", station(id))
-        }
-        AlarmAnswerRefusal::HasPart(id) => {
-            format!("the sensor of {} sees a part, where by this answer there is none", resource(id))
-        }
-        AlarmAnswerRefusal::HasNoPart(id) => {
-            format!("the sensor of {} sees no part, where by this answer there is one", resource(id))
-        }
-        AlarmAnswerRefusal::NotHeard(id) => format!("{} is not heard", station(id)),
-        AlarmAnswerRefusal::NotAtRest(id) => {
-            format!("{} stands between two rests; lead it to one by hand", station(id))
-        }
-        AlarmAnswerRefusal::CannotWork(id, StationUnavailable::Devices) => {
-            format!("the devices of {} are not there", station(id))
-        }
-        AlarmAnswerRefusal::CannotWork(id, StationUnavailable::Incomplete) => {
-            format!("an operation of {} was stopped before its end; complete or undo it in manual", station(id))
-        }
-        AlarmAnswerRefusal::CannotWork(id, StationUnavailable::ByHand) => format!("{} is moved by hand", station(id)),
-        AlarmAnswerRefusal::EmergencyStop(id) => {
-            format!("{} is in emergency stop; look why, then give reset", station(id))
-        }
-        AlarmAnswerRefusal::Open(id) => format!("an activity of {} has failed; answer its alarm first", resource(id)),
-    }
-}
-
-fn asked_for(asked: ResourceRequest) -> String {
-    match asked {
-        ResourceRequest::Answer(alarm) => format!("alarm {}", alarm.0),
-        ResourceRequest::Alarm(_) | ResourceRequest::Down(_) | ResourceRequest::Up(_) | ResourceRequest::Reset(_) => {
-            "such alarm".to_owned()
+            Err(format!("no part, production order or resource `{about}`{hint}"))
         }
     }
 }

@@ -149,13 +149,13 @@ pub fn said(state: &PlayerState, resource: &str, what: u8) -> Result<ResourceReq
     let id = handling.resource_named(resource).ok_or_else(|| {
         let names = || handling.resources.iter().map(|resource| resource.name.as_ref());
         let hint = suggestion(resource, names()).map(|hint| format!("; {hint}")).unwrap_or_default();
-        format!("there is no resource `{resource}`{hint}; there are {}", names().collect::<Vec<_>>().join(", "))
+        format!("no resource `{resource}`{hint}; resources: {}", names().collect::<Vec<_>>().join(", "))
     })?;
     match what {
         SetResourceRequest::ALARM => Ok(ResourceRequest::Alarm(id)),
         SetResourceRequest::DOWN => Ok(ResourceRequest::Down(id)),
         SetResourceRequest::UP => Ok(ResourceRequest::Up(id)),
-        other => Err(format!("{other} is nothing that can be said of a resource")),
+        other => Err(format!("{other}: not a command of SetResource.srv")),
     }
 }
 

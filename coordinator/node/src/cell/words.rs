@@ -82,7 +82,7 @@ fn activity(line: &Line, table: &CellTable, firing: &OngoingActivity, now: Tick)
             let open: Vec<String> = open.map(|order| waits(line, order, now)).collect();
             open.join("; ")
         }
-        ActivityPhase::Failed(_) => "has failed".to_owned(),
+        ActivityPhase::Failed(_) => "failed".to_owned(),
     };
     ActivityState {
         id: firing.id.0,
@@ -97,10 +97,10 @@ fn activity(line: &Line, table: &CellTable, firing: &OngoingActivity, now: Tick)
 fn waits(line: &Line, order: &StationOrder, now: Tick) -> String {
     let left = order.limit.since(now).as_secs();
     let doing = match order.state {
-        OrderProgress::Written => "has not answered",
-        OrderProgress::Running | OrderProgress::Ended | OrderProgress::Failed(_) => "is at it",
+        OrderProgress::Written => "order not acknowledged",
+        OrderProgress::Running | OrderProgress::Ended | OrderProgress::Failed(_) => "order in progress",
     };
-    format!("{} {doing}, {left} s left", line.station(order.station).name)
+    format!("{}: {doing}, {left} s left", line.station(order.station).name)
 }
 
 /// What people call the production orders of these numbers.
@@ -125,7 +125,7 @@ fn ordered(production: &Production, order: &ProductionOrder, now: Tick) -> Produ
         ProductionStatus::Done { .. } => (ProductionState::STATUS_DONE, late(order)),
         ProductionStatus::Cancelled { inside: 0, .. } => (ProductionState::STATUS_CANCELLED, "cancelled".to_owned()),
         ProductionStatus::Cancelled { inside, .. } => {
-            (ProductionState::STATUS_CANCELLED, format!("cancelled, {} still to be finished", parts(*inside)))
+            (ProductionState::STATUS_CANCELLED, format!("cancelled, {} still in the cell", parts(*inside)))
         }
         ProductionStatus::Withdrawn => (ProductionState::STATUS_WITHDRAWN, "withdrawn".to_owned()),
     };

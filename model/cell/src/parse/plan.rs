@@ -92,9 +92,9 @@ fn following(step: &RawStep, at: usize, begins: &[usize], part: &RawPart, report
     let place = step.name.as_ref().map_or_else(|| step.at.clone(), |name| name.at.clone());
     let name = |step: &RawStep| step.name.as_ref().map_or_else(|| "?".to_owned(), |name| name.value.clone());
     report.add(
-        Problem::error(place, format!("it is not said what comes after step `{}`", name(step)))
+        Problem::error(place, format!("no successor for step `{}`", name(step)))
             .label(format!("`{}` follows, which begins elsewhere", name(&part.steps[next])))
-            .hint("say with `then` which step comes next"),
+            .hint("name the next step in `then`"),
     );
     None
 }

@@ -178,7 +178,7 @@ pub enum Unknown {
     #[error("the search for siphons: {0}")]
     Siphons(siphons::SiphonsUndecided),
     /// The conditions of the rank theorem do not hold for a free-choice net.
-    #[error("the rank theorem does not show that the net is live and bounded; it asks for a net in one piece")]
+    #[error("the rank theorem does not apply: the net is not connected")]
     NotWellFormed,
     /// Commoner's theorem says "live", but its list of siphons is no certificate.
     #[error(

@@ -34,7 +34,7 @@ pub enum FunctionError {
     #[error("it has more than {MAX_TERMS} terms or steps, or a weight that cannot be counted")]
     TooLarge,
     /// No term is left.
-    #[error("it has no term, and says nothing")]
+    #[error("empty sum")]
     Empty,
 }
 
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(refusal(succ(2, 1).of(proj([2]))), after);
         assert_eq!(refusal(proj([1]) + id()), "the sum adds colours of A and of A*B");
         assert_eq!(refusal(abs() + proj([2])), "the sum adds colours of <•> and of B");
-        assert_eq!(refusal(Function::zero()), "it has no term, and says nothing");
+        assert_eq!(refusal(Function::zero()), "empty sum");
         let all = [BasicDomain { name: "A".into(), size: u32::MAX, tones: Vec::new() }];
         assert_eq!(compile(&ring(1), &[BasicId(0)], &all), Err(FunctionError::TooLarge));
     }

@@ -99,15 +99,15 @@ pub struct BrokenRule {
 /// No station is given an order while it is still at another one.
 pub const GIVEN: &str = "no station is given an order while it moves for another one";
 /// Tokens are given back only when the stations stand.
-pub const RESTORED: &str = "tokens are restored only when the stations stand";
+pub const RESTORED: &str = "tokens restored only at standstill of the stations";
 /// No answer is taken while anything moves.
 pub const ANSWERED: &str = "no answer is taken while anything moves";
 /// What a station says has ended is not under way by itself any more.
-pub const ENDED: &str = "what has ended moves only when it is told to";
+pub const ENDED: &str = "a station with an ended order moves only on a secure request";
 /// Nothing is done twice.
 pub const TWICE: &str = "nothing is done twice";
 /// Whoever gives alarm stops the stations.
-pub const STOPPED: &str = "an alarm given by hand stops the stations, and they stand before anybody is asked";
+pub const STOPPED: &str = "an alarm raised by hand stops the stations; standstill before the operator is asked";
 /// From every state the activity can be closed.
 pub const CLOSED: &str = "every activity can be closed";
 /// All rules, as named in verdicts.

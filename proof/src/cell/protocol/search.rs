@@ -185,8 +185,8 @@ impl ProtocolSearch<'_> {
         let machine = &self.machines[nth].all[next[STATIONS + 2 * nth] as usize];
         let name = &self.setting.line.station(self.stations[nth]).name;
         let twice = machine.twice.then(|| (TWICE, format!("{name} does again what it has done")));
-        let on = machine.moves_on.then(|| (STOPPED, format!("{name} moves though it has heard of the alarm")));
-        let ended = machine.goes_on().then(|| (ENDED, format!("{name} says that it has ended what it is still at")));
+        let on = machine.moves_on.then(|| (STOPPED, format!("{name} moves after receiving the alarm")));
+        let ended = machine.goes_on().then(|| (ENDED, format!("{name} reports an order ended that is in progress")));
         for (rule, end) in twice.into_iter().chain(on).chain(ended) {
             self.found(from, by, rule, end);
         }
@@ -211,8 +211,8 @@ impl ProtocolSearch<'_> {
                     slot.map_or_else(|| "moves".to_owned(), |key| format!("is at order {}", words::number(key)));
                 let (rule, what) = match reason {
                     StandReason::Answered => (ANSWERED, "the answer is taken"),
-                    StandReason::Restored => (RESTORED, "tokens and part are put where the answer says"),
-                    StandReason::Asked => (STOPPED, "somebody is asked"),
+                    StandReason::Restored => (RESTORED, "tokens and part are placed by the answer"),
+                    StandReason::Asked => (STOPPED, "the operator is asked"),
                 };
                 let and = if moves && slot.is_some() { ", and moves" } else { "" };
                 wrong.push((rule, format!("{what} while {name} {doing}{and}")));
@@ -262,7 +262,7 @@ impl ProtocolSearch<'_> {
         }
         if let Some(stuck) = ends.iter().position(|ends| !ends).filter(|&at| at > 0) {
             let (from, by) = self.came[stuck];
-            self.found(from, by, CLOSED, "whatever comes, the activity stays open".to_owned());
+            self.found(from, by, CLOSED, "the activity cannot be closed any more".to_owned());
         }
     }
 
@@ -286,7 +286,7 @@ impl ProtocolSearch<'_> {
                 }
                 ProtocolArc::Player(PlayerMove::Heard(nth, number)) => {
                     let said = &self.machines[nth as usize].said[number as usize];
-                    format!("the coordinator hears: {}", words::says(line, self.stations[nth as usize], said))
+                    format!("the coordinator receives: {}", words::says(line, self.stations[nth as usize], said))
                 }
                 ProtocolArc::Player(event) => words::event(&self.players.all[state[PLAYER] as usize], event),
             }

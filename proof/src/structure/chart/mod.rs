@@ -143,7 +143,7 @@ impl<'a> EventGraph<'a> {
 pub fn home_is_consistent(line: &Line) -> Result<String, String> {
     let chart = EventGraph::of(line);
     match chart.edges().find(|(from, edge)| chart.tokens_at_home(*from, edge) < 0) {
-        None => Ok("all stations can stand at home together".to_owned()),
+        None => Ok("all stations can be at home together".to_owned()),
         Some((from, edge)) => Err(format!(
             "at home `{}` counts as done, though it waits for `{}`, which does not",
             chart.name(edge.to),

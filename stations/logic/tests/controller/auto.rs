@@ -17,16 +17,16 @@ fn auto_runs_the_operations_in_the_order_of_the_chart_and_counts_the_cycle() {
     assert_eq!(
         rig.events(),
         [
-            "obeys auto",
-            "starts op 0",
-            "has done op 0",
-            "starts op 1",
-            "has done op 1",
-            "starts op 2",
-            "has done op 2",
-            "starts op 3",
-            "has done op 3",
-            "starts op 0",
+            "changed to mode auto",
+            "started op 0",
+            "completed op 0",
+            "started op 1",
+            "completed op 1",
+            "started op 2",
+            "completed op 2",
+            "started op 3",
+            "completed op 3",
+            "started op 0",
         ]
     );
     let report = rig.report();
@@ -53,7 +53,7 @@ fn two_stations() -> linewright_line::Line {
 fn an_arrow_of_lag_1_asks_for_the_cycle_before_and_one_of_lag_0_for_the_same() {
     let mut rig = Rig::new(two_stations());
     rig.mode(ControlMode::Auto);
-    assert_eq!(rig.blocked_by(), ["b to be heard, for op 0"]);
+    assert_eq!(rig.blocked_by(), ["the state of b, for op 0"]);
     rig.hear(StationId(1), peer_says(&[0, 0]));
     assert!(rig.drives(0), "op 1 of b was last done in cycle 0, which is enough for cycle 1");
     rig.arrive(0);
@@ -76,7 +76,7 @@ fn a_view_that_has_grown_old_blocks_a_start_and_does_not_stop_what_runs() {
     assert!(rig.drives(0), "a running motion asks no view");
     rig.arrive(0);
     assert_eq!(rig.outputs, 0);
-    assert_eq!(rig.blocked_by(), ["b to be heard, for op 1"]);
+    assert_eq!(rig.blocked_by(), ["the state of b, for op 1"]);
     rig.hear(StationId(1), peer_says(&[5, 5]));
     assert!(rig.drives(1));
 }
@@ -122,5 +122,5 @@ fn switched_on_away_from_home_it_does_not_claim_to_be_there() {
     };
     controller.handle(linewright_line::Tick::ZERO, image);
     assert_eq!(controller.report().done, [0, -1]);
-    assert_eq!(controller.fault_text(&shipped), "op 1: not at home when switched on");
+    assert_eq!(controller.fault_text(&shipped), "op 1: not at home at power-up");
 }

@@ -136,7 +136,7 @@ fn the_panel_moves_nothing_unless_its_station_is_switched_to_manual() {
     rig.mode(ControlMode::Manual);
     rig.advance(true);
     assert_eq!(rig.outputs, 0);
-    assert_eq!(rig.blocked_by(), ["its selector to be switched to manual"]);
+    assert_eq!(rig.blocked_by(), ["its selector at manual"]);
     rig.controller.handle(rig.now, StationInput::Panel(PanelCommand::Selector(true)));
     rig.step();
     assert_eq!(rig.outputs, 0, "the button was down when the switch was turned");

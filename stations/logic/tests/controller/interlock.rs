@@ -202,7 +202,7 @@ fn a_conflict_that_no_switch_measures_blocks_what_a_lost_memory_may_run_into() {
     bench.mode(ControlMode::Manual);
     bench.press(PanelCommand::Advance);
     assert!(!bench.drives(bench.closing()), "into it");
-    assert!(bench.blocked().contains("a common start"), "{}", bench.blocked());
+    assert!(bench.blocked().contains("a new generation"), "{}", bench.blocked());
 }
 
 #[test]
@@ -224,7 +224,7 @@ fn a_hand_mode_motion_that_was_let_go_is_not_taken_up_while_the_other_is_unknown
     bench.play();
     hold(&mut bench, true);
     assert!(!bench.drives(bench.closing()), "the bar is measured nowhere");
-    assert!(bench.blocked().contains("the position of transfer is not known"), "{}", bench.blocked());
+    assert!(bench.blocked().contains("position of transfer unknown"), "{}", bench.blocked());
     bench.bar.devices_valid = true;
     bench.play();
     assert!(bench.drives(bench.closing()), "{}", bench.blocked());

@@ -28,7 +28,7 @@ fn a_stopped_operation_is_resumed_and_auto_goes_on_from_there() {
     let mut rig = faulted(2, &[r(6), r(6), r(6)], 1);
     assert_eq!(rig.outputs, 0);
     rig.advance_through(1);
-    assert_eq!(rig.events(), ["starts op 1", "has done op 1"]);
+    assert_eq!(rig.events(), ["started op 1", "completed op 1"]);
     rig.mode(ControlMode::Auto);
     assert!(rig.drives(2));
     assert_eq!(rig.report().done, [1, 1, 0]);
@@ -38,7 +38,11 @@ fn a_stopped_operation_is_resumed_and_auto_goes_on_from_there() {
 fn a_stopped_operation_is_returned_and_auto_does_it_again_in_the_same_cycle() {
     let mut rig = faulted(2, &[r(6), r(6), r(6)], 1);
     rig.retract_through(1);
-    assert_eq!(rig.events(), ["starts undoing op 1", "has undone op 1"], "nothing was counted, nothing is taken back");
+    assert_eq!(
+        rig.events(),
+        ["started undoing op 1", "completed undoing op 1"],
+        "nothing was counted, nothing is taken back"
+    );
     rig.mode(ControlMode::Auto);
     assert!(rig.drives(1));
     rig.arrive(1);
@@ -126,8 +130,8 @@ fn going_home_waits_for_the_arrows_into_what_it_skips() {
     rig.advance(false);
     rig.events();
     rig.retract(true);
-    assert_eq!((rig.outputs, rig.events()), (0, vec!["refuses the command".to_owned()]));
-    let waits_for = "x: op 1 (cycle 1), for op 2, which going home includes";
+    assert_eq!((rig.outputs, rig.events()), (0, vec!["rejected the command".to_owned()]));
+    let waits_for = "x: op 1 (cycle 1), for op 2, needed on the recovery path";
     assert_eq!(rig.blocked_by().last().map(String::as_str), Some(waits_for));
     rig.retract(false);
     rig.hear(StationId(1), peer_says(&[1, 1, 0]));

@@ -65,19 +65,16 @@ fn a_snapshot_of_another_description_is_refused_with_the_reason() {
             other => panic!("taken: {other:?}"),
         }
     };
-    assert_eq!(refused(&|s| s.done.push(0)), "it counts another number of operations");
-    assert_eq!(refused(&|s| s.started.clear()), "it counts another number of operations");
-    assert_eq!(refused(&|s| s.marking.clear()), "it marks no place");
-    assert_eq!(refused(&|s| s.marking[0].op = OpId(9)), "it marks a place the station does not have");
-    assert_eq!(
-        refused(&|s| s.marking[0] = StationPlace::undone(OpId(1))),
-        "it marks a place the station does not have"
-    );
+    assert_eq!(refused(&|s| s.done.push(0)), "other number of operations");
+    assert_eq!(refused(&|s| s.started.clear()), "other number of operations");
+    assert_eq!(refused(&|s| s.marking.clear()), "no marked place");
+    assert_eq!(refused(&|s| s.marking[0].op = OpId(9)), "marked place not in the net");
+    assert_eq!(refused(&|s| s.marking[0] = StationPlace::undone(OpId(1))), "marked place not in the net");
     assert_eq!(
         refused(&|s| s.marking.push(StationPlace::completed(OpId(0)))),
-        "it does not mark the operations of one step"
+        "marked places are not those of one step"
     );
-    assert_eq!(refused(&|s| s.path = Some(OpId(0))), "it is on a recovery path the station does not have");
-    assert_eq!(refused(&|s| s.done[0] = 1), "its counts contradict each other");
-    assert_eq!(refused(&|s| s.cycle = i32::MAX), "its counts contradict each other");
+    assert_eq!(refused(&|s| s.path = Some(OpId(0))), "recovery path not in the net");
+    assert_eq!(refused(&|s| s.done[0] = 1), "counts contradict each other");
+    assert_eq!(refused(&|s| s.cycle = i32::MAX), "counts contradict each other");
 }

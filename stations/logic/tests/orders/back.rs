@@ -44,7 +44,7 @@ fn what_cannot_be_taken_back_it_stays_with() {
     m1.arrive();
     assert_eq!((m1.doing().as_str(), m1.on()), ("mill (done)", vec![]));
     assert_eq!(m1.result(key(1, 2)), Some(TaskOutcome::Failed(TaskFailure::Held)));
-    assert_eq!(m1.blocked_by(), ["somebody to lead it to a rest: no order goes on from here"]);
+    assert_eq!(m1.blocked_by(), ["an operator: no task begins here; lead the station to a rest in manual"]);
     assert_eq!(m1.run(&order(3, "machine")), TaskReply::Refused(TaskRefusal::NotThere));
 }
 

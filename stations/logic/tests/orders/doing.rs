@@ -20,7 +20,7 @@ fn a_task_is_done_from_rest_to_rest_and_then_nothing_more_happens() {
     assert_eq!(m1.outputs, 0);
     assert_eq!(
         m1.events(),
-        ["is to do clamp", "starts clamp close", "has done clamp close", "has done the task clamp"]
+        ["accepted a task order: clamp", "started clamp close", "completed clamp close", "completed task clamp"]
     );
 }
 

@@ -157,7 +157,7 @@ fn a_fault_of_an_irreversible_operation_is_left_along_its_path_to_the_rest_of_it
     assert_eq!((m1.marking(), m1.rest().as_deref()), (StationPlace::completed(OpId(3)), Some("clamped")));
     let report = m1.controller.report();
     assert_eq!((report.done, report.started), (vec![1, 0, 0, 0, 0], vec![1, 0, 0, 0, 0]), "nothing of the task counts");
-    assert_eq!(m1.events().last().map(String::as_str), Some("is back where the task began"));
+    assert_eq!(m1.events().last().map(String::as_str), Some("returned to the rest where the task began"));
     m1.mode(ControlMode::Auto);
     m1.done(&order(3, "machine"));
 }

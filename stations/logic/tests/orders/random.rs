@@ -76,7 +76,7 @@ impl Ledger {
             prop_assert!(!self.ended.contains_key(&slot.key), "{:?} is done again", slot.key);
         }
         let events = m1.events();
-        for began in events.iter().filter(|event| event.starts_with("is to do ")) {
+        for began in events.iter().filter(|event| event.starts_with("accepted a task order: ")) {
             let key = orders.slot.map(|slot| slot.key).or_else(|| orders.results.last().map(|(key, _)| *key));
             let key = key.expect("what is to be done is in the slot, or has ended in the same step");
             *self.begun.entry(key).or_default() += 1;

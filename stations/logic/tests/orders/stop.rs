@@ -28,7 +28,7 @@ fn told_to_stop_it_stands_at_once_and_a_person_leads_on() {
     assert_eq!(m1.stop(key(1, 2)), ended(TaskFailure::Stopped));
     assert_eq!((m1.on(), m1.doing().as_str()), (vec![], "slide in (stopped)"));
     assert_eq!((m1.slot(), m1.rest()), (None, None));
-    assert_eq!(m1.events()[0], "stops slide in: told to stop");
+    assert_eq!(m1.events()[0], "stopped slide in: stop requested by the coordinator");
     m1.wait(Duration::from_secs(30));
     assert_eq!(m1.run(&order(2, "machine")), ended(TaskFailure::Stopped), "a copy of the order that comes late");
     assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Stopped), "and one of a message to leave it");

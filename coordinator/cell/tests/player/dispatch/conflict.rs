@@ -6,7 +6,8 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher, Window, words};
+use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher, Window};
+use linewright_coordinator_cell::texts;
 use linewright_coordinator_cell::{DecidingRule, HoldReason, ModeId, PartId, PlayerOutbox, RecordKind};
 
 use crate::player::printed::conflict_state;
@@ -29,7 +30,7 @@ fn decided(times: [u64; 3], tolerance: u64) -> (String, Vec<(ModeId, HoldReason)
     assert_eq!(out.events, []);
     let RecordKind::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records[0]) };
     let [(mode, Some(_))] = started[..] else { panic!("{started:?}") };
-    let words = words::decision(&world.it.table, started, held);
+    let words = texts::decision(&world.it.table, started, held);
     (world.it.table.mode_name(mode).to_owned(), held.clone(), words)
 }
 
@@ -69,6 +70,6 @@ fn what_is_planned_for_later_is_held_until_then() {
     let (started, held, words) = decided([0, 5, 20], 0);
     assert_eq!(started, "t5<m1,r1,p1>");
     assert!(held.iter().all(|(_, reason)| matches!(reason, HoldReason::NotYet(_))));
-    assert!(words[1].starts_with("`t1<m2,r1,p2>` is held: it is too early, not before "), "{}", words[1]);
-    assert_eq!(words[0], "`t5<m1,r1,p1>` with part 1 starts: nothing else wanted what it takes.");
+    assert!(words[1].starts_with("`t1<m2,r1,p2>` is held: scheduled not before "), "{}", words[1]);
+    assert_eq!(words[0], "`t5<m1,r1,p1>` with part 1 starts: no competing candidate.");
 }

@@ -105,8 +105,8 @@ fn what_is_kept_for_an_urgent_part_is_said() {
     let [(at, (mode, reason)), ..] = held[..] else { panic!("nothing was kept") };
     assert_eq!((at, mode), (Tick::from_millis(63_000), it.mode("work_right")));
     assert_eq!(
-        linewright_coordinator_cell::dispatch::words::reason(&it.table, &reason),
-        "what it needs is kept for `work_low`: part 3 has waited too long"
+        linewright_coordinator_cell::texts::reason(&it.table, &reason),
+        "resources reserved for `work_low`: part 3 waited longer than patience_s"
     );
 }
 

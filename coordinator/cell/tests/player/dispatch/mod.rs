@@ -3,6 +3,6 @@
 mod conflict;
 mod fairness;
 mod judge;
-mod rules;
+pub mod rules;
 mod solo;
 mod words;

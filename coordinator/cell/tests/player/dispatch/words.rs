@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::words::{self, Reasons};
+use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher, ShortestRoutes, why_not};
+use linewright_coordinator_cell::texts;
 use linewright_coordinator_cell::{PartId, PlayerState, Record, RecordKind};
 use linewright_line::Tick;
 
@@ -15,7 +16,7 @@ use crate::player::plans::Compiled;
 fn said(it: &Compiled, records: &[Record], at: u64) -> Vec<String> {
     let at = records.iter().filter(|record| record.at == Tick::from_millis(at));
     let decided = at.filter_map(|record| match &record.fact {
-        RecordKind::Decided { started, held, .. } => Some(words::decision(&it.table, started, held)),
+        RecordKind::Decided { started, held, .. } => Some(texts::decision(&it.table, started, held)),
         _ => None,
     });
     decided.flatten().collect()
@@ -42,7 +43,7 @@ fn a_decision_says_by_which_rule_and_with_which_numbers() {
     let last = |rules: &[DispatchRule]| said(&it, &run(&it, rules, |_| ()), 10_000).pop().unwrap();
     assert_eq!(
         last(&[DispatchRule::Fifo]),
-        "`work_d` with part 4 is held: `work_a` with part 1 goes first: by fifo (has waited 9 s; the other has waited 6 s)."
+        "`work_d` with part 4 is held: `work_a` with part 1 goes first: by fifo (waited 9 s; the other waited 6 s)."
     );
     // By this rule a and c enter before b, so that is part 3.
     assert_eq!(
@@ -65,7 +66,7 @@ fn a_decision_says_by_which_rule_and_with_which_numbers() {
     );
     assert_eq!(
         last(&[]),
-        "`work_d` with part 4 is held: `work_a` with part 1 goes first: it has waited longer, or has the smaller number."
+        "`work_d` with part 4 is held: `work_a` with part 1 goes first: waited longer, or lower part number."
     );
 }
 
@@ -91,17 +92,17 @@ fn whoever_asks_about_a_part_is_told_what_it_waits_for() {
     assert_eq!(asked(500, 4), ["part 4 is under way: `enter_d` with part 4, 3.5 s left."]);
     assert_eq!(
         asked(9000, 1),
-        ["part 1 has been on `waiting.a` for 8 s.", "`work_a`: `machine` is with `open`, 1 s left."]
+        ["part 1 has been on `waiting.a` for 8 s.", "`work_a`: `machine` in use by `open`, 1 s left."]
     );
     assert_eq!(
         asked(12_000, 1),
         [
             "part 1 has been on `waiting.a` for 11 s.",
-            "`work_a`: `machine` is with `work_c` with part 3, 5 s left; at 10.000000 s it was held: `work_c` with part 3 \
+            "`work_a`: `machine` in use by `work_c` with part 3, 5 s left; at 10.000000 s it was held: `work_c` with part 3 \
              goes first: by earliest-due-date (due in 11 s; the other due in 40 s).",
         ]
     );
-    assert_eq!(asked(100_000, 1), ["part 1 has been on `packed.a` for 71 s.", "Nothing takes it on from there."]);
+    assert_eq!(asked(100_000, 1), ["part 1 has been on `packed.a` for 71 s.", "No activity takes it from there."]);
 }
 
 /// The robot comes at 10 s; until then somebody else has put something into the only slot. Part 2 stands on the machine, done,
@@ -126,14 +127,14 @@ fn what_rests_somewhere_is_named_with_whom_it_waits_for() {
         one.1,
         [
             format!("part {} has been on `stored.a` for 15 s.", one.0),
-            format!("`load`: `machine` comes back by `unload` of part {}, which has not started.", two.0),
+            format!("`load`: `machine` is returned by `unload` of part {}, not started yet.", two.0),
         ]
     );
     assert_eq!(
         two.1,
         [
             format!("part {} has been on `on.b` for 15 s.", two.0),
-            format!("`unload`: `slot` comes back by `load` of part {}, which has not started.", one.0),
+            format!("`unload`: `slot` is returned by `load` of part {}, not started yet.", one.0),
         ]
     );
 }

@@ -30,7 +30,7 @@ pub(super) fn schedule_is_not_alone(draft: &DraftCell<'_>, report: &mut Report) 
     if let Some(last) = draft.raw.dispatch.known_rules().last().filter(|last| last.value == DispatchRule::Schedule) {
         report.add(
             Problem::error(last.at, "`schedule` is the last rule")
-                .label("who decides what is not planned?")
+                .label("no rule after `schedule` for activities that are not planned")
                 .hint("name another one after it, such as \"fifo\""),
         );
     }

@@ -65,7 +65,7 @@ pub(super) fn tells_what_is_known(exception: &DraftException<'_>, report: &mut R
         };
         if !NAMES.contains(&name) {
             report.add(
-                Problem::error(tell.at.clone(), format!("nobody knows `{{{}}}`", name.escape_debug()))
+                Problem::error(tell.at.clone(), format!("unknown placeholder `{{{}}}`", name.escape_debug()))
                     .maybe_hint(suggestion(name, NAMES)),
             );
         }
@@ -78,7 +78,7 @@ pub(super) fn whoever_resets_answers(exception: &DraftException<'_>, report: &mu
     if let Some(stop) = exception.raw.emergency_stop.as_ref().filter(|_| exception.raw.automatic) {
         report.add(
             Problem::error(stop.at.clone(), "an emergency stop in a rule that is automatic")
-                .hint("somebody has to come and to reset the station; leave out `automatic`"),
+                .hint("`automatic` is not possible with an emergency stop: a reset is needed; remove `automatic`"),
         );
     }
 }
@@ -87,7 +87,7 @@ pub(super) fn somebody_answers(exception: &DraftException<'_>, report: &mut Repo
     if exception.raw.answers.is_empty() {
         report.add(
             Problem::error(exception.raw.at.clone(), "an exception without an answer")
-                .hint("say in `answers` how to go on: { word = …, part = …, then = … }"),
+                .hint("list the permitted answers in `answers`: { word = …, part = …, then = … }"),
         );
     }
 }

@@ -62,7 +62,7 @@ pub(super) fn limits_are_known_and_exceed_times(
                     .hint(format!("`{}` takes {} s itself", activity.name, time.as_secs_f64())),
             ),
             (None, None) if activity.kind != ActivityKind::Process => report.add(
-                Problem::error(order.raw.at.clone(), "nobody knows when this order is late")
+                Problem::error(order.raw.at.clone(), "lateness of this order cannot be determined")
                     .hint(format!("give it `max_s`, or `{}` a `time_s`", activity.name)),
             ),
             (Some(_), _) | (None, _) => {}

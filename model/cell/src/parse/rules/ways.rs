@@ -104,7 +104,7 @@ pub(super) fn plans_can_be_done(
                 report.add(
                     Problem::error(
                         at_resource,
-                        format!("no part `{}` ever comes to `{name}` for step `{}`", of.name, step.name),
+                        format!("`{name}` is not reachable for part `{}` at step `{}`", of.name, step.name),
                     )
                     .hint(format!("a synchronisation with \"{name}.load\" must bring it")),
                 );
@@ -132,7 +132,7 @@ fn never_comes(
     let loads = names.iter().map(|name| format!("\"{}.load\"", name.trim_matches('`'))).collect::<Vec<_>>();
     let message = match names.as_slice() {
         [] => format!("step `{}` of part `{}` can be done nowhere", step.name, of.name),
-        names => format!("no part `{}` ever comes to {} for step `{}`", of.name, names.join(" or "), step.name),
+        names => format!("{} not reachable for part `{}` at step `{}`", names.join(" or "), of.name, step.name),
     };
     Problem::error(step.place(), message)
         .label(stands(draft, offsets(draft).stage(at, step.from), routes))

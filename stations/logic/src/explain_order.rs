@@ -1,13 +1,10 @@
-//! Orders in words: what a station on order waits for.
+//! What a task-driven station waits for between two motions.
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
-use linewright_line::{InputId, Line, Owner, StationId, TaskId};
+use linewright_line::{InputId, Line, Owner};
 
 use crate::controller::Controller;
-
-pub(crate) fn task_name(line: &Line, station: StationId, task: TaskId) -> &str {
-    &line.station(station).task(task).name
-}
+use crate::texts::StationWait;
 
 impl Controller {
     /// Where a station on order stands between two motions: what it waits for. Gives false where it waits for what every
@@ -18,12 +15,12 @@ impl Controller {
         match self.mode() {
             ControlMode::Auto => {
                 if self.master_stop_is_given() {
-                    reasons.push("master stop: no order is taken on".to_owned());
+                    reasons.push(StationWait::MasterStopOfOrders.text());
                 }
                 match self.next_step() {
                     Some(step) => self.explain_missing(line, step, reasons),
-                    None if self.rest().is_some() => reasons.push("an order".to_owned()),
-                    None => reasons.push("somebody to lead it to a rest: no order goes on from here".to_owned()),
+                    None if self.rest().is_some() => reasons.push(StationWait::TaskOrder.text()),
+                    None => reasons.push(StationWait::Rest.text()),
                 }
                 true
             }
@@ -31,9 +28,10 @@ impl Controller {
                 (Some(rest), Block::Normal) => {
                     let choices = station.tasks_from(rest).map(|task| {
                         let forward = station.operations[station.first_of(task).index()].hand.forward();
-                        format!("{} for {}", line.buttons[usize::from(forward.0)], station.task(task).name)
+                        StationWait::task_button(&line.buttons[usize::from(forward.0)], &station.task(task).name)
                     });
-                    reasons.push(format!("a button: {}", choices.collect::<Vec<_>>().join(", ")));
+                    let choices: Vec<String> = choices.collect();
+                    reasons.push(StationWait::TaskButton { choices: &choices }.text());
                     true
                 }
                 (_, Block::Normal) => {
@@ -54,7 +52,8 @@ impl Controller {
         let missing = self.missing(step);
         let name = &line.operation((station, line.station(station).steps[usize::from(step)][0])).name;
         for input in (0..128).filter(|bit| missing & (1 << bit) != 0).map(InputId) {
-            reasons.push(format!("{}, for {name}", line.input_text(Owner::Station(station), input)));
+            let input = line.input_text(Owner::Station(station), input);
+            reasons.push(StationWait::Input { input: &input, own: name }.text());
         }
     }
 }

@@ -1,0 +1,43 @@
+//! For each mode why it was last held, from the records.
+
+use std::collections::BTreeMap;
+
+use linewright_line::Tick;
+
+use super::super::ids::ModeId;
+use super::super::reason::HoldReason;
+use super::super::record::{Record, RecordKind};
+
+/// For each mode why it was last held, if it has not started since. It follows from the records.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Reasons {
+    last: BTreeMap<ModeId, (Tick, HoldReason)>,
+}
+
+impl Reasons {
+    /// Takes a record; the older ones first.
+    pub fn note(&mut self, record: &Record) {
+        match &record.fact {
+            RecordKind::Decided { question: _, started, held } => {
+                started.iter().for_each(|(mode, _)| _ = self.last.remove(mode));
+                self.last.extend(held.iter().map(|&(mode, reason)| (mode, (record.at, reason))));
+            }
+            RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Started { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Raised { .. }
+            | RecordKind::Production { .. }
+            | RecordKind::Ended { .. }
+            | RecordKind::Fired { .. }
+            | RecordKind::Exception(_) => (),
+        }
+    }
+
+    /// When a mode was last held, and why.
+    pub fn of(&self, mode: ModeId) -> Option<(Tick, &HoldReason)> {
+        self.last.get(&mode).map(|(at, reason)| (*at, reason))
+    }
+}

@@ -1,0 +1,238 @@
+//! Alarms of a cell: what failed, how the stations stand, and what to answer.
+
+use std::fmt::Write;
+
+use linewright_line::{StationId, Tick};
+
+use crate::exception::{RecoveryDecision, RecoveryPolicy, SecuredState, SensorMismatch};
+use crate::firing::{OngoingActivity, OrderProgress};
+use crate::ids::{ModeId, PartId, ResourceId};
+use crate::record::{ActivityFailure, OrderFailure};
+use crate::state::PlayerState;
+
+/// The answer that a resource is as the model has it.
+pub(crate) const UP: &str = "up";
+/// The answer that the part which a resource should have was removed.
+pub(crate) const GONE: &str = "gone";
+
+/// An alarm of an activity that failed: the text of its rule, and the facts.
+pub(crate) fn alarm(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
+    let handling = state.table().handling();
+    let tell = handling.rule(firing.mode, cause).map(|rule| filled(&rule.tell, state, firing.mode, firing.part));
+    let tell = tell
+        .unwrap_or_else(|| AlarmText::Failed { activity: state.table().called(firing.mode), part: firing.part }.text());
+    AlarmText::WithFacts { tell: &tell, facts: &facts(state, firing, cause, now) }.text()
+}
+
+/// What is known: `load M1: m1: time limit exceeded, after 26 s; robot: at rest, m1: at rest`.
+fn facts(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
+    let handling = state.table().handling();
+    let failed_after = state.exceptions().trouble(firing.id).map_or(now, |trouble| trouble.since).since(firing.began);
+    let mut text = AlarmText::Facts {
+        activity: state.table().called(firing.mode),
+        cause: &cause_of(state, firing, cause),
+        seconds: failed_after.as_millis() as f64 / 1e3,
+    }
+    .text();
+    let mut joint = ";";
+    for order in &firing.orders {
+        let is_stopped = state.exceptions().is_stopped(order.station);
+        let standing = match (state.exceptions().stands(firing.id, order.key), order.state) {
+            _ if is_stopped => StationStanding::EmergencyStop,
+            (_, OrderProgress::Ended) => StationStanding::Done,
+            (Some(SecuredState::AtRest), _) => StationStanding::AtRest,
+            (Some(SecuredState::Held), _) => StationStanding::Held,
+            (Some(SecuredState::Unknown), _) => StationStanding::Unknown,
+            (None, OrderProgress::Failed(OrderFailure::Forgotten)) => StationStanding::StoreReset,
+            (None, OrderProgress::Failed(_) | OrderProgress::Written | OrderProgress::Running) => {
+                StationStanding::NotBegun
+            }
+        };
+        // Writing to a string does not fail.
+        let _ = write!(text, "{joint} {}: {}", handling.station_name(order.station), standing.text());
+        joint = ",";
+    }
+    let others = state.exceptions().stopped().filter(|id| firing.orders.iter().all(|order| order.station != *id));
+    for station in others {
+        let standing = StationStanding::EmergencyStop.text();
+        let _ = write!(text, "{joint} {}: {standing}", handling.station_name(station));
+        joint = ",";
+    }
+    text
+}
+
+/// How a station of a failed activity stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StationStanding {
+    /// In an emergency stop of its own.
+    EmergencyStop,
+    /// Its order is done.
+    Done,
+    /// At a rest.
+    AtRest,
+    /// Between two rests.
+    Held,
+    /// Not reported at rest in time.
+    Unknown,
+    /// Its order store was reset.
+    StoreReset,
+    /// Its order was not begun.
+    NotBegun,
+}
+
+impl StationStanding {
+    /// The text, behind the station's name.
+    pub const fn text(self) -> &'static str {
+        match self {
+            StationStanding::EmergencyStop => "in emergency stop",
+            StationStanding::Done => "order done",
+            StationStanding::AtRest => "at rest",
+            StationStanding::Held => "stopped between two rests",
+            StationStanding::Unknown => "rest not confirmed",
+            StationStanding::StoreReset => "restarted with an empty order store",
+            StationStanding::NotBegun => "order not begun",
+        }
+    }
+}
+
+/// Why an activity failed, with the names of the description.
+fn cause_of(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure) -> String {
+    let handling = state.table().handling();
+    let (station, resource) = match cause {
+        ActivityFailure::TimedOut => (None, "?"),
+        ActivityFailure::ByHand { resource } => (None, handling.resource_name(resource)),
+        ActivityFailure::Order { key, .. } => {
+            (firing.orders.iter().find(|order| order.key == key).map(|order| order.station), "?")
+        }
+    };
+    let station = station.map_or_else(|| "a station".to_owned(), |station| handling.station_name(station));
+    cause.text_of(&station, resource)
+}
+
+/// An answer that sensors contradict.
+pub(crate) fn differs(
+    state: &PlayerState,
+    firing: &OngoingActivity,
+    cause: ActivityFailure,
+    ruling: &RecoveryDecision,
+    found: &[SensorMismatch],
+    now: Tick,
+) -> String {
+    let handling = state.table().handling();
+    let found: Vec<String> = found.iter().map(|found| difference(handling, found)).collect();
+    let again = alarm(state, firing, cause, now);
+    AlarmText::Contradicted { word: &ruling.word, found: &found.join("; "), again: &again }.text()
+}
+
+/// A station that moved after the answer.
+pub(crate) fn moved(
+    state: &PlayerState,
+    firing: &OngoingActivity,
+    cause: ActivityFailure,
+    ruling: &RecoveryDecision,
+    station: StationId,
+    now: Tick,
+) -> String {
+    let name = state.table().handling().station_name(station);
+    let again = alarm(state, firing, cause, now);
+    AlarmText::Moved { station: &name, word: &ruling.word, again: &again }.text()
+}
+
+/// The carrier holds the part.
+pub(crate) fn carried(state: &PlayerState, mode: ModeId, of: Option<PartId>) -> String {
+    filled(&AlarmText::Carried.text(), state, mode, of)
+}
+
+/// A sensor that contradicts the model.
+pub(crate) fn mismatch(handling: &RecoveryPolicy, found: &SensorMismatch, missing: Option<PartId>) -> String {
+    AlarmText::Mismatch { found: &difference(handling, found), missing }.text()
+}
+
+fn difference(handling: &RecoveryPolicy, found: &SensorMismatch) -> String {
+    let resource = handling.resource_name(found.resource);
+    if found.model { AlarmText::PartMissing { resource }.text() } else { AlarmText::PartUnexpected { resource }.text() }
+}
+
+/// The sentences of alarms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AlarmText<'a> {
+    /// An activity failed, and its rule has no text.
+    Failed { activity: &'a str, part: Option<PartId> },
+    /// What to do, and the facts.
+    WithFacts { tell: &'a str, facts: &'a str },
+    /// The facts of a failed activity; how its stations stand follows.
+    Facts { activity: &'a str, cause: &'a str, seconds: f64 },
+    /// Sensors contradict an answer; the alarm follows again.
+    Contradicted { word: &'a str, found: &'a str, again: &'a str },
+    /// A station moved after an answer; the alarm follows again.
+    Moved { station: &'a str, word: &'a str, again: &'a str },
+    /// The carrier holds the part; with placeholders.
+    Carried,
+    /// A sensor contradicts the model; a part that is missing may have been removed.
+    Mismatch { found: &'a str, missing: Option<PartId> },
+    /// A sensor that should be on.
+    PartMissing { resource: &'a str },
+    /// A sensor that should be off.
+    PartUnexpected { resource: &'a str },
+}
+
+impl AlarmText<'_> {
+    /// The text.
+    pub fn text(self) -> String {
+        match self {
+            AlarmText::Failed { activity, part: Some(part) } => {
+                format!("{activity} with {part} failed. Answer where the part is.")
+            }
+            AlarmText::Failed { activity, part: None } => format!("{activity} failed. Answer where the part is."),
+            AlarmText::WithFacts { tell, facts } => format!("{tell} ({facts})"),
+            AlarmText::Facts { activity, cause, seconds } => format!("{activity}: {cause}, after {seconds} s"),
+            AlarmText::Contradicted { word, found, again } => {
+                format!("Answer \"{word}\" contradicts the sensors: {found}. {again}")
+            }
+            AlarmText::Moved { station, word, again } => {
+                format!("{station} moved after the answer \"{word}\". {again}")
+            }
+            AlarmText::Carried => {
+                "{carrier} holds part {part}. Move it to {to} or back to {from}, then answer which.".to_owned()
+            }
+            AlarmText::Mismatch { found, missing: None } => format!("{found}. Correct it, then answer \"{UP}\"."),
+            AlarmText::Mismatch { found, missing: Some(part) } => {
+                format!("{found}. Correct it, then answer \"{UP}\"; if {part} was removed, answer \"{GONE}\".")
+            }
+            AlarmText::PartMissing { resource } => format!("{resource}: part expected, sensor off"),
+            AlarmText::PartUnexpected { resource } => format!("{resource}: no part expected, sensor on"),
+        }
+    }
+}
+
+/// A text with the names in braces replaced.
+fn filled(text: &str, state: &PlayerState, mode: ModeId, of: Option<PartId>) -> String {
+    let handling = state.table().handling();
+    let handled = handling.mode(mode);
+    let name =
+        |id: Option<ResourceId>| id.map_or_else(|| "outside".to_owned(), |id| handling.resource_name(id).to_owned());
+    let (mut filled, mut rest) = (String::with_capacity(text.len()), text);
+    while let Some((before, behind)) = rest.split_once('{') {
+        let Some((word, after)) = behind.split_once('}') else { break };
+        filled.push_str(before);
+        match word {
+            "part" => filled.push_str(&of.map_or_else(|| "?".to_owned(), |PartId(number)| number.to_string())),
+            "type" => filled.push_str(&handled.part_type),
+            "activity" => filled.push_str(state.table().called(mode)),
+            "carrier" => filled.push_str(&name(handled.carrier)),
+            "from" => filled.push_str(&name(handled.from)),
+            "to" => filled.push_str(&name(handled.to)),
+            "slot" => {
+                let of = of.and_then(|part| state.part(part));
+                let slot = of.and_then(|part| part.position.or(part.target));
+                filled.push_str(&slot.map_or_else(|| "?".to_owned(), |slot| slot.to_string()));
+            }
+            other => {
+                // A description with such a name is refused.
+                let _ = write!(filled, "{{{other}}}");
+            }
+        }
+        rest = after;
+    }
+    filled + rest
+}

@@ -1,0 +1,76 @@
+//! Why an operator's answer or request about a resource is not accepted.
+
+use linewright_line::{Line, StationId};
+
+use crate::exception::{AlarmAnswerRefusal, ResourceRequest, StationUnavailable};
+use crate::ids::ResourceId;
+use crate::state::PlayerState;
+
+/// The reason, with the names of the description.
+pub fn answer_refused(line: &Line, state: &PlayerState, asked: ResourceRequest, why: AlarmAnswerRefusal) -> String {
+    let station = |id: StationId| line.station(id).name.clone();
+    let resource = |id: ResourceId| state.table().handling().resource_name(id).to_owned();
+    let answers = |request| {
+        let alarm = state.exceptions().alarms().find(|alarm| request == ResourceRequest::Answer(alarm.id));
+        alarm.map(|alarm| alarm.words.join(", ")).unwrap_or_default()
+    };
+    why.text(asked, station, resource, answers)
+}
+
+impl AlarmAnswerRefusal {
+    /// The reason, with the names of stations and resources, and the answers that are permitted.
+    pub fn text(
+        self,
+        asked: ResourceRequest,
+        station: impl Fn(StationId) -> String,
+        resource: impl Fn(ResourceId) -> String,
+        answers: impl Fn(ResourceRequest) -> String,
+    ) -> String {
+        let is_reset = matches!(asked, ResourceRequest::Reset(_));
+        match self {
+            AlarmAnswerRefusal::NoSuchAlarm => match asked {
+                ResourceRequest::Answer(alarm) => format!("no active {alarm}"),
+                ResourceRequest::Alarm(_)
+                | ResourceRequest::Down(_)
+                | ResourceRequest::Up(_)
+                | ResourceRequest::Reset(_) => "no such alarm".to_owned(),
+            },
+            AlarmAnswerRefusal::NoSuchWord => format!("not a permitted answer; permitted: {}", answers(asked)),
+            AlarmAnswerRefusal::NoSuchResource => "no such resource".to_owned(),
+            AlarmAnswerRefusal::AlreadySo if is_reset => "not in emergency stop of its own".to_owned(),
+            AlarmAnswerRefusal::AlreadySo => "already in that state".to_owned(),
+            AlarmAnswerRefusal::Moves(id) if is_reset => format!("{}: standstill not confirmed", station(id)),
+            AlarmAnswerRefusal::Moves(id) => {
+                format!("{} is moving; wait for standstill, check where the part is, then answer", station(id))
+            }
+            AlarmAnswerRefusal::HasPart(id) => {
+                format!("{}: sensor on, but the answer states no part there", resource(id))
+            }
+            AlarmAnswerRefusal::HasNoPart(id) => {
+                format!("{}: sensor off, but the answer states a part there", resource(id))
+            }
+            AlarmAnswerRefusal::NotHeard(id) => format!("{}: no state received", station(id)),
+            AlarmAnswerRefusal::NotAtRest(id) => {
+                format!("{}: between two rests; lead it to a rest in manual", station(id))
+            }
+            AlarmAnswerRefusal::CannotWork(id, why) => format!("{}: {}", station(id), why.text()),
+            AlarmAnswerRefusal::EmergencyStop(id) => {
+                format!("{}: in emergency stop; clear the cause, then give reset", station(id))
+            }
+            AlarmAnswerRefusal::Open(id) => {
+                format!("{}: an activity with it failed; answer that alarm first", resource(id))
+            }
+        }
+    }
+}
+
+impl StationUnavailable {
+    /// The reason.
+    pub const fn text(self) -> &'static str {
+        match self {
+            StationUnavailable::Devices => "I/O devices not operational",
+            StationUnavailable::Incomplete => "operation incomplete; complete or undo it in manual",
+            StationUnavailable::ByHand => "moved by hand (hand or manual mode)",
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! The texts of a cell for operators, logs and reports. All of them are here, one file for each kind of text, but for what
+//! is wrong with a log or a plan, which stands where it is found.
+//!
+//! A text says what happened, where, and what to do where that is not plain. Activities, parts and resources have the names
+//! of the description. `tests/texts.rs` keeps a list of all of them.
+
+pub mod alarm;
+mod answer;
+mod decision;
+mod failure;
+mod production;
+mod service;
+pub(crate) mod wait;
+
+pub use answer::answer_refused;
+pub use decision::{called, decision, named, reason};
+pub use wait::{CellWait, TokenOwner, failed};

@@ -1,0 +1,34 @@
+//! Why resources are out of service.
+
+use crate::exception::OutOfServiceReason;
+
+impl OutOfServiceReason {
+    /// The reason, for operators.
+    pub fn text(&self) -> String {
+        match self {
+            OutOfServiceReason::ByHand { text } => with("taken out by hand", text),
+            OutOfServiceReason::Alarm { text } => with("alarm raised by hand", text),
+            OutOfServiceReason::Rule(firing) => format!("taken out by the rule for {firing}"),
+            OutOfServiceReason::Station(firing) => format!("station not available after {firing}"),
+            OutOfServiceReason::EmergencyStop(firing) => format!("station in emergency stop after {firing}"),
+            OutOfServiceReason::Mismatch => "sensor contradicts the model".to_owned(),
+        }
+    }
+
+    /// The reason without what differs from time to time, for reports.
+    pub fn summary(&self) -> String {
+        match self {
+            OutOfServiceReason::ByHand { text } if text.is_empty() => "taken out by hand".to_owned(),
+            OutOfServiceReason::Alarm { text } if text.is_empty() => "alarm raised by hand".to_owned(),
+            OutOfServiceReason::ByHand { text } | OutOfServiceReason::Alarm { text } => text.clone(),
+            OutOfServiceReason::Rule(_) => "taken out by a rule".to_owned(),
+            OutOfServiceReason::Station(_) => "station not available".to_owned(),
+            OutOfServiceReason::EmergencyStop(_) => "station in emergency stop".to_owned(),
+            OutOfServiceReason::Mismatch => "sensor contradicts the model".to_owned(),
+        }
+    }
+}
+
+fn with(reason: &str, text: &str) -> String {
+    if text.is_empty() { reason.to_owned() } else { format!("{reason}: {text}") }
+}

@@ -1,0 +1,98 @@
+//! Why a part does not go on, and where the tokens it lacks are.
+
+use linewright_line::Tick;
+
+use crate::exception::ExceptionStage;
+use crate::ids::PartId;
+
+/// Why a part, or an activity with it, does not go on; with the names that the text contains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CellWait<'a> {
+    /// There is no such part.
+    NotInCell(PartId),
+    /// The part is in an activity.
+    UnderWay { part: PartId, activity: &'a str },
+    /// The part rests, `in` a resource or `on` a place.
+    Resting { part: PartId, place: &'a str, seconds: f64 },
+    /// No activity takes the part.
+    NoWay,
+    /// An activity that could take the part, and why it does not.
+    Activity { activity: &'a str, why: &'a str },
+    /// Another part is taken first.
+    First(PartId),
+    /// Tokens are missing; where they are.
+    Tokens { owners: &'a str, held: Option<(Tick, &'a str)> },
+    /// All servers are in use.
+    InProgress,
+    /// Nothing is missing.
+    Ready,
+    /// A resource is out of service.
+    OutOfService { resource: &'a str, seconds: f64, why: &'a str },
+    /// A resource is not out of service.
+    InService { resource: &'a str },
+}
+
+impl CellWait<'_> {
+    /// The text.
+    pub fn text(self) -> String {
+        match self {
+            CellWait::NotInCell(part) => format!("{part} is not in the cell."),
+            CellWait::UnderWay { part, activity } => format!("{part} is under way: {activity}."),
+            CellWait::Resting { part, place, seconds } => format!("{part} has been {place} for {seconds} s."),
+            CellWait::NoWay => "No activity takes it from there.".to_owned(),
+            CellWait::Activity { activity, why } => format!("{activity}: {why}."),
+            CellWait::First(part) => format!("{part} has to be taken first"),
+            CellWait::Tokens { owners, held: None } => owners.to_owned(),
+            CellWait::Tokens { owners, held: Some((at, why)) } => format!("{owners}; at {at} it was held: {why}"),
+            CellWait::InProgress => "maximum number in progress".to_owned(),
+            CellWait::Ready => "ready; starts in auto, when states of all its stations are received".to_owned(),
+            CellWait::OutOfService { resource, seconds, why } => {
+                format!("{resource} out of service for {seconds} s: {why}")
+            }
+            CellWait::InService { resource } => format!("{resource} in service"),
+        }
+    }
+}
+
+/// Where tokens are that something needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TokenOwner<'a> {
+    /// With activities in progress.
+    InUse { name: &'a str, by: &'a [String] },
+    /// Activities give them that have not started.
+    Returned { name: &'a str, by: &'a [String] },
+    /// Activities give them, and no part waits for one.
+    NotYet { name: &'a str },
+    /// No activity gives them.
+    Never { name: &'a str },
+}
+
+impl TokenOwner<'_> {
+    /// The text.
+    pub fn text(self) -> String {
+        match self {
+            TokenOwner::InUse { name, by } => format!("`{name}` in use by {}", by.join(", and by ")),
+            TokenOwner::Returned { name, by } => {
+                format!("`{name}` is returned by {}, not started yet", by.join(", or by "))
+            }
+            TokenOwner::NotYet { name } => format!("no `{name}` yet"),
+            TokenOwner::Never { name } => format!("no `{name}`, and no activity gives it"),
+        }
+    }
+}
+
+/// What an activity in progress still takes.
+pub(crate) fn remaining(activity: &str, seconds: f64) -> String {
+    if seconds > 0.0 { format!("{activity}, {seconds} s left") } else { format!("{activity}, longer than planned") }
+}
+
+/// A failed activity, and what it waits for.
+pub fn failed(activity: &str, stage: Option<&ExceptionStage>) -> String {
+    let waits = match stage {
+        Some(ExceptionStage::Securing) => "its stations to come to rest".to_owned(),
+        Some(ExceptionStage::Waiting(alarm)) => format!("an answer to {alarm}"),
+        Some(ExceptionStage::Restoring { .. }) => "sensors to confirm the answer".to_owned(),
+        None => "an operator".to_owned(),
+    };
+    format!("{activity}, which has failed and waits for {waits}")
+}

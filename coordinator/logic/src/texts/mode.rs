@@ -1,0 +1,41 @@
+//! The mode, with what keeps it.
+
+use linewright_line::net::ControlMode;
+
+/// What the text of the mode contains; stations by name.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ModeText<'a> {
+    /// The line stops at home.
+    pub stopping: bool,
+    /// Stations that have not acknowledged the mode.
+    pub waiting: Vec<&'a str>,
+    /// Stations left out of the mode decision.
+    pub without: Vec<&'a str>,
+    /// Stations in an emergency stop of their own.
+    pub stopped: Vec<&'a str>,
+    /// What prevents other modes.
+    pub troubles: Vec<String>,
+}
+
+impl ModeText<'_> {
+    /// The text, e.g. `auto, stopping at home` or `stand-by: mill_1: no state received`.
+    pub fn text(&self, mode: ControlMode) -> String {
+        let mut text = mode.name().to_owned();
+        if self.stopping {
+            text.push_str(", stopping at home");
+        }
+        if !self.waiting.is_empty() {
+            text.push_str(&format!(", waiting for {}", self.waiting.join(", ")));
+        }
+        if !self.without.is_empty() {
+            text.push_str(&format!(", without {}", self.without.join(", ")));
+        }
+        if !self.stopped.is_empty() {
+            text.push_str(&format!(", {} in emergency stop", self.stopped.join(" and ")));
+        }
+        if !self.troubles.is_empty() {
+            text.push_str(&format!(": {}", self.troubles.join("; ")));
+        }
+        text
+    }
+}

@@ -1,0 +1,96 @@
+//! Refused commands: why the mode does not change, and what to do.
+
+use linewright_line::{Line, Owner};
+
+use crate::refusal::{ModeRefusal, RefusedCommand};
+
+impl RefusedCommand {
+    /// The refusal, e.g. `auto refused in stand-by: mill_1: operation incomplete; complete or undo it in manual`.
+    pub fn text(&self, line: &Line) -> String {
+        self.text_with(line, |_| String::new())
+    }
+
+    /// The same, with the trouble of an owner's devices that are lost (empty where it is unknown).
+    pub fn text_with(&self, line: &Line, trouble: impl Fn(Owner) -> String) -> String {
+        let reason_text = |reason: &ModeRefusal| {
+            let trouble = match reason {
+                ModeRefusal::DevicesLost(station) => trouble(Owner::Station(*station)),
+                ModeRefusal::ConsoleLost | ModeRefusal::ConsoleNeverHeard => trouble(Owner::Console),
+                _ => String::new(),
+            };
+            let text = reason.text(line);
+            if trouble.is_empty() { text } else { format!("{text}: {trouble}") }
+        };
+        let reasons: Vec<String> = self.reasons.iter().map(reason_text).collect();
+        format!("{} refused in {}: {}", self.command.name(), self.mode, reasons.join("; "))
+    }
+}
+
+impl ModeRefusal {
+    /// The reason; it begins with the station where it is one station's.
+    pub fn text(&self, line: &Line) -> String {
+        let (station, text) = match self {
+            ModeRefusal::WrongMode(takes) => {
+                let takes: Vec<&str> = takes.iter().map(|command| command.name()).collect();
+                return format!("commands in this mode: {}", takes.join(", "));
+            }
+            ModeRefusal::OtherCoordinator(life) => {
+                return format!(
+                    "second coordinator active on this line (boot id {life}), no motion; stop one of the two"
+                );
+            }
+            ModeRefusal::Already => return "mode already in force".to_owned(),
+            ModeRefusal::EStop => return "emergency stop active; reset it, then select manual".to_owned(),
+            ModeRefusal::EStopPressed => return "emergency stop button pressed; release it first".to_owned(),
+            ModeRefusal::ConsoleLost => return "console: I/O devices not operational".to_owned(),
+            ModeRefusal::JournalLost => {
+                return "coordinator journal not writable (file and cause in its log); correct it, then reset"
+                    .to_owned();
+            }
+            ModeRefusal::ConsoleNeverHeard => {
+                return "no console input received yet, emergency stop state unknown; check supply and bus of the \
+                        console device"
+                    .to_owned();
+            }
+            ModeRefusal::NotHeard(station) => (station, "no state received"),
+            ModeRefusal::DevicesLost(station) => (station, "I/O devices lost"),
+            ModeRefusal::Incomplete(station) => (station, "operation incomplete; complete or undo it in manual"),
+            ModeRefusal::PositionLost(station) => (station, "position lost; see its fault, check mechanism and switch"),
+            ModeRefusal::NoCommonStart(station) => (
+                station,
+                "no generation in common with the other stations; lead all stations home in manual, then give auto",
+            ),
+            ModeRefusal::Restarted(station) => (station, "restarted; give start, or select manual first"),
+            ModeRefusal::SelectorManual(station) => (station, "selector at manual"),
+            ModeRefusal::Moving(station) => (station, "motion in progress"),
+            ModeRefusal::Unaware(station) => (station, "stand-by not acknowledged yet"),
+            ModeRefusal::NotAtHome(station) => (station, "not at home"),
+            ModeRefusal::Behind(station) => (station, "at home one cycle behind the others; give auto, then stop"),
+        };
+        format!("{}: {text}", line.station(*station).name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_line::net::ControlMode;
+    use linewright_line::{StationId, TransferLine};
+
+    use super::*;
+    use crate::decision::ModeCommand;
+
+    #[test]
+    fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let reasons =
+            vec![ModeRefusal::DevicesLost(StationId(1)), ModeRefusal::ConsoleLost, ModeRefusal::Moving(StationId(0))];
+        let refusal = RefusedCommand { command: ModeCommand::Auto, mode: ControlMode::StandBy, reasons };
+        let known = |owner| match owner {
+            Owner::Station(_) => "clamp 1 io (node 21h): no heartbeat (1017h) for 230 ms".to_owned(),
+            Owner::Console => String::new(),
+        };
+        let expected = "auto refused in stand-by: clamp_1: I/O devices lost: clamp 1 io (node 21h): no heartbeat \
+                        (1017h) for 230 ms; console: I/O devices not operational; transfer: motion in progress";
+        assert_eq!(refusal.text_with(&line, known), expected);
+    }
+}

@@ -1,0 +1,55 @@
+//! All texts of the mode decision in one list. A new reason without a text, or without a place in the list, does not
+//! compile.
+
+use linewright_coordinator_logic::{ModeCommand, ModeRefusal, ModeText, RefusedCommand};
+use linewright_line::net::ControlMode;
+use linewright_line::{StationId, TransferLine, parse};
+
+use crate::samples::{listed, samples};
+
+fn reasons() -> Vec<ModeRefusal> {
+    let station = StationId(1);
+    samples!(ModeRefusal {
+        ModeRefusal::WrongMode(_) => ModeRefusal::WrongMode(vec![ModeCommand::Start, ModeCommand::Manual]);
+        ModeRefusal::Already => ModeRefusal::Already;
+        ModeRefusal::EStop => ModeRefusal::EStop;
+        ModeRefusal::EStopPressed => ModeRefusal::EStopPressed;
+        ModeRefusal::ConsoleLost => ModeRefusal::ConsoleLost;
+        ModeRefusal::JournalLost => ModeRefusal::JournalLost;
+        ModeRefusal::OtherCoordinator(_) => ModeRefusal::OtherCoordinator(23);
+        ModeRefusal::ConsoleNeverHeard => ModeRefusal::ConsoleNeverHeard;
+        ModeRefusal::NotHeard(_) => ModeRefusal::NotHeard(station);
+        ModeRefusal::DevicesLost(_) => ModeRefusal::DevicesLost(station);
+        ModeRefusal::Incomplete(_) => ModeRefusal::Incomplete(station);
+        ModeRefusal::PositionLost(_) => ModeRefusal::PositionLost(station);
+        ModeRefusal::NoCommonStart(_) => ModeRefusal::NoCommonStart(station);
+        ModeRefusal::Restarted(_) => ModeRefusal::Restarted(station);
+        ModeRefusal::SelectorManual(_) => ModeRefusal::SelectorManual(station);
+        ModeRefusal::Moving(_) => ModeRefusal::Moving(station);
+        ModeRefusal::Unaware(_) => ModeRefusal::Unaware(station);
+        ModeRefusal::NotAtHome(_) => ModeRefusal::NotAtHome(station);
+        ModeRefusal::Behind(_) => ModeRefusal::Behind(station);
+    })
+}
+
+#[test]
+fn all_texts_of_the_mode_decision() {
+    let line = parse("line.toml", &TransferLine::default().text()).expect("sound").line;
+    let refusal = RefusedCommand {
+        command: ModeCommand::Auto,
+        mode: ControlMode::StandBy,
+        reasons: vec![ModeRefusal::Moving(StationId(0)), ModeRefusal::EStopPressed],
+    };
+    let modes = [
+        ModeText { stopping: true, ..ModeText::default() },
+        ModeText { waiting: vec!["clamp_1", "mill_1"], ..ModeText::default() },
+        ModeText { without: vec!["m1"], stopped: vec!["m2", "m3"], ..ModeText::default() },
+        ModeText { troubles: vec![ModeRefusal::NotHeard(StationId(1)).text(&line)], ..ModeText::default() },
+    ];
+    let lists = [
+        listed("why a command is refused", &reasons(), |reason| reason.text(&line)),
+        listed("a refusal", &[refusal], |refusal| refusal.text(&line)),
+        listed("the mode", &modes, |mode| mode.text(ControlMode::Auto)),
+    ];
+    insta::assert_snapshot!(lists.join("\n"));
+}

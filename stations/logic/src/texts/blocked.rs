@@ -1,0 +1,189 @@
+//! What a station waits for; each text follows `waits for`.
+
+use linewright_line::net::ControlMode;
+
+use crate::event::StopCause;
+
+/// What a station waits for whose devices cannot be trusted. Which device and why, their manager knows.
+pub const DEVICES_INVALID: &str = "its I/O devices: no process data, or not operational";
+
+/// Something that a station waits for, with the names that its text contains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StationWait<'a> {
+    /// Two coordinators are active; their boot ids.
+    RivalCoordinators { followed: u64, other: u64 },
+    /// The process image is not valid.
+    Devices,
+    /// An axis is not measured at its place; the detail of [`StopCause::PositionLost`].
+    PositionLost(&'a str),
+    /// An operator who confirms where the station stands.
+    Rejoin(PositionDoubt, RejoinAdvice<'a>),
+    /// All stations at home: this one shares no counts with the others.
+    NewGeneration,
+    /// A motion that was stopped by its button is not complete.
+    Released { op: &'a str },
+    /// A motion that was stopped by a fault is not complete.
+    Recovery { op: &'a str, cause: StopCause },
+    /// The button of a motion.
+    Held { button: &'a str },
+    /// An operation of the same step.
+    Concurrent { op: &'a str },
+    /// The end of the master stop at home.
+    MasterStop,
+    /// The end of the master stop of a task-driven station.
+    MasterStopOfOrders,
+    /// The next task order.
+    TaskOrder,
+    /// A rest: no task begins where the station stands.
+    Rest,
+    /// An input of a task.
+    Input { input: &'a str, own: &'a str },
+    /// A button in hand mode; none has a function where both are empty.
+    Button { onward: Option<&'a str>, back: Option<&'a str> },
+    /// A button in hand mode that begins a task: the choices, each from [`StationWait::task_button`].
+    TaskButton { choices: &'a [String] },
+    /// A command of the station's panel.
+    Panel,
+    /// The station's selector.
+    Selector,
+    /// A mode in which stations move.
+    Mode(ControlMode),
+    /// The reset of the emergency stop.
+    EStop,
+    /// What measured positions forbid; the detail of [`StopCause::Interlock`].
+    Position { detail: &'a str, own: &'a str },
+    /// What the recovery path needs; another wait.
+    WayHome { cause: &'a str },
+    /// An arrow: the state of its station is unknown.
+    NoState { station: &'a str, own: &'a str },
+    /// An arrow: this station has no generation.
+    OwnGeneration { own: &'a str },
+    /// An arrow: its station is of another generation.
+    OtherGeneration { station: &'a str, own: &'a str },
+    /// An arrow: its station's position is lost.
+    PositionOf { station: &'a str, own: &'a str },
+    /// An arrow: its station reports a cycle that cannot be.
+    Implausible { station: &'a str, cycle: i32, own: &'a str },
+    /// An arrow: the count is being withdrawn.
+    BeingWithdrawn { station: &'a str, op: &'a str, own: &'a str },
+    /// An arrow: the count is not reached.
+    Arrow { station: &'a str, op: &'a str, cycle: i32, own: &'a str },
+    /// The agreement of another station to withdraw counts.
+    Agreement { station: &'a str, is_heard: bool, ops: &'a str },
+    /// Counts that another station does not let go, because of its operation.
+    Disagreement { station: &'a str, op: &'a str, ops: &'a str },
+}
+
+/// Why the position of a station is in doubt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PositionDoubt {
+    /// It has no generation.
+    NoJournal,
+    /// An axis is not measured where the chart has it.
+    AxisOff,
+}
+
+/// How the position is cleared up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RejoinAdvice<'a> {
+    /// The switches determine a step: these operations are complete.
+    Confirm { ops: &'a str },
+    /// The switches fit no operation.
+    NoOperation,
+    /// The switches fit these operations, each in progress.
+    Between { ops: &'a [&'a str] },
+    /// The switches fit no place.
+    NoPlace,
+}
+
+impl StationWait<'_> {
+    /// A choice of [`StationWait::TaskButton`].
+    pub fn task_button(button: &str, task: &str) -> String {
+        format!("{button} for {task}")
+    }
+
+    /// The text; it follows `waits for`.
+    pub fn text(self) -> String {
+        match self {
+            StationWait::RivalCoordinators { followed, other } => {
+                format!("one coordinator: two are active (boot ids {followed} and {other}); stop one of them")
+            }
+            StationWait::Devices => DEVICES_INVALID.to_owned(),
+            StationWait::PositionLost(detail) => detail.to_owned(),
+            StationWait::Rejoin(doubt, advice) => format!("rejoin: {}; {}", doubt.text(), advice.text()),
+            StationWait::NewGeneration => "a new generation: no counts in common with the other stations; lead all \
+                                           stations home in manual, then give auto"
+                .to_owned(),
+            StationWait::Released { op } => format!("{op} to be completed or undone in manual"),
+            StationWait::Recovery { op, cause } => format!("recovery of {op} in manual ({})", cause.text()),
+            StationWait::Held { button } => format!("{button} to be held"),
+            StationWait::Concurrent { op } => format!("concurrent operation {op}"),
+            StationWait::MasterStop => "master stop: halted at home".to_owned(),
+            StationWait::MasterStopOfOrders => "master stop: no task orders accepted".to_owned(),
+            StationWait::TaskOrder => "a task order".to_owned(),
+            StationWait::Rest => "an operator: no task begins here; lead the station to a rest in manual".to_owned(),
+            StationWait::Input { input, own } => format!("{input}, for {own}"),
+            StationWait::Button { onward, back } => match (onward, back) {
+                (Some(onward), Some(back)) if onward == back => format!("a button: {onward}"),
+                (Some(onward), Some(back)) => format!("a button: {onward} to go on, {back} to go back"),
+                (Some(onward), None) => format!("a button: {onward} to go on"),
+                (None, Some(back)) => format!("a button: {back} to go back"),
+                (None, None) => "a button: none assigned here; use manual or auto".to_owned(),
+            },
+            StationWait::TaskButton { choices } => format!("a button: {}", choices.join(", ")),
+            StationWait::Panel => "advance or return at its panel".to_owned(),
+            StationWait::Selector => "its selector at manual".to_owned(),
+            StationWait::Mode(mode) => format!("a mode that allows motion (now {mode})"),
+            StationWait::EStop => "the reset of the emergency stop".to_owned(),
+            StationWait::Position { detail, own } => format!("{detail}, for {own}"),
+            StationWait::WayHome { cause } => format!("{cause}, needed on the recovery path"),
+            StationWait::NoState { station, own } => format!("the state of {station}, for {own}"),
+            StationWait::OwnGeneration { own } => format!("a new generation, for {own}: this station has none"),
+            StationWait::OtherGeneration { station, own } => {
+                format!("a new generation with {station}, for {own}: its counts are of another one")
+            }
+            StationWait::PositionOf { station, own } => format!("the position of {station} (lost), for {own}"),
+            StationWait::Implausible { station, cycle, own } => {
+                format!("a plausible cycle of {station} (it reports {cycle}), for {own}")
+            }
+            StationWait::BeingWithdrawn { station, op, own } => {
+                format!("{station}: {op} (count being withdrawn), for {own}")
+            }
+            StationWait::Arrow { station, op, cycle, own } => format!("{station}: {op} (cycle {cycle}), for {own}"),
+            StationWait::Agreement { station, is_heard, ops } => {
+                let heard = if is_heard { "" } else { " (no state received)" };
+                format!("agreement of {station}{heard} to withdraw {ops}")
+            }
+            StationWait::Disagreement { station, op, ops } => {
+                format!("withdrawal of {ops}: rejected by {station}, {op} has started")
+            }
+        }
+    }
+}
+
+impl PositionDoubt {
+    const fn text(self) -> &'static str {
+        match self {
+            PositionDoubt::NoJournal => "position unknown, no valid journal",
+            PositionDoubt::AxisOff => "axis not where the chart has it",
+        }
+    }
+}
+
+impl RejoinAdvice<'_> {
+    fn text(self) -> String {
+        match self {
+            RejoinAdvice::Confirm { ops } => format!("by its switches `{ops}` is complete; confirm it with rejoin"),
+            RejoinAdvice::NoOperation => {
+                "its switches fit no operation; move its axes onto a switch by hand".to_owned()
+            }
+            RejoinAdvice::Between { ops } => format!(
+                "between two switches; check it, then name its operation with rejoin; possible: `{}`",
+                ops.join("`, `")
+            ),
+            RejoinAdvice::NoPlace => "its switches fit no place; move the axis onto its switch by hand, or name its \
+                                      operation with rejoin"
+                .to_owned(),
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! What stopped a motion, with the signal and where it is wired.
+
+use linewright_line::net::Block;
+use linewright_line::{Line, OpId, OperationModule, Owner, StationId, duration_text};
+
+use crate::event::StopCause;
+
+impl StopCause {
+    /// The cause without names of the line.
+    pub const fn text(self) -> &'static str {
+        match self {
+            StopCause::Signal => "fault signal",
+            StopCause::Watchdog => "watchdog: motion not complete in time",
+            StopCause::SwitchStuck => "watchdog: limit switch was on before the motion started",
+            StopCause::Devices => "I/O devices lost",
+            StopCause::Released => "button released",
+            StopCause::EStop => "emergency stop",
+            StopCause::Ordered => "stop requested by the coordinator",
+            StopCause::Restart => "controller restarted",
+            StopCause::NotAtHome => "not at home at power-up",
+            StopCause::Interlock { .. } => "interlock: other station not clear",
+            StopCause::PositionLost { .. } => "position lost",
+            StopCause::Ambiguous => "internal error: two exclusive transitions enabled; report this fault",
+        }
+    }
+
+    /// The cause found by measured positions, with the station, the switch and where it is wired.
+    pub fn detail(self, line: &Line, own: StationId) -> String {
+        match self {
+            StopCause::Interlock { station, input: Some(input) } => format!(
+                "interlock: {} not clear: {} is off",
+                line.station(station).name,
+                line.input_text(Owner::Station(station), input)
+            ),
+            StopCause::Interlock { station, input: None } => {
+                format!(
+                    "interlock: position of {} unknown: no valid image of its limit switches",
+                    line.station(station).name
+                )
+            }
+            StopCause::PositionLost { op, input } => format!(
+                "position lost: {} is off, required on at `{}`; check mechanism and switch",
+                line.input_text(Owner::Station(own), input),
+                line.operation((own, op)).name
+            ),
+            _ => self.text().to_owned(),
+        }
+    }
+
+    /// The cause of a stop of this operation, e.g. `watchdog: LS_closed (clamp 1 io, node 21h, 6000h:01 bit 1) not on
+    /// within 1 s`.
+    pub fn text_of(self, line: &Line, station: StationId, op: OpId, block: Block) -> String {
+        let operation = line.operation((station, op));
+        let signals = match (block, &operation.module) {
+            (Block::Recovery, OperationModule::Reversible { recovery, .. }) => recovery,
+            _ => &operation.normal,
+        };
+        let input = |input| line.input_text(Owner::Station(station), input);
+        match (self, signals.fault) {
+            (StopCause::Watchdog, _) => {
+                format!("watchdog: {} not on within {}", input(signals.complete), duration_text(operation.watchdog))
+            }
+            (StopCause::SwitchStuck, _) => {
+                format!("watchdog: {} was on before the motion started; check the switch", input(signals.complete))
+            }
+            (StopCause::Interlock { .. } | StopCause::PositionLost { .. }, _) => self.detail(line, station),
+            (StopCause::Signal, Some(fault)) => format!("{}: {} is on", self.text(), input(fault)),
+            _ => self.text().to_owned(),
+        }
+    }
+}

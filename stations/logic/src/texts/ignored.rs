@@ -1,0 +1,21 @@
+//! Why an input was ignored, for the log.
+
+use crate::ignored::Ignored;
+
+impl Ignored {
+    /// What was ignored, and why.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Ignored::OlderEpoch => "mode command with an older epoch than the one in force",
+            Ignored::NotAPeer => "report of a station that no operation here depends on",
+            Ignored::Misfit => "report that does not fit the line description; use the same one on all hosts",
+            Ignored::NoTasks => "task order for a station that is not task-driven",
+            Ignored::EpochTooHigh => "mode command or task order with an epoch too far above the last one",
+            Ignored::LeaseTooLong => "mode command with a longer lease than the line description gives",
+            Ignored::NoRejoin => "rejoin: not needed by a task-driven station",
+            Ignored::Moving => "rejoin: station moving",
+            Ignored::NotLost => "rejoin: station position is known",
+            Ignored::PositionUnclear => "rejoin: limit switches contradict the position, or do not determine it",
+        }
+    }
+}
