@@ -223,7 +223,7 @@ mod tests {
         let refused = Claim::node(&args(7, &[]), &here, "clamp_1").expect_err("the second").to_string();
         let this = format!("process {}, since ", std::process::id());
         assert!(refused.contains(&this), "{refused}");
-        assert!(refused.starts_with(&format!("node {here}/clamp_1 in ROS domain 7 is there already")), "{refused}");
+        assert!(refused.starts_with(&format!("node {here}/clamp_1 in ROS domain 7 is already running")), "{refused}");
         drop(first);
         Claim::node(&args(7, &[]), &here, "clamp_1").expect("the first has ended");
     }
