@@ -80,6 +80,7 @@ fn failures() -> Vec<TaskFailure> {
         TaskFailure::Cancelled => TaskFailure::Cancelled;
         TaskFailure::Held => TaskFailure::Held;
         TaskFailure::Stopped => TaskFailure::Stopped;
+        TaskFailure::Other(_) => TaskFailure::Other(1999);
     })
 }
 
@@ -95,6 +96,7 @@ fn refusals() -> Vec<TaskRefusal> {
         TaskRefusal::Devices => TaskRefusal::Devices;
         TaskRefusal::Unknown => TaskRefusal::Unknown;
         TaskRefusal::Incomplete => TaskRefusal::Incomplete;
+        TaskRefusal::Isolated => TaskRefusal::Isolated;
     })
 }
 
