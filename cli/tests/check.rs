@@ -294,6 +294,8 @@ fn a_new_line_can_be_checked_and_is_not_overwritten() {
     let forced = linewright(&[&new[..], &["--force"]].concat());
     assert!(forced.status.success(), "{forced:?}");
     let shipped = std::fs::read_to_string(shipped().join("line.toml")).unwrap();
+    let (schema, shipped) = shipped.split_once('\n').expect("several lines");
+    assert!(schema.starts_with("#:schema "), "a path from where the shipped file is: {schema}");
     assert_eq!(std::fs::read_to_string(format!("{dir}/line.toml")).unwrap(), shipped);
 }
 

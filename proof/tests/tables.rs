@@ -27,8 +27,14 @@ fn tables(of: &str, line: &Line, out: &mut Vec<String>) {
         let program = Program::compile(line, id).expect("a sound station compiles");
         // What only stations on order have is at the end, and not there; the second barrier stands beside these tables.
         let words = without(format!("{program:?}"), ", interlocks: ", ", on_order").replace(", on_order: None", "");
-        // The type of an incoming arrow had another name.
-        let words = words.replace("IncomingArrow {", "Cause {");
+        // These types had other names.
+        let renamed = [
+            ("IncomingArrow {", "Cause {"),
+            ("ConditionRow {", "Row {"),
+            ("CompiledTransition {", "Action {"),
+            ("StationPlace {", "Place {"),
+        ];
+        let words = renamed.iter().fold(words, |words, (now, then)| words.replace(now, then));
         let words = without(without(words, ", starts: ", ", withdraws"), ", rest: ", ", hold");
         out.push(format!("{of} {} {} {:016x}", line.station(id).name, words.len(), hash(&words)));
     }

@@ -12,12 +12,11 @@
 //! A scenario is a short story:
 //!
 //! ```no_run
-//! # use linewright_tests::{Sim, transfer_line};
-//! # use linewright_coordinator_logic::Command;
-//! # use linewright_plant::Fault;
-//! let mut sim = Sim::new(&transfer_line(1.0), 7);
+//! # use linewright_tests::{WatchedLine, transfer_line};
+//! # use linewright_plant::MotionFault;
+//! let mut sim = WatchedLine::new(&transfer_line(1.0), 7);
 //! sim.start_auto();
-//! sim.fail("mill_1", "feed main slide", Fault::Break);
+//! sim.fail("mill_1", "feed main slide", MotionFault::Break);
 //! sim.run_until("the mill stops", |s| s.is_incomplete("mill_1"));
 //! ```
 

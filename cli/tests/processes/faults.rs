@@ -28,7 +28,7 @@ fn a_fault_stops_its_station_and_the_line_is_recovered_by_topics() {
     operator.wait("the station says what is wrong", |heard| !heard.station(station).fault.is_empty());
     the_others_finish_and_nothing_starts(&rig, &operator, station, operation);
     let refusal = operator.refused("auto");
-    assert!(refusal.contains(&format!("{station} has an incomplete operation")), "{refusal}");
+    assert!(refusal.contains(&format!("{station}: operation incomplete")), "{refusal}");
     rig.fail(station, operation, "clear");
     by_its_selector(&operator, station);
     operator.cycles(1);

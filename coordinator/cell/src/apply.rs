@@ -154,7 +154,6 @@ impl PlayerState {
         match state {
             OrderProgress::Written | OrderProgress::Running => (),
             OrderProgress::Failed(OrderFailure::TimedOut) if failure.is_expiry() && self.exceptions.is_securing(id) => {
-                ()
             }
             OrderProgress::Ended | OrderProgress::Failed(_) => return Err(format!("{key} fails, but is {state:?}")),
         }

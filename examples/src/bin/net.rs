@@ -14,12 +14,12 @@ fn machines(in_order: bool) -> Result<Net, Vec<NetError>> {
     let pallet = b.place("pallet free", 1);
     for machine in ["m1", "m2"] {
         let (first, second) = if in_order || machine == "m1" { (robot, pallet) } else { (pallet, robot) };
-        let idle = b.place(&format!("{machine} idle"), 1);
-        let waits = b.place(&format!("{machine} waits"), 0);
-        let works = b.place(&format!("{machine} works"), 0);
-        let begin = b.transition(&format!("{machine} begins"));
-        let go_on = b.transition(&format!("{machine} goes on"));
-        let end = b.transition(&format!("{machine} ends"));
+        let idle = b.place(format!("{machine} idle"), 1);
+        let waits = b.place(format!("{machine} waits"), 0);
+        let works = b.place(format!("{machine} works"), 0);
+        let begin = b.transition(format!("{machine} begins"));
+        let go_on = b.transition(format!("{machine} goes on"));
+        let end = b.transition(format!("{machine} ends"));
         b.input(begin, idle, 1).input(begin, first, 1).output(begin, waits, 1);
         b.input(go_on, waits, 1).input(go_on, second, 1).output(go_on, works, 1);
         b.input(end, works, 1).output(end, idle, 1).output(end, first, 1).output(end, second, 1);

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for ms in 0..5_000 {
         let now = Tick::from_micros(ms * 1000);
         // What has arrived: the switches, and the coordinator's mode command, renewed before its lease ends.
-        let switches = u128::from(position == 0) * PULLED | u128::from(position == STROKE) * PUSHED;
+        let switches = (u128::from(position == 0) * PULLED) | (u128::from(position == STROKE) * PUSHED);
         feeder.handle(now, StationInput::Inputs { bits: switches, valid: true, until: Tick::NEVER, under: NO_DELAY });
         if ms % 100 == 0 {
             let mode = if ms < 4_000 { ControlMode::Auto } else { ControlMode::StandBy };

@@ -2,7 +2,7 @@
 //!
 //! [`read`] turns a file's bytes into a [`Database`] of messages and signals; [`bind`] works out in numbers what a
 //! device's `dbc` table says in the file's names. The grammar is the library `can-dbc`'s; what lies where in a frame is
-//! [`Field`](linewright_line::Field)'s. *Only this crate knows DBC.* It knows no bus and no time.
+//! [`FrameField`](linewright_line::FrameField)'s. *Only this crate knows DBC.* It knows no bus and no time.
 
 mod bind;
 mod database;

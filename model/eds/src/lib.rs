@@ -10,7 +10,7 @@
 //! ([`Eds::downloads`]).
 //!
 //! ```
-//! use linewright_eds::{Configuration, NodeId, Value, read};
+//! use linewright_eds::{Configuration, NodeId, ObjectValue, read};
 //!
 //! let text = "[DeviceInfo]\nVendorNumber=0x1F\n[MandatoryObjects]\nSupportedObjects=1\n1=0x1000\n\
 //!     [OptionalObjects]\nSupportedObjects=1\n1=0x1017\n\
@@ -19,9 +19,9 @@
 //! let eds = read("io.eds", text.as_bytes())?;
 //! let node = NodeId::new(4).expect("1 to 127");
 //! let device_type = eds.entry(0x1000, 0).expect("there is one");
-//! assert_eq!(device_type.default_for(node), Some(Value::Unsigned(0x30191)));
+//! assert_eq!(device_type.default_for(node), Some(ObjectValue::Unsigned(0x30191)));
 //!
-//! let dcf = eds.configure("io4.dcf", &Configuration::new(node).set(0x1017, 0, Value::Unsigned(50)))?;
+//! let dcf = eds.configure("io4.dcf", &Configuration::new(node).set(0x1017, 0, ObjectValue::Unsigned(50)))?;
 //! assert_eq!(dcf.downloads(node)?[0].to_string(), "1017h: 32 00");
 //!
 //! let wrong = text.replace("DataType=6", "DataType=5").replace("DefaultValue=0 ; off", "DefaultValue=300");

@@ -28,20 +28,20 @@ pub trait Keys: Sized {
 
 /// Makes structs of tables as they are written, each with its reader and its description.
 ///
-/// A field is a key of the same name, unless another one is given by `as`; its type and its [`Kind`](crate::Kind) belong
+/// A field is a key of the same name, unless another one is given by `as`; its type and its [`KeyKind`](crate::KeyKind) belong
 /// together. Keys are read in the order in which they stand here. What is missing or could not be read is `None`, and has
 /// been reported. Doc comments are shown by editors to people who write descriptions: they say unit and bounds.
 ///
 /// ```
-/// use linewright_text::{Keys, Name, Report, keys, text, whole, At};
+/// use linewright_text::{Keys, LocatedName, Report, keys, text, whole, Located};
 ///
 /// keys! {
 ///     /// A shelf of the store.
 ///     pub struct Shelf is "a shelf" {
 ///         /// What it is called.
-///         name: Option<Name> = text().required(),
+///         name: Option<LocatedName> = text().required(),
 ///         /// How many parts there is room for, 1 to 50.
-///         room as "places": Option<At<i64>> = whole(1, 50),
+///         room as "places": Option<Located<i64>> = whole(1, 50),
 ///     }
 /// }
 ///

@@ -16,18 +16,18 @@
 //! ```
 //! use std::time::Duration;
 //! use linewright_line::{StationId, Tick, net::ControlMode, parse};
-//! use linewright_station_logic::{Controller, Input, ModeOrder, NO_DELAY, Outbox, Restore};
+//! use linewright_station_logic::{Controller, StationInput, ModeOrder, NO_DELAY, StationOutbox, Restore};
 //!
 //! # let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/feeder.toml"));
 //! // A cylinder that pushes and pulls: inputs 0 and 1 are its limit switches, outputs 0 and 1 pull and push.
 //! let line = parse("feeder.toml", text).expect("a line without mistakes").line;
 //! let mut controller = Controller::new(&line, StationId(0), 1, Restore::Fresh)?;
-//! let mut out = Outbox::default();
-//! let image = |bits| Input::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY };
+//! let mut out = StationOutbox::default();
+//! let image = |bits| StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY };
 //!
 //! // At home, and in auto for a second: the cylinder pushes.
 //! controller.handle(Tick::ZERO, image(0b01));
-//! controller.handle(Tick::ZERO, Input::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1))));
+//! controller.handle(Tick::ZERO, StationInput::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(1))));
 //! controller.step(Tick::ZERO, &mut out);
 //! assert_eq!(out.outputs, 0b10);
 //!

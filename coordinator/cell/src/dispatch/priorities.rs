@@ -71,7 +71,7 @@ pub struct Window {
     pub until: Tick,
 }
 
-/// What has been planned. What is not in it is neither held nor preferred by [`DispatchRule::Schedule`].
+/// What has been planned. What is not in it is neither held nor preferred by [`super::DispatchRule::Schedule`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Timetable {
     /// For a part, or the next that enters, and a mode.

@@ -51,7 +51,7 @@ impl OwnBuses {
         Err(io::Error::new(io::ErrorKind::AlreadyExists, format!("no name is free in {}", base.display())))
     }
 
-    /// Where they are: for [`Options::dir`](super::Options), and for other processes in `LINEWRIGHT_BUS_DIR`.
+    /// Where they are: for [`Options::dir`](super::BusOptions), and for other processes in `LINEWRIGHT_BUS_DIR`.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
@@ -95,7 +95,7 @@ fn has_members(bus: &Path) -> bool {
 pub struct BusDirectory {
     /// The run whose bus it is; `None` for the one that everybody shares.
     pub about: Option<String>,
-    /// For [`Options::dir`](super::Options).
+    /// For [`Options::dir`](super::BusOptions).
     pub dir: PathBuf,
 }
 

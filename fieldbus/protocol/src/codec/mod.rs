@@ -100,14 +100,14 @@ pub enum CanopenMessage {
         payload: Payload,
     },
     /// SDO answer, COB-ID 0x580 + node (CiA 301 §7.2.4). What it says depends on the transfer under way:
-    /// [`sdo::Client`](crate::sdo::Client) knows.
+    /// [`sdo::SdoClient`](crate::sdo::SdoClient) knows.
     SdoResponse {
         /// The server.
         node: NodeId,
         /// Its answer.
         raw: SdoBytes,
     },
-    /// SDO request, COB-ID 0x600 + node (CiA 301 §7.2.4). [`sdo::Server`](crate::sdo::Server) knows what it says.
+    /// SDO request, COB-ID 0x600 + node (CiA 301 §7.2.4). [`sdo::SdoServer`](crate::sdo::SdoServer) knows what it says.
     SdoRequest {
         /// The server.
         node: NodeId,
