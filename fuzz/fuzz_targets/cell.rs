@@ -8,7 +8,7 @@
 use libfuzzer_sys::fuzz_target;
 use linewright_cell::net::Detail;
 use linewright_cell::{Cell, parse};
-use linewright_proof::cell::{Limits, Setting, Verdict, check};
+use linewright_proof::cell::{CellExploration, ExplorationLimits, Verdict, check};
 use linewright_text::Problems;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
@@ -38,10 +38,11 @@ fn explore(cell: &Cell) {
     if cell.resources.len() > RESOURCES_MAX || cell.stages.len() > STAGES_MAX || room > ROOM_MAX {
         return;
     }
-    let limits = Limits { states: 2_000, bytes: 16 << 20, threads: 1 };
+    let limits = ExplorationLimits { states: 2_000, bytes: 16 << 20, threads: 1 };
     let mut known: Option<bool> = None;
     for detail in [Detail::Coordination, Detail::Expanded] {
-        let found = check(&Setting { detail, limits, ..Setting::new(cell) }).expect("a cell that parses has a net");
+        let found = check(&CellExploration { detail, limits, ..CellExploration::new(cell) })
+            .expect("a cell that parses has a net");
         for property in &found.properties {
             assert!(!property.reason.is_empty());
             let steps = property.counterexample.as_ref().map(|story| story.steps.len());

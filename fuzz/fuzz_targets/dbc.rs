@@ -6,8 +6,10 @@
 use std::time::Duration;
 
 use libfuzzer_sys::fuzz_target;
-use linewright_dbc::{Database, DbcError, Message, bind, read};
-use linewright_line::{Frames, InputId, Named, OutputId, Receive, Send, SignalInput, SignalOutput, When};
+use linewright_dbc::{Database, DbcError, DbcMessage, bind, read};
+use linewright_line::{
+    CyclicFrame, DbcName, FrameTable, InputId, OutputId, ReceivedMessageTable, SignalInput, SignalOutput, When,
+};
 
 /// How many messages of a file are bound.
 const MESSAGES_MAX: usize = 8;
@@ -21,7 +23,7 @@ fuzz_target!(|bytes: &[u8]| match read(bytes) {
     Err(_) => {}
 });
 
-fn use_it(database: &Database, message: &Message) {
+fn use_it(database: &Database, message: &DbcMessage) {
     for signal in &message.signals {
         let frames = frames(&message.name, &signal.name);
         let Ok(bound) = bind(&frames, database) else { continue };
@@ -41,17 +43,23 @@ fn use_it(database: &Database, message: &Message) {
     }
 }
 
-fn frames(message: &str, signal: &str) -> Frames {
-    let named = |name: &str| Named { name: name.to_owned(), at: 0..0 };
+fn frames(message: &str, signal: &str) -> FrameTable {
+    let named = |name: &str| DbcName { name: name.to_owned(), at: 0..0 };
     let when = When::Above { at: 1.0, hysteresis: 0.5 };
     let input = SignalInput { input: InputId(0), signal: named(signal), when };
     let output = SignalOutput { output: OutputId(0), signal: named(signal), on: 1.0, off: 0.0 };
     let (timeout, every) = (Duration::from_millis(100), Duration::from_millis(100));
     let (counter, checksum) = (None, None);
-    Frames {
+    FrameTable {
         file: named("any.dbc"),
-        receive: vec![Receive { message: named(message), timeout, counter, checksum, inputs: vec![input] }],
-        send: vec![Send {
+        receive: vec![ReceivedMessageTable {
+            message: named(message),
+            timeout,
+            counter,
+            checksum,
+            inputs: vec![input],
+        }],
+        send: vec![CyclicFrame {
             message: named(message),
             every,
             counter: None,

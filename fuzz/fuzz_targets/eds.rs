@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use linewright_eds::{Configuration, Content, DataType, Eds, NodeId, Problems, Value, limits, read};
+use linewright_eds::{Configuration, DataType, DownloadContent, Eds, NodeId, ObjectValue, Problems, limits, read};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 /// No drawing of a few dozen problems is longer, whatever the lines of the file are.
@@ -47,12 +47,12 @@ fn use_it(eds: &Eds) {
             entry.data_type.decode(&bytes).expect("its own bytes");
         }
         if entry.access.is_writable() && configuration.values.len() < SET_MAX {
-            let value = entry.default_for(node).unwrap_or(Value::Unsigned(1));
+            let value = entry.default_for(node).unwrap_or(ObjectValue::Unsigned(1));
             configuration.values.insert((index, sub), value);
         }
     }
     for download in eds.downloads(node).expect("for its own node") {
-        assert!(!matches!(&download.content, Content::Bytes(bytes) if bytes.len() > limits::FILE_BYTES_MAX));
+        assert!(!matches!(&download.content, DownloadContent::Bytes(bytes) if bytes.len() > limits::FILE_BYTES_MAX));
     }
     // What has no form in a file is refused; what is not is there when it is read again.
     let Ok(dcf) = eds.configure("any.dcf", &configuration) else { return };

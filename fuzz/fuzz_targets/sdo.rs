@@ -9,8 +9,10 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use libfuzzer_sys::fuzz_target;
-use linewright_canopen::sdo::wire::{Content, Raw, Request};
-use linewright_canopen::sdo::{Abort, Client, Dictionary, Mode, ObjectId, Options, Progress, Server};
+use linewright_canopen::sdo::wire::{ClientFrame, InitiateContent, SdoBytes};
+use linewright_canopen::sdo::{
+    Abort, Dictionary, ObjectId, SdoClient, SdoServer, TransferMode, TransferOptions, TransferProgress,
+};
 use linewright_line::Tick;
 
 const LEN_MAX: usize = 1024;
@@ -21,7 +23,7 @@ const ANSWERS_MAX: usize = 8;
 struct Store {
     object: ObjectId,
     data: Vec<u8>,
-    heard: Vec<Raw>,
+    heard: Vec<SdoBytes>,
 }
 
 impl Dictionary for Store {
@@ -42,27 +44,27 @@ impl Dictionary for Store {
 
 /// Whether the frames end in a transfer of these bytes to this object. Looks at the frames alone and backwards, as the
 /// server does not.
-fn justified(heard: &[Raw], object: ObjectId, data: &[u8], before: &[u8]) -> bool {
+fn justified(heard: &[SdoBytes], object: ObjectId, data: &[u8], before: &[u8]) -> bool {
     let Some((last, earlier)) = heard.split_last() else { return false };
-    match Request::decode(last) {
-        Some(Request::Download { object: asked, content: Content::Expedited { bytes, len, sized } }) => {
+    match ClientFrame::decode(last) {
+        Some(ClientFrame::Download { object: asked, content: InitiateContent::Expedited { bytes, len, sized } }) => {
             asked == object && (bytes[..usize::from(len)] == *data || (!sized && bytes[..before.len().min(4)] == *data))
         }
-        Some(Request::DownloadSegment(_)) => segments(heard, object, data),
-        Some(Request::BlockDownloadEnd { unused, crc }) => blocks(earlier, object, data, unused, crc),
+        Some(ClientFrame::DownloadSegment(_)) => segments(heard, object, data),
+        Some(ClientFrame::BlockDownloadEnd { unused, crc }) => blocks(earlier, object, data, unused, crc),
         _ => false,
     }
 }
 
 /// The last frames are an announcement and nothing but its segments.
-fn segments(heard: &[Raw], object: ObjectId, data: &[u8]) -> bool {
+fn segments(heard: &[SdoBytes], object: ObjectId, data: &[u8]) -> bool {
     let mut chunks: VecDeque<(bool, Vec<u8>)> = VecDeque::new();
     for raw in heard.iter().rev() {
-        match Request::decode(raw) {
-            Some(Request::DownloadSegment(segment)) => {
+        match ClientFrame::decode(raw) {
+            Some(ClientFrame::DownloadSegment(segment)) => {
                 chunks.push_front((segment.toggle, segment.bytes().to_vec()));
             }
-            Some(Request::Download { object: asked, content: Content::Segmented { size } }) => {
+            Some(ClientFrame::Download { object: asked, content: InitiateContent::Segmented { size } }) => {
                 let alternate = chunks.iter().enumerate().all(|(at, (toggle, _))| *toggle == (at % 2 == 1));
                 let all: Vec<u8> = chunks.into_iter().flat_map(|(_, bytes)| bytes).collect();
                 return asked == object
@@ -77,9 +79,10 @@ fn segments(heard: &[Raw], object: ObjectId, data: &[u8]) -> bool {
 }
 
 /// Some block transfer of the object has begun, and its frames carry the bytes in this order.
-fn blocks(earlier: &[Raw], object: ObjectId, data: &[u8], unused: u8, crc: u16) -> bool {
+fn blocks(earlier: &[SdoBytes], object: ObjectId, data: &[u8], unused: u8, crc: u16) -> bool {
     (0..earlier.len()).any(|at| {
-        let Some(Request::BlockDownload { object: asked, crc: with_crc, size }) = Request::decode(&earlier[at]) else {
+        let Some(ClientFrame::BlockDownload { object: asked, crc: with_crc, size }) = ClientFrame::decode(&earlier[at])
+        else {
             return false;
         };
         let mut frames = earlier[at + 1..].iter();
@@ -107,12 +110,12 @@ fn checksum(data: &[u8]) -> u16 {
 }
 
 struct Bench {
-    client: Client,
-    server: Server,
+    client: SdoClient,
+    server: SdoServer,
     store: Store,
     now: Tick,
-    up: VecDeque<Raw>,
-    down: VecDeque<Raw>,
+    up: VecDeque<SdoBytes>,
+    down: VecDeque<SdoBytes>,
     written: Option<Vec<u8>>,
     was: Vec<u8>,
     /// Somebody has put a frame on the channel that neither side sent, or sent only once.
@@ -121,7 +124,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn to_server(&mut self, raw: &Raw) {
+    fn to_server(&mut self, raw: &SdoBytes) {
         let mut out = Vec::new();
         self.store.heard.push(*raw);
         self.server.handle(self.now, raw, &mut self.store, &mut out);
@@ -129,7 +132,7 @@ impl Bench {
         self.down.extend(out);
     }
 
-    fn to_client(&mut self, raw: &Raw) {
+    fn to_client(&mut self, raw: &SdoBytes) {
         let mut out = Vec::new();
         let progress = self.client.handle(self.now, raw, &mut out);
         self.said(progress, out);
@@ -144,10 +147,10 @@ impl Bench {
         self.said(progress, out);
     }
 
-    fn said(&mut self, progress: Progress, out: Vec<Raw>) {
+    fn said(&mut self, progress: TransferProgress, out: Vec<SdoBytes>) {
         assert!(out.len() <= ANSWERS_MAX);
         self.up.extend(out);
-        let Progress::Done(result) = progress else { return };
+        let TransferProgress::Done(result) = progress else { return };
         assert!(!std::mem::replace(&mut self.done, true), "it ends once");
         match (result, &self.written) {
             (Ok(read), None) => {
@@ -178,15 +181,19 @@ fuzz_target!(|input: &[u8]| {
     let mut next = || input.next();
     let (Some(kind), Some(len), Some(more)) = (next(), next(), next()) else { return };
     let len = (usize::from(len) | usize::from(more) << 8) % LEN_MAX;
-    let mode = [Mode::Auto, Mode::Segmented, Mode::Block][usize::from(kind >> 1) % 3];
-    let options = Options { mode, len_max: LEN_MAX, ..Options::default() };
+    let mode = [TransferMode::Auto, TransferMode::Segmented, TransferMode::Block][usize::from(kind >> 1) % 3];
+    let options = TransferOptions { mode, len_max: LEN_MAX, ..TransferOptions::default() };
     let object = ObjectId::new(0x2000, 1);
     let pattern: Vec<u8> = (0..len).map(|at| (at * 7 + at / 251) as u8).collect();
     let writes = kind & 1 == 1;
     let was = if writes { vec![1, 2, 3] } else { pattern.clone() };
     let mut bench = Bench {
-        client: if writes { Client::download(object, &*pattern, options) } else { Client::upload(object, options) },
-        server: Server::new(LEN_MAX),
+        client: if writes {
+            SdoClient::download(object, &*pattern, options)
+        } else {
+            SdoClient::upload(object, options)
+        },
+        server: SdoServer::new(LEN_MAX),
         store: Store { object, data: was.clone(), heard: Vec::new() },
         now: Tick::from_millis(1),
         up: VecDeque::new(),
@@ -247,7 +254,7 @@ fuzz_target!(|input: &[u8]| {
             // One that nobody sent.
             kind => {
                 bench.tampered = true;
-                let raw: Raw = std::array::from_fn(|_| next().unwrap_or(0));
+                let raw: SdoBytes = std::array::from_fn(|_| next().unwrap_or(0));
                 if kind & 1 == 0 { bench.to_server(&raw) } else { bench.to_client(&raw) }
             }
         }

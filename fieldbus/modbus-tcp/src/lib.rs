@@ -52,9 +52,9 @@ impl ModbusTcp {
             match what {
                 LinkTask::Connect => {
                     let place = self.manager.addresses().nth(device);
-                    let Some((address, unit)) = place else { continue };
+                    let Some((address, unit, timeout)) = place else { continue };
                     let (last, to) = (self.lasts[device].clone(), self.to.clone());
-                    self.links[device] = Some(Connection::open(address, unit, last, (device, link), to));
+                    self.links[device] = Some(Connection::open((address, unit, timeout), last, (device, link), to));
                 }
                 LinkTask::Ask(request) => {
                     if let Some(link) = &self.links[device] {
@@ -75,7 +75,7 @@ impl ModbusTcp {
 
 impl Fieldbus for ModbusTcp {
     fn describe(&self) -> String {
-        let mut addresses: Vec<&str> = self.manager.addresses().map(|(address, _)| address).collect();
+        let mut addresses: Vec<&str> = self.manager.addresses().map(|(address, ..)| address).collect();
         addresses.dedup();
         format!("Modbus TCP {}", addresses.join(", "))
     }
@@ -124,9 +124,9 @@ impl Fieldbus for ModbusTcp {
     fn last_orders(&self) -> LastOrders {
         let lasts = self.lasts.clone();
         Box::new(move || {
-            for last in &lasts {
-                last.send();
-            }
+            let sent: Vec<&LastOrder> = lasts.iter().filter(|last| last.send()).collect();
+            // A process that ends with an unread answer would take the order back.
+            last::wait_for(&sent);
         })
     }
 

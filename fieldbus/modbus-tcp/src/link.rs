@@ -1,9 +1,11 @@
 //! A connection to a device.
 
 use std::io;
+use std::time::Duration;
 
 use linewright_line::{REGISTER_BITS, Table};
 use linewright_modbus::{LinkOutcome, ModbusFailure, ModbusRequest};
+use socket2::SockRef;
 use tokio::net::TcpStream;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
@@ -28,8 +30,7 @@ impl Drop for Connection {
 impl Connection {
     /// Makes a connection; what it brings goes to `to`, under this device and number.
     pub fn open(
-        address: &str,
-        unit: u8,
+        (address, unit, timeout): (&str, u8, Duration),
         last: LastOrder,
         (device, number): (usize, u32),
         to: mpsc::UnboundedSender<Brought>,
@@ -39,7 +40,7 @@ impl Connection {
         let task = tokio::spawn(async move {
             // Whoever waits for it may have ended.
             let bring = |outcome| _ = to.send((device, number, outcome));
-            let mut context = match connect(&address, unit, &last).await {
+            let mut context = match connect(&address, unit, timeout, &last).await {
                 Ok(context) => context,
                 Err(error) => return bring(LinkOutcome::Failed(ModbusFailure::Gone(error.to_string()))),
             };
@@ -58,10 +59,13 @@ impl Connection {
     }
 }
 
-async fn connect(address: &str, unit: u8, last: &LastOrder) -> io::Result<Context> {
+async fn connect(address: &str, unit: u8, timeout: Duration, last: &LastOrder) -> io::Result<Context> {
     let stream = TcpStream::connect(address).await?;
     // A request is one small packet, and waits for nothing.
     stream.set_nodelay(true)?;
+    // A request that was not acknowledged in time must not be sent again by the operating system later, when the connection is
+    // long given up: outputs would come on after a loss.
+    SockRef::from(&stream).set_tcp_user_timeout(Some(timeout))?;
     let stream = stream.into_std()?;
     last.set(stream.try_clone()?);
     Ok(tcp::attach_slave(TcpStream::from_std(stream)?, Slave(unit)))
@@ -96,7 +100,7 @@ fn outcome(request: ModbusRequest, response: Response) -> LinkOutcome {
     match (request, response) {
         (ModbusRequest::Read { count, .. }, Response::ReadCoils(bits) | Response::ReadDiscreteInputs(bits)) => {
             // Bits come in whole bytes.
-            match has(count, bits.len()) {
+            match has(count, usize::from(count).next_multiple_of(8), bits.len()) {
                 None => {
                     let on = bits.iter().take(count.into()).enumerate().filter(|(_, on)| **on);
                     LinkOutcome::Read(on.fold(0, |all, (at, _)| all | 1 << at))
@@ -107,7 +111,7 @@ fn outcome(request: ModbusRequest, response: Response) -> LinkOutcome {
         (
             ModbusRequest::Read { count, .. },
             Response::ReadHoldingRegisters(words) | Response::ReadInputRegisters(words),
-        ) => match has(count, words.len()) {
+        ) => match has(count, usize::from(count).min(4), words.len()) {
             None => {
                 let words = words.iter().take(count.into()).enumerate();
                 LinkOutcome::Read(words.fold(0, |all, (at, word)| all | u64::from(*word) << (REGISTER_BITS * at)))
@@ -124,9 +128,9 @@ fn outcome(request: ModbusRequest, response: Response) -> LinkOutcome {
     }
 }
 
-/// What is wrong if so many came where `count` were asked for.
-fn has(count: u16, came: usize) -> Option<ModbusFailure> {
-    let short = || ModbusFailure::Malformed(format!("wrong register map: {came} came, {count} were asked for"));
+/// What is wrong if so many came where `count` were asked for; `most` may come with padding.
+fn has(count: u16, most: usize, came: usize) -> Option<ModbusFailure> {
+    let wrong = || ModbusFailure::Malformed(format!("wrong register map: {came} came, {count} were asked for"));
     // More than a manager asks for is nothing it could have asked.
-    (came < usize::from(count) || count > 64).then(short)
+    (came < usize::from(count) || came > most || most > 64).then(wrong)
 }

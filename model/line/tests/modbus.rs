@@ -133,3 +133,27 @@ fn two_devices_do_not_write_the_same_outputs() {
         assert!(problems.iter().all(|problem| !problem.message.contains("two devices")), "{problems:#}");
     }
 }
+
+#[test]
+fn a_watchdog_register_is_written_by_one_device_alone() {
+    let other =
+        DEVICE.replace("clamp 1 io", "other").replace("clamp_1", "mill_1").replace("inputs = [", "inputs = []\n# [");
+    let other = other.replace("outputs = [\"open\", \"close\", \"lamp_clamp\"]", "outputs = [\"extra\"]");
+    let other = other.replace("first = 30", "first = 31");
+    let said = |other: &str| {
+        let problems = parse("line.toml", &line(&format!("{DEVICE}\n{other}"))).expect_err("they overlap");
+        problems.iter().map(|problem| problem.message.clone()).collect::<Vec<_>>()
+    };
+    // The same watchdog would be written for both: while one node hangs, the other keeps its outputs on.
+    assert!(
+        said(&other).iter().any(|text| text == "the watchdog and the watchdog share register 40"),
+        "{:?}",
+        said(&other)
+    );
+    let within = other.replace("register = 40", "register = 30");
+    assert!(
+        said(&within).iter().any(|text| text == "the watchdog and outputs share register 30"),
+        "{:?}",
+        said(&within)
+    );
+}

@@ -7,6 +7,8 @@
 mod peer;
 mod words;
 
+use std::time::Duration;
+
 use linewright_fieldbus_seam::{Answer, BusRefusal, BusReply, BusTarget, InputImage, News, abort};
 use linewright_line::{Device, DeviceKind, Owner, Tick};
 
@@ -163,9 +165,9 @@ impl ModbusManager {
         self.peers.iter().map(|peer| (peer.modbus.unit, peer.rest()))
     }
 
-    /// For each device, where it is.
-    pub fn addresses(&self) -> impl Iterator<Item = (&str, u8)> {
-        self.peers.iter().map(|peer| (peer.modbus.address.as_str(), peer.modbus.unit))
+    /// For each device, its address, its unit, and how long an answer may take.
+    pub fn addresses(&self) -> impl Iterator<Item = (&str, u8, Duration)> {
+        self.peers.iter().map(|peer| (peer.modbus.address.as_str(), peer.modbus.unit, peer.modbus.timeout))
     }
 
     /// The inputs of `owner` as they stand at `now`; `None` if none of its devices is here.
@@ -186,16 +188,18 @@ impl ModbusManager {
         match change {
             ModbusChange::Nothing => return,
             ModbusChange::Inputs => self.peers[at].want(image.outputs),
-            ModbusChange::Lost => {
-                // Its controller decided without knowing: none of its outputs is vouched for.
-                image.outputs = 0;
-                for peer in self.peers.iter_mut().filter(|peer| peer.owner == owner) {
-                    peer.want(0);
-                    peer.go_on(now, out);
-                }
-            }
+            ModbusChange::Lost => self.let_go(now, owner, out),
         }
         self.gather(now, owner, out);
+    }
+
+    /// Turns all outputs of an owner off: what was set was decided without knowing of a loss.
+    fn let_go(&mut self, now: Tick, owner: Owner, out: &mut ModbusOutbox) {
+        self.images.iter_mut().filter(|image| image.owner == owner).for_each(|image| image.outputs = 0);
+        for peer in self.peers.iter_mut().filter(|peer| peer.owner == owner) {
+            peer.want(0);
+            peer.go_on(now, out);
+        }
     }
 
     /// Recomputes an owner's input image, and reports a change.
@@ -207,6 +211,9 @@ impl ModbusManager {
         let Some(image) = self.images.iter_mut().find(|image| image.owner == owner) else { return };
         let before = image.inputs;
         image.inputs = before.followed_by(now, bits, valid, updated);
+        if before.valid && !valid {
+            self.let_go(now, owner, out);
+        }
         if (before.bits, before.valid) != (bits, valid) {
             out.news.push(News::InputsChanged { owner });
         }

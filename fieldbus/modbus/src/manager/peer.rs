@@ -88,6 +88,8 @@ pub(super) struct ModbusPeer {
     /// What it was last told; `None` since it was last lost.
     sent: Option<u64>,
     feed: u16,
+    /// When its watchdog register was last written, as asked.
+    fed: Tick,
     heard: u64,
     /// When its inputs last came; `None` since it was last lost.
     pub updated: Option<Tick>,
@@ -128,6 +130,7 @@ impl ModbusPeer {
             wanted: 0,
             sent: None,
             feed: 0,
+            fed: Tick::ZERO,
             heard: 0,
             updated: None,
             why: None,
@@ -198,6 +201,26 @@ impl ModbusPeer {
         }
     }
 
+    /// Why nothing that was decided before may be written any more: nothing was asked for longer than a cycle may take, since
+    /// this program or its machine stood still, or the device's watchdog may have run out. The device may have turned its
+    /// outputs off by itself then, and a write would turn them on again.
+    fn stood_still(&self, now: Tick) -> Option<Why> {
+        if !self.is_operational() || self.asked.is_some() {
+            return None;
+        }
+        let text = if !self.is_trusted(now) {
+            format!("not asked for {} ms", now.since(self.answered).as_millis())
+        } else if self.modbus.watchdog.is_some_and(|watchdog| {
+            // A write that is asked now may take as long as an answer to arrive.
+            self.fed + watchdog.timeout <= now + self.modbus.timeout
+        }) {
+            format!("its watchdog was not written for {} ms and may have run out", now.since(self.fed).as_millis())
+        } else {
+            return None;
+        };
+        Some(Why { text, is_refusal: false })
+    }
+
     pub fn poll(&mut self, now: Tick, out: &mut ModbusOutbox) -> ModbusChange {
         match self.phase {
             Phase::Down { retry } if retry <= now => {
@@ -216,7 +239,10 @@ impl ModbusPeer {
                 let text = format!("no answer within {} ms ({request})", self.modbus.timeout.as_millis());
                 self.lose(now, Why { text, is_refusal: false }, out)
             }
-            _ => ModbusChange::Nothing,
+            _ => match self.stood_still(now) {
+                Some(why) => self.lose(now, why, out),
+                None => ModbusChange::Nothing,
+            },
         }
     }
 
@@ -280,7 +306,7 @@ impl ModbusPeer {
             }
             Some(Step::Release) => self.write(0),
             Some(Step::Set(RegisterValue { register, value })) => ModbusRequest::write_register(*register, *value),
-            Some(Step::Feed) => self.next_feed(),
+            Some(Step::Feed) => self.next_feed(now),
             Some(Step::Inputs) => ModbusRequest::read_bits(self.modbus.inputs_at, self.modbus.inputs.len()),
             None => {
                 self.phase = Phase::Operational;
@@ -294,14 +320,17 @@ impl ModbusPeer {
         ModbusChange::Nothing
     }
 
-    fn next_feed(&mut self) -> ModbusRequest {
-        self.feed = self.feed.wrapping_add(1);
+    fn next_feed(&mut self, now: Tick) -> ModbusRequest {
+        // Never 0, which some devices take for a watchdog switched off.
+        self.feed = self.feed.wrapping_add(1).max(1);
+        self.fed = now;
         ModbusRequest::write_register(self.modbus.watchdog.map_or(0, |watchdog| watchdog.register), self.feed)
     }
 
     /// Asks what is due next, unless an answer is awaited.
     pub fn go_on(&mut self, now: Tick, out: &mut ModbusOutbox) {
-        if !self.is_operational() || self.asked.is_some() {
+        // Where it stood still, the next poll loses it.
+        if !self.is_operational() || self.asked.is_some() || self.stood_still(now).is_some() {
             return;
         }
         // What changes goes first, whatever else is due.
@@ -320,7 +349,7 @@ impl ModbusPeer {
         match part {
             ReadPart::Outputs => self.send_outputs(now, out),
             ReadPart::Feed => {
-                let request = self.next_feed();
+                let request = self.next_feed(now);
                 self.ask(now, request, out);
             }
             ReadPart::Inputs => {

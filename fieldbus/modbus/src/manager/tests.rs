@@ -357,3 +357,38 @@ fn requests_are_answered_and_objects_refused_in_words() {
     bench.run(50);
     assert!(bench.inputs().valid, "{}", bench.trouble());
 }
+
+#[test]
+fn after_a_standstill_nothing_that_was_decided_before_is_written() {
+    let mut bench = Bench::up();
+    bench.set(0b11);
+    // A device that answers within 2 ms is idle for most of a cycle of 20 ms.
+    while bench.stations[0].coils == 0 || bench.coming.iter().next().is_some() {
+        bench.run(1);
+    }
+    bench.now = bench.now + Duration::from_secs(60);
+    // Its watchdog has run out meanwhile.
+    bench.stations[0].coils = 0;
+    for _ in 0..500 {
+        bench.run(1);
+        assert_eq!(bench.stations[0].coils, 0, "{}", bench.trouble());
+    }
+    assert_eq!(bench.noted("io is lost: not asked for"), 1);
+    assert_eq!((bench.inputs().valid, bench.inputs().losses), (true, 1), "it has come up again, with all outputs off");
+}
+
+#[test]
+fn a_device_whose_watchdog_may_have_run_out_is_lost_before_it_is_written_again() {
+    let described = Modbus {
+        timeout: Duration::from_millis(50),
+        watchdog: Some(WatchdogRegister { register: 16, timeout: Duration::from_millis(130) }),
+        ..modbus()
+    };
+    let mut bench = Bench::new(&[device("io", OWNER, described)]);
+    bench.run(50);
+    assert!(bench.inputs().valid, "{}", bench.trouble());
+    // Three answers of a cycle take longer than the watchdog.
+    bench.stations[0].takes = Duration::from_millis(45);
+    bench.run(500);
+    assert!(bench.noted("its watchdog was not written for") >= 1);
+}

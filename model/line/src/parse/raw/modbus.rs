@@ -61,7 +61,7 @@ keys! {
     pub(in crate::parse) struct RawWatchdog is "`watchdog`" {
         /// Its address, 0 to 65535.
         register: Option<Located<i64>> = register().required(),
-        /// Time after which the device turns its outputs off by itself, in ms; more than `cycle_ms` and `timeout_ms` together.
+        /// Time after which the device turns its outputs off by itself, in ms; more than `cycle_ms` and twice `timeout_ms`.
         timeout as "timeout_ms": Option<Located<Duration>> = millis().required(),
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use linewright_text::{Problem, Report, TextRange, or};
+use linewright_text::{Located, Problem, Report, TextRange, or};
 
 use crate::Table;
 use crate::parse::draft::{DraftDevice, DraftLine};
@@ -21,6 +21,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
         outputs_go_off_without_a_manager(raw, modbus, report);
     }
     outputs_are_one_devices(draft, report);
+    watchdogs_and_settings_are_one_devices(draft, report);
 }
 
 fn kind_and_table_agree(device: &RawDevice, report: &mut Report) {
@@ -81,12 +82,12 @@ fn times_are_in_order(modbus: &RawModbus, report: &mut Report) {
         }
     }
     let Some(own) = modbus.watchdog.as_ref().and_then(|watchdog| watchdog.timeout.as_ref()) else { return };
-    if own.value <= cycle + timeout {
+    if own.value <= cycle + 2 * timeout {
         report.add(
             Problem::error(own.at.clone(), "this device turns its outputs off before the next write comes").hint(
                 format!(
-                    "more than `cycle_ms` and `timeout_ms` together, which are {} ms: a write may be late",
-                    (cycle + timeout).as_millis()
+                    "more than `cycle_ms` and twice `timeout_ms` together, which are {} ms: two answers may be late",
+                    (cycle + 2 * timeout).as_millis()
                 ),
             ),
         );
@@ -188,5 +189,52 @@ fn outputs_are_one_devices(draft: &DraftLine<'_>, report: &mut Report) {
             );
         }
         seen.push((&address.value, unit, table, taken, &address.at));
+    }
+}
+
+/// A register that one device's table has written in each cycle, or once, is written for nothing else.
+fn watchdogs_and_settings_are_one_devices(draft: &DraftLine<'_>, report: &mut Report) {
+    struct Written<'a> {
+        device: usize,
+        server: (&'a str, i64),
+        what: &'static str,
+        registers: Range<usize>,
+        place: &'a TextRange,
+    }
+    let mut seen: Vec<Written<'_>> = Vec::new();
+    for (device, (described, raw)) in draft.devices.iter().zip(&draft.raw.devices).enumerate() {
+        let Some(modbus) = &raw.modbus else { continue };
+        let Some(address) = &modbus.address else { continue };
+        let server = (address.value.as_str(), modbus.unit.as_ref().map_or(1, |unit| unit.value));
+        let outputs = outputs_of(described, modbus).filter(|(table, _)| *table == Table::HoldingRegisters);
+        let outputs = outputs.map(|(_, registers)| ("outputs", registers, &address.at));
+        let one = |register: &Option<Located<i64>>| usize::try_from(register.as_ref()?.value).ok();
+        let watchdog = modbus.watchdog.as_ref();
+        let watchdog = watchdog.and_then(|dog| Some(("the watchdog", one(&dog.register)?, &dog.at)));
+        let settings = modbus.settings.iter().filter_map(|set| Some(("a setting", one(&set.register)?, &set.at)));
+        let single = watchdog.into_iter().chain(settings).map(|(what, at, place)| (what, at..at + 1, place));
+        for (what, registers, place) in outputs.into_iter().chain(single) {
+            let shared = seen.iter().find(|earlier| {
+                // Within one device the watchdog is looked at above, and a register may be set twice.
+                let pair = [what, earlier.what];
+                let is_looked_at = earlier.device == device && (pair.contains(&"the watchdog") || what == earlier.what);
+                earlier.server == server
+                    && registers.start < earlier.registers.end
+                    && earlier.registers.start < registers.end
+                    && !is_looked_at
+                    && pair != ["outputs", "outputs"]
+            });
+            if let Some(earlier) = shared {
+                report.add(
+                    Problem::error(
+                        place.clone(),
+                        format!("{what} and {} share register {}", earlier.what, registers.start),
+                    )
+                    .also(earlier.place, "there")
+                    .hint("each register is written for one thing; devices with one watchdog are one device"),
+                );
+            }
+            seen.push(Written { device, server, what, registers, place });
+        }
     }
 }
