@@ -363,7 +363,7 @@ fn after_a_standstill_nothing_that_was_decided_before_is_written() {
     let mut bench = Bench::up();
     bench.set(0b11);
     // A device that answers within 2 ms is idle for most of a cycle of 20 ms.
-    while bench.stations[0].coils == 0 || bench.coming.iter().next().is_some() {
+    while bench.stations[0].coils == 0 || !bench.coming.is_empty() {
         bench.run(1);
     }
     bench.now = bench.now + Duration::from_secs(60);
