@@ -66,6 +66,7 @@ fn frames(message: &str, signal: &str) -> FrameTable {
             checksum: None,
             outputs: vec![output],
             set: Vec::new(),
+            lets_go_after: None,
         }],
         bound: None,
     }
