@@ -16,17 +16,16 @@ pub fn open_buses<'a>(
     timing: Timing,
     clock: Clock,
 ) -> Result<Joined, BusOpenError> {
-    let devices: Vec<Device> = devices.into_iter().cloned().collect();
-    let owners: Vec<_> = devices.iter().map(|device| device.owner).collect();
-    let modbus = ModbusTcp::new(&devices, clock);
-    let has_modbus = devices.iter().any(|device| device.modbus().is_some());
-    let on_can: Vec<Device> = devices.into_iter().filter(Device::is_on_can).collect();
+    let devices: Vec<&Device> = devices.into_iter().collect();
+    let owners = devices.iter().map(|device| device.owner);
+    let (on_can, elsewhere): (Vec<&Device>, Vec<&Device>) = devices.iter().partition(|device| device.is_on_can());
     let mut buses: Vec<Box<dyn Fieldbus>> = Vec::new();
-    if !on_can.is_empty() || !has_modbus {
+    if !on_can.is_empty() || elsewhere.is_empty() {
+        let on_can = on_can.into_iter().cloned().collect();
         buses.push(Box::new(CanFieldbus::open(interface, options, on_can, timing, clock)?));
     }
-    if has_modbus {
-        buses.push(Box::new(modbus));
+    if !elsewhere.is_empty() {
+        buses.push(Box::new(ModbusTcp::new(elsewhere, clock)));
     }
     Ok(Joined::new(buses, owners))
 }

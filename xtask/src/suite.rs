@@ -94,16 +94,10 @@ fn processes(root: &Path, setup: &Setup, stage: &mut Stage) {
     let mut command = cargo(root, &args);
     setup.apply(&mut command);
     let Stage { shown, tally } = stage;
-    let ended = lines(command, |stream, line| {
+    counted(tally, "tests of lines of processes", command, &[0], |line| {
         let is_empty = line.contains("test result: ok. 0 passed") || line.trim_start().starts_with("Running ");
-        if tally.read(stream, line) && !is_empty {
-            shown.push(line.to_owned());
-        }
+        shown.extend((!is_empty).then(|| line.to_owned()));
     });
-    if !matches!(ended, Ok(Some(0))) && tally.failed == 0 {
-        tally.failed += 1;
-        shown.push(format!("tests of lines of processes: FAILED ({})", how(&ended)));
-    }
     shown.push(format!("tests of lines of processes: {:.0?}", start.elapsed()));
 }
 
@@ -170,18 +164,31 @@ fn one(tally: &mut TestTally, name: &str, command: Command) {
 fn tests(tally: &mut TestTally, command: Command) {
     heading("tests");
     let start = Instant::now();
+    counted(tally, "tests", command, &[0], |line| println!("{line}"));
+    println!("tests: {:.0?}", start.elapsed());
+}
+
+/// Programs whose tests are counted one by one. Gives the exit code; one that is not among these, without a test that failed,
+/// counts as a failure: something did not build, or a program died.
+fn counted(
+    tally: &mut TestTally,
+    name: &str,
+    command: Command,
+    good: &[i32],
+    mut show: impl FnMut(&str),
+) -> Option<i32> {
     let failed_before = tally.failed;
     let ended = lines(command, |stream, line| {
         if tally.read(stream, line) {
-            println!("{line}");
+            show(line);
         }
     });
-    if !matches!(ended, Ok(Some(0))) && tally.failed == failed_before {
-        // It did not build, or a test program died: no test was counted as failed, but something did.
+    let code = ended.as_ref().ok().copied().flatten();
+    if !code.is_some_and(|code| good.contains(&code)) && tally.failed == failed_before {
         tally.failed += 1;
-        println!("tests: FAILED ({})", how(&ended));
+        show(&format!("{name}: FAILED ({})", how(&ended)));
     }
-    println!("tests: {:.0?}", start.elapsed());
+    code
 }
 
 /// The tests that want real CAN sockets: the bus itself, SDO against Python's `canopen`, and whole programs.
@@ -210,20 +217,9 @@ fn in_user_mode_linux(root: &Path, program: &str, setup: &Setup, Stage { shown, 
     let mut command = Command::new("sh");
     command.current_dir(root).args([SCRIPT, program]);
     setup.apply(&mut command);
-    let failed_before = tally.failed;
-    let ended = lines(command, |stream, line| {
-        if tally.read(stream, line) {
-            shown.push(line.to_owned());
-        }
-    });
-    match ended {
-        Ok(Some(0)) => {}
-        Ok(Some(SKIPPED)) => tally.skip(&format!("SKIPPED {SCRIPT}: see above")),
-        ended if tally.failed == failed_before => {
-            tally.failed += 1;
-            shown.push(format!("{SCRIPT}: FAILED ({})", how(&ended)));
-        }
-        _ => {}
+    let code = counted(tally, SCRIPT, command, &[0, SKIPPED], |line| shown.push(line.to_owned()));
+    if code == Some(SKIPPED) {
+        tally.skip(&format!("SKIPPED {SCRIPT}: see above"));
     }
 }
 

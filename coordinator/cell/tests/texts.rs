@@ -28,22 +28,6 @@ const KEY: OrderKey = OrderKey { epoch: 1, id: 5 };
 const STATION: StationId = StationId(1);
 const RESOURCE: ResourceId = ResourceId(0);
 
-fn refusals() -> Vec<TaskRefusal> {
-    samples!(TaskRefusal {
-        TaskRefusal::Busy => TaskRefusal::Busy;
-        TaskRefusal::Mode => TaskRefusal::Mode;
-        TaskRefusal::OtherMemory => TaskRefusal::OtherMemory;
-        TaskRefusal::OldEpoch => TaskRefusal::OldEpoch;
-        TaskRefusal::Old => TaskRefusal::Old;
-        TaskRefusal::Late => TaskRefusal::Late;
-        TaskRefusal::NotThere => TaskRefusal::NotThere;
-        TaskRefusal::Devices => TaskRefusal::Devices;
-        TaskRefusal::Unknown => TaskRefusal::Unknown;
-        TaskRefusal::Incomplete => TaskRefusal::Incomplete;
-        TaskRefusal::Isolated => TaskRefusal::Isolated;
-    })
-}
-
 fn failures() -> Vec<OrderFailure> {
     samples!(OrderFailure {
         OrderFailure::Code(_) => OrderFailure::Code(12), OrderFailure::Code(1006);
@@ -317,7 +301,7 @@ fn of_decisions(table: &CellTable) -> Vec<String> {
 fn all_texts_of_a_cell() {
     let by = ["`load M1` with part 3".to_owned(), "`load M2` with part 4".to_owned()];
     let mut lists = vec![
-        listed("rejected task orders", &refusals(), |refusal| refusal.text().to_owned()),
+        listed("rejected task orders", &TaskRefusal::ALL, |refusal| refusal.text().to_owned()),
         listed("failed task orders", &failures(), ToString::to_string),
         listed("failed task orders, with the station", &failures(), |failure| failure.text_of("m1")),
         listed("failed activities, in reports", &activity_failures(), |cause| cause.summary()),

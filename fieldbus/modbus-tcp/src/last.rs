@@ -68,8 +68,14 @@ impl LastOrder {
     }
 }
 
-/// Waits until these last orders are answered, but not for long: a socket closed before may take the order back.
-pub fn wait_for(lasts: &[&LastOrder]) {
+/// Sends all last orders, and waits until they are answered, for a tenth of a second at most. A socket that is closed with an
+/// unread answer resets the connection, and the device may never read the order.
+pub fn send_all(lasts: &[LastOrder]) {
+    let sent: Vec<&LastOrder> = lasts.iter().filter(|last| last.send()).collect();
+    wait_for(&sent);
+}
+
+fn wait_for(lasts: &[&LastOrder]) {
     let mut heard = vec![Vec::new(); lasts.len()];
     for _ in 0..TRIES {
         let answered = lasts.iter().zip(&mut heard).map(|(last, heard)| last.is_answered(heard));

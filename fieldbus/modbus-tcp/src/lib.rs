@@ -116,18 +116,13 @@ impl Fieldbus for ModbusTcp {
         self.manager.release_outputs(&mut ModbusOutbox::default());
         // Nobody else reads the answers then.
         self.links.iter_mut().for_each(|link| *link = None);
-        let told: Vec<&LastOrder> = self.lasts.iter().filter(|last| last.send()).collect();
-        last::wait_for(&told);
+        last::send_all(&self.lasts);
         self.lasts.iter().for_each(LastOrder::forget);
     }
 
     fn last_orders(&self) -> LastOrders {
         let lasts = self.lasts.clone();
-        Box::new(move || {
-            let sent: Vec<&LastOrder> = lasts.iter().filter(|last| last.send()).collect();
-            // A process that ends with an unread answer would take the order back.
-            last::wait_for(&sent);
-        })
+        Box::new(move || last::send_all(&lasts))
     }
 
     fn trouble(&self, owner: Owner) -> Vec<String> {

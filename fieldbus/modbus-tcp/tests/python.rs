@@ -60,6 +60,12 @@ impl Server {
         self.until(bus, |line| line == "done").await;
     }
 
+    /// Waits, without the bus, until the server reports that its coils are off.
+    async fn turns_its_coils_off(&mut self) {
+        let off = async { while self.said.next_line().await.expect("it speaks").expect("a line") != "coils 0" {} };
+        tokio::time::timeout(WAIT, off).await.expect("the coils go off");
+    }
+
     /// Lets the bus run until the server says such a line.
     async fn until(&mut self, bus: &mut ModbusTcp, is: impl Fn(&str) -> bool) {
         let found = async {
@@ -128,8 +134,7 @@ async fn a_process_image_goes_round_and_lets_go() {
     bus.set_outputs(OWNER, 0b111);
     until(&mut bus, "all on", |bus| image(bus).bits == 0b111).await;
     bus.release_outputs();
-    let off = async { while server.said.next_line().await.expect("it speaks").expect("a line") != "coils 0" {} };
-    tokio::time::timeout(WAIT, off).await.expect("an orderly end turns the coils off");
+    server.turns_its_coils_off().await;
 }
 
 #[tokio::test]
@@ -142,8 +147,7 @@ async fn the_last_orders_turn_outputs_off_while_the_bus_gets_no_turn() {
     until(&mut bus, "all on", |bus| image(bus).bits == 0b111).await;
     let last = bus.last_orders();
     std::thread::spawn(last).join().expect("it does not fail");
-    let off = async { while server.said.next_line().await.expect("it speaks").expect("a line") != "coils 0" {} };
-    tokio::time::timeout(WAIT, off).await.expect("the coils go off");
+    server.turns_its_coils_off().await;
 }
 
 #[tokio::test]

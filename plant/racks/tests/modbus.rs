@@ -114,10 +114,8 @@ async fn a_motion_is_driven_in_coils_and_in_registers() {
     }
 }
 
-#[tokio::test]
-async fn outputs_go_off_by_the_watchdog_when_the_manager_is_gone_and_at_once_at_its_end() {
-    let bench = Bench::new(false);
-    let mut client = bench.client().await;
+/// A manager that drives the output, as the device's own coils show.
+async fn with_output_on(bench: &Bench, client: &mut Context) -> ModbusTcp {
     let mut bus = bench.manager();
     until(&mut bus, valid(BACK)).await;
     bus.set_outputs(OWNER, RETURN);
@@ -127,21 +125,21 @@ async fn outputs_go_off_by_the_watchdog_when_the_manager_is_gone_and_at_once_at_
         }
     };
     tokio::time::timeout(WAIT, on).await.expect("the output is on");
+    bus
+}
+
+#[tokio::test]
+async fn outputs_go_off_by_the_watchdog_when_the_manager_is_gone_and_at_once_at_its_end() {
+    let bench = Bench::new(false);
+    let mut client = bench.client().await;
+    let bus = with_output_on(&bench, &mut client).await;
     // Its connection closes without a word.
     drop(bus);
     assert_eq!(client.read_coils(4, 2).await.unwrap().unwrap(), [false, true], "most devices keep it");
     tokio::time::sleep(Duration::from_millis(2000)).await;
     assert_eq!(client.read_coils(4, 2).await.unwrap().unwrap(), [false, false]);
 
-    let mut bus = bench.manager();
-    until(&mut bus, valid(BACK)).await;
-    bus.set_outputs(OWNER, RETURN);
-    let on = async {
-        while client.read_coils(4, 2).await.unwrap().unwrap() != [false, true] {
-            let _ = tokio::time::timeout(Duration::from_millis(20), bus.next()).await;
-        }
-    };
-    tokio::time::timeout(WAIT, on).await.expect("the output is on");
+    let mut bus = with_output_on(&bench, &mut client).await;
     let releases = tokio::task::spawn_blocking(move || bus.release_outputs());
     releases.await.unwrap();
     assert_eq!(client.read_coils(4, 2).await.unwrap().unwrap(), [false, false]);

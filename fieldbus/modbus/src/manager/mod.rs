@@ -188,9 +188,12 @@ impl ModbusManager {
         match change {
             ModbusChange::Nothing => return,
             ModbusChange::Inputs => self.peers[at].want(image.outputs),
-            ModbusChange::Lost => self.let_go(now, owner, out),
+            ModbusChange::Lost => {}
         }
-        self.gather(now, owner, out);
+        let is_invalid_now = self.gather(now, owner, out);
+        if change == ModbusChange::Lost || is_invalid_now {
+            self.let_go(now, owner, out);
+        }
     }
 
     /// Turns all outputs of an owner off: what was set was decided without knowing of a loss.
@@ -202,21 +205,19 @@ impl ModbusManager {
         }
     }
 
-    /// Recomputes an owner's input image, and reports a change.
-    fn gather(&mut self, now: Tick, owner: Owner, out: &mut ModbusOutbox) {
+    /// Recomputes an owner's input image, and reports a change. True if the image was valid and is not.
+    fn gather(&mut self, now: Tick, owner: Owner, out: &mut ModbusOutbox) -> bool {
         let valid = self.are_trusted(now, owner);
         let peers = || self.peers.iter().filter(|peer| peer.owner == owner);
         let bits = peers().map(ModbusPeer::input_bits).fold(0, |all, bits| all | bits);
         let updated = peers().filter_map(|peer| peer.updated).max();
-        let Some(image) = self.images.iter_mut().find(|image| image.owner == owner) else { return };
+        let Some(image) = self.images.iter_mut().find(|image| image.owner == owner) else { return false };
         let before = image.inputs;
         image.inputs = before.followed_by(now, bits, valid, updated);
-        if before.valid && !valid {
-            self.let_go(now, owner, out);
-        }
         if (before.bits, before.valid) != (bits, valid) {
             out.news.push(News::InputsChanged { owner });
         }
+        before.valid && !valid
     }
 
     /// Asks a device; the answer is in the outbox at once. `None` if it is not one of these.

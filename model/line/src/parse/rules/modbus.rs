@@ -17,11 +17,9 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
         address_has_host_and_port(modbus, report);
         times_are_in_order(modbus, report);
         registers_exist(device, modbus, report);
-        watchdog_is_a_register_of_its_own(device, modbus, report);
         outputs_go_off_without_a_manager(raw, modbus, report);
     }
-    outputs_are_one_devices(draft, report);
-    watchdogs_and_settings_are_one_devices(draft, report);
+    addresses_are_written_for_one_thing(draft, report);
 }
 
 fn kind_and_table_agree(device: &RawDevice, report: &mut Report) {
@@ -123,27 +121,6 @@ fn registers_exist(device: &DraftDevice, modbus: &RawModbus, report: &mut Report
     }
 }
 
-fn watchdog_is_a_register_of_its_own(device: &DraftDevice, modbus: &RawModbus, report: &mut Report) {
-    let Some(watchdog) = &modbus.watchdog else { return };
-    let Some(register) = &watchdog.register else { return };
-    let is = |taken: &Range<usize>| usize::try_from(register.value).is_ok_and(|at| taken.contains(&at));
-    let outputs = outputs_of(device, modbus).filter(|(table, _)| *table == Table::HoldingRegisters);
-    if outputs.is_some_and(|(_, taken)| is(&taken)) {
-        report.add(
-            Problem::error(register.at.clone(), format!("register {} holds outputs", register.value))
-                .hint("a watchdog register is written with another number in each cycle: it has nothing else in it"),
-        );
-    }
-    let set = modbus.settings.iter().filter_map(|setting| setting.register.as_ref());
-    if let Some(setting) = set.into_iter().find(|setting| setting.value == register.value) {
-        report.add(
-            Problem::error(setting.at.clone(), format!("register {} is the watchdog's", setting.value))
-                .also(&register.at, "named here")
-                .hint("it is written in each cycle"),
-        );
-    }
-}
-
 /// A Modbus device keeps its outputs when nothing is written any more, unless it has a watchdog.
 fn outputs_go_off_without_a_manager(device: &RawDevice, modbus: &RawModbus, report: &mut Report) {
     let output = device.outputs.iter().find(|output| !output.value.is_empty());
@@ -169,72 +146,95 @@ fn outputs_go_off_without_a_manager(device: &RawDevice, modbus: &RawModbus, repo
     }
 }
 
-fn outputs_are_one_devices(draft: &DraftLine<'_>, report: &mut Report) {
-    type Taken<'a> = (&'a str, i64, Table, Range<usize>, &'a TextRange);
-    let mut seen: Vec<Taken<'_>> = Vec::new();
-    for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
-        let Some(modbus) = &raw.modbus else { continue };
-        let (Some(address), Some((table, taken))) = (&modbus.address, outputs_of(device, modbus)) else { continue };
-        let unit = modbus.unit.as_ref().map_or(1, |unit| unit.value);
-        let same = seen.iter().find(|(at, of, other, others, ..)| {
-            (*at, *of, *other) == (address.value.as_str(), unit, table)
-                && taken.start < others.end
-                && others.start < taken.end
-        });
-        if let Some((.., earlier)) = same {
-            report.add(
-                Problem::error(address.at.clone(), format!("two devices write the same {table} there"))
-                    .also(earlier, "first here")
-                    .hint("give each its own `first` in `outputs`, or its own `unit`"),
-            );
-        }
-        seen.push((&address.value, unit, table, taken, &address.at));
+/// What an address of a device is written for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum WrittenFor {
+    Outputs,
+    Watchdog,
+    Setting,
+}
+
+/// Addresses that are written for one thing.
+struct Written<'a> {
+    /// Index of the device.
+    device: usize,
+    /// Address and unit, where an address is given.
+    server: Option<(&'a str, i64)>,
+    table: Table,
+    addresses: Range<usize>,
+    what: WrittenFor,
+    /// In the description.
+    place: &'a TextRange,
+}
+
+impl Written<'_> {
+    fn overlaps(&self, other: &Written<'_>) -> bool {
+        (self.device == other.device || (self.server.is_some() && self.server == other.server))
+            && self.table == other.table
+            && self.addresses.start < other.addresses.end
+            && other.addresses.start < self.addresses.end
     }
 }
 
-/// A register that one device's table has written in each cycle, or once, is written for nothing else.
-fn watchdogs_and_settings_are_one_devices(draft: &DraftLine<'_>, report: &mut Report) {
-    struct Written<'a> {
-        device: usize,
-        server: (&'a str, i64),
-        what: &'static str,
-        registers: Range<usize>,
-        place: &'a TextRange,
-    }
+/// Each address is written for one thing of one device. A watchdog that two nodes feed keeps the outputs of the one on while the
+/// other hangs.
+fn addresses_are_written_for_one_thing(draft: &DraftLine<'_>, report: &mut Report) {
     let mut seen: Vec<Written<'_>> = Vec::new();
     for (device, (described, raw)) in draft.devices.iter().zip(&draft.raw.devices).enumerate() {
         let Some(modbus) = &raw.modbus else { continue };
-        let Some(address) = &modbus.address else { continue };
-        let server = (address.value.as_str(), modbus.unit.as_ref().map_or(1, |unit| unit.value));
-        let outputs = outputs_of(described, modbus).filter(|(table, _)| *table == Table::HoldingRegisters);
-        let outputs = outputs.map(|(_, registers)| ("outputs", registers, &address.at));
-        let one = |register: &Option<Located<i64>>| usize::try_from(register.as_ref()?.value).ok();
-        let watchdog = modbus.watchdog.as_ref();
-        let watchdog = watchdog.and_then(|dog| Some(("the watchdog", one(&dog.register)?, &dog.at)));
-        let settings = modbus.settings.iter().filter_map(|set| Some(("a setting", one(&set.register)?, &set.at)));
-        let single = watchdog.into_iter().chain(settings).map(|(what, at, place)| (what, at..at + 1, place));
-        for (what, registers, place) in outputs.into_iter().chain(single) {
-            let shared = seen.iter().find(|earlier| {
-                // Within one device the watchdog is looked at above, and a register may be set twice.
-                let pair = [what, earlier.what];
-                let is_looked_at = earlier.device == device && (pair.contains(&"the watchdog") || what == earlier.what);
-                earlier.server == server
-                    && registers.start < earlier.registers.end
-                    && earlier.registers.start < registers.end
-                    && !is_looked_at
-                    && pair != ["outputs", "outputs"]
-            });
-            if let Some(earlier) = shared {
-                report.add(
-                    Problem::error(
-                        place.clone(),
-                        format!("{what} and {} share register {}", earlier.what, registers.start),
-                    )
-                    .also(earlier.place, "there")
-                    .hint("each register is written for one thing; devices with one watchdog are one device"),
-                );
+        for written in written(device, described, modbus) {
+            // A register may be set twice.
+            let is_set_again = |other: &Written<'_>| other.device == device && other.what == written.what;
+            if let Some(other) = seen.iter().find(|other| written.overlaps(other) && !is_set_again(other)) {
+                report.add(written_twice(&written, other));
             }
-            seen.push(Written { device, server, what, registers, place });
+            seen.push(written);
+        }
+    }
+}
+
+fn written<'a>(device: usize, described: &DraftDevice, modbus: &'a RawModbus) -> Vec<Written<'a>> {
+    let unit = modbus.unit.as_ref().map_or(1, |unit| unit.value);
+    let server = modbus.address.as_ref().map(|address| (address.value.as_str(), unit));
+    let named = modbus.address.as_ref().map_or(&modbus.at, |address| &address.at);
+    let of = |what, table, addresses, place| Written { device, server, table, addresses, what, place };
+    let outputs = outputs_of(described, modbus);
+    let outputs = outputs.map(|(table, addresses)| of(WrittenFor::Outputs, table, addresses, named));
+    let register = |what, register: &'a Option<Located<i64>>| {
+        let register = register.as_ref()?;
+        let at = usize::try_from(register.value).ok()?;
+        Some(of(what, Table::HoldingRegisters, at..at + 1, &register.at))
+    };
+    let watchdog = modbus.watchdog.as_ref().and_then(|dog| register(WrittenFor::Watchdog, &dog.register));
+    let settings = modbus.settings.iter().filter_map(|setting| register(WrittenFor::Setting, &setting.register));
+    outputs.into_iter().chain(watchdog).chain(settings).collect()
+}
+
+fn written_twice(written: &Written<'_>, other: &Written<'_>) -> Problem {
+    use WrittenFor::{Outputs, Setting, Watchdog};
+    let at = written.addresses.start;
+    let error = |text: String| Problem::error(written.place.clone(), text);
+    match (written.device == other.device, written.what, other.what) {
+        (_, Outputs, Outputs) => error(format!("two devices write the same {} there", written.table))
+            .also(other.place, "first here")
+            .hint("give each its own `first` in `outputs`, or its own `unit`"),
+        (true, Watchdog, Outputs) => error(format!("register {at} holds outputs"))
+            .hint("a watchdog register is written with another number in each cycle: it has nothing else in it"),
+        (true, Setting, Watchdog) => error(format!("register {at} is the watchdog's"))
+            .also(other.place, "named here")
+            .hint("it is written in each cycle"),
+        _ => error(format!("{} and {} share register {at}", written.what.name(), other.what.name()))
+            .also(other.place, "there")
+            .hint("each register is written for one thing; devices with one watchdog are one device"),
+    }
+}
+
+impl WrittenFor {
+    const fn name(self) -> &'static str {
+        match self {
+            WrittenFor::Outputs => "outputs",
+            WrittenFor::Watchdog => "the watchdog",
+            WrittenFor::Setting => "a setting",
         }
     }
 }
