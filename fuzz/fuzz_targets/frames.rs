@@ -1,8 +1,8 @@
 //! Anything from the bus, in any order: to a manager among its devices, and to simulated devices. No panic, bounded
 //! answers, and no output but those that the owner's image, or the process data last sent, says.
 //!
-//! How a script of bytes is played, and what is looked at, is told where it is done: the property tests of the two crates
-//! play the same.
+//! The benches, shared with the property tests of `linewright_plant` and `linewright_canopen`, describe how a script of
+//! bytes is played and what is checked.
 
 #![no_main]
 

@@ -124,7 +124,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn to_server(&mut self, raw: &SdoBytes) {
+    fn send_to_server(&mut self, raw: &SdoBytes) {
         let mut out = Vec::new();
         self.store.heard.push(*raw);
         self.server.handle(self.now, raw, &mut self.store, &mut out);
@@ -132,7 +132,7 @@ impl Bench {
         self.down.extend(out);
     }
 
-    fn to_client(&mut self, raw: &SdoBytes) {
+    fn send_to_client(&mut self, raw: &SdoBytes) {
         let mut out = Vec::new();
         let progress = self.client.handle(self.now, raw, &mut out);
         self.said(progress, out);
@@ -213,9 +213,9 @@ fuzz_target!(|input: &[u8]| {
             // Frames arrive as they were sent.
             0..=4 => (0..many * many).for_each(|_| {
                 if let Some(raw) = bench.up.pop_front() {
-                    bench.to_server(&raw);
+                    bench.send_to_server(&raw);
                 } else if let Some(raw) = bench.down.pop_front() {
-                    bench.to_client(&raw);
+                    bench.send_to_client(&raw);
                 } else if let Some(due) =
                     bench.client.next_deadline().into_iter().chain(bench.server.next_deadline()).min()
                     && due <= bench.now + Duration::from_millis(1)
@@ -234,13 +234,13 @@ fuzz_target!(|input: &[u8]| {
             8 => {
                 bench.tampered = true;
                 if let Some(raw) = bench.up.front().copied() {
-                    bench.to_server(&raw);
+                    bench.send_to_server(&raw);
                 }
             }
             9 => {
                 bench.tampered = true;
                 if let Some(raw) = bench.down.front().copied() {
-                    bench.to_client(&raw);
+                    bench.send_to_client(&raw);
                 }
             }
             // One byte of one is another.
@@ -255,7 +255,7 @@ fuzz_target!(|input: &[u8]| {
             kind => {
                 bench.tampered = true;
                 let raw: SdoBytes = std::array::from_fn(|_| next().unwrap_or(0));
-                if kind & 1 == 0 { bench.to_server(&raw) } else { bench.to_client(&raw) }
+                if kind & 1 == 0 { bench.send_to_server(&raw) } else { bench.send_to_client(&raw) }
             }
         }
     }

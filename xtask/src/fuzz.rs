@@ -35,7 +35,9 @@ pub fn run(root: &Path, target: &str, seconds: &str) -> bool {
     }
     // Not the cargo that started this, which is the pinned toolchain's.
     let mut command = Command::new("rustup");
-    command.current_dir(root).args(["run", "nightly", "cargo", "fuzz", "run", "--fuzz-dir", "fuzz", target]);
+    command.current_dir(root).args(["run", "nightly", "cargo", "fuzz", "run", "--features", "engine", target]);
+    // The places in a report of what was found.
+    command.env("CARGO_PROFILE_RELEASE_DEBUG", "line-tables-only");
     command.arg(corpus).arg(format!("fuzz/seeds/{target}")).args(*seeds);
     command.args(["--", "-rss_limit_mb=2048", "-timeout=10", "-max_len=16384", "-print_final_stats=1"]);
     command.arg(format!("-max_total_time={seconds}")).arg(format!("-dict=fuzz/dictionaries/{target}.dict"));

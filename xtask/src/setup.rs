@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 const PROGRAMS: [(&str, &str); 4] =
     [("linux.uml", "user-mode-linux"), ("candump", "can-utils"), ("ip", "iproute2"), ("insmod", "kmod")];
 
-/// A module of Python that tests import, and the package of PyPI that has it.
-const MODULES: [(&str, &str); 7] = [
+/// A module of Python that tests import, or a program, and the package of PyPI that has it.
+const MODULES: [(&str, &str); 8] = [
     ("canopen", "canopen"),
     ("can", "python-can"),
     ("cantools", "cantools"),
@@ -24,6 +24,7 @@ const MODULES: [(&str, &str); 7] = [
     ("pymodbus", "pymodbus"),
     ("mcap", "mcap"),
     ("cyclonedds.core", "cyclonedds"),
+    ("typos", "typos"),
 ];
 
 /// What was found or made.
@@ -43,6 +44,13 @@ impl Setup {
                 command.env(name, python);
             }
         }
+    }
+
+    /// A program that came with the Python packages, if it did.
+    pub fn program(&self, name: &str) -> Option<PathBuf> {
+        let named = std::env::var_os("LINEWRIGHT_PYTHON").map(PathBuf::from);
+        let beside = named.as_ref().or(self.python.as_ref())?.with_file_name(name);
+        beside.is_file().then_some(beside)
     }
 }
 
@@ -163,7 +171,8 @@ for name in sys.argv[1:]:
     let modules = MODULES.map(|(module, _)| module);
     let has = Command::new(python).args(["-c", TRY]).args(modules).stdin(Stdio::null()).stderr(Stdio::null()).output();
     let has = has.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
-    MODULES.into_iter().filter(|(module, _)| !has.lines().any(|line| line == *module)).collect()
+    let is_there = |name: &str| has.lines().any(|line| line == name) || python.with_file_name(name).is_file();
+    MODULES.into_iter().filter(|(name, _)| !is_there(name)).collect()
 }
 
 fn is_program(name: &str) -> bool {

@@ -50,6 +50,8 @@ fn everything(root: &Path, tally: &mut TestTally) {
     setup.missing.iter().for_each(|missing| tally.skip(&format!("SKIPPED what needs it: {missing}")));
     println!("set-up: {}", if setup.missing.is_empty() { "all there" } else { "not all is to be had, see the end" });
 
+    spelling(root, &setup, tally);
+
     // Lines of processes and guests with CAN sockets mostly wait, and are patient; what computes runs beside them.
     let beside = thread::scope(|scope| {
         let beside = scope.spawn(|| {
@@ -103,6 +105,7 @@ fn processes(root: &Path, setup: &Setup, stage: &mut Stage) {
 
 fn quick(root: &Path, tally: &mut TestTally) {
     format_and_rules(root, tally);
+    spelling(root, &setup::find(root), tally);
     lints(root, tally);
     let mut args = vec!["test", "--no-fail-fast"];
     let names = tidy::PURE.iter().chain(&["linewright-msgs", "xtask"]);
@@ -118,6 +121,18 @@ fn format_and_rules(root: &Path, tally: &mut TestTally) {
     one(tally, "format", cargo(root, &["fmt", "--all", "--check"]));
     heading("house rules");
     if tidy::run(root) { tally.passed += 1 } else { tally.failed += 1 }
+}
+
+/// `typos`, with the words of `typos.toml`.
+fn spelling(root: &Path, setup: &Setup, tally: &mut TestTally) {
+    match setup.program("typos") {
+        Some(typos) => {
+            let mut command = Command::new(typos);
+            command.current_dir(root).args(["--format", "brief"]);
+            one(tally, "spelling", command);
+        }
+        None => tally.skip("SKIPPED spelling: there is no `typos`; see the set-up"),
+    }
 }
 
 fn lints(root: &Path, tally: &mut TestTally) {

@@ -49,7 +49,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 34] = [
+const MAY_USE: [(&str, &[&str]); 35] = [
     ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-diagnostics", &[]),
@@ -167,6 +167,7 @@ const MAY_USE: [(&str, &[&str]); 34] = [
     ("linewright", EVERYTHING),
     ("linewright-tests", EVERYTHING),
     ("linewright-examples", EVERYTHING),
+    ("linewright-fuzz", EVERYTHING),
     ("xtask", &[]),
 ];
 
@@ -205,11 +206,13 @@ const EVERYTHING: &[&str] = &[
 ];
 
 /// Tests may look at what lies above them, but nothing of any kind builds on these.
-const TOPS: [&str; 3] = ["linewright", "linewright-tests", "xtask"];
+const TOPS: [&str; 4] = ["linewright", "linewright-tests", "linewright-fuzz", "xtask"];
 
 /// Checks every crate.
 pub fn check(root: &Path, members: &[WorkspaceMember]) -> Vec<String> {
     let mut findings = Vec::new();
+    let read = |name: &str| std::fs::read_to_string(root.join(name)).unwrap_or_default();
+    findings.extend(minimum_version(&read("Cargo.toml"), &read("rust-toolchain.toml")));
     let names: Vec<&str> = members.iter().map(|m| m.name.as_str()).collect();
     let builds_on = direct(root, "normal").unwrap_or_else(|error| noted(error, &mut findings));
     let has_in_tests = direct(root, "normal,dev,build").unwrap_or_else(|error| noted(error, &mut findings));
@@ -304,6 +307,19 @@ fn purity(name: &str, all: &[String]) -> Vec<String> {
     found.map(|dep| format!("{name}: is pure and must do without {dep}; see `cargo tree -i {dep} -p {name}`")).collect()
 }
 
+/// The declared minimum version is the one that builds and tests here; any other would be a claim without a check.
+fn minimum_version(workspace: &str, toolchain: &str) -> Option<String> {
+    let value = |text: &str, key: &str| {
+        let line = text.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = \"")?.strip_suffix('"'));
+        line.unwrap_or("nothing").to_owned()
+    };
+    let (declared, used) = (value(workspace, "rust-version"), value(toolchain, "channel"));
+    let is_same = used.rsplit_once('.').is_some_and(|(minor, _)| minor == declared);
+    (!is_same).then(|| {
+        format!("Cargo.toml: rust-version is {declared}, rust-toolchain.toml has {used}; make them the same version")
+    })
+}
+
 fn inherits_lints(manifest: &str) -> bool {
     let mut lines = manifest.lines().map(str::trim).skip_while(|line| *line != "[lints]").skip(1);
     lines.find(|line| !line.is_empty()) == Some("workspace = true")
@@ -352,6 +368,14 @@ mod tests {
         );
         assert!(direction("linewright-extra", &[], &members)[0].contains("is new"));
         assert_eq!(tops("linewright-plant", &list(&["linewright"])).len(), 1);
+    }
+
+    #[test]
+    fn a_minimum_version_that_is_not_built_is_found() {
+        let finding = |declared: &str| minimum_version(declared, "[toolchain]\nchannel = \"1.95.0\"\n");
+        assert_eq!(finding("rust-version = \"1.95\""), None);
+        assert!(finding("rust-version = \"1.89\"").is_some_and(|finding| finding.contains("1.89")));
+        assert!(finding("").is_some());
     }
 
     #[test]

@@ -6,7 +6,8 @@ use super::WorkspaceMember;
 
 /// Checks one crate's manifest against its sources.
 pub fn check(member: &WorkspaceMember) -> Vec<String> {
-    let product = sources(&member.dir.join("src"));
+    // Fuzz targets are programs, in the directory where cargo-fuzz looks for them.
+    let product = ["src", "fuzz_targets"].map(|dir| sources(&member.dir.join(dir))).concat();
     let tests: String = ["tests", "benches", "examples"].map(|dir| sources(&member.dir.join(dir))).concat();
     let mut findings = named(&member.name, &member.manifest, "[dependencies]", &product);
     findings.extend(named(&member.name, &member.manifest, "[dev-dependencies]", &(product + &tests)));
