@@ -51,6 +51,7 @@ fn everything(root: &Path, tally: &mut TestTally) {
     println!("set-up: {}", if setup.missing.is_empty() { "all there" } else { "not all is to be had, see the end" });
 
     spelling(root, &setup, tally);
+    dependencies(root, tally);
 
     // Lines of processes and guests with CAN sockets mostly wait, and are patient; what computes runs beside them.
     let beside = thread::scope(|scope| {
@@ -132,6 +133,18 @@ fn spelling(root: &Path, setup: &Setup, tally: &mut TestTally) {
             one(tally, "spelling", command);
         }
         None => tally.skip("SKIPPED spelling: there is no `typos`; see the set-up"),
+    }
+}
+
+/// Licences, second versions and sources of packages, by `deny.toml`. Advisories change by the day, without a change here: they
+/// are for `cargo deny check`.
+fn dependencies(root: &Path, tally: &mut TestTally) {
+    let is_installed = lines(cargo(root, &["deny", "--version"]), |_, _| {}).is_ok_and(|code| code == Some(0));
+    if is_installed {
+        let deny = ["deny", "--offline", "check", "--hide-inclusion-graph", "licenses", "bans", "sources"];
+        one(tally, "dependencies", cargo(root, &deny));
+    } else {
+        tally.skip("SKIPPED licences and versions of dependencies: cargo install --locked cargo-deny");
     }
 }
 
