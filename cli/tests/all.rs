@@ -9,5 +9,6 @@ mod check_cell;
 mod processes;
 mod report;
 mod schema;
+mod sessions;
 mod simulate;
 mod support;
