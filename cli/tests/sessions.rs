@@ -2,8 +2,8 @@
 //!
 //! The blocks of one file are one session, in a directory of its own in which `launch-config` is found. A line that begins
 //! with `$ ` is a command; what follows is its whole output, errors included. Of it `...` alone on a line stands for any
-//! lines, and `[..]` for any text within a line. A block that needs a running line is written ```` ```console running ````
-//! and is not typed here.
+//! lines, and `[..]` for any text within a line. A block ```` ```toml FILE ```` is written into that file. A block that needs a
+//! running line is ```` ```console running ````, and not typed here.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,11 +12,12 @@ use std::process::Command;
 use crate::support::beside_no_rig;
 use crate::support::command::Scratch;
 
-/// One command and the output that the document shows.
-struct Step {
-    line: usize,
-    command: String,
-    output: Vec<String>,
+/// Something that a reader of a document does, in this order.
+enum Step {
+    /// Writes a file.
+    Write { file: String, text: String },
+    /// Types a command, and sees its output.
+    Type { line: usize, command: String, output: Vec<String> },
 }
 
 #[test]
@@ -29,11 +30,20 @@ fn what_documents_show_of_the_command_is_what_it_prints() {
         let launch_config = root().join("launch-config");
         std::os::unix::fs::symlink(launch_config, scratch.path("launch-config")).expect("a link");
         for step in steps(&text) {
-            typed += 1;
-            let printed = typed_in(&scratch.path("."), &step.command);
-            if !is_matched(&step.output, &printed) {
-                let place = format!("{}:{}", document.display(), step.line);
-                let _ = writeln!(wrong, "{place}: `{}` prints\n{}", step.command, printed.join("\n"));
+            match step {
+                Step::Write { file, text } => {
+                    let path = PathBuf::from(scratch.path(&file));
+                    std::fs::create_dir_all(path.parent().expect("a directory")).expect("a directory");
+                    std::fs::write(path, text).expect("a file");
+                }
+                Step::Type { line, command, output } => {
+                    typed += 1;
+                    let printed = typed_in(&scratch.path("."), &command);
+                    if !is_matched(&output, &printed) {
+                        let place = format!("{}:{line}", document.display());
+                        let _ = writeln!(wrong, "{place}: `{command}` prints\n{}", printed.join("\n"));
+                    }
+                }
             }
         }
     }
@@ -61,16 +71,23 @@ fn documents() -> Vec<PathBuf> {
 }
 
 fn steps(document: &str) -> Vec<Step> {
-    let mut steps: Vec<Step> = Vec::new();
-    let mut is_console = false;
-    for (index, line) in document.lines().enumerate() {
-        match (is_console, line.strip_prefix("$ ")) {
-            (false, _) => is_console = line == "```console",
-            (true, _) if line == "```" => is_console = false,
-            (true, Some(command)) => {
-                steps.push(Step { line: index + 1, command: command.to_owned(), output: Vec::new() });
+    let mut steps = Vec::new();
+    let mut lines = document.lines().enumerate();
+    while let Some((_, line)) = lines.next() {
+        let block = lines.by_ref().take_while(|(_, line)| *line != "```");
+        if line == "```console" {
+            for (index, line) in block {
+                match (line.strip_prefix("$ "), steps.last_mut()) {
+                    (Some(command), _) => {
+                        steps.push(Step::Type { line: index + 1, command: command.to_owned(), output: Vec::new() });
+                    }
+                    (None, Some(Step::Type { output, .. })) => output.push(line.to_owned()),
+                    (None, _) => panic!("line {}: an output before any command: {line}", index + 1),
+                }
             }
-            (true, None) => steps.last_mut().expect("a command before its output").output.push(line.to_owned()),
+        } else if let Some(file) = line.strip_prefix("```toml ") {
+            let text = block.map(|(_, line)| format!("{line}\n")).collect();
+            steps.push(Step::Write { file: file.to_owned(), text });
         }
     }
     steps
