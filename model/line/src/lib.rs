@@ -8,6 +8,7 @@ mod console;
 mod device;
 mod drive;
 mod frames;
+mod hand;
 mod handling;
 mod line;
 mod modbus;
@@ -30,6 +31,7 @@ pub use frames::{
     Checksum, Coding, CyclicFrame, DbcName, FrameBinding, FrameField, FrameId, FrameTable, Page, ReceivedFrameBinding,
     ReceivedMessageTable, SentFrameBinding, SignalError, SignalInput, SignalOutput, When,
 };
+pub use hand::{HandMode, HandType};
 pub use handling::{Grip, Holder, HolderId, MaterialFlow, Reach, Sensor, Sign, Stand};
 pub use line::*;
 pub use modbus::{Modbus, REGISTER_BITS, RegisterValue, Table, WatchdogRegister};

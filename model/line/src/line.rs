@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use linewright_text::index_id;
 
+use crate::hand::HandMode;
 use crate::{Console, Device, MaterialFlow, Owner, Rest, Task};
 
 index_id! {
@@ -219,106 +220,6 @@ pub struct MotionSignals {
     pub fault: Option<InputId>,
     /// `d`: the lamp that announces its fault, if there is one.
     pub lamp: Option<OutputId>,
-}
-
-/// Hand mode of one operation: its type and operator commands.
-///
-/// The types are those of seed 002 Figure 21. In a *sequence* one held button runs several operations one after the
-/// other; a *reversed* sequence can be run backwards by a second button.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HandMode {
-    /// Type 1: first or intermediate operation of a sequence that is never reversed.
-    Sequence {
-        /// `h_a`: held to run.
-        forward: ButtonId,
-    },
-    /// Type 2: last operation of a sequence that is never reversed.
-    SequenceEnd {
-        /// `h_a`: held to run.
-        forward: ButtonId,
-        /// `h_c`: pressed to start what follows.
-        next: ButtonId,
-    },
-    /// Type 3: first operation of a reversed sequence.
-    ReversedStart {
-        /// `h_a`: held to run.
-        forward: ButtonId,
-        /// `h_b`: held to run back.
-        back: ButtonId,
-    },
-    /// Type 4: intermediate operation of a reversed sequence.
-    ReversedMiddle {
-        /// `h_a`: held to run.
-        forward: ButtonId,
-        /// `h_b`: held to run back.
-        back: ButtonId,
-    },
-    /// Type 5: last operation of a reversed sequence.
-    ReversedEnd {
-        /// `h_a`: held to run.
-        forward: ButtonId,
-        /// `h_b`: held to run back.
-        back: ButtonId,
-        /// `h_c`: pressed to start what follows.
-        next: ButtonId,
-    },
-    /// Type 6: started by one command and reversed by another.
-    Single {
-        /// `h_a`: held to run.
-        forward: ButtonId,
-        /// `h_b`: held to run back.
-        back: ButtonId,
-        /// `h_c`: pressed to start what follows.
-        next: ButtonId,
-    },
-}
-
-impl HandMode {
-    /// The seed's number of the type, 1 to 6.
-    pub fn number(&self) -> u8 {
-        match self {
-            HandMode::Sequence { .. } => 1,
-            HandMode::SequenceEnd { .. } => 2,
-            HandMode::ReversedStart { .. } => 3,
-            HandMode::ReversedMiddle { .. } => 4,
-            HandMode::ReversedEnd { .. } => 5,
-            HandMode::Single { .. } => 6,
-        }
-    }
-
-    /// `h_a`, the button that runs the operation.
-    pub fn forward(&self) -> ButtonId {
-        match *self {
-            HandMode::Sequence { forward }
-            | HandMode::SequenceEnd { forward, .. }
-            | HandMode::ReversedStart { forward, .. }
-            | HandMode::ReversedMiddle { forward, .. }
-            | HandMode::ReversedEnd { forward, .. }
-            | HandMode::Single { forward, .. } => forward,
-        }
-    }
-
-    /// `h_b`, the button that runs it back, where the type has one.
-    pub fn back(&self) -> Option<ButtonId> {
-        match *self {
-            HandMode::Sequence { .. } | HandMode::SequenceEnd { .. } => None,
-            HandMode::ReversedStart { back, .. }
-            | HandMode::ReversedMiddle { back, .. }
-            | HandMode::ReversedEnd { back, .. }
-            | HandMode::Single { back, .. } => Some(back),
-        }
-    }
-
-    /// `h_c`, the button that starts what follows, where it is not `h_a`. At the end of a task several may follow: it
-    /// is that of the first one listed.
-    pub fn next(&self) -> Option<ButtonId> {
-        match *self {
-            HandMode::Sequence { .. } | HandMode::ReversedStart { .. } | HandMode::ReversedMiddle { .. } => None,
-            HandMode::SequenceEnd { next, .. } | HandMode::ReversedEnd { next, .. } | HandMode::Single { next, .. } => {
-                Some(next)
-            }
-        }
-    }
 }
 
 /// A causal arrow: `to` may start in its cycle c iff `from` is done in cycle c − `lag`.

@@ -5,7 +5,6 @@ mod common;
 mod devices;
 mod drives;
 mod fields;
-mod groups;
 mod modbus;
 mod net;
 mod never_panics;

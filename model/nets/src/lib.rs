@@ -42,7 +42,7 @@
 //!   boundedness of any net. Each is complete or says where it stopped.
 //! - [`certificate`]: live, bounded, safe, reversible and free of deadlocks by structure, each answer with evidence that
 //!   a small checker accepts on its own.
-//! - [`reach`]: what can be said by playing everything out. Exponential, hence bounded; it confirms the structure.
+//! - [`explicit`]: every reachable marking of a bounded net. [`reach`]: the same the slow and obvious way, for tests.
 //! - [`tnces`]: nets with conditions, events and time, and modules that are joined at their ports.
 //! - [`dot()`] and the `Display` of [`Net`]: for eyes.
 //!

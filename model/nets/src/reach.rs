@@ -1,11 +1,12 @@
 //! Playing a net out: every marking that can be reached, and what follows from seeing them all.
 //!
-//! This is the slow and obvious way to the truth. It stores each marking, stops at a bound, and then says that it does
-//! not know, never "no". Its purpose is to confirm what [`crate::structure`] claims, and to decide small nets that
-//! belong to no class. It does not recognise an unbounded net, and does not reduce or compress: the checker of whole
-//! lines, with their conditions and counts, is not this.
+//! The oracle of tests, for plain and for [coloured](crate::coloured::explore) nets: slow and obvious. It stores each
+//! marking, stops at a bound, and is undecided then. It does not recognise an unbounded net, and does not reduce or
+//! compress. Products use [`crate::explicit`].
 
 use std::collections::{HashMap, HashSet};
+use std::fmt::Display;
+use std::hash::Hash;
 
 use thiserror::Error;
 
@@ -28,11 +29,11 @@ impl StateId {
 
 /// M₁[t⟩M₂ as an arc of the reachability graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ReachArc {
+pub struct ReachArc<T = TransitionId> {
     /// M₁.
     pub from: StateId,
-    /// t.
-    pub transition: TransitionId,
+    /// t: a transition, or a mode of one.
+    pub transition: T,
     /// M₂.
     pub to: StateId,
 }
@@ -40,63 +41,79 @@ pub struct ReachArc {
 /// The exploration did not come to an end: nothing is known about the net as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("undecided after {states} states: {cause}")]
-pub struct ReachUndecided {
+pub struct ReachUndecided<E: Display = FireError> {
     /// The states found until then.
     pub states: usize,
-    pub cause: ReachLimit,
+    pub cause: ReachLimit<E>,
 }
 
 /// What stops an exploration.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum ReachLimit {
+pub enum ReachLimit<E: Display = FireError> {
     /// There are more states than allowed.
     #[error("there are more than allowed")]
     Limit,
     /// A place gets more tokens than can be counted.
     #[error("{0}")]
-    Overflow(FireError),
+    Overflow(E),
 }
 
 /// R(N, M₀) and the steps within it (seed 002 §3.1).
 #[derive(Clone, Debug)]
-pub struct Reachability {
-    states: Vec<Marking>,
+pub struct Reachability<M = Marking, T = TransitionId> {
+    states: Vec<M>,
+    number_of: HashMap<M, StateId>,
     /// Ordered by `from`, then by transition.
-    steps: Vec<ReachArc>,
+    steps: Vec<ReachArc<T>>,
     /// The step by which each state was found; none for the initial one.
-    found_by: Vec<Option<ReachArc>>,
-    /// Per transition, a state from which it can never be enabled again, if there is one.
-    lost: Vec<Option<StateId>>,
+    found_by: Vec<Option<ReachArc<T>>>,
+    /// All that is to be live.
+    transitions: Vec<T>,
+    /// The terminal components, each with its first state.
+    terminal: Vec<(usize, StateId)>,
+    /// What fires in which component.
+    fires: HashSet<(usize, T)>,
     /// A state from which the initial one cannot be reached.
     no_return: Option<StateId>,
 }
 
 /// Finds all reachable markings, unless there are more than `limit_states`.
 pub fn explore(net: &Net, limit_states: usize) -> Result<Reachability, ReachUndecided> {
+    let enabled = |here: &Marking| net.enabled(here).collect();
+    let fire = |marking: &mut Marking, transition| net.fire(marking, transition);
+    explore_by(net.initial_marking(), net.transitions().collect(), limit_states, enabled, fire)
+}
+
+/// Finds all markings that can be reached from `initial`: `enabled` lists what fires at one, in order,
+/// and `fire` changes it.
+pub(crate) fn explore_by<M: Clone + Eq + Hash, T: Copy + Eq + Hash, E: Display>(
+    initial: M,
+    transitions: Vec<T>,
+    limit_states: usize,
+    enabled: impl Fn(&M) -> Vec<T>,
+    fire: impl Fn(&mut M, T) -> Result<(), E>,
+) -> Result<Reachability<M, T>, ReachUndecided<E>> {
     // State numbers have 32 bits; memory ends long before.
     let limit = limit_states.min(u32::MAX as usize);
     if limit == 0 {
         return Err(ReachUndecided { states: 0, cause: ReachLimit::Limit });
     }
-    let mut states = vec![net.initial_marking()];
-    let mut number_of = HashMap::from([(net.initial_marking(), StateId::INITIAL)]);
-    let mut found_by = vec![None];
-    let mut steps = Vec::new();
+    let mut number_of = HashMap::from([(initial.clone(), StateId::INITIAL)]);
+    let (mut states, mut found_by, mut steps) = (vec![initial], vec![None], Vec::new());
     let mut next = 0;
     while next < states.len() {
         let from = StateId(next as u32);
-        let here = states[next].clone();
-        for transition in net.enabled(&here) {
-            let mut marking = here.clone();
-            let overflow = |error| ReachUndecided { states: states.len(), cause: ReachLimit::Overflow(error) };
-            net.fire(&mut marking, transition).map_err(overflow)?;
+        for transition in enabled(&states[next]) {
+            let mut marking = states[next].clone();
+            let stop = |cause| ReachUndecided { states: states.len(), cause };
+            fire(&mut marking, transition).map_err(|error| stop(ReachLimit::Overflow(error)))?;
             let step = |to| ReachArc { from, transition, to };
             if let Some(&known) = number_of.get(&marking) {
                 steps.push(step(known));
                 continue;
             }
             if states.len() == limit {
-                return Err(ReachUndecided { states: limit, cause: ReachLimit::Limit });
+                return Err(stop(ReachLimit::Limit));
             }
             let new = step(StateId(states.len() as u32));
             number_of.insert(marking.clone(), new.to);
@@ -107,43 +124,48 @@ pub fn explore(net: &Net, limit_states: usize) -> Result<Reachability, ReachUnde
         next += 1;
     }
     let parts = Components::new(states.len(), steps.iter().map(|step| (step.from.index(), step.to.index())));
-    let lost = lost_transitions(net, &steps, &parts);
-    let no_return = (parts.count() > 1).then(|| StateId(parts.members(0)[0] as u32));
-    Ok(Reachability { states, steps, found_by, lost, no_return })
+    let first = |component: usize| StateId(parts.members(component)[0] as u32);
+    // A transition is live iff it can fire in every terminal component: all states lead into one of them, none leads out.
+    let terminal = parts.terminal().map(|component| (component, first(component))).collect();
+    let fires = steps.iter().map(|step| (parts.of(step.from.index()), step.transition)).collect();
+    let no_return = (parts.count() > 1).then(|| first(0));
+    Ok(Reachability { states, number_of, steps, found_by, transitions, terminal, fires, no_return })
 }
 
-/// A transition is live iff it can fire in every terminal component: all states lead into one of them, none leads out.
-fn lost_transitions(net: &Net, steps: &[ReachArc], parts: &Components) -> Vec<Option<StateId>> {
-    let fires: HashSet<(usize, TransitionId)> =
-        steps.iter().map(|step| (parts.of(step.from.index()), step.transition)).collect();
-    let missing = |t| parts.terminal().find(|&component| !fires.contains(&(component, t)));
-    net.transitions().map(|t| missing(t).map(|component| StateId(parts.members(component)[0] as u32))).collect()
-}
-
-impl Reachability {
+impl<M: Clone + Eq + Hash, T: Copy + Eq + Hash> Reachability<M, T> {
     /// The reachable markings, by state number.
-    pub fn states(&self) -> &[Marking] {
+    pub fn states(&self) -> &[M] {
         &self.states
     }
 
+    /// The numbers of all states.
+    pub fn numbers(&self) -> impl ExactSizeIterator<Item = StateId> + use<M, T> {
+        (0..self.states.len() as u32).map(StateId)
+    }
+
     /// The steps between them, ordered by where they start, then by transition.
-    pub fn steps(&self) -> &[ReachArc] {
+    pub fn steps(&self) -> &[ReachArc<T>] {
         &self.steps
     }
 
-    pub fn marking(&self, state: StateId) -> &Marking {
+    pub fn marking(&self, state: StateId) -> &M {
         &self.states[state.index()]
     }
 
+    /// The state with that marking, if it can be reached.
+    pub fn find(&self, marking: &M) -> Option<StateId> {
+        self.number_of.get(marking).copied()
+    }
+
     /// The steps that start at a state.
-    pub fn steps_from(&self, state: StateId) -> &[ReachArc] {
+    pub fn steps_from(&self, state: StateId) -> &[ReachArc<T>] {
         let start = self.steps.partition_point(|step| step.from < state);
         let end = self.steps.partition_point(|step| step.from <= state);
         &self.steps[start..end]
     }
 
     /// A shortest firing sequence from the initial marking to a state.
-    pub fn path_to(&self, state: StateId) -> Vec<TransitionId> {
+    pub fn path_to(&self, state: StateId) -> Vec<T> {
         let mut path = Vec::new();
         let mut at = state;
         while let Some(step) = self.found_by[at.index()] {
@@ -156,9 +178,28 @@ impl Reachability {
 
     /// The states in which nothing is enabled.
     pub fn deadlocks(&self) -> impl Iterator<Item = StateId> + '_ {
-        (0..self.states.len() as u32).map(StateId).filter(|&state| self.steps_from(state).is_empty())
+        self.numbers().filter(|&state| self.steps_from(state).is_empty())
     }
 
+    /// Whether every transition is live (seed 002 §3.1, Definition 1); of a coloured net, every mode that its guard
+    /// allows.
+    pub fn is_live(&self) -> bool {
+        self.transitions.iter().all(|&transition| self.is_transition_live(transition).is_ok())
+    }
+
+    /// Whether one transition is live, or a state from which it can never be enabled again.
+    pub fn is_transition_live(&self, transition: T) -> Result<(), StateId> {
+        let missing = self.terminal.iter().find(|&&(component, _)| !self.fires.contains(&(component, transition)));
+        missing.map_or(Ok(()), |&(_, state)| Err(state))
+    }
+
+    /// Whether the initial marking can be reached from every state, or a state from which it cannot (Definition 1).
+    pub fn is_reversible(&self) -> Result<(), StateId> {
+        self.no_return.map_or(Ok(()), Err)
+    }
+}
+
+impl Reachability {
     /// The most tokens that any place ever holds.
     pub fn bound(&self) -> u32 {
         self.states.iter().flat_map(|marking| marking.as_slice()).copied().max().unwrap_or(0)
@@ -169,24 +210,9 @@ impl Reachability {
         self.states.iter().map(|marking| marking.tokens(place)).max().unwrap_or(0)
     }
 
-    /// Whether every transition is live (seed 002 §3.1, Definition 1).
-    pub fn is_live(&self) -> bool {
-        self.lost.iter().all(Option::is_none)
-    }
-
-    /// Whether one transition is live, or a state from which it can never be enabled again.
-    pub fn is_transition_live(&self, transition: TransitionId) -> Result<(), StateId> {
-        self.lost[transition.index()].map_or(Ok(()), Err)
-    }
-
     /// Whether no place ever holds more than one token (Definition 1).
     pub fn is_safe(&self) -> bool {
         self.bound() <= 1
-    }
-
-    /// Whether the initial marking can be reached from every state, or a state from which it cannot (Definition 1).
-    pub fn is_reversible(&self) -> Result<(), StateId> {
-        self.no_return.map_or(Ok(()), Err)
     }
 }
 

@@ -168,7 +168,7 @@ fn hands(plan: &RoundPlan, shape: &LineShape, buttons: &mut Vec<String>, random:
 fn runs_fit(plan: &RoundPlan, hands: &[HandMode], later: usize) -> bool {
     let hand = |step: usize| &hands[(step + hands.len() - later) % hands.len()];
     let irreversible = |step: &Vec<PlannedOperation>| step.iter().any(|op| op.path.is_some());
-    (0..plan.steps.len()).all(|step| !irreversible(&plan.steps[step]) || hand(step).number() <= 2)
+    (0..plan.steps.len()).all(|step| !irreversible(&plan.steps[step]) || hand(step).back().is_none())
 }
 
 /// The round from home divided into sequences: the length of each, and whether a button takes it back.

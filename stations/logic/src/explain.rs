@@ -180,13 +180,11 @@ impl Controller {
         let name = |button: linewright_line::ButtonId| line.buttons[usize::from(button.0)].as_str();
         let onward = match place.block {
             Block::Normal => Some(hand.next().unwrap_or(hand.forward())),
-            Block::Recovery if matches!(hand.number(), 3 | 6) => Some(hand.forward()),
-            Block::Recovery => None,
+            Block::Recovery => hand.restarts_by(),
         };
         let back = match place.block {
-            Block::Normal if hand.number() >= 5 => hand.back(),
-            Block::Recovery if matches!(hand.number(), 4 | 5) => hand.back(),
-            Block::Normal | Block::Recovery => None,
+            Block::Normal => hand.reverses_from_its_end(),
+            Block::Recovery => hand.reverse_on(),
         };
         StationWait::Button { onward: onward.map(name), back: back.map(name) }.text()
     }

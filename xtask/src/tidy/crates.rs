@@ -53,6 +53,8 @@ const MAY_USE: [(&str, &[&str]); 35] = [
     ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-diagnostics", &[]),
+    // For tests alone.
+    ("linewright-cases", &["linewright-diagnostics"]),
     ("linewright-text", &["linewright-diagnostics"]),
     ("linewright-pnml", &["linewright-nets", "linewright-diagnostics"]),
     ("linewright-eds", &["linewright-diagnostics"]),

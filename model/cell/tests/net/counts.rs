@@ -6,15 +6,15 @@
 //! intermediate states differ there, the deadlocks do not: nothing is in progress in any.
 
 use linewright_cell::net::{Detail, net};
-use linewright_nets::coloured::{ColouredReachLimits, Colours, explore, unfold};
+use linewright_nets::coloured::{Colours, explore, unfold};
 
 use crate::common::{ASSEMBLY, C1, cell, edited};
 
 /// States, steps, deadlocks.
 fn counts(text: &str, waiting: &[u32]) -> (usize, usize, usize) {
     let net = net(&cell(text), Detail::Expanded, waiting).expect("it is small");
-    let graph = explore(net.net(), ColouredReachLimits::states(1_000_000)).expect("it is small");
-    (graph.state_count(), graph.steps().len(), graph.deadlocks().count())
+    let graph = explore(net.net(), 1_000_000).expect("it is small");
+    (graph.states().len(), graph.steps().len(), graph.deadlocks().count())
 }
 
 fn c1(slots: u32, reserve: bool) -> String {

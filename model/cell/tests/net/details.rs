@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_cell::net::{CellNet, Detail, Origin, Supply, TransitionPhase, net};
-use linewright_nets::coloured::{ColouredNet, ColouredReachLimits, explore};
+use linewright_nets::coloured::{ColouredNet, explore};
 
 use super::{mode, names, play};
 use crate::common::{ASSEMBLY, C1, cell, edited};
@@ -19,11 +19,11 @@ fn both_details_reach_the_same_markings() {
     for (text, waiting) in [(C1, &[2, 1][..]), (ASSEMBLY, &[2, 1, 1])] {
         let markings = |detail| {
             let net = made(text, detail, waiting).net().clone();
-            let graph = explore(&net, ColouredReachLimits::states(100_000)).expect("it is small");
-            let all = graph.states().map(|state| net.describe(&graph.marking(state)));
+            let graph = explore(&net, 100_000).expect("it is small");
+            let all = graph.numbers().map(|state| net.describe(graph.marking(state)));
             let mut idle: Vec<String> = all.filter(|marking| !marking.contains("running.")).collect();
             idle.sort();
-            (idle, graph.state_count())
+            (idle, graph.states().len())
         };
         let (coordination, all) = markings(Detail::Coordination);
         let (expanded, more) = markings(Detail::Expanded);
@@ -153,13 +153,13 @@ fn all_prototypes_together_get_nothing_stuck() {
             .replace("\"B.store\"]", "\"B.store\"]\ntime_s = 1");
         for detail in [Detail::Coordination, Detail::Expanded] {
             let made = made(&text, detail, &[1, 1, 1]);
-            let graph = explore(made.net(), ColouredReachLimits::states(200_000)).expect("it is small");
+            let graph = explore(made.net(), 200_000).expect("it is small");
             assert_eq!((graph.deadlocks().count(), graph.is_reversible()), (0, Ok(())), "{prototype}");
             let parts = |state| -> u32 {
-                let tokens = graph.entries(state).iter();
+                let tokens = graph.marking(state).entries().iter();
                 tokens.filter(|(cell, _)| made.holds_parts(made.net().cell(*cell).place)).map(|(_, count)| count).sum()
             };
-            assert!(graph.states().all(|state| parts(state) == 3), "no part is lost or doubled");
+            assert!(graph.numbers().all(|state| parts(state) == 3), "no part is lost or doubled");
         }
     }
 }
@@ -171,12 +171,12 @@ fn an_open_cell_makes_parts_as_they_enter() {
     let made = net(&cell(&text), Detail::Coordination, Supply::Open).expect("it is small");
     let net = made.net();
     assert_eq!(net.place_named("outside.waiting"), None);
-    let open = explore(net, ColouredReachLimits::states(100_000)).expect("it is small");
+    let open = explore(net, 100_000).expect("it is small");
     assert_eq!((open.deadlocks().count(), open.is_reversible()), (0, Ok(())));
     // With two of each type outside nobody waits for a part.
     let closed = self::made(&text, Detail::Coordination, &[2, 2]).net().clone();
-    let graph = explore(&closed, ColouredReachLimits::states(100_000)).expect("it is small");
-    assert_eq!(graph.state_count(), open.state_count());
+    let graph = explore(&closed, 100_000).expect("it is small");
+    assert_eq!(graph.states().len(), open.states().len());
     assert_eq!(graph.steps().len(), open.steps().len());
     let mut marking = net.initial_marking();
     play(net, &mut marking, &["enter<A.new>", "enter<A.new>"]);
@@ -247,6 +247,6 @@ fn what_is_moved_on_differently_is_a_transition_of_its_own() {
         names(net, net.modes(net.transition_named(name).unwrap_or_else(|| panic!("there is no {name}"))))
     };
     assert_eq!([modes("leave"), modes("leave/2")].concat().len(), 2);
-    let graph = explore(made.net(), ColouredReachLimits::states(100_000)).expect("it is small");
+    let graph = explore(made.net(), 100_000).expect("it is small");
     assert_eq!((graph.deadlocks().count(), graph.is_reversible()), (0, Ok(())));
 }

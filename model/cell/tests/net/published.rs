@@ -10,7 +10,7 @@ use linewright_cell::net::{CellInstances, Detail, net, parts};
 use linewright_nets::StateId;
 use linewright_nets::coloured::flow::TransitionFlow;
 use linewright_nets::coloured::{
-    ColouredMarking, ColouredNet, ColouredReachLimits, ColouredReachability, Colours, Fusion, explore, fuse, unfold,
+    ColouredMarking, ColouredNet, ColouredReachability, Colours, Fusion, explore, fuse, unfold,
 };
 
 use super::source::{self, Variant};
@@ -119,17 +119,17 @@ fn seen(
     cells: fn(&str) -> Option<String>,
     labels: fn(&str) -> Label,
 ) -> BTreeMap<Class, BTreeSet<(String, Class)>> {
-    let graph = explore(net, ColouredReachLimits::states(100_000)).expect("it is small");
-    let classes: Vec<Class> = graph.states().map(|state| class(net, graph.entries(state), cells)).collect();
+    let graph = explore(net, 100_000).expect("it is small");
+    let classes: Vec<Class> = graph.numbers().map(|state| class(net, graph.marking(state).entries(), cells)).collect();
     let steps = |state: StateId, graph: &ColouredReachability| -> Vec<(Label, StateId)> {
-        graph.steps_from(state).iter().map(|step| (labels(&net.mode_name(step.mode)), step.to)).collect()
+        graph.steps_from(state).iter().map(|step| (labels(&net.mode_name(step.transition)), step.to)).collect()
     };
     let visible = |state: StateId| -> BTreeSet<(String, Class)> {
         let steps = steps(state, &graph).into_iter();
         steps.filter_map(|(label, to)| Some((label?, classes[to.index()].clone()))).collect()
     };
     let mut all = BTreeMap::new();
-    for state in graph.states() {
+    for state in graph.numbers() {
         let mut last = state;
         while let Some((_, next)) = steps(last, &graph).into_iter().find(|(label, _)| label.is_none()) {
             assert_eq!(classes[next.index()], classes[last.index()], "a hidden step is not seen");
@@ -260,15 +260,15 @@ fn is_deadlock_scenario(net: &ColouredNet, marking: &ColouredMarking) -> bool {
 #[test]
 fn the_reservation_is_what_prevents_the_deadlock() {
     let safe_net = ours(&[2, 2, 1]);
-    let safe = explore(&safe_net, ColouredReachLimits::states(100_000)).expect("it is small");
-    assert!(!safe.states().any(|state| is_deadlock_scenario(&safe_net, &safe.marking(state))));
+    let safe = explore(&safe_net, 100_000).expect("it is small");
+    assert!(!safe.numbers().any(|state| is_deadlock_scenario(&safe_net, safe.marking(state))));
     assert_eq!((safe.deadlocks().count(), safe.is_reversible()), (0, Ok(())));
 
     let text = edited(ASSEMBLY, &[("reserve = true", "reserve = false")]);
     let net = net(&cell(&text), Detail::Expanded, &[2, 2, 1]).expect("it is small").net().clone();
-    let graph = explore(&net, ColouredReachLimits::states(100_000)).expect("it is small");
+    let graph = explore(&net, 100_000).expect("it is small");
     let stuck: Vec<StateId> =
-        graph.deadlocks().filter(|&state| is_deadlock_scenario(&net, &graph.marking(state))).collect();
+        graph.deadlocks().filter(|&state| is_deadlock_scenario(&net, graph.marking(state))).collect();
     assert!(!stuck.is_empty());
     let mut marking = net.initial_marking();
     graph.path_to(stuck[0]).iter().for_each(|&mode| net.fire(&mut marking, mode).expect("the way can be played"));

@@ -29,8 +29,3 @@ pub fn said(bytes: &[u8]) -> Vec<String> {
     };
     format!("{problems:#}").lines().skip(1).map(|line| line.replacen("a.eds:", "", 1)).collect()
 }
-
-/// The problems of one object behind the usual head.
-pub fn said_of(text: &str) -> Vec<String> {
-    said(format!("{HEAD}{text}").as_bytes())
-}

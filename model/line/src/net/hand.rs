@@ -51,7 +51,7 @@ impl HandMode {
     }
 
     /// `h_b`, where pressing it reverses the operation once it is complete (t4 with h_b↑).
-    pub(super) fn reverses_from_its_end(&self) -> Option<ButtonId> {
+    pub fn reverses_from_its_end(&self) -> Option<ButtonId> {
         match *self {
             HandMode::ReversedEnd { back, .. } | HandMode::Single { back, .. } => Some(back),
             HandMode::Sequence { .. }
@@ -63,10 +63,13 @@ impl HandMode {
 
     /// t9: start again an operation that has been undone.
     pub(super) fn restart(&self) -> Option<Conjunction> {
+        self.restarts_by().map(|forward| vec![on(Var::Pressed(forward))])
+    }
+
+    /// `h_a`, where pressing it starts an operation again that has been undone (t9 with h_a↑).
+    pub fn restarts_by(&self) -> Option<ButtonId> {
         match *self {
-            HandMode::ReversedStart { forward, .. } | HandMode::Single { forward, .. } => {
-                Some(vec![on(Var::Pressed(forward))])
-            }
+            HandMode::ReversedStart { forward, .. } | HandMode::Single { forward, .. } => Some(forward),
             HandMode::Sequence { .. }
             | HandMode::SequenceEnd { .. }
             | HandMode::ReversedMiddle { .. }
@@ -77,7 +80,7 @@ impl HandMode {
     /// t12: on to reversing the operation before, where the reverse sequence does not end here.
     ///
     /// Whether t12 exists at all, in any mode, follows from the type (seed 002 §6.1.1).
-    pub(super) fn reverse_on(&self) -> Option<ButtonId> {
+    pub fn reverse_on(&self) -> Option<ButtonId> {
         match *self {
             HandMode::ReversedMiddle { back, .. } | HandMode::ReversedEnd { back, .. } => Some(back),
             HandMode::Sequence { .. }

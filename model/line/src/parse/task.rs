@@ -8,7 +8,7 @@ use super::draft::{DraftOperation, DraftParameter, DraftStation, DraftTask};
 use super::names::StationNames;
 use super::raw::RawStation;
 use super::resolve::StationScope;
-use crate::{ButtonId, HandMode, OpId, Parameter, Rest, RestId, Task, TaskId};
+use crate::{OpId, Parameter, Rest, RestId, Task, TaskId};
 
 /// Whether the `nth` operation is the last one of its task.
 pub(super) fn ends(raw: &RawStation, nth: usize) -> bool {
@@ -84,17 +84,9 @@ pub(super) fn lead_on(operations: &mut [DraftOperation<'_>], tasks: &[DraftTask<
         let follows = tasks.iter().filter(|next| !next.ops.is_empty()).find(|next| rest(&next.from) == rest(&task.to));
         let button = follows.and_then(|next| operations[next.ops.start].hand.as_ref()).map(|hand| hand.value.forward());
         if let (Some(button), Some(hand)) = (button, &mut operations[task.ops.end - 1].hand) {
-            hand.value = followed_by(hand.value, button);
+            let (forward, back) = (hand.value.forward(), hand.value.back());
+            hand.value = hand.value.kind().with(forward, back, Some(button)).unwrap_or(hand.value);
         }
-    }
-}
-
-fn followed_by(hand: HandMode, next: ButtonId) -> HandMode {
-    match hand {
-        HandMode::Sequence { .. } | HandMode::ReversedStart { .. } | HandMode::ReversedMiddle { .. } => hand,
-        HandMode::SequenceEnd { forward, next: _ } => HandMode::SequenceEnd { forward, next },
-        HandMode::ReversedEnd { forward, back, next: _ } => HandMode::ReversedEnd { forward, back, next },
-        HandMode::Single { forward, back, next: _ } => HandMode::Single { forward, back, next },
     }
 }
 

@@ -7,8 +7,8 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Arrow, Axis, AxisId, ButtonId, Console, DeviceBus, HandMode, InputId, Line, MaterialFlow, Motion, MotionSignals,
-    OpId, Operation, OperationModule, OutputId, Panel, Station, StationId, Timing,
+    Arrow, Axis, AxisId, ButtonId, Console, DeviceBus, HandMode, HandType, InputId, Line, MaterialFlow, Motion,
+    MotionSignals, OpId, Operation, OperationModule, OutputId, Panel, Station, StationId, Timing,
 };
 
 /// One operation to be built.
@@ -130,15 +130,8 @@ fn hands(ops: &[Op], first_button: u16, share: bool) -> Vec<HandMode> {
         .zip(sequence_of)
         .map(|(op, s)| {
             let (forward, back, next) = (forward(s), back(s), forward(s + 1));
-            match op.hand {
-                1 => HandMode::Sequence { forward },
-                2 => HandMode::SequenceEnd { forward, next },
-                3 => HandMode::ReversedStart { forward, back },
-                4 => HandMode::ReversedMiddle { forward, back },
-                5 => HandMode::ReversedEnd { forward, back, next },
-                6 => HandMode::Single { forward, back, next },
-                other => panic!("there is no hand type {other}"),
-            }
+            let kind = HandType::numbered(op.hand.into()).expect("1 to 6");
+            kind.with(forward, Some(back), Some(next)).expect("every button is given")
         })
         .collect()
 }

@@ -9,7 +9,7 @@
 //! - [`Domain`], [`Function`], [`Guard`]: what colours there are, what arcs do with them, which modes exist.
 //! - [`ColouredBuilder`] → [`ColouredNet`]: written down freely, checked once. [`fuse`]: nets put together.
 //! - [`ColouredMarking`] and the token game ([`ColouredNet::enabled`], [`ColouredNet::fire`]).
-//! - [`explore`]: all reachable markings; deadlocks, liveness of modes, bounds.
+//! - [`explore`]: all reachable markings; deadlocks, liveness of modes, bounds. The oracle of tests.
 //! - [`unfold`]: the ordinary net, with the way back. [`flow`]: conserved sums and cycles, coloured.
 //! - [`decide`]: which modes are in conflict, and guards that wait for a dispatcher.
 
@@ -28,7 +28,6 @@ mod linear;
 mod marking;
 mod net;
 mod reach;
-mod store;
 mod table;
 mod unfold;
 
@@ -43,7 +42,5 @@ pub use guard::{Atom, Clause, Comparison, Guard, MAX_CLAUSES, Operand, colour, c
 pub use linear::FunctionError;
 pub use marking::{ColouredMarking, TokenElement};
 pub use net::{ColouredNet, NetMode};
-pub use reach::{
-    ColouredReachLimit, ColouredReachLimits, ColouredReachability, ColouredStep, ColouredUndecided, explore,
-};
+pub use reach::{ColouredReachability, explore};
 pub use unfold::{Colours, UnfoldError, Unfolding, unfold};

@@ -2,9 +2,8 @@
 //!
 //! [`decide`] plays a net out and says all there is to say without a question: how many markings and arcs, deadlocks,
 //! bounds, which transitions are live, whether the net is reversible and which markings are home. [`find`] looks for
-//! one marking and the shortest way to it, [`find_deadlock`] for a marking at which nothing is enabled, leaving out what
-//! cannot matter to that; [`walk`] gives the whole graph, for example to write it to a file. All answer exactly or say that
-//! they do not know; none ever guesses, and no comparison of markings relies on a hash.
+//! one marking and the shortest way to it; [`walk`] gives the whole graph, for example to write it to a file. All answer
+//! exactly or are undecided, and no comparison of markings relies on a hash.
 //!
 //! It works in layers, each in a module and each knowing only those before it: conserved sums of tokens
 //! (`invariants`), the numbers that a marking is written with (`encoding`), when transitions fire, said about those
@@ -26,7 +25,6 @@ mod path;
 mod rules;
 mod space;
 mod sparse;
-mod stubborn;
 mod sweep;
 mod table;
 mod terminal;
@@ -41,7 +39,6 @@ pub use facts::{Home, NetFacts, Storage, WitnessMarking};
 pub use find::{find, find_marking};
 pub use limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided};
 pub use on_table::MarkingView;
-pub use stubborn::{StubbornResult, find_deadlock};
 pub use walk::{GraphEvent, walk};
 
 use self::bitmap::BitmapLayout;

@@ -10,7 +10,7 @@
 use super::encoding::MarkingEncoding;
 use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided, MemoryBudget};
 use super::rules::{Filter, FiringRule, rules};
-use crate::{Marking, Net, PlayDirection, TransitionId};
+use crate::{Marking, Net, PlayDirection};
 
 /// Bits that a digit without a bound starts with, above what its first value takes.
 const SPARE_BITS: u32 = 2;
@@ -211,11 +211,6 @@ impl<'a> MarkingTable<'a> {
         self.packing.fields.iter().map(|field| field.bits).sum()
     }
 
-    /// Per rule, its transition.
-    pub(super) fn transitions(&self) -> Vec<TransitionId> {
-        self.forth.rules.iter().map(|rule| rule.transition).collect()
-    }
-
     pub(super) fn scratch(&self) -> FiringScratch {
         let digits = vec![0; self.encoding.radices.len()];
         let width = self.forth.filter.width.max(self.back.filter.width);
@@ -244,17 +239,6 @@ impl<'a> MarkingTable<'a> {
         &mut self,
         state: u32,
         scratch: &mut FiringScratch,
-        found: impl FnMut(u32, u32, bool),
-    ) -> Result<usize, ExplorationUndecided> {
-        self.expand_some(state, scratch, |_, _| {}, found)
-    }
-
-    /// The same with only those rules that `choose` leaves of the enabled ones; it also gets the digits.
-    pub(super) fn expand_some(
-        &mut self,
-        state: u32,
-        scratch: &mut FiringScratch,
-        mut choose: impl FnMut(&[u32], &mut Vec<u32>),
         mut found: impl FnMut(u32, u32, bool),
     ) -> Result<usize, ExplorationUndecided> {
         self.packing.unpack(self.key(state), &mut scratch.digits);
@@ -262,7 +246,6 @@ impl<'a> MarkingTable<'a> {
         enabled.clear();
         let width = self.forth.filter.width;
         self.forth.enabled(&scratch.digits, &mut scratch.set[..width], |rule| enabled.push(rule as u32));
-        choose(&scratch.digits, &mut enabled);
         for &rule in &enabled {
             let transition = self.forth.rules[rule as usize].transition.0;
             loop {

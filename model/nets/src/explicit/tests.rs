@@ -231,27 +231,6 @@ fn what_is_found_is_found_by_a_shortest_way() {
 }
 
 #[test]
-fn a_reduced_search_finds_a_deadlock_if_there_is_one() {
-    let (mut deadlocks, mut free, mut saved) = (0, 0, 0);
-    for net in nets(6, 6000) {
-        let Ok(explored) = explore(&net, ENOUGH) else { continue };
-        let search = find_deadlock(&net, &limits(ENOUGH as u64)).unwrap();
-        assert_eq!(search.deadlock.is_some(), explored.deadlocks().next().is_some(), "{net}");
-        if let Some(found) = search.deadlock {
-            let mut played = net.initial_marking();
-            found.path.iter().for_each(|&t| net.fire(&mut played, t).expect("the path can be played"));
-            assert_eq!(played, found.marking);
-            assert!(net.enabled(&played).next().is_none(), "{net}");
-            deadlocks += 1;
-        } else {
-            free += 1;
-            saved += usize::from(search.states < explored.states().len() as u64);
-        }
-    }
-    assert!(deadlocks > 1000 && free > 1000 && saved > 30, "{deadlocks} {free} {saved}");
-}
-
-#[test]
 fn a_walk_shows_the_graph_of_the_obvious_exploration() {
     for net in nets(7, 1000) {
         let Ok(explored) = explore(&net, ENOUGH) else { continue };

@@ -7,8 +7,7 @@
 
 use linewright_nets::coloured::decide::{ClauseId, Decisions};
 use linewright_nets::coloured::{
-    Clause, ColouredBuilder, ColouredNet, ColouredReachLimits, Colours, Domain, Guard, colour, explore, id, proj,
-    unfold,
+    Clause, ColouredBuilder, ColouredNet, Colours, Domain, Guard, colour, explore, id, proj, unfold,
 };
 use linewright_nets::{StateId, TransitionId};
 
@@ -171,28 +170,28 @@ fn is_deadlock_scenario(net: &ColouredNet, marking: &linewright_nets::coloured::
 fn the_reservation_is_what_prevents_the_deadlock() {
     let variant = Variant { outside: [2, 2, 1], ..Variant::default() };
     let net = cell(&variant);
-    let safe = explore(&net, ColouredReachLimits::states(1_000_000)).unwrap();
-    assert!(!safe.states().any(|state| is_deadlock_scenario(&net, &safe.marking(state))));
+    let safe = explore(&net, 1_000_000).unwrap();
+    assert!(!safe.numbers().any(|state| is_deadlock_scenario(&net, safe.marking(state))));
     assert_eq!((safe.deadlocks().count(), safe.is_reversible()), (0, Ok(())));
     // Everything that colours allow to happen is live; t2 and others also have modes outside the work plan.
     let used = unfold(&net, Colours::Reachable, 10_000).unwrap();
     assert_eq!(used.net().transition_count(), 7 * 3 + 2 * 3);
-    assert!(used.net().transitions().all(|t| safe.is_mode_live(used.mode(t)).is_ok()));
+    assert!(used.net().transitions().all(|t| safe.is_transition_live(used.mode(t)).is_ok()));
     // "Each of the above presented resources has capacity for handling only one part at time" (L1430).
     let m: Vec<_> = ["p3", "p4", "p7", "p8"].map(|p| safe.bound_of(&net, net.place_named(p).unwrap())).into();
     assert_eq!(m, [1; 4]);
     assert!((0..net.cell_count()).all(|cell| net.cell(cell).place.0 >= 8 || safe.bound_of_cell(cell) <= 1));
 
     let net = cell(&Variant { unreserved: true, ..variant });
-    let unsafe_ = explore(&net, ColouredReachLimits::states(1_000_000)).unwrap();
+    let unsafe_ = explore(&net, 1_000_000).unwrap();
     let scenario: Vec<StateId> =
-        unsafe_.states().filter(|&state| is_deadlock_scenario(&net, &unsafe_.marking(state))).collect();
+        unsafe_.numbers().filter(|&state| is_deadlock_scenario(&net, unsafe_.marking(state))).collect();
     assert!(!scenario.is_empty());
     // Robot 2 can still finish and parts can still arrive, but nothing else ever happens again.
     let stuck = unsafe_.deadlocks().collect::<Vec<_>>();
     assert!(stuck.iter().any(|state| scenario.contains(state)));
     let t1 = mode(&net, "t1<m2,r1,p3>");
-    assert!(unsafe_.is_mode_live(t1).is_err());
+    assert!(unsafe_.is_transition_live(t1).is_err());
     let way = unsafe_.path_to(scenario[0]);
     let mut marking = net.initial_marking();
     way.iter().for_each(|&mode| net.fire(&mut marking, mode).unwrap());
@@ -204,11 +203,11 @@ fn the_reservation_is_what_prevents_the_deadlock() {
 fn the_unfolded_cell_says_the_same() {
     for unreserved in [false, true] {
         let net = cell(&Variant { outside: [1, 1, 1], unreserved, ..Variant::default() });
-        let direct = explore(&net, ColouredReachLimits::states(100_000)).unwrap();
+        let direct = explore(&net, 100_000).unwrap();
         for colours in [Colours::All, Colours::Reachable] {
             let unfolded = unfold(&net, colours, 10_000).unwrap();
             let ordinary = linewright_nets::explore(unfolded.net(), 100_000).unwrap();
-            assert_eq!(ordinary.states().len(), direct.state_count());
+            assert_eq!(ordinary.states().len(), direct.states().len());
             assert_eq!(ordinary.steps().len(), direct.steps().len());
             assert_eq!(ordinary.deadlocks().collect::<Vec<_>>(), direct.deadlocks().collect::<Vec<_>>());
         }

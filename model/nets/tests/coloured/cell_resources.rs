@@ -6,7 +6,7 @@
 
 use linewright_nets::coloured::flow::TransitionFlow;
 use linewright_nets::coloured::{
-    ColouredBuilder, ColouredNet, ColouredReachLimits, Colours, Domain, Fusion, explore, fuse, id, proj, unfold,
+    ColouredBuilder, ColouredNet, Colours, Domain, Fusion, explore, fuse, id, proj, unfold,
 };
 
 use super::cell::{Variant, cell, transitions, work_plan};
@@ -125,11 +125,8 @@ fn the_fused_resources_are_the_cell() {
     assert_eq!((fused.transition_count(), fused.place_count()), (9, 5 + 7 + 3));
 
     let whole = cell(&Variant { outside, ..Variant::default() });
-    let (a, b) = (
-        explore(&fused, ColouredReachLimits::states(100_000)).unwrap(),
-        explore(&whole, ColouredReachLimits::states(100_000)).unwrap(),
-    );
-    assert_eq!((a.state_count(), a.steps().len()), (b.state_count(), b.steps().len()));
+    let (a, b) = (explore(&fused, 100_000).unwrap(), explore(&whole, 100_000).unwrap());
+    assert_eq!((a.states().len(), a.steps().len()), (b.states().len(), b.steps().len()));
 
     // Walk both side by side; modes have the same tones, up to their order.
     let key = |net: &ColouredNet, mode: linewright_nets::coloured::NetMode| {
@@ -140,12 +137,13 @@ fn the_fused_resources_are_the_cell() {
         tones.sort();
         (name, tones)
     };
-    let mut twin = vec![None; a.state_count()];
+    let mut twin = vec![None; a.states().len()];
     twin[0] = Some(linewright_nets::StateId::INITIAL);
-    for state in a.states() {
+    for state in a.numbers() {
         let other = twin[state.index()].expect("states are numbered breadth first, so it has been met");
-        let mut left: Vec<_> = a.steps_from(state).iter().map(|step| (key(&fused, step.mode), step.to)).collect();
-        let mut right: Vec<_> = b.steps_from(other).iter().map(|step| (key(&whole, step.mode), step.to)).collect();
+        let mut left: Vec<_> = a.steps_from(state).iter().map(|step| (key(&fused, step.transition), step.to)).collect();
+        let mut right: Vec<_> =
+            b.steps_from(other).iter().map(|step| (key(&whole, step.transition), step.to)).collect();
         left.sort();
         right.sort();
         assert_eq!(left.len(), right.len());

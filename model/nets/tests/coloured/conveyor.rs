@@ -6,8 +6,7 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use linewright_nets::coloured::{
-    ColouredBuilder, ColouredNet, ColouredReachLimits, Colours, Domain, Guard, colour, explore, id, not_colour, proj,
-    succ, unfold,
+    ColouredBuilder, ColouredNet, Colours, Domain, Guard, colour, explore, id, not_colour, proj, succ, unfold,
 };
 
 fn conveyor(positions: u32, kinds: u32) -> ColouredNet {
@@ -28,9 +27,9 @@ fn conveyor(positions: u32, kinds: u32) -> ColouredNet {
 #[test]
 fn three_positions_and_three_kinds_make_64_states() {
     let net = conveyor(3, 3);
-    let reached = explore(&net, ColouredReachLimits::states(1000)).unwrap();
-    assert_eq!(reached.state_count(), 64);
-    assert_eq!((reached.is_live(&net), reached.is_reversible()), (Ok(()), Ok(())));
+    let reached = explore(&net, 1000).unwrap();
+    assert_eq!(reached.states().len(), 64);
+    assert_eq!((reached.is_live(), reached.is_reversible()), (true, Ok(())));
     let unfolded = unfold(&net, Colours::Reachable, 1000).unwrap();
     assert_eq!(linewright_nets::explore(unfolded.net(), 1000).unwrap().steps().len(), reached.steps().len());
 }

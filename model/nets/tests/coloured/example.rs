@@ -1,6 +1,6 @@
 //! The example of `docs/nets.md`.
 
-use linewright_nets::coloured::{ColouredBuilder, ColouredReachLimits, Domain, Guard, abs, colour, explore, id, proj};
+use linewright_nets::coloured::{ColouredBuilder, Domain, Guard, abs, colour, explore, id, proj};
 
 #[test]
 fn the_example_of_the_documentation_says_what_it_says() {
@@ -28,8 +28,8 @@ fn the_example_of_the_documentation_says_what_it_says() {
     b.input(finish, worked_on, id()).output(finish, free, proj([1])).output(finish, waiting, proj([2]));
 
     let net = b.build().expect("all problems would be listed here");
-    let reached = explore(&net, ColouredReachLimits::states(1000)).expect("or: undecided after 1000 states");
-    assert_eq!((reached.state_count(), reached.deadlocks().count()), (8, 0));
+    let reached = explore(&net, 1000).expect("or: undecided after 1000 states");
+    assert_eq!((reached.states().len(), reached.deadlocks().count()), (8, 0));
     let modes: Vec<_> = net.modes(take).map(|mode| net.mode_name(mode)).collect();
     assert_eq!(modes, ["take<drill,1>", "take<mill,2>"]);
 }

@@ -3,8 +3,8 @@
 use linewright_nets::coloured::decide::ModeConflict;
 use linewright_nets::coloured::flow::{FlowError, NotFlow, PlaceFlow, TransitionFlow};
 use linewright_nets::coloured::{
-    BasicId, ColouredBuilder, ColouredNet, ColouredReachLimits, Colours, Comparison, Domain, Guard, NetMode, compare,
-    component, explore, id, proj, unfold,
+    BasicId, ColouredBuilder, ColouredNet, Colours, Comparison, Domain, Guard, NetMode, compare, component, explore,
+    id, proj, unfold,
 };
 use linewright_random::Random;
 
@@ -55,9 +55,9 @@ fn a_place_flow_is_one_of_the_unfolding() {
         by_modes += usize::from(expected && flow.check(&net, 0).is_err());
         if expected {
             holds += usize::from(!weights.is_empty());
-            if let Ok(reached) = explore(&net, ColouredReachLimits::states(100)) {
+            if let Ok(reached) = explore(&net, 100) {
                 let value = flow.value(&net, &net.initial_marking());
-                reached.states().for_each(|state| assert_eq!(flow.value(&net, &reached.marking(state)), value));
+                reached.numbers().for_each(|state| assert_eq!(flow.value(&net, reached.marking(state)), value));
             }
         } else {
             broken += 1;
@@ -118,7 +118,7 @@ fn a_transition_flow_is_one_of_the_unfolding() {
     let (mut closed, mut open) = (0, 0);
     for _ in 0..2000 {
         let net = Raw::random(&mut random).build();
-        let Ok(reached) = explore(&net, ColouredReachLimits::states(100)) else { continue };
+        let Ok(reached) = explore(&net, 100) else { continue };
         let unfolded = unfold(&net, Colours::All, 10_000).unwrap();
         let mut marking = net.initial_marking();
         let mut modes: Vec<NetMode> = Vec::new();
@@ -127,8 +127,8 @@ fn a_transition_flow_is_one_of_the_unfolding() {
             let Some(step) = Some(reached.steps_from(here)).filter(|s| !s.is_empty()).map(|s| *random.pick(s)) else {
                 break;
             };
-            marking = reached.marking(step.to);
-            modes.push(step.mode);
+            marking = reached.marking(step.to).clone();
+            modes.push(step.transition);
             let flow = TransitionFlow::new(modes.iter().map(|&mode| (mode, 1)));
             let mut counts = vec![0; unfolded.net().transition_count()];
             modes.iter().for_each(|&mode| counts[unfolded.transition_of(mode).unwrap().index()] += 1);

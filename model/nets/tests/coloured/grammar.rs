@@ -5,8 +5,8 @@
 
 use linewright_nets::coloured::decide::{ClauseId, Decisions};
 use linewright_nets::coloured::{
-    Clause, ColouredBuilder, ColouredError, ColouredNet, ColouredReachLimits, Colours, Comparison, Domain, Guard, abs,
-    colour, compare, component, explore, id, proj, unfold,
+    Clause, ColouredBuilder, ColouredError, ColouredNet, Colours, Comparison, Domain, Guard, abs, colour, compare,
+    component, explore, id, proj, unfold,
 };
 
 use super::{mode, names};
@@ -69,8 +69,8 @@ coloured net Fig. 73: places 5, transitions 2, tokens 13
 fn the_printed_marking_enables_one_mode() {
     let net = fixture();
     assert_eq!(names(&net, net.enabled(&net.initial_marking())), ["t1<1,2,1>"]);
-    let reached = explore(&net, ColouredReachLimits::states(100)).unwrap();
-    assert_eq!((reached.state_count(), reached.over_capacity(&net).len()), (2, 0));
+    let reached = explore(&net, 100).unwrap();
+    assert_eq!((reached.states().len(), reached.over_capacity(&net).len()), (2, 0));
     let small = unfold(&net, Colours::Reachable, 100).unwrap();
     assert_eq!((small.net().place_count(), small.net().transition_count()), (2 + 1 + 2 + 1 + 1, 1));
 }
@@ -94,7 +94,7 @@ fn scheduled_clauses_wait_and_the_others_do_not() {
     let enabled = net.enabled(&net.initial_marking());
     assert_eq!(names(&net, enabled), ["t1<1,2,1>", "t2<2,2,2>"]);
     assert_eq!(names(&net, net.enabled_under(&net.initial_marking(), &Decisions::none())), ["t1<1,2,1>"]);
-    let reached = explore(&net, ColouredReachLimits::states(100)).unwrap();
+    let reached = explore(&net, 100).unwrap();
     let over: Vec<_> = reached.over_capacity(&net).iter().map(|(place, most)| format!("{place} {most}")).collect();
     assert_eq!(over, ["place `p1` 3"]);
 }

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_nets::coloured::{
-    ColouredBuilder, ColouredMarking, ColouredNet, ColouredReachLimit, ColouredReachLimits, ColouredReachability,
-    Colours, NetMode, UnfoldError, Unfolding, explore, unfold,
+    ColouredBuilder, ColouredMarking, ColouredNet, ColouredReachability, Colours, NetMode, UnfoldError, Unfolding,
+    explore, unfold,
 };
 use linewright_nets::{NetBuilder, PlaceId, ReachLimit, Reachability, StateId};
 use linewright_random::Random;
@@ -89,14 +89,14 @@ fn kept(raw: &Raw, net: &ColouredNet, transition: usize) -> Vec<usize> {
 }
 
 fn agree(net: &ColouredNet, direct: &ColouredReachability, unfolded: &Unfolding, ordinary: &Reachability) {
-    assert_eq!(direct.state_count(), ordinary.states().len(), "{net}");
-    for (state, marking) in direct.states().zip(ordinary.states()) {
-        assert_eq!(&unfolded.marking(&direct.marking(state)).unwrap(), marking);
-        assert_eq!(unfolded.coloured(marking), direct.marking(state));
-        assert_eq!(direct.find(&direct.marking(state)), Some(state));
+    assert_eq!(direct.states().len(), ordinary.states().len(), "{net}");
+    for (state, marking) in direct.numbers().zip(ordinary.states()) {
+        assert_eq!(&unfolded.marking(direct.marking(state)).unwrap(), marking);
+        assert_eq!(&unfolded.coloured(marking), direct.marking(state));
+        assert_eq!(direct.find(direct.marking(state)), Some(state));
     }
     let steps = ordinary.steps().iter().map(|step| (step.from, unfolded.mode(step.transition), step.to));
-    assert!(direct.steps().iter().map(|step| (step.from, step.mode, step.to)).eq(steps), "{net}");
+    assert!(direct.steps().iter().map(|step| (step.from, step.transition, step.to)).eq(steps), "{net}");
     assert!(direct.deadlocks().eq(ordinary.deadlocks()));
     assert_eq!(direct.is_reversible().is_ok(), ordinary.is_reversible().is_ok());
     for p in unfolded.net().places() {
@@ -110,9 +110,9 @@ fn agree(net: &ColouredNet, direct: &ColouredReachability, unfolded: &Unfolding,
     for t in unfolded.net().transitions() {
         let mode = unfolded.mode(t);
         assert_eq!(net.mode_named(unfolded.net().transition_name(t)), Some(mode));
-        assert_eq!(direct.is_mode_live(mode).is_ok(), ordinary.is_transition_live(t).is_ok());
+        assert_eq!(direct.is_transition_live(mode).is_ok(), ordinary.is_transition_live(t).is_ok());
     }
-    let states: Vec<StateId> = direct.states().collect();
+    let states: Vec<StateId> = direct.numbers().collect();
     let last = states[states.len() - 1];
     let mut marking = net.initial_marking();
     direct.path_to(last).into_iter().for_each(|mode| net.fire(&mut marking, mode).unwrap());
@@ -132,7 +132,7 @@ fn exploring_directly_and_exploring_the_unfolding_agree() {
     let (mut decided, mut undecided, mut dropped) = (0, 0, 0);
     for _ in 0..4000 {
         let net = Raw::random(&mut random).build();
-        let direct = explore(&net, ColouredReachLimits::states(LIMIT));
+        let direct = explore(&net, LIMIT);
         let all = unfold(&net, Colours::All, 10_000).unwrap();
         let used = match unfold(&net, Colours::Reachable, 10_000) {
             Ok(used) => used,
@@ -149,17 +149,17 @@ fn exploring_directly_and_exploring_the_unfolding_agree() {
                 (Ok(direct), Ok(ordinary)) => agree(&net, direct, unfolded, &ordinary),
                 (Err(direct), Err(ordinary)) => {
                     assert_eq!(direct.states, ordinary.states);
-                    assert_eq!(direct.cause == ColouredReachLimit::States, ordinary.cause == ReachLimit::Limit);
+                    assert_eq!(direct.cause == ReachLimit::Limit, ordinary.cause == ReachLimit::Limit);
                 }
                 (direct, ordinary) => panic!("{net}: {direct:?} {ordinary:?}"),
             }
         }
         match direct {
             Ok(direct) => {
-                decided += usize::from(direct.state_count() > 1);
+                decided += usize::from(direct.states().len() > 1);
                 // What was dropped can indeed never fire.
                 let gone = net.transitions().flat_map(|t| net.modes(t)).filter(|&m| used.transition_of(m).is_none());
-                gone.for_each(|mode| assert!(direct.steps().iter().all(|step| step.mode != mode)));
+                gone.for_each(|mode| assert!(direct.steps().iter().all(|step| step.transition != mode)));
             }
             Err(_) => undecided += 1,
         }
@@ -250,7 +250,7 @@ fn an_uncoloured_net_unfolds_to_itself() {
         let unfolded = unfold(&coloured, Colours::All, 1000).unwrap();
         assert_eq!(unfolded.net().to_string(), net.to_string());
         assert_eq!(unfolded.net().initial_marking(), net.initial_marking());
-        match (explore(&coloured, ColouredReachLimits::states(200)), linewright_nets::explore(&net, 200)) {
+        match (explore(&coloured, 200), linewright_nets::explore(&net, 200)) {
             (Ok(direct), Ok(ordinary)) => agree(&coloured, &direct, &unfolded, &ordinary),
             (Err(direct), Err(ordinary)) => assert_eq!(direct.states, ordinary.states),
             (direct, ordinary) => panic!("{direct:?} {ordinary:?}"),

@@ -8,7 +8,7 @@
 
 use linewright_nets::coloured::flow::{PlaceFlow, TransitionFlow};
 use linewright_nets::coloured::{
-    BasicId, ColouredBuilder, ColouredNet, ColouredReachLimits, Domain, Guard, colour, explore, id, pred, proj, succ,
+    BasicId, ColouredBuilder, ColouredNet, Domain, Guard, colour, explore, id, pred, proj, succ,
 };
 
 use super::{mode, names, play};
@@ -46,13 +46,13 @@ fn the_printed_place_flow_holds() {
             let weights = [(place("pe"), proj([2])), (place("~pe"), proj([2]).of(succ(2, j)))];
             let flow = PlaceFlow::new(&net, BasicId(1), weights).unwrap();
             assert_eq!(flow.check(&net, 0), Ok(()));
-            let reached = explore(&net, ColouredReachLimits::states(1000)).unwrap();
-            for state in reached.states() {
-                assert_eq!(flow.value(&net, &reached.marking(state)), [(vec![j + 1], 2)]);
+            let reached = explore(&net, 1000).unwrap();
+            for state in reached.numbers() {
+                assert_eq!(flow.value(&net, reached.marking(state)), [(vec![j + 1], 2)]);
                 // pe and ~pe exclude each other with regard to e_j, for each machine.
                 for machine in [1, 2] {
                     let marking = reached.marking(state);
-                    let on = |name, error: u32| net.count(&marking, place(name), &[machine, error + 1]).unwrap();
+                    let on = |name, error: u32| net.count(marking, place(name), &[machine, error + 1]).unwrap();
                     assert_eq!(on("pe", j) + on("~pe", 0), 1);
                 }
             }
@@ -86,15 +86,15 @@ fn the_printed_transition_flows() {
 #[test]
 fn only_a_recovery_makes_it_reversible() {
     let net = watched(3, 2, false);
-    let reached = explore(&net, ColouredReachLimits::states(1000)).unwrap();
-    assert_eq!((reached.state_count(), reached.deadlocks().count()), (3 * 3, 1));
+    let reached = explore(&net, 1000).unwrap();
+    assert_eq!((reached.states().len(), reached.deadlocks().count()), (3 * 3, 1));
     assert!(reached.is_reversible().is_err());
     let net = watched(3, 2, true);
-    let reached = explore(&net, ColouredReachLimits::states(1000)).unwrap();
-    assert_eq!((reached.state_count(), reached.is_reversible()), (3 * 3, Ok(())));
+    let reached = explore(&net, 1000).unwrap();
+    assert_eq!((reached.states().len(), reached.is_reversible()), (3 * 3, Ok(())));
     // Of the modes, those in which the task begins normally are live; the others never occur.
     let live: Vec<_> =
-        net.transitions().flat_map(|t| net.modes(t)).filter(|&m| reached.is_mode_live(m).is_ok()).collect();
+        net.transitions().flat_map(|t| net.modes(t)).filter(|&m| reached.is_transition_live(m).is_ok()).collect();
     let normal = ["ta<1,e0>", "ta<2,e0>", "tb<1,e0>", "tb<2,e0>", "tc<1,e0>", "tc<2,e0>", "t_rec<1,e2>", "t_rec<2,e2>"];
     assert_eq!(names(&net, live), normal);
 }

@@ -5,10 +5,9 @@
 
 use linewright_text::{Located, Problem, Report};
 
-use crate::HandMode;
 use crate::parse::draft::{DraftOperation, DraftStation, DraftTask};
-use crate::parse::hand::purpose;
 use crate::parse::raw::ModuleKind;
+use crate::{HandMode, HandType};
 
 /// Each step's hand entry with the operation that stands for the step, and the following step's, going round; at a
 /// station on order as far as the task goes.
@@ -31,15 +30,15 @@ fn neighbours<'s>(
 pub(super) fn modules_suit_their_types(station: &DraftStation<'_>, report: &mut Report) {
     for operation in &station.operations {
         let Some(hand) = &operation.hand else { continue };
-        let number = hand.value.number();
-        if operation.kind() == Some(ModuleKind::Irreversible) && number >= 3 {
+        let kind = hand.value.kind();
+        if operation.kind() == Some(ModuleKind::Irreversible) && kind.has_back() {
             report.add(
                 Problem::error(
                     hand.at.clone(),
-                    format!("irreversible operation `{}` has hand type {number}", operation.name),
+                    format!("irreversible operation `{}` has hand type {kind}", operation.name),
                 )
                 .label("reverses")
-                .hint("an irreversible operation has hand type 1 or 2"),
+                .hint(format!("an irreversible operation has hand type {}", types(|kind| !kind.has_back()))),
             );
         }
     }
@@ -69,25 +68,13 @@ pub(super) fn groups_share_one_entry(station: &DraftStation<'_>, report: &mut Re
 /// Types 1, 3 and 4 are followed by more of the same sequence.
 pub(super) fn sequences_continue(station: &DraftStation<'_>, report: &mut Report) {
     for (this, hand, next, next_hand) in neighbours(station) {
-        let number = hand.value.number();
-        let allowed: &[u8] = match hand.value {
-            HandMode::Sequence { .. } => &[1, 2],
-            HandMode::ReversedStart { .. } | HandMode::ReversedMiddle { .. } => &[4, 5],
-            HandMode::SequenceEnd { .. } | HandMode::ReversedEnd { .. } | HandMode::Single { .. } => continue,
-        };
-        if !allowed.contains(&next_hand.value.number()) {
-            let message = format!(
-                "`{}` has hand type {number}, but `{}` after it has type {}",
-                this.name,
-                next.name,
-                next_hand.value.number()
-            );
-            report.add(Problem::error(hand.at.clone(), message).also(&next_hand.at, "what follows").hint(format!(
-                "type {number} is followed by {} or {}: it is {}",
-                allowed[0],
-                allowed[1],
-                purpose(number)
-            )));
+        let (kind, next_kind) = (hand.value.kind(), next_hand.value.kind());
+        let Some(allowed) = kind.followed_by() else { continue };
+        if !allowed.contains(&next_kind) {
+            let message =
+                format!("`{}` has hand type {kind}, but `{}` after it has type {next_kind}", this.name, next.name);
+            let hint = format!("type {kind} is followed by {} or {}: it is {}", allowed[0], allowed[1], kind.purpose());
+            report.add(Problem::error(hand.at.clone(), message).also(&next_hand.at, "what follows").hint(hint));
         } else if (hand.value.forward(), hand.value.back()) != (next_hand.value.forward(), next_hand.value.back()) {
             let message = format!("`{}` and `{}` are one sequence, but have different buttons", this.name, next.name);
             report.add(
@@ -102,32 +89,26 @@ pub(super) fn sequences_continue(station: &DraftStation<'_>, report: &mut Report
 /// Types 4 and 5 are preceded by the beginning of a reversed sequence. (A type 2 may stand alone.)
 pub(super) fn sequences_begin(station: &DraftStation<'_>, report: &mut Report) {
     for (this, hand, next, next_hand) in neighbours(station) {
-        if matches!(next_hand.value.number(), 4 | 5) && !matches!(hand.value.number(), 3 | 4) {
-            let number = next_hand.value.number();
-            let message = format!(
-                "`{}` has hand type {number}, but `{}` before it has type {}",
-                next.name,
-                this.name,
-                hand.value.number()
-            );
-            report.add(
-                Problem::error(next_hand.at.clone(), message)
-                    .also(&hand.at, "what comes before")
-                    .hint(format!("type {number} is preceded by 3 or 4: it is {}", purpose(number))),
-            );
-        }
+        let (kind, next_kind) = (hand.value.kind(), next_hand.value.kind());
+        let Some(allowed) = next_kind.preceded_by().filter(|allowed| !allowed.contains(&kind)) else { continue };
+        let message =
+            format!("`{}` has hand type {next_kind}, but `{}` before it has type {kind}", next.name, this.name);
+        let hint =
+            format!("type {next_kind} is preceded by {} or {}: it is {}", allowed[0], allowed[1], next_kind.purpose());
+        report.add(Problem::error(next_hand.at.clone(), message).also(&hand.at, "what comes before").hint(hint));
     }
 }
 
 /// A sequence that goes round the whole cycle would run for as long as the button is held.
 pub(super) fn sequences_end(station: &DraftStation<'_>, report: &mut Report) {
-    let numbers: Option<Vec<u8>> =
-        station.operations.iter().map(|op| op.hand.as_ref().map(|hand| hand.value.number())).collect();
-    let Some(numbers) = numbers.filter(|numbers| !numbers.is_empty()) else { return };
-    if numbers.iter().all(|n| matches!(n, 1 | 3 | 4))
-        && (numbers.iter().all(|&n| n == 1) || numbers.iter().all(|&n| n == 4))
+    let kinds: Option<Vec<HandType>> =
+        station.operations.iter().map(|op| op.hand.as_ref().map(|hand| hand.value.kind())).collect();
+    let Some([first, others @ ..]) = kinds.as_deref() else { return };
+    // A type that may follow itself all round.
+    if let Some([again, last]) = first.followed_by()
+        && again == *first
+        && others.iter().all(|kind| kind == first)
     {
-        let last = if numbers[0] == 1 { 2 } else { 5 };
         report.add(
             Problem::error(station.place(), format!("in hand mode the cycle of station `{}` never ends", station.name))
                 .hint(format!("give the last operation of the sequence hand type {last}")),
@@ -155,20 +136,22 @@ pub(super) fn next_is_the_following_forward(station: &DraftStation<'_>, report: 
 pub(super) fn sequences_stay_in_their_task(station: &DraftStation<'_>, report: &mut Report) {
     for task in station.tasks.iter().filter(|task| !task.ops.is_empty()) {
         let (first, last) = (&station.operations[task.ops.start], &station.operations[task.ops.end - 1]);
-        let mut wrong = |operation: &DraftOperation<'_>, what: &str, wanted: &str| {
-            let Some(hand) = &operation.hand else { return };
-            let number = hand.value.number();
-            let message = format!("`{}` {what} task `{}`, but has hand type {number}", operation.name, task.name);
-            report.add(Problem::error(hand.at.clone(), message).hint(format!("it takes {wanted} there")));
+        let mut check = |operation: &DraftOperation<'_>, what: &str, suits: fn(HandType) -> bool| {
+            let Some(hand) = operation.hand.as_ref().filter(|hand| !suits(hand.value.kind())) else { return };
+            let kind = hand.value.kind();
+            let message = format!("`{}` {what} task `{}`, but has hand type {kind}", operation.name, task.name);
+            report.add(Problem::error(hand.at.clone(), message).hint(format!("it takes {} there", types(suits))));
         };
-        let number = |operation: &DraftOperation<'_>| operation.hand.as_ref().map(|hand| hand.value.number());
-        if matches!(number(first), Some(4 | 5)) {
-            wrong(first, "begins", "1, 2, 3 or 6");
-        }
-        if matches!(number(last), Some(1 | 3 | 4)) {
-            wrong(last, "ends", "2, 5 or 6");
-        }
+        check(first, "begins", |kind| kind.preceded_by().is_none());
+        check(last, "ends", |kind| kind.followed_by().is_none());
     }
+}
+
+/// The types that suit, as `1, 2 or 6`.
+fn types(suits: fn(HandType) -> bool) -> String {
+    let types: Vec<String> = HandType::ALL.iter().filter(|kind| suits(**kind)).map(ToString::to_string).collect();
+    let (last, others) = types.split_last().expect("some type suits");
+    format!("{} or {last}", others.join(", "))
 }
 
 /// Where several tasks begin, each has a button of its own, and none takes back what has just ended there. Within a task
