@@ -118,7 +118,6 @@ impl Rack {
         self.each(now, out, FaultyWire::towards, |node, outbox| node.handle(now, frame, outbox));
     }
 
-    /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) {
         self.each(now, out, |_| 1, |node, outbox| node.poll(now, outbox));
     }
@@ -147,13 +146,11 @@ impl Rack {
         answer
     }
 
-    /// When [`Rack::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
         let devices = self.slots.iter().filter_map(|slot| slot.node.next_deadline());
         devices.chain(self.plant.next_change()).min()
     }
 
-    /// The mechanisms, to look at.
     pub fn plant(&self) -> &Plant {
         &self.plant
     }
@@ -214,42 +211,6 @@ impl Rack {
         self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
             RackNode::Io(node) => Some(node.as_ref()),
             RackNode::Drive(..) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
-        })
-    }
-
-    /// The I/O device with this node id, to make it fail.
-    pub fn device_mut(&mut self, node: NodeId) -> Option<&mut DeviceNode> {
-        self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &mut slot
-            .node
-        {
-            RackNode::Io(node) => Some(node.as_mut()),
-            RackNode::Drive(..) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
-        })
-    }
-
-    /// The drive with this node id.
-    pub fn drive(&self, node: NodeId) -> Option<&DriveNode> {
-        self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
-            RackNode::Drive(node, _) => Some(node.as_ref()),
-            RackNode::Io(_) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
-        })
-    }
-
-    /// The drive with this node id, to make it fail.
-    pub fn drive_mut(&mut self, node: NodeId) -> Option<&mut DriveNode> {
-        self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &mut slot
-            .node
-        {
-            RackNode::Drive(node, _) => Some(node.as_mut()),
-            RackNode::Io(_) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
-        })
-    }
-
-    /// The device of this name that speaks no CANopen, to make it fail.
-    pub fn plain_mut(&mut self, name: &str) -> Option<&mut DbcDeviceNode> {
-        self.slots.iter_mut().filter(|slot| slot.device.name == name).find_map(|slot| match &mut slot.node {
-            RackNode::Plain(node) => Some(node.as_mut()),
-            RackNode::Io(_) | RackNode::Drive(..) | RackNode::Modbus(_) => None,
         })
     }
 

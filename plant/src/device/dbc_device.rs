@@ -95,7 +95,6 @@ impl DbcDeviceNode {
         }
     }
 
-    /// Takes a frame from the bus.
     pub fn handle(&mut self, now: Tick, frame: &Frame, _: &mut DeviceOutbox) {
         let Some(id) = frame.frame_id().filter(|_| !self.silent) else { return };
         let mut data = [0; 8];
@@ -111,7 +110,6 @@ impl DbcDeviceNode {
         taken.obey(now, &data);
     }
 
-    /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
         for taken in self.taken.iter_mut().filter(|taken| taken.missed.is_some_and(|at| at <= now)) {
             (taken.missed, taken.outputs) = (None, 0);
@@ -121,7 +119,6 @@ impl DbcDeviceNode {
         }
     }
 
-    /// When [`DbcDeviceNode::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
         let missed = self.taken.iter().filter_map(|taken| taken.missed);
         self.sent.iter().map(|sent| sent.due).chain(missed).min()

@@ -10,6 +10,7 @@
 //! which is zero unless somebody has set another. Coming back does not restore outputs: that takes a new PDO from
 //! whoever is in charge.
 
+mod bytes;
 mod channels;
 mod comm;
 mod dbc_device;
@@ -83,7 +84,6 @@ pub struct DeviceOutbox {
     pub orders: Vec<PlantEffect>,
 }
 
-/// A simulated device.
 #[derive(Debug)]
 pub struct DeviceNode {
     comm: Comm,
@@ -157,7 +157,6 @@ impl DeviceNode {
             .poll(now, sends, |number, payload| comm.send(&CanopenMessage::Tpdo { node, number, payload }, out));
     }
 
-    /// The state it reports of itself.
     pub fn state(&self) -> NmtState {
         self.comm.nmt_state()
     }
@@ -183,7 +182,6 @@ impl DeviceNode {
         }
     }
 
-    /// Takes a frame from the bus.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
         let Ok(message) = CanopenMessage::decode(frame) else { return };
         match message {
@@ -203,7 +201,6 @@ impl DeviceNode {
         }
     }
 
-    /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
         let change = self.comm.poll(now, self.on_error.behaviour, out);
         self.react(now, change, out);
@@ -222,7 +219,6 @@ impl DeviceNode {
         serve::poll(&mut self.comm, now, out);
     }
 
-    /// When [`DeviceNode::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
         let first = self
             .comm

@@ -20,8 +20,8 @@ use linewright_canopen::profile::drive::{DriveState, FOLLOWING_ERROR, SENSOR_1};
 use linewright_canopen::sdo::ObjectId;
 use linewright_line::{Drive, DriveMode, Tick, Timing};
 
+use super::bytes::number;
 use super::comm::{Comm, CommChange};
-use super::objects::number;
 use super::on_error::Behaviour;
 use super::serve::{self, ObjectServer};
 use super::{DeviceOutbox, PDO_LENGTH, PlantEffect};
@@ -37,7 +37,6 @@ const PROFILE_ERROR: u8 = 0x21;
 /// Error code of a lost connection where option 6007h makes that a fault.
 const CONNECTION_LOST: u16 = 0x8130;
 
-/// A simulated drive.
 #[derive(Debug)]
 pub struct DriveNode {
     comm: Comm,
@@ -100,7 +99,6 @@ impl DriveNode {
         }
     }
 
-    /// The state it reports of itself.
     pub fn nmt_state(&self) -> NmtState {
         self.comm.nmt_state()
     }
@@ -148,7 +146,6 @@ impl DriveNode {
         self.settle(now, out);
     }
 
-    /// Takes a frame from the bus.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
         let Ok(message) = CanopenMessage::decode(frame) else { return };
         match message {
@@ -163,7 +160,6 @@ impl DriveNode {
         self.settle(now, out);
     }
 
-    /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
         let change = self.comm.poll(now, Behaviour::PreOperational, out);
         self.react(now, change, out);
@@ -171,7 +167,6 @@ impl DriveNode {
         serve::poll(&mut self.comm, now, out);
     }
 
-    /// When [`DriveNode::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
         let stands = self.motion.stands_at();
         let settled = stands.map(|at| at + self.window_time());
