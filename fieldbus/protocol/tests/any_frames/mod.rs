@@ -225,7 +225,6 @@ impl Bench {
         self.hear_frame(&Frame::data_frame(id, data).expect("11 bits, 8 bytes"));
     }
 
-    /// A frame from the bus.
     pub fn hear_frame(&mut self, frame: &Frame) {
         let mut out = BusOutbox::default();
         self.manager.handle(self.now, frame, &mut out);

@@ -100,13 +100,18 @@ impl ManagerBench {
         self.hear(&format!("{:03X}#00", 0x180 + u16::from(node)));
     }
 
-    /// Answers the boot: a device of profile 401, which takes every setting.
+    /// Answers the boot: a device of profile 401, which takes every setting and has no error.
     fn configure(&mut self, node: u8) {
-        self.hear(&format!("{:03X}#4300100091010300", 0x580 + u16::from(node)));
-        self.hear(&format!("{:03X}#6017100000000000", 0x580 + u16::from(node)));
-        self.hear(&format!("{:03X}#6016100100000000", 0x580 + u16::from(node)));
-        self.takes_error_values(node);
+        self.configure_to_register(node);
         self.hear(&format!("{:03X}#4F01100000000000", 0x580 + u16::from(node)));
+    }
+
+    /// The same as far as the question for its error register.
+    fn configure_to_register(&mut self, node: u8) {
+        for answer in ["4300100091010300", "6017100000000000", "6016100100000000"] {
+            self.hear(&format!("{:03X}#{answer}", 0x580 + u16::from(node)));
+        }
+        self.takes_error_values(node);
     }
 
     /// Answers what its outputs, up to eight, are told to do without a manager, as one that keeps it.
