@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_canopen::sdo::{Abort, ObjectId, SdoClient, TransferFailure, TransferOptions, TransferProgress};
 use linewright_canopen::{CanopenMessage, Frame, NodeId};
 use linewright_line::Tick;
-use linewright_plant::{DeviceNode, DeviceOutbox, DriveNode, Rack};
+use linewright_plant::{CanDevice, DeviceOutbox, Rack};
 
 /// A device, or several.
 pub trait OnBus {
@@ -14,30 +14,23 @@ pub trait OnBus {
     fn next_deadline(&self) -> Option<Tick>;
 }
 
-macro_rules! on_bus {
-    ($device:ty) => {
-        impl OnBus for $device {
-            fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Vec<Frame>) {
-                let mut outbox = DeviceOutbox::default();
-                <$device>::handle(self, now, frame, &mut outbox);
-                out.append(&mut outbox.frames);
-            }
+impl<D: CanDevice + ?Sized> OnBus for Box<D> {
+    fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Vec<Frame>) {
+        let mut outbox = DeviceOutbox::default();
+        (**self).handle(now, frame, &mut outbox);
+        out.append(&mut outbox.frames);
+    }
 
-            fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) {
-                let mut outbox = DeviceOutbox::default();
-                <$device>::poll(self, now, &mut outbox);
-                out.append(&mut outbox.frames);
-            }
+    fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) {
+        let mut outbox = DeviceOutbox::default();
+        (**self).poll(now, &mut outbox);
+        out.append(&mut outbox.frames);
+    }
 
-            fn next_deadline(&self) -> Option<Tick> {
-                <$device>::next_deadline(self)
-            }
-        }
-    };
+    fn next_deadline(&self) -> Option<Tick> {
+        (**self).next_deadline()
+    }
 }
-
-on_bus!(DeviceNode);
-on_bus!(DriveNode);
 
 impl OnBus for Rack {
     fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Vec<Frame>) {
@@ -50,20 +43,6 @@ impl OnBus for Rack {
 
     fn next_deadline(&self) -> Option<Tick> {
         Rack::next_deadline(self)
-    }
-}
-
-impl<D: OnBus + ?Sized> OnBus for Box<D> {
-    fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Vec<Frame>) {
-        (**self).handle(now, frame, out);
-    }
-
-    fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) {
-        (**self).poll(now, out);
-    }
-
-    fn next_deadline(&self) -> Option<Tick> {
-        (**self).next_deadline()
     }
 }
 

@@ -11,25 +11,25 @@ use proptest::prelude::*;
 use crate::alone::{Alone, refused};
 
 /// A device with ten inputs and outputs.
-fn device(now: Tick, node: NodeId) -> DeviceNode {
-    DeviceNode::new(now, node, 10, 10, &Timing::default())
+fn device(now: Tick, node: NodeId) -> Box<DeviceNode> {
+    Box::new(DeviceNode::new(now, node, 10, 10, &Timing::default()))
 }
 
 /// One with four inputs and two outputs.
-fn small(now: Tick, node: NodeId) -> DeviceNode {
-    DeviceNode::new(now, node, 4, 2, &Timing::default())
+fn small(now: Tick, node: NodeId) -> Box<DeviceNode> {
+    Box::new(DeviceNode::new(now, node, 4, 2, &Timing::default()))
 }
 
-fn booted() -> Alone<DeviceNode> {
+fn booted() -> Alone<Box<DeviceNode>> {
     Alone::booted(4, device)
 }
 
-fn started() -> Alone<DeviceNode> {
+fn started() -> Alone<Box<DeviceNode>> {
     Alone::started(4, device)
 }
 
 /// Gives it inputs; what it sends at once.
-fn set_inputs(bench: &mut Alone<DeviceNode>, inputs: u64) -> Vec<String> {
+fn set_inputs(bench: &mut Alone<Box<DeviceNode>>, inputs: u64) -> Vec<String> {
     let mut out = DeviceOutbox::default();
     bench.device.set_inputs(bench.now, inputs, &mut out);
     out.frames.iter().map(Frame::to_string).collect()
@@ -190,7 +190,7 @@ fn the_mapping_can_be_written_as_it_is_and_not_otherwise() {
 
 #[test]
 fn a_device_without_inputs_has_no_objects_of_theirs() {
-    let mut bench = Alone::booted(4, |now, node| DeviceNode::new(now, node, 0, 3, &Timing::default()));
+    let mut bench = Alone::booted(4, |now, node| Box::new(DeviceNode::new(now, node, 0, 3, &Timing::default())));
     for object in ["1800:0", "1A00:0", "6000:0"] {
         assert_eq!(bench.read(object), refused(Abort::NO_OBJECT), "{object}");
     }

@@ -4,21 +4,21 @@
 use linewright_canopen::sdo::Abort;
 use linewright_canopen::{Frame, NodeId};
 use linewright_line::{AtRest, Tick, Timing};
-use linewright_plant::{DeviceOutbox, DriveNode, MotionFault};
+use linewright_plant::{CanDevice, DeviceOutbox, DriveNode, MotionFault};
 
 use crate::alone::{Alone, refused};
 use crate::drive_bench::described;
 
-fn drive(now: Tick, node: NodeId) -> DriveNode {
-    DriveNode::new(now, node, &described(AtRest::Off, false), 0.0, &Timing::default())
+fn drive(now: Tick, node: NodeId) -> Box<DriveNode> {
+    Box::new(DriveNode::new(now, node, &described(AtRest::Off, false), 0.0, &Timing::default()))
 }
 
 /// With the mapping it has after a boot: controlword in, statusword out.
-fn started() -> Alone<DriveNode> {
+fn started() -> Alone<Box<DriveNode>> {
     Alone::started(5, drive)
 }
 
-fn enabled() -> Alone<DriveNode> {
+fn enabled() -> Alone<Box<DriveNode>> {
     let mut bench = started();
     for word in [0x06, 0x07, 0x0F] {
         bench.word(word);
@@ -27,7 +27,7 @@ fn enabled() -> Alone<DriveNode> {
 }
 
 /// Enabled, and at full speed on a long way.
-fn moving() -> Alone<DriveNode> {
+fn moving() -> Alone<Box<DriveNode>> {
     let mut bench = enabled();
     bench.put("6081", &10_000u32.to_le_bytes());
     bench.put("6083", &1_000_000u32.to_le_bytes());
@@ -38,7 +38,7 @@ fn moving() -> Alone<DriveNode> {
     bench
 }
 
-impl Alone<DriveNode> {
+impl Alone<Box<DriveNode>> {
     /// Sends a controlword; the state that the statusword then says, as the table of the standard has its bits.
     fn word(&mut self, word: u16) -> &'static str {
         let [low, high] = word.to_le_bytes();

@@ -10,7 +10,7 @@ use linewright_line::Tick;
 use super::bytes::number;
 use super::comm::Comm;
 use super::serve::ObjectServer;
-use super::{DeviceNode, DeviceOutbox, PlantEffect, identity};
+use super::{CanDevice, DeviceNode, DeviceOutbox, PlantEffect, identity};
 use crate::fault::{DeviceFault, FAULT_INDEX, HOLD_INDEX, MotionFault, PRESS_INDEX, STUCK_INDEX};
 
 /// Device profile 401 with digital inputs and outputs (CiA 401, object 1000h).
@@ -19,10 +19,6 @@ const DEVICE_TYPE: u32 = 0x0003_0191;
 impl ObjectServer for DeviceNode {
     fn comm(&mut self) -> &mut Comm {
         &mut self.comm
-    }
-
-    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
-        DeviceNode::inject(self, now, fault);
     }
 
     fn read(&self, _: Tick, object: ObjectId) -> Result<Vec<u8>, Abort> {

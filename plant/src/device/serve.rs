@@ -9,19 +9,17 @@ use linewright_line::Tick;
 
 use super::comm::{Comm, CommState};
 use super::trouble::TroubleEffect;
-use super::{DeviceOutbox, PlantEffect};
-use crate::fault::{DeviceFault, FAULT_INDEX, TROUBLE_INDEX};
+use super::{CanDevice, DeviceOutbox, PlantEffect};
+use crate::fault::{FAULT_INDEX, TROUBLE_INDEX};
 
 /// A device with an object dictionary.
-pub(super) trait ObjectServer {
+pub(super) trait ObjectServer: CanDevice {
     /// Its share of CANopen.
     fn comm(&mut self) -> &mut Comm;
 
     fn read(&self, now: Tick, object: ObjectId) -> Result<Vec<u8>, Abort>;
 
     fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort>;
-
-    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>);
 }
 
 /// A device, as its server reaches it while it answers one frame.

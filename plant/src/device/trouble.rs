@@ -125,7 +125,7 @@ mod tests {
 
     use super::*;
     use crate::device::serve::{ObjectServer, write_trouble};
-    use crate::device::{DeviceNode, DeviceOutbox, PlantEffect};
+    use crate::device::{CanDevice, DeviceNode, DeviceOutbox, PlantEffect};
     use crate::fault::{CLEAR, MotionFault, ObjectWrites, TROUBLE_INDEX};
 
     const NOW: Tick = Tick::from_millis(5000);
