@@ -19,34 +19,13 @@ use crate::foreign::quoted;
 /// Why a message does not fit the description.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ConvertError {
-    /// No such station.
     #[error("station '{}' is not in the description", quoted(.0))]
     Station(String),
     /// A list has another length than the station has operations.
     #[error("{field} has {has} entries; {station} has {needs} operations")]
-    Length {
-        /// Which list.
-        field: &'static str,
-        /// Station of the message.
-        station: String,
-        /// Its length.
-        has: usize,
-        /// The operations.
-        needs: usize,
-    },
-    /// An operation's index is out of range.
+    Length { field: &'static str, station: String, has: usize, needs: usize },
     #[error("{field} names operation {index}; {station} has {needs}")]
-    Operation {
-        /// Which field.
-        field: &'static str,
-        /// Station of the message.
-        station: String,
-        /// The index.
-        index: u16,
-        /// The operations.
-        needs: usize,
-    },
-    /// A mode with an unknown number.
+    Operation { field: &'static str, station: String, index: u16, needs: usize },
     #[error("mode {0} is not known")]
     Mode(u8),
 }

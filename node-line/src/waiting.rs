@@ -26,7 +26,6 @@ impl<A> Waiting<A> {
         self.arrived.extend(std::iter::from_fn(|| from.try_recv().ok()).take(at_most));
     }
 
-    /// Nothing has arrived.
     pub fn is_empty(&self) -> bool {
         self.arrived.is_empty() && self.news.is_empty()
     }

@@ -21,18 +21,18 @@ pub const HOLD_INDEX: u16 = 0x5F04;
 /// What goes wrong with one motion. Lasts until it is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MotionFault {
-    /// 1: it does not move.
-    Stick,
-    /// 2: it moves at a quarter of its speed.
-    Slip,
-    /// 3: it does not move, and its fault sensor, where it has one, is on.
-    Break,
-    /// 4: it moves the wrong way, at a quarter of its speed, as far as where it came from.
-    SlipBack,
-    /// 5: it moves, but the hand that it closes takes nothing.
-    Miss,
-    /// 6: it moves, but the hand that it has closed holds nothing fast: a part that lies nowhere else falls.
-    Drop,
+    /// It does not move.
+    Stick = 1,
+    /// It moves at a quarter of its speed.
+    Slip = 2,
+    /// It does not move, and its fault sensor, where it has one, is on.
+    Break = 3,
+    /// It moves the wrong way, at a quarter of its speed, as far as where it came from.
+    SlipBack = 4,
+    /// It moves, but the hand that it closes takes nothing.
+    Miss = 5,
+    /// It moves, but the hand that it has closed holds nothing fast: a part that lies nowhere else falls.
+    Drop = 6,
 }
 
 /// What is written to a simulated device: index and subindex, and a number. The order matters.
@@ -42,31 +42,25 @@ pub type ObjectWrites = Vec<((u16, u8), u32)>;
 pub const CLEAR: ((u16, u8), u32) = ((FAULT_INDEX, 0), 0);
 
 impl MotionFault {
+    const ALL: [MotionFault; 6] = [
+        MotionFault::Stick,
+        MotionFault::Slip,
+        MotionFault::Break,
+        MotionFault::SlipBack,
+        MotionFault::Miss,
+        MotionFault::Drop,
+    ];
+
     /// The number it has in 5F00h.
     pub fn code(self) -> u32 {
-        match self {
-            MotionFault::Stick => 1,
-            MotionFault::Slip => 2,
-            MotionFault::Break => 3,
-            MotionFault::SlipBack => 4,
-            MotionFault::Miss => 5,
-            MotionFault::Drop => 6,
-        }
+        self as u32
     }
-}
 
-impl MotionFault {
     /// The fault a number stands for; 0 clears (`Ok(None)`).
     pub fn from_code(code: u32) -> Result<Option<Self>, Abort> {
-        match code {
-            0 => Ok(None),
-            1 => Ok(Some(MotionFault::Stick)),
-            2 => Ok(Some(MotionFault::Slip)),
-            3 => Ok(Some(MotionFault::Break)),
-            4 => Ok(Some(MotionFault::SlipBack)),
-            5 => Ok(Some(MotionFault::Miss)),
-            6 => Ok(Some(MotionFault::Drop)),
-            _ => Err(Abort::VALUE),
+        match MotionFault::ALL.into_iter().find(|fault| fault.code() == code) {
+            None if code != 0 => Err(Abort::VALUE),
+            fault => Ok(fault),
         }
     }
 }
@@ -83,15 +77,9 @@ pub enum DeviceFault {
     /// 4: its heartbeats cease, and all else goes on.
     NoHeartbeat,
     /// 5F02h:04: an object says something else than it should: a device type, an identity.
-    Identity {
-        /// Index and subindex.
-        object: (u16, u8),
-        /// What it says.
-        value: u32,
-    },
+    Identity { object: (u16, u8), value: u32 },
     /// 5F02h:06: an object is refused.
     Abort {
-        /// Index and subindex.
         object: (u16, u8),
         /// With which abort code.
         code: u32,
@@ -102,7 +90,6 @@ pub enum DeviceFault {
     },
     /// 5F02h:01: it reports an error, which then stands in its error register, over boots too.
     Emergency {
-        /// The error code.
         code: u16,
         /// Bits of the error register, object 1001h.
         register: u8,

@@ -23,7 +23,8 @@ mod rack;
 mod wire;
 
 pub use device::{
-    DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, PlantEffect,
+    CanDevice, DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse,
+    PlantEffect,
 };
 pub use fault::{
     CLEAR, DeviceFault, FAULT_INDEX, HOLD_INDEX, MotionFault, ObjectWrites, PRESS_INDEX, STUCK_INDEX, TROUBLE_INDEX,

@@ -136,7 +136,6 @@ impl Mechanism {
         self.changes.clear();
     }
 
-    /// The inputs that are on at `now`.
     pub(crate) fn inputs(&self, now: Tick) -> u128 {
         let at = self.position(now);
         let switches = self.switches.iter().filter(|s| s.is_on(at)).map(|s| s.input);

@@ -30,7 +30,6 @@ pub struct PartNo(pub u64);
 /// A position in a nest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NestPosition {
-    /// The nest.
     pub nest: HolderId,
     /// From 1.
     pub position: u16,
@@ -49,42 +48,22 @@ pub struct PartLocation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartFault {
     /// A hand has let go of it where nothing was to take it, or could not hold it.
-    Fell {
-        /// The part.
-        part: PartNo,
-        /// Out of which hand.
-        hand: HolderId,
-    },
+    Fell { part: PartNo, hand: HolderId },
     /// A hand has left with it while a clamp held it, and has lost it to the clamp.
-    Torn {
-        /// The part.
-        part: PartNo,
-        /// The hand.
-        hand: HolderId,
-    },
+    Torn { part: PartNo, hand: HolderId },
     /// It was brought to where it cannot be: a place that has another part, or a closed clamp.
-    Blocked {
-        /// The part.
-        part: PartNo,
-        /// By which hand.
-        hand: HolderId,
-        /// Nest position that is blocked.
-        spot: NestPosition,
-    },
+    Blocked { part: PartNo, hand: HolderId, spot: NestPosition },
 }
 
 /// Why a part is not put there or taken away by hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartRefusal {
-    /// There is no such position.
     NoSuchSpot,
-    /// Another part is there.
     Occupied,
     /// The clamp is closed, or a hand has the part.
     Held,
     /// The part is in the plant already.
     Known,
-    /// There is no such part.
     Unknown,
 }
 

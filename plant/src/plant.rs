@@ -146,7 +146,6 @@ impl Plant {
         }
     }
 
-    /// The outputs of `owner` as last set.
     pub fn outputs(&self, owner: Owner) -> u128 {
         match owner {
             Owner::Station(id) => self.outputs.get(id.index()).copied().unwrap_or(0),
@@ -278,17 +277,14 @@ impl Plant {
         self.parts.as_mut().map_or(Err(PartRefusal::Unknown), |parts| parts.take(part, &axes))
     }
 
-    /// All parts, with where they are.
     pub fn parts(&self) -> impl Iterator<Item = (PartNo, PartLocation)> + '_ {
         self.parts.iter().flat_map(PlantParts::all)
     }
 
-    /// The part that is there.
     pub fn part_at(&self, spot: NestPosition) -> Option<PartNo> {
         self.parts.as_ref()?.at(spot)
     }
 
-    /// The part that a hand has.
     pub fn part_in(&self, hand: HolderId) -> Option<PartNo> {
         self.parts.as_ref()?.in_hand(hand)
     }

@@ -7,7 +7,8 @@ use linewright_canopen::{Frame, NodeId};
 use linewright_line::{AxisId, Device, DeviceBus, DeviceKind, Drive, DriveMode, Line, Owner, StationId, Tick};
 
 use crate::device::{
-    DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse, PlantEffect,
+    CanDevice, DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse,
+    PlantEffect,
 };
 use crate::fault::{DeviceFault, MotionFault};
 use crate::plant::{Plant, PlantOptions};
@@ -42,21 +43,25 @@ enum RackNode {
 }
 
 impl RackNode {
-    fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
+    fn on_can(&mut self) -> Option<&mut dyn CanDevice> {
         match self {
-            RackNode::Io(node) => node.handle(now, frame, out),
-            RackNode::Drive(node, _) => node.handle(now, frame, out),
-            RackNode::Plain(node) => node.handle(now, frame, out),
-            RackNode::Modbus(_) => {}
+            RackNode::Io(node) => Some(&mut **node),
+            RackNode::Drive(node, _) => Some(&mut **node),
+            RackNode::Plain(node) => Some(&mut **node),
+            RackNode::Modbus(_) => None,
+        }
+    }
+
+    fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
+        if let Some(device) = self.on_can() {
+            device.handle(now, frame, out);
         }
     }
 
     fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
         match self {
-            RackNode::Io(node) => node.poll(now, out),
-            RackNode::Drive(node, _) => node.poll(now, out),
-            RackNode::Plain(node) => node.poll(now, out),
             RackNode::Modbus(node) => node.poll(now),
+            node => node.on_can().into_iter().for_each(|device| device.poll(now, out)),
         }
     }
 
@@ -66,6 +71,13 @@ impl RackNode {
             RackNode::Drive(node, _) => node.next_deadline(),
             RackNode::Plain(node) => node.next_deadline(),
             RackNode::Modbus(node) => node.next_deadline(),
+        }
+    }
+
+    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
+        match self {
+            RackNode::Modbus(node) => node.inject(fault),
+            node => node.on_can().into_iter().for_each(|device| device.inject(now, fault)),
         }
     }
 }
@@ -118,7 +130,6 @@ impl Rack {
         self.each(now, out, FaultyWire::towards, |node, outbox| node.handle(now, frame, outbox));
     }
 
-    /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, out: &mut Vec<Frame>) {
         self.each(now, out, |_| 1, |node, outbox| node.poll(now, outbox));
     }
@@ -147,13 +158,11 @@ impl Rack {
         answer
     }
 
-    /// When [`Rack::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
         let devices = self.slots.iter().filter_map(|slot| slot.node.next_deadline());
         devices.chain(self.plant.next_change()).min()
     }
 
-    /// The mechanisms, to look at.
     pub fn plant(&self) -> &Plant {
         &self.plant
     }
@@ -166,12 +175,7 @@ impl Rack {
     /// Makes any device fail, or work again: all its faults of communication, and its line.
     pub fn inject(&mut self, now: Tick, node: NodeId, fault: Option<DeviceFault>) {
         let Some(slot) = self.slots.iter_mut().find(|slot| slot.device.node_id() == Some(node.get())) else { return };
-        match &mut slot.node {
-            RackNode::Io(node) => node.inject(now, fault),
-            RackNode::Drive(node, _) => node.inject(now, fault),
-            RackNode::Plain(node) => node.inject(now, fault),
-            RackNode::Modbus(node) => node.inject(fault),
-        }
+        slot.node.inject(now, fault);
         if fault.is_none() {
             slot.wire = FaultyWire::default();
         }
@@ -184,11 +188,7 @@ impl Rack {
             return;
         }
         for slot in self.slots.iter_mut().filter(|slot| slot.device.name == device.name) {
-            match &mut slot.node {
-                RackNode::Plain(node) => node.inject(now, fault),
-                RackNode::Modbus(node) => node.inject(fault),
-                RackNode::Io(_) | RackNode::Drive(..) => {}
-            }
+            slot.node.inject(now, fault);
         }
     }
 
@@ -214,42 +214,6 @@ impl Rack {
         self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
             RackNode::Io(node) => Some(node.as_ref()),
             RackNode::Drive(..) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
-        })
-    }
-
-    /// The I/O device with this node id, to make it fail.
-    pub fn device_mut(&mut self, node: NodeId) -> Option<&mut DeviceNode> {
-        self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &mut slot
-            .node
-        {
-            RackNode::Io(node) => Some(node.as_mut()),
-            RackNode::Drive(..) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
-        })
-    }
-
-    /// The drive with this node id.
-    pub fn drive(&self, node: NodeId) -> Option<&DriveNode> {
-        self.slots.iter().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &slot.node {
-            RackNode::Drive(node, _) => Some(node.as_ref()),
-            RackNode::Io(_) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
-        })
-    }
-
-    /// The drive with this node id, to make it fail.
-    pub fn drive_mut(&mut self, node: NodeId) -> Option<&mut DriveNode> {
-        self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())).find_map(|slot| match &mut slot
-            .node
-        {
-            RackNode::Drive(node, _) => Some(node.as_mut()),
-            RackNode::Io(_) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
-        })
-    }
-
-    /// The device of this name that speaks no CANopen, to make it fail.
-    pub fn plain_mut(&mut self, name: &str) -> Option<&mut DbcDeviceNode> {
-        self.slots.iter_mut().filter(|slot| slot.device.name == name).find_map(|slot| match &mut slot.node {
-            RackNode::Plain(node) => Some(node.as_mut()),
-            RackNode::Io(_) | RackNode::Drive(..) | RackNode::Modbus(_) => None,
         })
     }
 

@@ -1,23 +1,23 @@
 //! All tests of this crate as one program: programs of their own would each be linked with all that they share.
 
+mod alone;
 mod analogue;
 mod any_frames;
 mod bus_load;
 mod common;
-mod devices;
+mod dbc_devices;
+mod device;
 mod drive_bench;
 mod drive_managed;
-mod drive_objects;
-mod drive_rack;
 mod drive_states;
 mod drives;
 mod eds;
 mod frames;
 mod lines;
+mod managed;
 mod mechanisms;
-mod objects;
 mod parts;
-mod plain;
+mod rack;
 mod sync;
 mod troubles;
 mod wire;

@@ -41,20 +41,6 @@ fn an_output_moves_the_axis_to_its_target_and_the_input_says_so() {
 }
 
 #[test]
-fn a_target_with_a_velocity_of_its_own_is_approached_with_it() {
-    let mut pair = Pair::new(absolute(), 0.0, 1);
-    for (image, fastest) in [(0b0100, 60.0), (0b0001, 300.0), (0b0100, 60.0)] {
-        let mut seen: f64 = 0.0;
-        pair.set(image);
-        pair.run(millis(2000), |pair| seen = seen.max(pair.speed().abs()));
-        assert!((seen - fastest).abs() < 0.5, "{seen} for {fastest}");
-        pair.set(0);
-        pair.run(millis(50), |_| {});
-    }
-    assert_eq!(pair.place(), 80.0);
-}
-
-#[test]
 fn letting_go_on_the_way_stops_it_and_switches_it_off() {
     let mut pair = Pair::new(absolute(), 0.0, 1);
     pair.set(0b1000);
@@ -103,22 +89,6 @@ fn a_drive_whose_manager_is_gone_stops_by_itself() {
 }
 
 #[test]
-fn an_axis_that_would_sink_is_held_under_power() {
-    let mut pair = Pair::new(described(AtRest::Hold, false), 0.0, 1);
-    pair.set(0b0010);
-    pair.run(millis(1000), |_| {});
-    pair.states.clear();
-    pair.set(0);
-    pair.run(millis(300), |_| {});
-    pair.set(0b1000);
-    pair.run(millis(150), |_| {});
-    pair.set(0);
-    pair.run(millis(300), |pair| assert!(pair.place() > 80.0 - 0.05));
-    assert_eq!(pair.states, [DriveState::OperationEnabled], "never without torque");
-    assert_eq!(pair.speed(), 0.0);
-}
-
-#[test]
 fn a_stuck_axis_trips_and_is_reset_only_when_its_output_is_off() {
     let mut pair = Pair::new(absolute(), 0.0, 1);
     pair.set(0b0010);
@@ -139,24 +109,6 @@ fn a_stuck_axis_trips_and_is_reset_only_when_its_output_is_off() {
     pair.set(0b0010);
     pair.run(millis(1000), |_| {});
     assert_eq!(pair.inputs(), 0b010);
-}
-
-#[test]
-fn a_drive_that_does_not_know_where_it_is_homes_before_anything_else() {
-    let mut pair = Pair::new(described(AtRest::Off, true), 37.0, 1);
-    assert_eq!(pair.inputs(), 0, "it reads 0, and stands at 37");
-    pair.set(0b0010);
-    pair.run(millis(500), |pair| assert_eq!(pair.place(), 37.0));
-    assert_eq!(pair.inputs(), FAULT);
-    pair.set(0);
-    pair.set(HOME);
-    pair.run(millis(5000), |pair| assert!(pair.inputs() & 1 == 0 || pair.place().abs() < 0.05));
-    assert_eq!((pair.inputs(), pair.place()), (0b1_0001, 0.0));
-    pair.set(0);
-    pair.run(millis(50), |_| {});
-    pair.set(0b0010);
-    pair.run(millis(1000), |_| {});
-    assert_eq!((pair.inputs(), pair.place()), (0b1_0010, 80.0));
 }
 
 #[test]

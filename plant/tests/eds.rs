@@ -1,26 +1,40 @@
 //! The device and its description say the same: every entry that can be read answers with as many bytes as its type
 //! has and, if it has a default, with that; and nothing answers that is not described.
 
-use std::time::Duration;
+use linewright_canopen::NodeId;
+use linewright_canopen::sdo::Abort;
+use linewright_eds::{Eds, ObjectValue, read};
+use linewright_line::{Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, AtRest, Tick, Timing};
+use linewright_plant::{CanDevice, DeviceNode, DriveNode};
 
-use linewright_canopen::sdo::{ObjectId, SdoClient, TransferOptions, TransferProgress};
-use linewright_canopen::{CanopenMessage, Frame};
-use linewright_eds::{Eds, NodeId, ObjectValue, read};
-use linewright_line::{Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, Tick, Timing};
-use linewright_plant::{DeviceNode, DeviceOutbox};
+use crate::alone::{Alone, refused};
+use crate::drive_bench::described as described_drive;
 
 const NODE: u8 = 4;
-const EDS: &[u8] = include_bytes!("../../launch-config/devices/linewright-io.eds");
-const ANALOGUE: &[u8] = include_bytes!("../../launch-config/devices/linewright-analogue.eds");
 
-fn described() -> Eds {
-    read("linewright-io.eds", EDS).unwrap_or_else(|problems| panic!("{problems:#}"))
+fn eds(name: &str) -> Eds {
+    let file = format!("{}/../launch-config/devices/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read(&file).unwrap_or_else(|error| panic!("{file}: {error}"));
+    read(name, &text).unwrap_or_else(|problems| panic!("{problems:#}"))
+}
+
+fn boxed<D: CanDevice + 'static>(device: impl FnOnce(Tick, NodeId) -> D) -> Alone<Box<dyn CanDevice>> {
+    Alone::booted(NODE, |now, node| Box::new(device(now, node)) as Box<dyn CanDevice>)
 }
 
 /// Descriptions, their devices, and how many entries of each can be read.
-fn pairs() -> [(Eds, DeviceNode, usize); 2] {
-    let analogue = read("linewright-analogue.eds", ANALOGUE).unwrap_or_else(|problems| panic!("{problems:#}"));
-    [(described(), device(), 78), (analogue, device().with_channels(&channels()), 195)]
+fn pairs() -> [(Eds, Alone<Box<dyn CanDevice>>, usize); 3] {
+    let drive = |now, node| DriveNode::new(now, node, &described_drive(AtRest::Off, false), 0.0, &Timing::default());
+    [
+        (eds("linewright-io.eds"), boxed(io), 78),
+        (eds("linewright-analogue.eds"), boxed(|now, node| io(now, node).with_channels(&channels())), 195),
+        (eds("linewright-drive.eds"), boxed(drive), 69),
+    ]
+}
+
+/// A device of 64 inputs and outputs.
+fn io(now: Tick, node: NodeId) -> DeviceNode {
+    DeviceNode::new(now, node, 64, 64, &Timing::default())
 }
 
 /// All that a device can have.
@@ -34,43 +48,12 @@ fn channels() -> Analogue {
     Analogue { inputs: (1..=12).map(input).collect(), outputs: (1..=12).map(output).collect() }
 }
 
-/// A device of 64 inputs and outputs that has booted.
-fn device() -> DeviceNode {
-    let id = linewright_canopen::NodeId::new(NODE).expect("a node id");
-    let mut device = DeviceNode::new(Tick::ZERO, id, 64, 64, &Timing::default());
-    device.poll(Tick::ZERO + Duration::from_millis(30), &mut DeviceOutbox::default());
-    device
-}
-
-/// The answer to an upload request, as bytes of the frame.
-fn ask(device: &mut DeviceNode, index: u16, sub: u8) -> Vec<u8> {
+/// Whether the device answers an upload request with data.
+fn answers(device: &mut Alone<Box<dyn CanDevice>>, index: u16, sub: u8) -> bool {
     let [low, high] = index.to_le_bytes();
-    let request = Frame::data_frame(0x600 + u16::from(NODE), &[0x40, low, high, sub, 0, 0, 0, 0]).expect("a frame");
-    let mut out = DeviceOutbox::default();
-    device.handle(Tick::ZERO + Duration::from_millis(31), &request, &mut out);
-    assert_eq!(out.frames.len(), 1, "{index:04X} {sub}");
-    out.frames[0].data().to_vec()
-}
-
-/// An object of any length, as a manager reads it.
-fn upload(device: &mut DeviceNode, object: ObjectId) -> Vec<u8> {
-    let now = Tick::ZERO + Duration::from_millis(31);
-    let node = linewright_canopen::NodeId::new(NODE).expect("a node id");
-    let mut client = SdoClient::upload(object, TransferOptions::default());
-    let mut requests = Vec::new();
-    client.start(now, &mut requests);
-    loop {
-        let mut out = DeviceOutbox::default();
-        for raw in requests.drain(..) {
-            device.handle(now, &CanopenMessage::SdoRequest { node, raw }.encode(), &mut out);
-        }
-        let Ok(CanopenMessage::SdoResponse { raw, .. }) = CanopenMessage::decode(&out.frames[0]) else {
-            panic!("{:?}", out.frames)
-        };
-        if let TransferProgress::Done(result) = client.handle(now, &raw, &mut requests) {
-            return result.unwrap_or_else(|error| panic!("{error}"));
-        }
-    }
+    let answer = device.ask(&format!("604#40{low:02X}{high:02X}{sub:02X}00000000"));
+    assert!(!answer.is_empty(), "{index:04X} {sub}");
+    !answer.starts_with("584#80")
 }
 
 #[test]
@@ -78,14 +61,13 @@ fn every_entry_answers_as_described() {
     for (eds, mut device, readable) in pairs() {
         let mut read = 0;
         for (index, sub, entry) in eds.entries() {
-            let answer = ask(&mut device, index, sub);
             if !entry.access.is_readable() {
-                assert_eq!(answer[0], 0x80, "{index:04X} {sub} is described as {}", entry.access);
+                assert!(!answers(&mut device, index, sub), "{index:04X} {sub} is described as {}", entry.access);
                 continue;
             }
-            let bytes = upload(&mut device, ObjectId::new(index, sub));
+            let bytes = device.read(&format!("{index:X}:{sub:X}")).unwrap_or_else(|error| panic!("{error:?}"));
             let value = entry.data_type.decode(&bytes).expect("of its size");
-            if let Some(default) = entry.default_for(NodeId::new(NODE).expect("a node id")) {
+            if let Some(default) = entry.default_for(linewright_eds::NodeId::new(NODE).expect("a node id")) {
                 assert_eq!(value, default, "{index:04X} {sub}");
             }
             read += 1;
@@ -99,34 +81,38 @@ fn nothing_answers_that_is_not_described() {
     for (eds, mut device, _) in pairs() {
         for index in (0x1000..0x1C00).chain(0x2000..0x7000) {
             for sub in 0..=70 {
-                // Whatever can be read is described; what can only be written says so.
-                let answer = ask(&mut device, index, sub);
-                if eds.entry(index, sub).is_none() && !(matches!(index, 0x5F00 | 0x5F01)) {
-                    assert_eq!(answer[0], 0x80, "{index:04X} {sub} answers and is not described");
-                }
+                let described = eds.entry(index, sub).is_some() || !answers(&mut device, index, sub);
+                assert!(described, "{index:04X} {sub} answers and is not described");
             }
+        }
+    }
+}
+
+/// Of a length no object has: whatever may be written complains of that, everything else of being written.
+#[test]
+fn a_drive_takes_only_what_is_described_as_writable() {
+    let [.., (eds, mut drive, _)] = pairs();
+    for index in (0x1000..0x1C00).chain(0x5F00..0x5F02).chain(0x6000..0x6600) {
+        for sub in 0..12 {
+            let too_long = drive.write(&format!("{index:X}:{sub:X}"), &[0; 3]) == refused(Abort::LENGTH);
+            let writable = eds.entry(index, sub).is_some_and(|entry| entry.access.is_writable()) && index != 0x5F00;
+            assert_eq!(too_long, writable, "{index:04X} {sub}");
         }
     }
 }
 
 #[test]
 fn what_a_configuration_sets_the_device_takes() {
-    let node = NodeId::new(NODE).expect("a node id");
+    let node = linewright_eds::NodeId::new(NODE).expect("a node id");
     let configuration = linewright_eds::Configuration::new(node)
         .set(0x1016, 1, ObjectValue::Unsigned(0x0001_0064))
         .set(0x1017, 0, ObjectValue::Unsigned(100));
-    let dcf = described().configure("io4.dcf", &configuration).unwrap_or_else(|errors| panic!("{errors}"));
-    let mut device = device();
+    let [(eds, mut device, _), ..] = pairs();
+    let dcf = eds.configure("io4.dcf", &configuration).unwrap_or_else(|errors| panic!("{errors}"));
     for download in dcf.downloads(node).expect("for this node") {
         let linewright_eds::DownloadContent::Bytes(bytes) = &download.content else { panic!("{download}") };
-        let [low, high] = download.index.to_le_bytes();
-        let mut data = vec![0x23 | (4 - bytes.len() as u8) << 2, low, high, download.sub, 0, 0, 0, 0];
-        data[4..4 + bytes.len()].copy_from_slice(bytes);
-        let request = Frame::data_frame(0x600 + u16::from(NODE), &data).expect("a frame");
-        let mut out = DeviceOutbox::default();
-        device.handle(Tick::ZERO + Duration::from_millis(32), &request, &mut out);
-        assert_eq!(out.frames[0].data()[0], 0x60, "{download}");
-        let answer = ask(&mut device, download.index, download.sub);
-        assert_eq!(&answer[4..4 + bytes.len()], bytes);
+        let object = format!("{:X}:{:X}", download.index, download.sub);
+        assert_eq!(device.write(&object, bytes), Ok(()), "{download}");
+        assert_eq!(device.read(&object), Ok(bytes.clone()));
     }
 }

@@ -1,252 +1,209 @@
 //! What a simulated device can be made to suffer on the bus, commanded as over CAN: each begins, shows, and is cleared.
 
-use std::time::Duration;
+use linewright_canopen::NodeId;
+use linewright_line::Owner;
+use linewright_plant::FrameFaults;
 
-use linewright_canopen::sdo::ObjectId;
-use linewright_canopen::{BusOutbox, Frame, Manager, NodeId};
-use linewright_line::{DeviceBus, Owner, Tick};
-use linewright_plant::{FrameFaults, PlantOptions, Rack};
+use crate::common::line;
+use crate::managed::Managed;
 
-const STEP: Duration = Duration::from_millis(1);
-
-/// The devices of the coordinator's bus and their manager, a millisecond at a time.
-struct Bench {
-    rack: Rack,
-    manager: Manager,
-    now: Tick,
-    /// What the devices said.
-    heard: Vec<String>,
+/// Press 1 (node 4) and the console (node 10) are up.
+fn up() -> Managed {
+    let mut bus = Managed::up(&line());
+    bus.run(600);
+    bus.wire.clear();
+    bus
 }
 
-impl Bench {
-    /// Press 1 (node 4) and the console (node 10) are up.
-    fn up() -> Self {
-        let line = crate::common::line();
-        let devices = line.devices.iter().filter(|device| device.bus == DeviceBus::Line);
-        let mut bench = Bench {
-            rack: Rack::new(Tick::ZERO, &line, &DeviceBus::Line, PlantOptions::default()),
-            manager: Manager::new(devices, line.timing).expect("devices of a test"),
-            now: Tick::ZERO,
-            heard: Vec::new(),
-        };
-        bench.pass(1000);
-        assert!(bench.trouble().is_empty(), "{:?}", bench.trouble());
-        bench
-    }
+/// Index, subindex and number written to node 4.
+type Writes = &'static [(u16, u8, u32)];
 
-    fn pass(&mut self, millis: u32) {
-        for _ in 0..millis {
-            self.now = self.now + STEP;
-            let mut out = BusOutbox::default();
-            self.manager.poll(self.now, &mut out);
-            let mut back = Vec::new();
-            self.rack.poll(self.now, &mut back);
-            for _ in 0..20 {
-                for frame in out.frames.drain(..) {
-                    self.rack.handle(self.now, &frame, &mut back);
-                }
-                for frame in back.drain(..) {
-                    self.heard.push(frame.to_string());
-                    self.manager.handle(self.now, &frame, &mut out);
-                }
-            }
+struct Row {
+    writes: Writes,
+    /// How long it then goes on, in ms.
+    millis: u64,
+    /// What the manager says of it then, in parts.
+    trouble: &'static [&'static str],
+    /// A frame that comes meanwhile, and beginnings of those that do not.
+    heard: &'static str,
+    unheard: &'static [&'static str],
+}
+
+const FAULT: u16 = 0x5F00;
+const TROUBLE: u16 = 0x5F02;
+const REBOOT: (u16, u8, u32) = (FAULT, 0, 2);
+const READING: u32 = 1 << 24;
+const WRITING: u32 = 1 << 25;
+/// What the manager asks of a device that it looks for.
+const ASKED: &str = "604#40001000";
+
+const ROWS: &[Row] = &[
+    // It boots, and does not come up.
+    Row {
+        writes: &[(FAULT, 0, 3)],
+        millis: 5000,
+        trouble: &["press1-io (node 04h): no heartbeat (1017h) for"],
+        heard: ASKED,
+        unheard: &["084#", "184#", "584#", "704#"],
+    },
+    // Its heartbeats cease, process data go on.
+    Row {
+        writes: &[(FAULT, 0, 4)],
+        millis: 3000,
+        trouble: &["no heartbeat (1017h) for"],
+        heard: "184#",
+        unheard: &["704#"],
+    },
+    // It reports an error.
+    Row {
+        writes: &[(TROUBLE, 1, 0x05_2310)],
+        millis: 10,
+        trouble: &["emergency 2310h (current at outputs too high, overload), error register 1001h = 05h"],
+        heard: "084#1023050000000000",
+        unheard: &[],
+    },
+    // The error stands also after a boot.
+    Row {
+        writes: &[(TROUBLE, 1, 0x05_2310), REBOOT],
+        millis: 1000,
+        trouble: &["its error register 1001h = 05h (generic, voltage)"],
+        heard: "704#00",
+        unheard: &[],
+    },
+    // It is off the bus.
+    Row {
+        writes: &[(TROUBLE, 2, 4000)],
+        millis: 300,
+        trouble: &["no heartbeat (1017h) for 3"],
+        heard: "77F#05",
+        unheard: &["704#"],
+    },
+    // It refuses an object that is written.
+    Row {
+        writes: &[(TROUBLE, 5, 0x0606_0000), (TROUBLE, 6, WRITING | 0x10_1700), REBOOT],
+        millis: 500,
+        trouble: &["not started: it cannot be configured: object 1017h:00: refused: 06060000h"],
+        heard: "704#7F",
+        unheard: &["704#05"],
+    },
+    // It refuses an object that is read.
+    Row {
+        writes: &[(TROUBLE, 5, 0x0606_0000), (TROUBLE, 6, READING | 0x10_0000), REBOOT],
+        millis: 500,
+        trouble: &["not started: it cannot be identified: object 1000h:00: refused: 06060000h"],
+        heard: "704#7F",
+        unheard: &["704#05"],
+    },
+    // It has no error values: no such object, read or written.
+    Row {
+        writes: &[(TROUBLE, 5, 0x0602_0000), (TROUBLE, 6, READING | WRITING | 0x62_0601), REBOOT],
+        millis: 500,
+        trouble: &[
+            "not started: it cannot be configured: object 6206h:01: refused: 06020000h",
+            "`without_error_values`",
+        ],
+        heard: "704#7F",
+        unheard: &["704#05"],
+    },
+    // It takes an error value, and gives back something else.
+    Row {
+        writes: &[(TROUBLE, 3, 0x01), (TROUBLE, 4, 0x62_0701), REBOOT],
+        millis: 500,
+        trouble: &["not started: object 6207h:01 ", " is 01h, not 00h as written"],
+        heard: "704#7F",
+        unheard: &["704#05"],
+    },
+];
+
+#[test]
+fn each_trouble_shows_and_is_cleared() {
+    for Row { writes, millis, trouble, heard, unheard } in ROWS {
+        let mut bus = up();
+        for (index, sub, value) in *writes {
+            bus.run(10);
+            bus.write(*index, *sub, *value);
         }
-    }
-
-    /// Writes an object of node 4, as a technician would, without waiting for the answer.
-    fn write(&mut self, index: u16, sub: u8, value: u32) {
-        let [low, high] = index.to_le_bytes();
-        let [a, b, c, d] = value.to_le_bytes();
-        let frame = Frame::data_frame(0x604, &[0x23, low, high, sub, a, b, c, d]).expect("a frame");
-        let mut back = Vec::new();
-        self.rack.handle(self.now, &frame, &mut back);
-        let answers: Vec<String> = back.iter().map(Frame::to_string).collect();
-        let object = ObjectId::new(index, sub);
-        assert!(answers.iter().any(|answer| answer.starts_with("584#60")), "{object}: {answers:?}");
-        self.heard.extend(answers);
-    }
-
-    fn trouble(&self) -> Vec<String> {
-        self.manager.trouble(self.now, Owner::Station(crate::common::PRESS)).collect()
-    }
-
-    #[track_caller]
-    fn expect(&self, words: &str) {
-        let trouble = self.trouble();
-        assert!(matches!(&trouble[..], [said] if said.contains(words)), "{words}: {trouble:?}");
-    }
-
-    /// Everything is cleared, and after a while nothing is left of it.
-    fn clear(&mut self) {
-        self.write(0x5F00, 0, 0);
-        self.pass(7000);
-        assert_eq!(self.trouble(), Vec::<String>::new());
-        let console: Vec<String> = self.manager.trouble(self.now, Owner::Console).collect();
-        assert!(console.is_empty(), "{console:?}");
-    }
-
-    fn beats(&self) -> usize {
-        self.heard.iter().filter(|frame| frame.starts_with("704#")).count()
+        bus.wire.clear();
+        bus.run(*millis);
+        let said = bus.trouble();
+        let [one] = &said[..] else { panic!("{writes:X?}: {said:?}") };
+        assert!(trouble.iter().all(|part| one.contains(part)), "{writes:X?}: {one}");
+        assert!(!bus.sent(heard).is_empty(), "{writes:X?}: {heard}");
+        assert!(unheard.iter().all(|frame| bus.sent(frame).is_empty()), "{writes:X?}: {unheard:?}");
+        assert!(!bus.is_valid());
+        bus.write(FAULT, 0, 0);
+        bus.run(7000);
+        assert_eq!(bus.trouble(), Vec::<String>::new(), "{writes:X?} is cleared");
+        assert_eq!(bus.manager.trouble(bus.now, Owner::Console).count(), 0, "{writes:X?}: another device");
     }
 }
 
 #[test]
-fn one_that_does_not_boot() {
-    let mut bench = Bench::up();
-    bench.write(0x5F00, 0, 3);
-    bench.heard.clear();
-    bench.pass(5000);
-    assert!(!bench.heard.iter().any(|frame| frame[1..3] == *"04" || frame[1..3] == *"84"), "no sound of it");
-    bench.expect("press1-io (node 04h): no heartbeat (1017h) for");
-    bench.clear();
-    assert!(bench.heard.contains(&"704#00".to_owned()), "it has booted");
+fn the_end_of_an_error_and_of_a_time_off_the_bus_is_reported() {
+    let mut bus = up();
+    bus.write(TROUBLE, 1, 0x05_2310);
+    bus.write(TROUBLE, 1, 0);
+    bus.run(10);
+    assert!(!bus.sent("084#0000000000000000").is_empty());
+    assert!(bus.is_valid());
+    bus.write(TROUBLE, 2, 60);
+    bus.wire.clear();
+    bus.run(50);
+    assert!(bus.sent("704#").is_empty());
+    bus.run(500);
+    assert!(!bus.sent("084#4081110000000000").is_empty(), "{:?}", bus.wire);
+    assert!(bus.is_valid(), "and it is up again: {:?}", bus.trouble());
 }
 
 #[test]
-fn one_that_sends_no_heartbeats() {
-    let mut bench = Bench::up();
-    bench.write(0x5F00, 0, 4);
-    bench.heard.clear();
-    bench.pass(3000);
-    assert_eq!(bench.beats(), 0);
-    assert!(bench.heard.iter().any(|frame| frame.starts_with("184#")), "process data go on");
-    bench.expect("no heartbeat (1017h) for");
-    bench.clear();
-}
-
-#[test]
-fn one_that_is_in_error_also_after_a_boot() {
-    let mut bench = Bench::up();
-    bench.write(0x5F02, 1, 0x05_2310);
-    bench.pass(10);
-    assert!(bench.heard.contains(&"084#1023050000000000".to_owned()));
-    bench.expect("emergency 2310h (current at outputs too high, overload), error register 1001h = 05h");
-    bench.write(0x5F00, 0, 2);
-    bench.pass(1000);
-    bench.expect("its error register 1001h = 05h (generic, voltage)");
-    bench.write(0x5F02, 1, 0);
-    bench.pass(10);
-    assert!(bench.heard.contains(&"084#0000000000000000".to_owned()));
-    assert!(bench.trouble().is_empty());
-}
-
-#[test]
-fn one_that_was_off_the_bus() {
-    let mut bench = Bench::up();
-    bench.write(0x5F02, 2, 60);
-    bench.heard.clear();
-    bench.pass(50);
-    assert_eq!(bench.beats(), 0);
-    bench.pass(500);
-    assert!(bench.heard.contains(&"084#4081110000000000".to_owned()), "{:?}", bench.heard);
-    assert!(bench.trouble().is_empty(), "and it is up again: {:?}", bench.trouble());
-    bench.write(0x5F02, 2, 4000);
-    bench.pass(300);
-    bench.expect("no heartbeat (1017h) for 3");
-    bench.pass(6000);
-    assert!(bench.trouble().is_empty());
-}
-
-#[test]
-fn one_that_refuses_an_object() {
-    let mut bench = Bench::up();
-    bench.write(0x5F02, 5, 0x0606_0000);
-    bench.write(0x5F02, 6, 2 << 24 | 0x101700);
-    bench.write(0x5F00, 0, 2);
-    bench.pass(500);
-    bench.expect("not started: it cannot be configured: object 1017h:00: refused: 06060000h");
-    bench.write(0x5F02, 6, 1 << 24 | 0x100000);
-    bench.write(0x5F00, 0, 2);
-    bench.pass(500);
-    bench.expect("not started: it cannot be identified: object 1000h:00: refused: 06060000h");
-    bench.clear();
-}
-
-#[test]
-fn one_that_has_no_error_values_or_keeps_others_than_it_is_told() {
-    let mut bench = Bench::up();
-    // There is no such object (06020000h), read or written.
-    bench.write(0x5F02, 5, 0x0602_0000);
-    bench.write(0x5F02, 6, 3 << 24 | 0x62_0601);
-    bench.write(0x5F00, 0, 2);
-    bench.pass(500);
-    bench.expect("not started: it cannot be configured: object 6206h:01: refused: 06020000h");
-    bench.expect("`without_error_values`");
-    assert!(!bench.manager.inputs(bench.now, Owner::Station(crate::common::PRESS)).valid);
-    bench.clear();
-    // It takes what it is told, and gives back something else.
-    bench.write(0x5F02, 3, 0x01);
-    bench.write(0x5F02, 4, 0x62_0701);
-    bench.write(0x5F00, 0, 2);
-    bench.pass(500);
-    bench.expect("not started: object 6207h:01 ");
-    bench.expect(" is 01h, not 00h as written");
-    bench.clear();
-}
-
-#[test]
-fn one_that_would_keep_its_outputs_is_told_to_let_go_and_does_when_the_manager_falls_silent() {
-    let mut bench = Bench::up();
-    let outputs = |bench: &Bench| bench.rack.plant().outputs(Owner::Station(crate::common::PRESS));
+fn outputs_that_were_set_to_stay_are_let_go_when_the_manager_falls_silent() {
+    let mut bus = up();
     // Somebody has set it so that its outputs stay as they are, or go on, and where it is; then it is brought up anew.
     for frame in ["604#2F06620100000000", "604#2F076201FF000000", "604#2F29100101000000", "000#8004"] {
-        bench.rack.handle(bench.now, &frame.parse().expect("a frame"), &mut Vec::new());
+        bus.send(frame);
     }
-    bench.pass(500);
-    assert!(bench.trouble().is_empty(), "{:?}", bench.trouble());
-    let mut out = BusOutbox::default();
-    bench.manager.set_outputs(bench.now, Owner::Station(crate::common::PRESS), 1, &mut out);
-    for frame in &out.frames {
-        bench.rack.handle(bench.now, frame, &mut Vec::new());
-    }
-    assert_eq!(outputs(&bench), 1);
-    // The manager says nothing any more.
-    for _ in 0..250 {
-        bench.now = bench.now + STEP;
-        bench.rack.poll(bench.now, &mut Vec::new());
-    }
-    assert_eq!(outputs(&bench), 0);
+    bus.run(500);
+    bus.set(1);
+    assert_eq!((bus.trouble(), bus.outputs()), (vec![], 1));
+    bus.passes = |_| false;
+    bus.run(250);
+    assert_eq!(bus.outputs(), 0);
 }
 
 #[test]
 fn a_bad_line_is_drawn_from_its_seed() {
+    let node = NodeId::new(4).expect("a node id");
     let said = |seed: u32| {
-        let mut bench = Bench::up();
+        let mut bus = up();
         for (sub, value) in [(10, seed), (7, 100), (8, 200), (9, 100)] {
-            bench.write(0x5F02, sub, value);
+            bus.write(TROUBLE, sub, value);
         }
-        bench.heard.clear();
-        bench.pass(10_000);
-        bench.heard
+        bus.wire.clear();
+        bus.run(10_000);
+        bus.wire
     };
     let (one, again, other) = (said(1), said(1), said(2));
     assert_eq!(one, again);
     assert_ne!(one, other);
-    let mut bench = Bench::up();
-    bench.rack.disturb(NodeId::new(4).expect("a node id"), FrameFaults { lost_from: 1000, ..FrameFaults::default() });
-    bench.heard.clear();
-    bench.pass(1000);
-    assert_eq!(bench.beats(), 0);
-    bench.rack.inject(bench.now, NodeId::new(4).expect("a node id"), None);
-    bench.pass(1000);
-    assert!(bench.trouble().is_empty());
+    let mut bus = up();
+    bus.rack.disturb(node, FrameFaults { lost_from: 1000, ..FrameFaults::default() });
+    bus.run(1000);
+    assert!(bus.sent("704#").is_empty());
+    bus.rack.inject(bus.now, node, None);
+    bus.run(1000);
+    assert!(bus.is_valid());
 }
 
 #[test]
 fn an_output_that_is_stuck_moves_or_does_not_whatever_it_is_sent() {
-    let mut bench = Bench::up();
-    let outputs = |bench: &Bench| bench.rack.plant().outputs(Owner::Station(crate::common::PRESS));
-    bench.write(0x5F03, 1, 1);
-    bench.pass(1);
-    assert_eq!(outputs(&bench), 1);
-    bench.write(0x5F03, 1, 0);
-    let mut out = BusOutbox::default();
-    bench.manager.set_outputs(bench.now, Owner::Station(crate::common::PRESS), 1, &mut out);
-    for frame in &out.frames {
-        bench.rack.handle(bench.now, frame, &mut Vec::new());
-    }
-    assert_eq!(outputs(&bench), 0, "stuck off");
-    bench.write(0x5F03, 1, 2);
-    bench.pass(1);
-    assert_eq!(outputs(&bench), 1, "it follows again");
+    let mut bus = up();
+    bus.write(0x5F03, 1, 1);
+    bus.run(1);
+    assert_eq!(bus.outputs(), 1);
+    bus.write(0x5F03, 1, 0);
+    bus.set(1);
+    assert_eq!(bus.outputs(), 0, "stuck off");
+    bus.write(0x5F03, 1, 2);
+    bus.run(1);
+    assert_eq!(bus.outputs(), 1, "it follows again");
 }

@@ -19,7 +19,6 @@ impl Clock {
         Clock { origin: tokio::time::Instant::now() }
     }
 
-    /// The present moment.
     pub fn now(&self) -> Tick {
         Tick::ZERO + self.origin.elapsed()
     }

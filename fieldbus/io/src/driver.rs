@@ -16,7 +16,6 @@ use thiserror::Error;
 use crate::bus::{Bus, BusError, LastWire};
 use crate::clock::Clock;
 
-/// A manager at work on its bus.
 pub struct Driver {
     bus: Bus,
     manager: Manager,
@@ -57,7 +56,6 @@ pub enum DriverError {
         else { "before this one had sent anything" }
     )]
     AnotherManager {
-        /// The bus, in words.
         bus: String,
         /// Whether this one had already sent something.
         has_sent: bool,
@@ -164,24 +162,16 @@ impl Driver {
         result
     }
 
-    /// The inputs of `owner` now.
     pub fn inputs(&self, owner: Owner) -> InputImage {
         self.manager.inputs(self.clock.now(), owner)
     }
 
-    /// The manager, for its counters and states.
     pub fn manager(&self) -> &Manager {
         &self.manager
     }
 
-    /// The bus, for its description and counters.
     pub fn bus(&self) -> &Bus {
         &self.bus
-    }
-
-    /// The bus, to record it.
-    pub fn bus_mut(&mut self) -> &mut Bus {
-        &mut self.bus
     }
 
     /// The present moment of the clock it was given.

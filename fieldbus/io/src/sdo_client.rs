@@ -17,7 +17,6 @@ pub enum SdoError {
     /// The transfer has failed.
     #[error("node {node}, {error}")]
     Transfer {
-        /// The device.
         node: NodeId,
         /// The object, and what went wrong with it.
         error: TransferError,

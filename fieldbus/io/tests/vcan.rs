@@ -9,14 +9,14 @@ mod load;
 
 use std::io::Write;
 use std::sync::{Arc, Mutex, Once};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use embedded_can::{ExtendedId, Frame as _, StandardId};
 use linewright_canopen::candump::{CandumpWriter, parse_log_line};
-use linewright_canopen::{BusEvent, CanopenMessage, Frame, FrameKind, Manager, NodeId};
+use linewright_canopen::{BusEvent, CanopenMessage, Frame, FrameKind, Manager};
 use linewright_fieldbus::bus::Transport;
 use linewright_fieldbus::{Bus, BusOptions, Clock, Driver};
-use linewright_line::{Device, DeviceBus as BusName, DeviceKind, InputId, OutputId, Owner, Timing};
+use linewright_line::Timing;
 
 const INTERFACE: &str = "vcan0";
 
@@ -82,35 +82,17 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
         let (Some(bus), Some(mut device)) = (open(), open()) else { return };
         let log = Log::default();
         device.record(CandumpWriter::new(INTERFACE, Box::new(log.clone())));
-        let owner = Owner::Console;
-        let description = Device {
-            name: "io".to_owned(),
-            owner,
-            bus: BusName::Line,
-            kind: DeviceKind::io(4, vec![Some(InputId(0))], vec![Some(OutputId(0))]),
-        };
-        let manager = Manager::new([&description], Timing::default()).unwrap();
+        let owner = crowd::owner(1);
+        let manager = Manager::new(&crowd::devices(1), Timing::default()).unwrap();
         let mut driver = Driver::new(bus, manager, Clock::start());
         // A device in its simplest form: it takes every setting, and reports its output as its input.
         let plays_device = async {
-            device.send(&"704#00".parse().unwrap());
+            device.send(&crowd::heartbeat(1));
             loop {
                 let frame = device.recv().await.expect("the interface is there");
-                let answer = match frame.data() {
-                    // What lets its output go is as it was told.
-                    [0x40, 0x29, 0x10, 1, ..] => Frame::data_frame(0x584, &[0x4F, 0x29, 0x10, 1, 0, 0, 0, 0]),
-                    [0x40, 0x06, 0x62, 1, ..] => Frame::data_frame(0x584, &[0x4F, 0x06, 0x62, 1, 0xFF, 0, 0, 0]),
-                    [0x40, 0x07, 0x62, 1, ..] => Frame::data_frame(0x584, &[0x4F, 0x07, 0x62, 1, 0, 0, 0, 0]),
-                    // Whatever else is read is a number of four bytes.
-                    [0x40, low, high, sub, ..] if frame.cob_id() == Some(0x604) => {
-                        Frame::data_frame(0x584, &[0x43, *low, *high, *sub, 0x91, 0x01, 0x03, 0])
-                    }
-                    [0x23 | 0x2B | 0x2F, low, high, sub, ..] if frame.cob_id() == Some(0x604) => {
-                        Frame::data_frame(0x584, &[0x60, *low, *high, *sub, 0, 0, 0, 0])
-                    }
-                    [0x01, 0x04] if frame.cob_id() == Some(0) => Frame::data_frame(0x184, &[0]),
-                    [bits] if frame.cob_id() == Some(0x204) => Frame::data_frame(0x184, &[*bits]),
-                    _ => None,
+                let answer = match CanopenMessage::decode(&frame) {
+                    Ok(CanopenMessage::Rpdo1 { payload, .. }) => Some(crowd::inputs(1, payload.bits())),
+                    _ => crowd::answer(&frame),
                 };
                 if let Some(answer) = answer {
                     device.send(&answer);
@@ -118,7 +100,7 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
             }
         };
         let drives = async {
-            let node = NodeId::new(4).unwrap();
+            let node = crowd::node(1);
             while !driver.next().await.expect("nobody else is there").contains(&BusEvent::DeviceUp { node }) {}
             driver.set_outputs(owner, 1);
             while driver.inputs(owner).bits != 1 {
@@ -132,45 +114,8 @@ fn a_manager_brings_a_device_up_and_the_log_can_be_read() {
         let log = String::from_utf8(log.0.lock().unwrap().clone()).unwrap();
         print!("{log}");
         let frames: Vec<Frame> = log.lines().map(|line| parse_log_line(line).unwrap().2).collect();
-        assert!(frames.iter().any(|f| f.to_string() == "204#01"), "{log}");
+        assert!(frames.iter().any(|f| f.to_string() == "201#0100"), "{log}");
         assert!(frames.iter().all(|f| CanopenMessage::decode(f).is_ok()), "{log}");
-    });
-}
-
-/// Not a limit but a figure, printed with `--nocapture`: a frame there and back between two threads.
-#[test]
-fn round_trip() {
-    let _alone = alone();
-    run(async {
-        let Some(mut bus) = open() else { return };
-        std::thread::spawn(|| {
-            run(async {
-                let Some(mut echo) = open() else { return };
-                loop {
-                    let frame = echo.recv().await.expect("the interface is there");
-                    if frame.cob_id() == Some(0x100) {
-                        return;
-                    }
-                    echo.send(&frame);
-                }
-            });
-        });
-        let mut times = Vec::new();
-        for number in 0..1000u16 {
-            let frame = Frame::data_frame(0x181, &number.to_le_bytes()).unwrap();
-            let sent = Instant::now();
-            loop {
-                bus.send(&frame);
-                if let Ok(heard) = tokio::time::timeout(Duration::from_millis(200), bus.recv()).await {
-                    assert_eq!(heard.expect("the interface is there"), frame);
-                    break;
-                }
-            }
-            times.push(sent.elapsed());
-        }
-        bus.send(&Frame::data_frame(0x100, &[]).unwrap());
-        times.sort();
-        println!("round trip: median {:?}, 99 % below {:?}", times[times.len() / 2], times[times.len() * 99 / 100]);
     });
 }
 

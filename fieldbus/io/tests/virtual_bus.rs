@@ -126,41 +126,6 @@ async fn a_member_whose_socket_was_cleaned_away_comes_back() {
     assert_eq!(within(heard).await.expect("a virtual bus stays"), frame(1));
 }
 
-/// Not a limit but a figure, printed with `--nocapture`: a frame there and back between two threads.
-#[tokio::test]
-async fn round_trip() {
-    let dir = tempfile::tempdir().unwrap();
-    let mut bus = Bus::open("vcan0", &options(&dir)).unwrap();
-    let options = options(&dir);
-    // The echo has a thread and a runtime of its own, as another process would; it ends with the test.
-    std::thread::spawn(move || {
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
-        runtime.block_on(async move {
-            let mut echo = Bus::open("vcan0", &options).unwrap();
-            loop {
-                let frame = echo.recv().await.expect("a virtual bus stays");
-                echo.send(&frame);
-            }
-        });
-    });
-    let mut times = Vec::new();
-    for number in 0..2000 {
-        let sent = Instant::now();
-        let there_and_back = async {
-            loop {
-                bus.send(&frame(number));
-                if let Ok(frame) = tokio::time::timeout(Duration::from_millis(100), bus.recv()).await {
-                    break frame;
-                }
-            }
-        };
-        assert_eq!(within(there_and_back).await.expect("a virtual bus stays"), frame(number));
-        times.push(sent.elapsed());
-    }
-    times.sort();
-    println!("round trip: median {:?}, 99 % below {:?}", times[times.len() / 2], times[times.len() * 99 / 100]);
-}
-
 /// Set in a child process of [`a_killed_process_leaves_nothing_behind`]: the directory of its bus.
 const CHILD: &str = "LINEWRIGHT_TEST_CHILD";
 

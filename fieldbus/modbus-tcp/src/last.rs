@@ -35,7 +35,6 @@ impl LastOrder {
         }
     }
 
-    /// Its connection is closed.
     pub fn forget(&self) {
         if let Ok(mut own) = self.socket.lock() {
             *own = None;

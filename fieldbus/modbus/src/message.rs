@@ -9,30 +9,14 @@ use linewright_line::{REGISTER_BITS, Table};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModbusRequest {
     /// To read so many bits or registers (functions 01h to 04h).
-    Read {
-        /// Where.
-        table: Table,
-        /// From which address.
-        first: u16,
-        /// How many addresses.
-        count: u16,
-    },
+    Read { table: Table, first: u16, count: u16 },
     /// To write coils (function 0Fh).
-    WriteCoils {
-        /// From which address.
-        first: u16,
-        /// How many.
-        count: u16,
-        /// Which are on.
-        bits: u64,
-    },
+    WriteCoils { first: u16, count: u16, bits: u64 },
     /// To write holding registers (function 10h).
     WriteRegisters {
-        /// From which address.
         first: u16,
         /// How many, at most four.
         count: u16,
-        /// What.
         words: u64,
     },
 }

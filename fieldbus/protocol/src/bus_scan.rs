@@ -51,7 +51,6 @@ impl Default for BusScan {
 }
 
 impl BusScan {
-    /// Takes a frame heard at `now`.
     pub fn hear(&mut self, now: Tick, frame: &Frame) {
         let message = match CanopenMessage::decode(frame) {
             Ok(message) => message,

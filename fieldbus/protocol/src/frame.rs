@@ -8,6 +8,11 @@ use embedded_can::{ExtendedId, Id, StandardId};
 use linewright_line::FrameId;
 use thiserror::Error;
 
+/// Error class "bus off" (`CAN_ERR_BUSOFF` in `linux/can/error.h`).
+pub(crate) const BUS_OFF: u32 = 0x40;
+/// Error class "controller restarted" (`CAN_ERR_RESTARTED`).
+pub(crate) const RESTARTED: u32 = 0x100;
+
 /// Set in the id word of a frame with a 29-bit identifier (`CAN_EFF_FLAG`).
 const EXTENDED: u32 = 0x8000_0000;
 /// Set in the id word of a remote transmission request (`CAN_RTR_FLAG`).
@@ -27,10 +32,8 @@ pub struct Frame {
     data: [u8; 8],
 }
 
-/// What kind of frame it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FrameKind {
-    /// A data frame.
     Data,
     /// A remote transmission request.
     Remote,
@@ -57,7 +60,6 @@ pub enum FrameError {
     /// The text does not follow candump's form.
     #[error("`{text}` is not a frame: expected {expected}, as in 181#0102")]
     Text {
-        /// What was read.
         text: String,
         /// What was expected of it.
         expected: &'static str,
@@ -114,7 +116,6 @@ impl Frame {
         (self.kind() == FrameKind::Data).then_some(FrameId { id: self.word & 0x1FFF_FFFF, extended })
     }
 
-    /// What kind of frame it is.
     pub fn kind(&self) -> FrameKind {
         if self.word & ERROR != 0 {
             FrameKind::Error(self.word & 0x1FFF_FFFF)
@@ -130,7 +131,6 @@ impl Frame {
         self.len.into()
     }
 
-    /// Whether the length field is 0.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

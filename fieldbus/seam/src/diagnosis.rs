@@ -5,7 +5,6 @@ use linewright_line::Owner;
 /// The state of a device that is not heard, in the words of `ros2_canopen`.
 pub const NOT_HEARD: &str = "ERROR";
 
-/// How well it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// It works.
@@ -18,16 +17,11 @@ pub enum Level {
     Stale,
 }
 
-/// How one device is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnosis {
-    /// Its name.
     pub device: String,
-    /// Whose image it carries.
     pub owner: Owner,
-    /// How well it is.
     pub level: Level,
-    /// How it is, in one sentence.
     pub message: String,
     /// What it is and where it hangs.
     pub hardware_id: String,

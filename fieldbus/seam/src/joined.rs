@@ -93,7 +93,6 @@ impl Joined {
         images.reduce(InputImage::joined).unwrap_or(InputImage::NEVER)
     }
 
-    /// Sets the output image of `owner`; see [`Fieldbus::set_outputs`].
     pub fn set_outputs(&mut self, owner: Owner, image: u128) {
         self.buses.iter_mut().for_each(|bus| bus.set_outputs(owner, image));
     }
@@ -114,7 +113,6 @@ impl Joined {
         self.buses.iter().flat_map(|bus| bus.trouble(owner)).collect()
     }
 
-    /// How each device is.
     pub fn diagnoses(&self) -> Vec<Diagnosis> {
         self.buses.iter().flat_map(|bus| bus.diagnoses()).collect()
     }
@@ -124,7 +122,6 @@ impl Joined {
         self.buses.iter().for_each(|bus| bus.states(tell));
     }
 
-    /// Asks a device; see [`Fieldbus::ask`].
     pub fn ask(&mut self, target: &BusTarget, request: BusRequest) -> u64 {
         let count = self.buses.len() as u64 + 1;
         for (at, bus) in (0..).zip(&mut self.buses) {

@@ -34,10 +34,7 @@ pub use request::{Answer, BusRefusal, BusReply, BusRequest, BusTarget, ObjectAdd
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum News {
     /// An owner's input image has changed, or whether it can be trusted has.
-    InputsChanged {
-        /// Whose.
-        owner: Owner,
-    },
+    InputsChanged { owner: Owner },
     /// What was asked of a device is answered; see [`Fieldbus::take_answers`].
     Answered,
     /// Something arrived that made no sense, in words.
@@ -52,7 +49,6 @@ pub enum News {
 pub struct BusLost(Box<dyn Error + Send + Sync>);
 
 impl BusLost {
-    /// With its reason.
     pub fn new(why: impl Error + Send + Sync + 'static) -> Self {
         BusLost(Box::new(why))
     }
@@ -66,7 +62,6 @@ pub type LastOrders = Box<dyn Fn() + Send>;
 
 /// A field bus at work, as its node sees it.
 pub trait Fieldbus: Send {
-    /// Which bus this is, for a person.
     fn describe(&self) -> String;
 
     /// Runs the bus until there is something to report; never returns an empty list.
@@ -94,7 +89,6 @@ pub trait Fieldbus: Send {
     /// What keeps the inputs of `owner` from being valid: a sentence for each of its devices that is in the way.
     fn trouble(&self, owner: Owner) -> Vec<String>;
 
-    /// How each device is.
     fn diagnoses(&self) -> Vec<Diagnosis>;
 
     /// The name of each device that has a state in the words of `ros2_canopen`, and that state.

@@ -15,33 +15,24 @@ pub mod abort {
 /// Which device is asked.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BusTarget {
-    /// By its CANopen node id.
     Node(u8),
-    /// By its name.
     Device(String),
 }
 
 /// An object of a CANopen device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ObjectAddress {
-    /// Index.
     pub index: u16,
-    /// Subindex.
     pub sub: u8,
 }
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BusRequest {
-    /// To start anew.
     Reset,
-    /// To be brought up now.
     Start,
-    /// An object's value.
     Read(ObjectAddress),
-    /// To write a number.
     Write {
-        /// Where.
         object: ObjectAddress,
         /// What; a negative one in two's complement of the object's length.
         value: u32,
@@ -55,7 +46,6 @@ pub enum BusRequest {
 pub struct BusReply {
     /// The bytes read; none for anything else.
     pub value: Vec<u8>,
-    /// What is done, in words.
     pub text: String,
 }
 

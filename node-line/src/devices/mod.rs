@@ -45,7 +45,6 @@ struct ReportedDevice {
 /// What makes a diagnosis news, device by device.
 type PlainReportKey = Vec<(Level, Option<&'static str>, Option<u16>, u32)>;
 
-/// The devices of one node.
 pub struct Devices {
     node: String,
     told: Vec<ReportedDevice>,
@@ -120,7 +119,6 @@ impl Devices {
         self.tasks.iter().any(Forward::is_finished)
     }
 
-    /// When [`Devices::act`] has something to do next.
     pub fn deadline(&self) -> Tick {
         self.due
     }

@@ -30,12 +30,7 @@ pub enum PlantError {
         "cannot serve the simulated Modbus device at {address}: {error}; a device that is simulated needs an address of this \
          machine, such as 127.0.0.1:1502"
     )]
-    Modbus {
-        /// Which.
-        address: String,
-        /// Why not.
-        error: io::Error,
-    },
+    Modbus { address: String, error: io::Error },
 }
 
 /// Where and how a plant runs.
@@ -106,7 +101,6 @@ pub async fn run_plant(line: &Line, options: &RackOptions) -> Result<(), PlantEr
 }
 
 impl RackRunner {
-    /// Which bus this is, for a person.
     pub fn describe(&self) -> String {
         let bus = self.bus.iter().map(Bus::describe);
         let modbus = self.addresses.iter().map(|address| format!("Modbus TCP {address}"));
@@ -118,11 +112,6 @@ impl RackRunner {
         if let Some(bus) = &mut self.bus {
             bus.record(recorder);
         }
-    }
-
-    /// The devices and mechanisms, to look at and to make them fail.
-    pub fn rack_mut(&mut self) -> &mut Rack {
-        &mut self.rack
     }
 
     /// Runs until it is cancelled, or its bus is gone.

@@ -20,7 +20,6 @@ const QUEUE: usize = 16;
 pub struct Asked {
     /// At which address and unit.
     pub at: (String, u8),
-    /// What.
     pub request: ModbusRequest,
     /// Where the answer goes; `None` for none.
     pub reply: oneshot::Sender<Option<Result<ModbusResponse, u8>>>,

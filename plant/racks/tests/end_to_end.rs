@@ -9,7 +9,7 @@ use linewright_fieldbus::bus::{self, Transport};
 use linewright_fieldbus::{Bus, Clock, Driver, sdo_client};
 use linewright_fieldbus_seam::InputImage;
 use linewright_line::{DeviceBus as BusName, Line, Owner};
-use linewright_plant::{FAULT_INDEX, PRESS_INDEX, PlantOptions};
+use linewright_plant::{FAULT_INDEX, PlantOptions};
 use linewright_racks::{RackOptions, run_plant};
 
 const LINE_BUS: &str = "vcan-line";
@@ -111,18 +111,4 @@ async fn tool_read(tool: &mut Bus, driver: &mut Driver, node: NodeId) -> Vec<u8>
         read = sdo_client::read(tool, node, outputs, sdo::TransferOptions::default()) => read.unwrap(),
         () = async { loop { driver.next().await.expect("nobody else is there"); } } => unreachable!(),
     }
-}
-
-#[tokio::test]
-async fn a_finger_on_the_console_reaches_the_manager() {
-    let bench = Bench::new();
-    let mut driver = bench.driver(BusName::Line, LINE_BUS);
-    until(&mut driver, Owner::Console, valid(0)).await;
-    let mut tool = Bus::open(LINE_BUS, &bench.bus).unwrap();
-    let node = NodeId::new(10).unwrap();
-    sdo_client::write(&mut tool, node, ObjectId::new(PRESS_INDEX, 1), &[1], sdo::TransferOptions::default())
-        .await
-        .unwrap();
-    until(&mut driver, Owner::Console, valid(1)).await;
-    bench.plant.abort();
 }

@@ -13,7 +13,7 @@ use linewright_canopen::codec::{Abort, NodeId, Payload};
 use linewright_canopen::sdo::ObjectId;
 use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, Follows, Tick, When};
 
-use super::objects::{exactly, number};
+use super::bytes::{exactly, number};
 use super::pdo::Pdo;
 use crate::fault::HOLD_INDEX;
 
@@ -22,7 +22,6 @@ const GRAIN: Duration = Duration::from_millis(5);
 /// Process data objects with channels: the second to the fourth.
 const OBJECTS: u8 = 3;
 
-/// A channel that is measured.
 #[derive(Debug)]
 struct Measured {
     of: AnalogueInput,
@@ -39,7 +38,6 @@ struct Measured {
     delta: u32,
 }
 
-/// A channel that is set.
 #[derive(Debug)]
 struct SetChannel {
     of: AnalogueOutput,
@@ -50,7 +48,6 @@ struct SetChannel {
     error: i32,
 }
 
-/// All of a device.
 #[derive(Debug)]
 pub(super) struct SimulatedChannels {
     node: NodeId,
@@ -171,7 +168,6 @@ impl SimulatedChannels {
         self.due.fill(Tick::NEVER);
     }
 
-    /// It boots.
     pub fn forget(&mut self) {
         let of = Analogue {
             inputs: self.measured.iter().map(|own| own.of.clone()).collect(),
@@ -236,7 +232,6 @@ impl SimulatedChannels {
         }
     }
 
-    /// When [`SimulatedChannels::poll`] has something to do next.
     pub fn deadline(&self) -> Tick {
         self.due.iter().copied().fold(self.next_look, Tick::min)
     }

@@ -21,7 +21,7 @@ use linewright_canopen::sdo::{Abort, ObjectId, SdoServer};
 use linewright_line::{Tick, Timing};
 
 use super::DeviceOutbox;
-use super::objects::exactly;
+use super::bytes::exactly;
 use super::on_error::Behaviour;
 use super::trouble::InjectedFaults;
 use crate::fault::DeviceFault;
@@ -125,7 +125,6 @@ impl Comm {
         }
     }
 
-    /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick, behaviour: Behaviour, out: &mut DeviceOutbox) -> CommChange {
         if let CommState::Booting { until } = self.state
             && until <= now
@@ -258,7 +257,6 @@ impl Comm {
         self.error_register | self.trouble.register()
     }
 
-    /// Makes its communication fail, or work again.
     pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>, behaviour: Behaviour) -> CommChange {
         let trouble = &mut self.trouble;
         match fault {

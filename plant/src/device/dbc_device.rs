@@ -12,7 +12,7 @@ use std::time::Duration;
 use linewright_canopen::Frame;
 use linewright_line::{FrameBinding, FrameField, FrameId, Page, ReceivedFrameBinding, SentFrameBinding, Tick, When};
 
-use super::DeviceOutbox;
+use super::{CanDevice, DeviceOutbox};
 use crate::fault::DeviceFault;
 
 /// So many of its own messages within the time in which they are missed.
@@ -67,20 +67,6 @@ impl DbcDeviceNode {
         self.taken.iter().fold(0, |all, taken| all | taken.outputs)
     }
 
-    /// Unplugs it, makes it boot, or lets it work again (`None`).
-    pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
-        self.silent = fault == Some(DeviceFault::Silent);
-        if fault == Some(DeviceFault::Reboot) {
-            self.counters.clear();
-            for taken in &mut self.taken {
-                (taken.missed, taken.outputs) = (None, 0);
-            }
-        }
-        for sent in &mut self.sent {
-            sent.due = now;
-        }
-    }
-
     /// Sets its owner's inputs as the switches have them at `now`.
     pub fn set_inputs(&mut self, now: Tick, inputs: u128, out: &mut DeviceOutbox) {
         let changed = self.inputs ^ inputs;
@@ -94,9 +80,10 @@ impl DbcDeviceNode {
             }
         }
     }
+}
 
-    /// Takes a frame from the bus.
-    pub fn handle(&mut self, now: Tick, frame: &Frame, _: &mut DeviceOutbox) {
+impl CanDevice for DbcDeviceNode {
+    fn handle(&mut self, now: Tick, frame: &Frame, _: &mut DeviceOutbox) {
         let Some(id) = frame.frame_id().filter(|_| !self.silent) else { return };
         let mut data = [0; 8];
         data[..frame.data().len()].copy_from_slice(frame.data());
@@ -111,8 +98,7 @@ impl DbcDeviceNode {
         taken.obey(now, &data);
     }
 
-    /// Does what is due at `now`.
-    pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
+    fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
         for taken in self.taken.iter_mut().filter(|taken| taken.missed.is_some_and(|at| at <= now)) {
             (taken.missed, taken.outputs) = (None, 0);
         }
@@ -121,10 +107,23 @@ impl DbcDeviceNode {
         }
     }
 
-    /// When [`DbcDeviceNode::poll`] has something to do next.
-    pub fn next_deadline(&self) -> Option<Tick> {
+    fn next_deadline(&self) -> Option<Tick> {
         let missed = self.taken.iter().filter_map(|taken| taken.missed);
         self.sent.iter().map(|sent| sent.due).chain(missed).min()
+    }
+
+    /// Unplugs it, makes it boot, or lets it work again (`None`).
+    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
+        self.silent = fault == Some(DeviceFault::Silent);
+        if fault == Some(DeviceFault::Reboot) {
+            self.counters.clear();
+            for taken in &mut self.taken {
+                (taken.missed, taken.outputs) = (None, 0);
+            }
+        }
+        for sent in &mut self.sent {
+            sent.due = now;
+        }
     }
 }
 

@@ -10,6 +10,7 @@
 //! which is zero unless somebody has set another. Coming back does not restore outputs: that takes a new PDO from
 //! whoever is in charge.
 
+mod bytes;
 mod channels;
 mod comm;
 mod dbc_device;
@@ -43,6 +44,21 @@ const PDO_LENGTH: u16 = 0x8210;
 
 /// Error code "communication": SYNC, which outputs wait for, has stopped. CiA 301 has no code of its own for it.
 const NO_SYNC: u16 = 0x8100;
+
+/// A simulated device on a CAN bus.
+pub trait CanDevice {
+    /// Takes a frame from the bus.
+    fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox);
+
+    /// Does what is due at `now`.
+    fn poll(&mut self, now: Tick, out: &mut DeviceOutbox);
+
+    /// When [`CanDevice::poll`] has something to do next.
+    fn next_deadline(&self) -> Option<Tick>;
+
+    /// Makes its communication fail, or work again (`None`).
+    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>);
+}
 
 /// What a simulated device does to the plant it hangs on, beyond its outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +99,6 @@ pub struct DeviceOutbox {
     pub orders: Vec<PlantEffect>,
 }
 
-/// A simulated device.
 #[derive(Debug)]
 pub struct DeviceNode {
     comm: Comm,
@@ -157,19 +172,8 @@ impl DeviceNode {
             .poll(now, sends, |number, payload| comm.send(&CanopenMessage::Tpdo { node, number, payload }, out));
     }
 
-    /// The state it reports of itself.
     pub fn state(&self) -> NmtState {
         self.comm.nmt_state()
-    }
-
-    /// Makes it fail, or work again (`None`). A silent device goes on by itself: unplugged from the bus it still
-    /// misses its manager, and lets go of its outputs.
-    pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
-        if fault.is_none() {
-            self.channels.release();
-        }
-        let change = self.comm.inject(now, fault, self.on_error.behaviour);
-        self.react(now, change, &mut DeviceOutbox::default());
     }
 
     /// Sets its inputs as the switches have them at `now`. A change is sent at once, or with a SYNC if it was told so.
@@ -181,56 +185,6 @@ impl DeviceNode {
                 self.send_inputs(now, out);
             }
         }
-    }
-
-    /// Takes a frame from the bus.
-    pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
-        let Ok(message) = CanopenMessage::decode(frame) else { return };
-        match message {
-            CanopenMessage::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
-            _ if !self.comm.hears() => {}
-            CanopenMessage::Rpdo1 { node, payload } if node == self.comm.node => self.take_outputs(payload, out),
-            CanopenMessage::Rpdo { node, number, payload } if node == self.comm.node => {
-                if self.comm.is_operational() && !self.channels.take(number, payload) {
-                    self.comm.report(PDO_LENGTH, 0, out);
-                }
-            }
-            CanopenMessage::Sync { .. } => self.sync(now, out),
-            message => {
-                let change = self.comm.handle(now, &message, self.on_error.behaviour, out);
-                self.react(now, change, out);
-            }
-        }
-    }
-
-    /// Does what is due at `now`.
-    pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
-        let change = self.comm.poll(now, self.on_error.behaviour, out);
-        self.react(now, change, out);
-        if self.sync_watch.deadline() <= now {
-            self.sync_watch.rest();
-            let change = self.comm.lose(self.on_error.behaviour, NO_SYNC, out);
-            self.react(now, change, out);
-        }
-        if self.next_inputs <= now {
-            self.next_inputs = Tick::NEVER;
-            if self.inputs_pdo.event_timer().is_some() {
-                self.send_inputs(now, out);
-            }
-        }
-        self.poll_channels(now, out);
-        serve::poll(&mut self.comm, now, out);
-    }
-
-    /// When [`DeviceNode::poll`] has something to do next.
-    pub fn next_deadline(&self) -> Option<Tick> {
-        let first = self
-            .comm
-            .next_deadline()
-            .min(self.next_inputs)
-            .min(self.sync_watch.deadline())
-            .min(self.channels.deadline());
-        (first != Tick::NEVER).then_some(first)
     }
 
     fn react(&mut self, now: Tick, change: CommChange, out: &mut DeviceOutbox) {
@@ -319,5 +273,64 @@ impl DeviceNode {
             self.unsent = false;
             self.next_inputs = self.inputs_pdo.event_timer().map_or(Tick::NEVER, |every| now + every);
         }
+    }
+}
+
+impl CanDevice for DeviceNode {
+    fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
+        let Ok(message) = CanopenMessage::decode(frame) else { return };
+        match message {
+            CanopenMessage::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
+            _ if !self.comm.hears() => {}
+            CanopenMessage::Rpdo1 { node, payload } if node == self.comm.node => self.take_outputs(payload, out),
+            CanopenMessage::Rpdo { node, number, payload } if node == self.comm.node => {
+                if self.comm.is_operational() && !self.channels.take(number, payload) {
+                    self.comm.report(PDO_LENGTH, 0, out);
+                }
+            }
+            CanopenMessage::Sync { .. } => self.sync(now, out),
+            message => {
+                let change = self.comm.handle(now, &message, self.on_error.behaviour, out);
+                self.react(now, change, out);
+            }
+        }
+    }
+
+    fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        let change = self.comm.poll(now, self.on_error.behaviour, out);
+        self.react(now, change, out);
+        if self.sync_watch.deadline() <= now {
+            self.sync_watch.rest();
+            let change = self.comm.lose(self.on_error.behaviour, NO_SYNC, out);
+            self.react(now, change, out);
+        }
+        if self.next_inputs <= now {
+            self.next_inputs = Tick::NEVER;
+            if self.inputs_pdo.event_timer().is_some() {
+                self.send_inputs(now, out);
+            }
+        }
+        self.poll_channels(now, out);
+        serve::poll(&mut self.comm, now, out);
+    }
+
+    fn next_deadline(&self) -> Option<Tick> {
+        let first = self
+            .comm
+            .next_deadline()
+            .min(self.next_inputs)
+            .min(self.sync_watch.deadline())
+            .min(self.channels.deadline());
+        (first != Tick::NEVER).then_some(first)
+    }
+
+    /// Makes it fail, or work again (`None`). A silent device goes on by itself: unplugged from the bus it still
+    /// misses its manager, and lets go of its outputs.
+    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
+        if fault.is_none() {
+            self.channels.release();
+        }
+        let change = self.comm.inject(now, fault, self.on_error.behaviour);
+        self.react(now, change, &mut DeviceOutbox::default());
     }
 }

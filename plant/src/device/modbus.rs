@@ -18,16 +18,11 @@ const ILLEGAL_VALUE: u8 = 3;
 const BITS_MAX: u16 = 2000;
 const WORDS_MAX: u16 = 125;
 
-/// What somebody asks of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ModbusRequest {
-    /// To read bits or words.
     Read {
-        /// Where.
         table: Table,
-        /// From which address.
         first: u16,
-        /// How many.
         count: u16,
     },
     /// To write coils from this address on.
@@ -36,14 +31,10 @@ pub enum ModbusRequest {
     WriteRegisters(u16, Vec<u16>),
 }
 
-/// What it answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ModbusResponse {
-    /// The bits read.
     Bits(Vec<bool>),
-    /// The words read.
     Words(Vec<u16>),
-    /// It is written.
     Written,
 }
 
@@ -100,14 +91,12 @@ impl ModbusNode {
         }
     }
 
-    /// Does what is due at `now`.
     pub fn poll(&mut self, now: Tick) {
         if self.missed.is_some_and(|missed| missed <= now) {
             (self.outputs, self.missed) = (0, None);
         }
     }
 
-    /// When [`ModbusNode::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
         self.missed
     }

@@ -7,9 +7,10 @@ use linewright_canopen::codec::{Abort, Payload};
 use linewright_canopen::sdo::ObjectId;
 use linewright_line::Tick;
 
+use super::bytes::number;
 use super::comm::Comm;
 use super::serve::ObjectServer;
-use super::{DeviceNode, DeviceOutbox, PlantEffect, identity};
+use super::{CanDevice, DeviceNode, DeviceOutbox, PlantEffect, identity};
 use crate::fault::{DeviceFault, FAULT_INDEX, HOLD_INDEX, MotionFault, PRESS_INDEX, STUCK_INDEX};
 
 /// Device profile 401 with digital inputs and outputs (CiA 401, object 1000h).
@@ -18,10 +19,6 @@ const DEVICE_TYPE: u32 = 0x0003_0191;
 impl ObjectServer for DeviceNode {
     fn comm(&mut self) -> &mut Comm {
         &mut self.comm
-    }
-
-    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
-        DeviceNode::inject(self, now, fault);
     }
 
     fn read(&self, _: Tick, object: ObjectId) -> Result<Vec<u8>, Abort> {
@@ -96,18 +93,6 @@ impl ObjectServer for DeviceNode {
             _ => Err(self.read(now, object).err().unwrap_or(Abort::READ_ONLY)),
         }
     }
-}
-
-/// The bytes of an object of `N` bytes.
-pub(super) fn exactly<const N: usize>(data: &[u8]) -> Result<[u8; N], Abort> {
-    data.try_into().map_err(|_| Abort::LENGTH)
-}
-
-/// A number of one to four bytes: the simulation's own objects are not particular about their size.
-pub(super) fn number(data: &[u8]) -> Result<u32, Abort> {
-    let mut bytes = [0; 4];
-    bytes.get_mut(..data.len()).filter(|b| !b.is_empty()).ok_or(Abort::LENGTH)?.copy_from_slice(data);
-    Ok(u32::from_le_bytes(bytes))
 }
 
 /// Objects 6000h and 6200h: subindex 0 is the number of bytes, subindex n byte n − 1.

@@ -3,7 +3,7 @@
 use linewright_canopen::codec::Abort;
 use linewright_canopen::sdo::ObjectId;
 
-use super::objects::exactly;
+use super::bytes::exactly;
 
 /// Where a communication error leads (object 1029h sub 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +16,6 @@ pub(super) enum Behaviour {
     Stopped,
 }
 
-/// The objects.
 #[derive(Debug)]
 pub(super) struct OnError {
     pub(super) behaviour: Behaviour,

@@ -10,7 +10,7 @@ use std::time::Duration;
 use linewright_canopen::codec::{Abort, NodeId};
 use linewright_canopen::sdo::ObjectId;
 
-use super::objects::exactly;
+use super::bytes::exactly;
 
 /// In a COB-ID entry: the PDO does not exist.
 const INVALID: u32 = 1 << 31;
@@ -23,7 +23,6 @@ const BY_EVENT: u8 = 255;
 /// way is made good.
 const EVENT_TIMER: Duration = Duration::from_millis(100);
 
-/// One PDO.
 #[derive(Debug)]
 pub(super) struct Pdo {
     /// Index of its communication parameters: 1400h or 1800h. Its mapping is 200h above.

@@ -7,24 +7,19 @@ use linewright_canopen::sdo::wire::{ClientFrame, SdoBytes};
 use linewright_canopen::sdo::{Dictionary, ObjectId, SdoServer};
 use linewright_line::Tick;
 
-use super::DeviceOutbox;
 use super::comm::{Comm, CommState};
-use super::trouble;
-use crate::fault::{DeviceFault, FAULT_INDEX, TROUBLE_INDEX};
+use super::trouble::TroubleEffect;
+use super::{CanDevice, DeviceOutbox, PlantEffect};
+use crate::fault::{FAULT_INDEX, TROUBLE_INDEX};
 
 /// A device with an object dictionary.
-pub(super) trait ObjectServer {
+pub(super) trait ObjectServer: CanDevice {
     /// Its share of CANopen.
     fn comm(&mut self) -> &mut Comm;
 
-    /// The bytes of an object.
     fn read(&self, now: Tick, object: ObjectId) -> Result<Vec<u8>, Abort>;
 
-    /// Gives an object these bytes.
     fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort>;
-
-    /// Makes its communication fail, or work again.
-    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>);
 }
 
 /// A device, as its server reaches it while it answers one frame.
@@ -50,7 +45,7 @@ impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
 
     fn write(&mut self, object: ObjectId, data: &[u8]) -> Result<(), Abort> {
         if object.index == TROUBLE_INDEX {
-            return trouble::write(self.device, self.now, object.sub, data, self.out);
+            return write_trouble(self.device, self.now, object.sub, data, self.out);
         }
         match self.device.comm().trouble.refuses(object) {
             Some(code) => Err(code),
@@ -69,6 +64,22 @@ impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
             _ => Ok(()),
         }
     }
+}
+
+/// Object 5F02h is written.
+pub(super) fn write_trouble<D: ObjectServer>(
+    device: &mut D,
+    now: Tick,
+    sub: u8,
+    data: &[u8],
+    out: &mut DeviceOutbox,
+) -> Result<(), Abort> {
+    match device.comm().trouble.write(now, sub, data)? {
+        TroubleEffect::None => {}
+        TroubleEffect::Inject(fault) => device.inject(now, Some(fault)),
+        TroubleEffect::Disturb(faults) => out.orders.push(PlantEffect::Disturb(faults)),
+    }
+    Ok(())
 }
 
 /// Answers a request. A silent device hears none but the one that ends its silence.

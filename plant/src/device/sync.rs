@@ -9,7 +9,7 @@ use linewright_canopen::codec::Abort;
 use linewright_canopen::sdo::ObjectId;
 use linewright_line::Tick;
 
-use super::objects::exactly;
+use super::bytes::exactly;
 
 /// The SYNC frame's COB-ID, which is fixed here.
 const COB_ID: u32 = 0x80;

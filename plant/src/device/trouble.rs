@@ -7,9 +7,7 @@ use linewright_canopen::codec::Abort;
 use linewright_canopen::sdo::ObjectId;
 use linewright_line::Tick;
 
-use super::objects::number;
-use super::serve::ObjectServer;
-use super::{DeviceOutbox, PlantEffect};
+use super::bytes::number;
 use crate::fault::DeviceFault;
 use crate::wire::FrameFaults;
 
@@ -79,45 +77,45 @@ impl InjectedFaults {
         let object = ObjectId::new(index, sub);
         self.refusal = Some(RefusedWrite { object, code: Abort(code), reading, writing });
     }
+
+    /// Object 5F02h is written.
+    pub fn write(&mut self, now: Tick, sub: u8, data: &[u8]) -> Result<TroubleEffect, Abort> {
+        let value = number(data)?;
+        let object = ((value >> 8) as u16, value as u8);
+        let per_mille = || u16::try_from(value).ok().filter(|share| *share <= 1000).ok_or(Abort::VALUE);
+        match sub {
+            1 if value == 0 => {
+                self.unsaid = self.error.take().map(|_| now);
+            }
+            1 => {
+                let fault = DeviceFault::Emergency { code: value as u16, register: (value >> 16) as u8 };
+                return Ok(TroubleEffect::Inject(fault));
+            }
+            2 => return Ok(TroubleEffect::Inject(DeviceFault::BusOff { millis: value })),
+            3 => self.value = value,
+            4 if value == 0 => self.identity = None,
+            4 => self.answer_falsely(object, self.value),
+            5 => self.code = value,
+            6 if value == 0 => self.refusal = None,
+            6 => {
+                let (reading, writing) = (value >> 24 & 1 == 1, value >> 25 & 1 == 1);
+                self.refuse(object, self.code, reading, writing);
+            }
+            7 => self.frames.lost_to = per_mille()?,
+            8 => self.frames.lost_from = per_mille()?,
+            9 => self.frames.doubled = per_mille()?,
+            10 => self.frames.seed = value.into(),
+            _ => return Err(Abort::NO_SUBINDEX),
+        }
+        Ok(if let 7..=10 = sub { TroubleEffect::Disturb(self.frames) } else { TroubleEffect::None })
+    }
 }
 
-/// Object 5F02h is written.
-pub(super) fn write<D: ObjectServer>(
-    device: &mut D,
-    now: Tick,
-    sub: u8,
-    data: &[u8],
-    out: &mut DeviceOutbox,
-) -> Result<(), Abort> {
-    let value = number(data)?;
-    let object = ((value >> 8) as u16, value as u8);
-    let per_mille = || u16::try_from(value).ok().filter(|share| *share <= 1000).ok_or(Abort::VALUE);
-    let trouble = &mut device.comm().trouble;
-    match sub {
-        1 if value == 0 => {
-            trouble.unsaid = trouble.error.take().map(|_| now);
-        }
-        1 => device.inject(now, Some(DeviceFault::Emergency { code: value as u16, register: (value >> 16) as u8 })),
-        2 => device.inject(now, Some(DeviceFault::BusOff { millis: value })),
-        3 => trouble.value = value,
-        4 if value == 0 => trouble.identity = None,
-        4 => trouble.answer_falsely(object, trouble.value),
-        5 => trouble.code = value,
-        6 if value == 0 => trouble.refusal = None,
-        6 => {
-            let (reading, writing) = (value >> 24 & 1 == 1, value >> 25 & 1 == 1);
-            trouble.refuse(object, trouble.code, reading, writing);
-        }
-        7 => trouble.frames.lost_to = per_mille()?,
-        8 => trouble.frames.lost_from = per_mille()?,
-        9 => trouble.frames.doubled = per_mille()?,
-        10 => trouble.frames.seed = value.into(),
-        _ => return Err(Abort::NO_SUBINDEX),
-    }
-    if let 7..=10 = sub {
-        out.orders.push(PlantEffect::Disturb(device.comm().trouble.frames));
-    }
-    Ok(())
+/// What writing object 5F02h brings about beyond the state kept here.
+pub(super) enum TroubleEffect {
+    None,
+    Inject(DeviceFault),
+    Disturb(FrameFaults),
 }
 
 #[cfg(test)]
@@ -126,7 +124,8 @@ mod tests {
     use linewright_line::Timing;
 
     use super::*;
-    use crate::device::DeviceNode;
+    use crate::device::serve::{ObjectServer, write_trouble};
+    use crate::device::{CanDevice, DeviceNode, DeviceOutbox, PlantEffect};
     use crate::fault::{CLEAR, MotionFault, ObjectWrites, TROUBLE_INDEX};
 
     const NOW: Tick = Tick::from_millis(5000);
@@ -136,7 +135,7 @@ mod tests {
         for ((index, sub), value) in orders {
             let data = value.to_le_bytes();
             let answer = match index {
-                TROUBLE_INDEX => write(node, NOW, sub, &data, &mut out),
+                TROUBLE_INDEX => write_trouble(node, NOW, sub, &data, &mut out),
                 _ => node.write(NOW, ObjectId::new(index, sub), &data, &mut out),
             };
             assert_eq!(answer, Ok(()), "{index:04X}h:{sub:02X}");

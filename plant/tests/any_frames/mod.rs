@@ -13,7 +13,7 @@ use std::time::Duration;
 use linewright_canopen::sdo::wire::ClientFrame;
 use linewright_canopen::{CanopenMessage, Frame, NodeId};
 use linewright_line::{AtRest, AxisId, Drive, DriveMode, DriveTarget, InputId, OutputId, Tick, Timing};
-use linewright_plant::{DeviceNode, DeviceOutbox, DriveNode};
+use linewright_plant::{CanDevice, DeviceNode, DeviceOutbox, DriveNode};
 
 const IO: u8 = 4;
 const DRIVE: u8 = 5;

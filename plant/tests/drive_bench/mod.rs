@@ -12,7 +12,7 @@ use linewright_canopen::{Frame, NodeId};
 use linewright_line::{
     AtRest, AxisId, Drive as Described, DriveMode, DriveTarget, Homing, InputId, OutputId, Tick, Timing,
 };
-use linewright_plant::{DeviceOutbox, DriveNode};
+use linewright_plant::{CanDevice, DeviceOutbox, DriveNode};
 
 /// How long a frame is under way.
 const LATENCY: Duration = Duration::from_micros(700);

@@ -28,14 +28,12 @@ use virtual_bus::VirtualBus;
 /// Where to look for the bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BusOptions {
-    /// Which kind of wire.
     pub transport: Transport,
     /// Where virtual buses live, one directory each. By default `$LINEWRIGHT_BUS_DIR`, else
     /// `$XDG_RUNTIME_DIR/linewright-bus`, else `linewright-bus-<uid>` in the directory for temporary files.
     pub dir: Option<PathBuf>,
 }
 
-/// Which kind of wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transport {
     /// SocketCAN if the kernel has a CAN interface of that name, else the virtual bus.
@@ -52,48 +50,27 @@ pub enum Transport {
 pub enum BusError {
     /// The name cannot be that of an interface.
     #[error("`{name}` is not a bus name: 1 to 15 letters, digits, `.`, `_` or `-`, not starting with a dot")]
-    Name {
-        /// The name.
-        name: String,
-    },
-    /// The kernel refuses the interface.
+    Name { name: String },
     #[error("cannot open CAN interface {name}: {error}")]
-    Kernel {
-        /// The interface.
-        name: String,
-        /// The kernel's reason.
-        error: io::Error,
-    },
+    Kernel { name: String, error: io::Error },
     /// There is no such interface, and the virtual bus was not asked for.
     #[error(
         "there is no CAN interface {name} ({error}): see `ip link show {name}` and the name given; \
          without CAN hardware `linewright run` and nodes started with --virtual-bus use a virtual bus"
     )]
-    Missing {
-        /// The interface.
-        name: String,
-        /// The kernel's reason.
-        error: io::Error,
-    },
+    Missing { name: String, error: io::Error },
     /// The interface was there, and is down or gone.
     #[error(
         "CAN interface {name} is gone ({error}): nothing can be sent or heard; bring it up again \
          (`ip link set {name} up`) and start this again"
     )]
-    Gone {
-        /// The interface.
-        name: String,
-        /// The kernel's reason.
-        error: io::Error,
-    },
+    Gone { name: String, error: io::Error },
     /// The virtual bus's directory cannot be used.
     #[error("cannot use {path} for virtual bus '{name}': {error}")]
     Virtual {
-        /// The bus.
         name: String,
         /// Its directory, or this member's place in it.
         path: String,
-        /// The system's reason.
         error: io::Error,
     },
 }
@@ -101,9 +78,7 @@ pub enum BusError {
 /// What went wrong on a bus without stopping it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BusStats {
-    /// Frames sent.
     pub sent: u64,
-    /// Frames received.
     pub received: u64,
     /// Frames some or all others did not get because a queue was full.
     pub overruns: u64,
@@ -155,12 +130,10 @@ impl Bus {
         Ok(Bus { name: name.to_owned(), wire, stats: BusStats::default(), recorder: None })
     }
 
-    /// The bus's name, as given.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Which wire this is, for a person.
     pub fn describe(&self) -> String {
         match &self.wire {
             BusWire::Kernel(_) => format!("SocketCAN {}", self.name),

@@ -22,7 +22,6 @@ pub struct LinkAct {
     pub device: usize,
     /// Which connection of that device: what an older one still brings is ignored.
     pub link: u32,
-    /// What.
     pub what: LinkTask,
 }
 
@@ -43,22 +42,16 @@ pub enum LinkTask {
 /// What a connection has brought.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LinkOutcome {
-    /// It is made.
     Connected,
-    /// What was read.
     Read(u64),
-    /// What was written has been taken.
     Written,
-    /// None of it.
     Failed(ModbusFailure),
 }
 
 /// What connections have to do, in order, and what to report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModbusOutbox {
-    /// To be done.
     pub acts: Vec<LinkAct>,
-    /// To be reported.
     pub news: Vec<News>,
     /// What requests have come to.
     pub answers: Vec<(u64, Answer)>,

@@ -67,7 +67,6 @@ pub(super) struct Why {
     pub is_refusal: bool,
 }
 
-/// A device.
 pub(super) struct ModbusPeer {
     at: usize,
     pub name: String,
@@ -82,7 +81,6 @@ pub(super) struct ModbusPeer {
     /// The part of the cycle that comes next.
     part: usize,
     next_cycle: Tick,
-    /// When it last answered.
     answered: Tick,
     wanted: u64,
     /// What it was last told; `None` since it was last lost.
@@ -246,7 +244,6 @@ impl ModbusPeer {
         }
     }
 
-    /// Takes what its connection has brought.
     pub fn take(&mut self, now: Tick, outcome: LinkOutcome, out: &mut ModbusOutbox) -> ModbusChange {
         if let LinkOutcome::Connected = outcome {
             return if matches!(self.phase, Phase::Connecting { .. }) {

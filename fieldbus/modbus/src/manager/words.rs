@@ -13,7 +13,6 @@ impl ModbusManager {
         own.map(|peer| format!("{} ({}): {}", peer.name, peer.modbus.place(), peer.trouble(now))).collect()
     }
 
-    /// How each device is.
     pub fn diagnoses(&self, now: Tick) -> Vec<Diagnosis> {
         self.peers.iter().map(|peer| peer.diagnosis(now)).collect()
     }

@@ -12,7 +12,6 @@ pub const BUS_OFF_RECOVERED: u16 = 0x8140;
 /// Error code "error reset or no error" (CiA 301 table 26).
 pub const NO_ERROR: u16 = 0x0000;
 
-/// What an emergency frame says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Emergency {
     /// Error code by CiA 301 table 26; 0x0000 reports that errors are gone.
@@ -79,4 +78,12 @@ pub(super) fn decode(cob_id: u16, node: NodeId, data: &[u8]) -> Result<CanopenMe
     };
     let emergency = Emergency { code: u16::from_le_bytes([low, high]), register, vendor: [a, b, c, d, e] };
     Ok(CanopenMessage::Emergency { node, emergency })
+}
+
+/// The bits of the error register, in words (CiA 301 table 50).
+pub(crate) fn error_register_text(register: u8) -> String {
+    const NAMES: [&str; 8] =
+        ["generic", "current", "voltage", "temperature", "communication", "device profile", "reserved", "manufacturer"];
+    let on = NAMES.iter().enumerate().filter(|(bit, _)| register >> bit & 1 == 1);
+    on.map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
 }

@@ -13,6 +13,7 @@ use std::fmt;
 
 use thiserror::Error;
 
+pub(crate) use emcy::error_register_text;
 pub use emcy::{BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST, NO_ERROR, Profile};
 pub use nmt::{NmtCommand, NmtState};
 pub use pdo::Payload;
@@ -31,7 +32,6 @@ impl NodeId {
         if id >= 1 && id <= 127 { Some(NodeId(id)) } else { None }
     }
 
-    /// The number, 1 to 127.
     pub const fn get(self) -> u8 {
         self.0
     }
@@ -47,34 +47,22 @@ impl fmt::Display for NodeId {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CanopenMessage {
     /// Network management order, COB-ID 0x000 (CiA 301 §7.2.8.3.1). `node` `None` addresses all.
-    Nmt {
-        /// NMT command.
-        command: NmtCommand,
-        /// Who is to do it.
-        node: Option<NodeId>,
-    },
+    Nmt { command: NmtCommand, node: Option<NodeId> },
     /// Synchronisation, COB-ID 0x080 (CiA 301 §7.2.5), with its counter where the producer sends one.
     Sync {
         /// 1 to 240, where sent.
         counter: Option<u8>,
     },
     /// Emergency, COB-ID 0x080 + node (CiA 301 §7.2.7).
-    Emergency {
-        /// Who reports it.
-        node: NodeId,
-        /// What is reported.
-        emergency: Emergency,
-    },
+    Emergency { node: NodeId, emergency: Emergency },
     /// First transmit PDO, COB-ID 0x180 + node: the device's inputs (default mapping of CiA 401).
     Tpdo1 {
-        /// Whose inputs.
         node: NodeId,
         /// Bit `i` is input `i`.
         payload: Payload,
     },
     /// First receive PDO, COB-ID 0x200 + node: the device's outputs (default mapping of CiA 401).
     Rpdo1 {
-        /// Whose outputs.
         node: NodeId,
         /// Bit `i` is output `i`.
         payload: Payload,
@@ -82,9 +70,7 @@ pub enum CanopenMessage {
     /// Second to fourth transmit PDO, COB-ID 0x280, 0x380 and 0x480 + node: the device's analogue inputs (default
     /// mapping of CiA 401).
     Tpdo {
-        /// Whose inputs.
         node: NodeId,
-        /// Which PDO, 2 to 4.
         number: u8,
         /// Four channels of 16 bits.
         payload: Payload,
@@ -92,35 +78,18 @@ pub enum CanopenMessage {
     /// Second to fourth receive PDO, COB-ID 0x300, 0x400 and 0x500 + node: the device's analogue outputs (default
     /// mapping of CiA 401).
     Rpdo {
-        /// Whose outputs.
         node: NodeId,
-        /// Which PDO, 2 to 4.
         number: u8,
         /// Four channels of 16 bits.
         payload: Payload,
     },
     /// SDO answer, COB-ID 0x580 + node (CiA 301 §7.2.4). What it says depends on the transfer under way:
     /// [`sdo::SdoClient`](crate::sdo::SdoClient) knows.
-    SdoResponse {
-        /// The server.
-        node: NodeId,
-        /// Its answer.
-        raw: SdoBytes,
-    },
+    SdoResponse { node: NodeId, raw: SdoBytes },
     /// SDO request, COB-ID 0x600 + node (CiA 301 §7.2.4). [`sdo::SdoServer`](crate::sdo::SdoServer) knows what it says.
-    SdoRequest {
-        /// The server.
-        node: NodeId,
-        /// What is asked of it.
-        raw: SdoBytes,
-    },
+    SdoRequest { node: NodeId, raw: SdoBytes },
     /// Heartbeat, or boot-up in state [`NmtState::BootUp`], COB-ID 0x700 + node (CiA 301 §7.2.8.3.2, §7.2.8.3.3).
-    Heartbeat {
-        /// Who is alive.
-        node: NodeId,
-        /// In which state.
-        state: NmtState,
-    },
+    Heartbeat { node: NodeId, state: NmtState },
 }
 
 /// Why a frame is not one of the messages.
@@ -128,16 +97,10 @@ pub enum CanopenMessage {
 pub enum FrameDecodeError {
     /// An extended identifier: CANopen's predefined connections use standard ones.
     #[error("identifier {id:08X}h is extended, CANopen uses 11-bit identifiers")]
-    Extended {
-        /// The 29-bit identifier.
-        id: u32,
-    },
+    Extended { id: u32 },
     /// A remote request: PDOs here are sent by change and by time, never asked for.
     #[error("{id:03X}h is a remote request")]
-    Remote {
-        /// The identifier.
-        id: u32,
-    },
+    Remote { id: u32 },
     /// The kernel's report about the bus, not a frame from it.
     #[error("error frame, classes {class:#X}")]
     ErrorFrame {
@@ -146,30 +109,22 @@ pub enum FrameDecodeError {
     },
     /// No message of ours has this COB-ID.
     #[error("COB-ID {cob_id:03X}h has no meaning here")]
-    UnknownCobId {
-        /// The COB-ID.
-        cob_id: u16,
-    },
+    UnknownCobId { cob_id: u16 },
     /// The frame is too short or too long for what its COB-ID says it is.
     #[error("COB-ID {cob_id:03X}h: {actual} data bytes, expected {expected}")]
     Length {
-        /// The COB-ID.
         cob_id: u16,
         /// What the standard asks for.
         expected: &'static str,
-        /// What came.
         actual: usize,
     },
     /// A field has a value the standard rules out.
     #[error("COB-ID {cob_id:03X}h: {field} is {actual:#04X}, expected {expected}")]
     Field {
-        /// The COB-ID.
         cob_id: u16,
-        /// Which field.
         field: &'static str,
         /// What the standard asks for.
         expected: &'static str,
-        /// What came.
         actual: u8,
     },
 }
@@ -191,7 +146,6 @@ const SDO_REQUEST: u16 = 0x600;
 const HEARTBEAT: u16 = 0x700;
 
 impl CanopenMessage {
-    /// The message `frame` carries.
     pub fn decode(frame: &Frame) -> Result<CanopenMessage, FrameDecodeError> {
         let word = frame.id_word();
         let cob_id = match (frame.cob_id(), frame.kind()) {
@@ -223,7 +177,6 @@ impl CanopenMessage {
         }
     }
 
-    /// The frame that carries this message.
     pub fn encode(&self) -> Frame {
         match self {
             CanopenMessage::Nmt { command, node } => frame(NMT, None, &[command.code(), node.map_or(0, NodeId::get)]),

@@ -15,12 +15,10 @@ pub enum NmtCommand {
     ResetNode,
     /// 0x82: reset the communication.
     ResetCommunication,
-    /// Any other code.
     Unknown(u8),
 }
 
 impl NmtCommand {
-    /// The byte on the wire.
     pub const fn code(self) -> u8 {
         match self {
             NmtCommand::Start => 0x01,
@@ -32,7 +30,6 @@ impl NmtCommand {
         }
     }
 
-    /// The order a byte stands for.
     pub const fn from_code(code: u8) -> Self {
         match code {
             0x01 => NmtCommand::Start,
@@ -56,12 +53,10 @@ pub enum NmtState {
     Operational,
     /// 0x7F: pre-operational, can be configured.
     PreOperational,
-    /// Any other code.
     Unknown(u8),
 }
 
 impl NmtState {
-    /// The byte on the wire.
     pub const fn code(self) -> u8 {
         match self {
             NmtState::BootUp => 0x00,
@@ -72,7 +67,6 @@ impl NmtState {
         }
     }
 
-    /// The state a byte stands for.
     pub const fn from_code(code: u8) -> Self {
         match code {
             0x00 => NmtState::BootUp,

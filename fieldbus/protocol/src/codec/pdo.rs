@@ -25,7 +25,6 @@ impl Payload {
         Payload { len: len as u8, data }
     }
 
-    /// The bytes as sent.
     pub fn bytes(&self) -> &[u8] {
         &self.data[..usize::from(self.len)]
     }

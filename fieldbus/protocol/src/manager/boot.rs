@@ -13,21 +13,15 @@ use std::time::Duration;
 
 use linewright_line::{DeviceIdentity, DeviceSetup, Tick, Timing};
 
+use super::MANAGER_NODE;
 use super::errors::ERROR_REGISTER;
-use super::event::{BusEvent, BusOutbox};
 use super::on_error::{is_one, judged};
-use super::peer::{Peer, PeerPhase};
 use super::process::ProcessData;
 use super::transfer::Transfer;
-use super::{MANAGER_NODE, RETRY};
-use crate::codec::{NmtCommand, NodeId};
+use crate::codec::NodeId;
 use crate::frame::Frame;
 use crate::sdo::wire::SdoBytes;
 use crate::sdo::{Abort, ObjectId, SdoWrite, TransferError, TransferFailure, TransferProgress};
-
-/// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
-/// that whoever has mended it need not do anything else.
-pub(super) const REFUSED_RETRY: Duration = Duration::from_secs(5);
 
 /// What a device is to be before it is started.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -38,46 +32,35 @@ pub(super) struct BootPlan {
     pub settings: Vec<SdoWrite>,
 }
 
-/// Why a device is not started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BootError {
     /// It is another device.
     Identity {
-        /// The object that says so.
         object: ObjectId,
         /// What it should be.
         expected: u32,
         /// Value that the device reports.
         found: u32,
     },
-    /// An object that identifies it has another length.
     NotANumber {
-        /// The object.
         object: ObjectId,
         /// Its bytes; a number has four.
         bytes: usize,
     },
     /// It has taken a setting, and gives back something else.
     NotKept {
-        /// The object.
         object: ObjectId,
         /// What was written, as a number.
         written: u32,
-        /// What was read back.
         found: u32,
     },
     /// It does not say whether it has kept a setting.
     NotReadBack(TransferError),
     /// It is who it should be, but loses SYNC, which its outputs wait for.
-    NoSync {
-        /// How often in a row.
-        times: u32,
-    },
-    /// A transfer failed.
+    NoSync { times: u32 },
     Transfer {
         /// It was to be written; otherwise read.
         writing: bool,
-        /// Which, and why.
         error: TransferError,
     },
 }
@@ -136,14 +119,11 @@ fn what(object: ObjectId) -> &'static str {
     }
 }
 
-/// How far a boot is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BootStep {
-    /// Under way.
     Busy,
     /// Everything is as it has to be. With the error register, from a device that has one.
     Done(Option<u8>),
-    /// It must not be started.
     Failed(BootError),
 }
 
@@ -214,23 +194,19 @@ impl Boot {
         self.go_on(now, plan, progress, out)
     }
 
-    /// Does what is due.
     pub fn poll(&mut self, now: Tick, plan: &BootPlan, out: &mut Vec<Frame>) -> BootStep {
         let progress = self.transfer.poll(now, out);
         self.go_on(now, plan, progress, out)
     }
 
-    /// The transfer under way.
     pub fn transfer(&self) -> &Transfer {
         &self.transfer
     }
 
-    /// The same, to go on with it.
     pub fn transfer_mut(&mut self) -> &mut Transfer {
         &mut self.transfer
     }
 
-    /// When [`Boot::poll`] has something to do next.
     pub fn deadline(&self) -> Tick {
         self.transfer.deadline()
     }
@@ -319,54 +295,6 @@ impl Boot {
             (None, None) => Transfer::read(now, self.node, ERROR_REGISTER, out),
         };
         BootStep::Busy
-    }
-}
-
-impl Peer {
-    pub(super) fn order_start(&mut self, now: Tick, out: &mut BusOutbox) {
-        self.phase = PeerPhase::Starting { retry: now + RETRY };
-        if self.orders.take(now) {
-            self.order(NmtCommand::Start, out);
-        }
-    }
-
-    /// Begins, or begins again, to bring it up.
-    pub(super) fn boot(&mut self, now: Tick, out: &mut BusOutbox) {
-        self.process.lost(now);
-        self.lent = false;
-        self.held = false;
-        if !self.orders.take(now) {
-            // It boots again and again: it is asked for after a while, like one that is absent.
-            self.phase = PeerPhase::Absent { probe: now + RETRY };
-            return;
-        }
-        self.phase = PeerPhase::Booting(Boot::start(now, self.node, &mut out.frames));
-    }
-
-    /// What a step of its boot leads to.
-    pub(super) fn booted(&mut self, now: Tick, step: BootStep, out: &mut BusOutbox) {
-        let why = match step {
-            BootStep::Busy => return,
-            BootStep::Done(register) => {
-                self.refusal = None;
-                self.register_read(now, register, out);
-                return self.order_start(now, out);
-            }
-            BootStep::Failed(why) => why,
-        };
-        if self.refusal != Some(why) {
-            self.refusal = Some(why);
-            out.events.push(BusEvent::BootFailed { node: self.node, why });
-        }
-        let silent = matches!(
-            why,
-            BootError::Transfer { error, .. } | BootError::NotReadBack(error) if matches!(error.cause, TransferFailure::Silent { .. })
-        );
-        self.phase = if silent && self.heard + self.timeout <= now {
-            PeerPhase::Absent { probe: now + RETRY }
-        } else {
-            PeerPhase::Refused { why, retry: now + if silent { RETRY } else { REFUSED_RETRY } }
-        };
     }
 }
 

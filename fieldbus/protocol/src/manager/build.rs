@@ -4,7 +4,7 @@ use linewright_fieldbus_seam::InputImage;
 use linewright_line::{Canopen, Device, DeviceKind, FrameId, Timing};
 use thiserror::Error;
 
-use super::event::IGNORE_REASONS;
+use super::fault::IGNORE_REASONS;
 use super::pace::SendQueue;
 use super::peer::Peer;
 use super::process::ProcessData;
@@ -20,7 +20,6 @@ pub enum ManagerError {
     /// Not a node id, or the manager's own.
     #[error("device `{device}` has node id {node}; devices have 1 to 126, the manager itself is 127")]
     NodeId {
-        /// The device.
         device: String,
         /// Node id found; allowed are 1 to 127.
         node: u8,
@@ -30,37 +29,18 @@ pub enum ManagerError {
     Duplicate {
         /// The device described first.
         first: String,
-        /// The other.
         second: String,
-        /// Their number.
         node: u8,
     },
     /// The DBC file of a device that speaks no CANopen has not been read.
     #[error("device `{device}`: its file {file} has not been read")]
-    Unread {
-        /// The device.
-        device: String,
-        /// The file.
-        file: String,
-    },
+    Unread { device: String, file: String },
     /// An identifier with two meanings.
     #[error("device `{device}` has messages with identifier {id}, which is that of {other}")]
-    FrameId {
-        /// The device.
-        device: String,
-        /// The identifier.
-        id: FrameId,
-        /// Who else has it.
-        other: String,
-    },
+    FrameId { device: String, id: FrameId, other: String },
     /// More bits than one PDO carries.
     #[error("device `{device}` has {bits} bits in one direction; one PDO carries 64")]
-    TooWide {
-        /// The device.
-        device: String,
-        /// Its bits.
-        bits: usize,
-    },
+    TooWide { device: String, bits: usize },
 }
 
 impl Manager {

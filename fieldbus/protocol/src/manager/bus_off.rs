@@ -9,14 +9,9 @@
 
 use linewright_line::Tick;
 
-use super::not_operational::NotOperationalReason;
-use super::peer::{Peer, PeerPhase};
+use super::peer::{NotOperationalReason, Peer, PeerPhase};
 use super::{BusOutbox, Manager, RETRY};
-
-/// Error class "bus off" (`CAN_ERR_BUSOFF` in `linux/can/error.h`).
-pub(super) const BUS_OFF: u32 = 0x40;
-/// Error class "controller restarted" (`CAN_ERR_RESTARTED`).
-pub(super) const RESTARTED: u32 = 0x100;
+use crate::frame::{BUS_OFF, RESTARTED};
 
 impl Manager {
     /// Since when the interface has been off the bus; `None` while it is on it.

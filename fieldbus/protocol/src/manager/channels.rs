@@ -21,13 +21,11 @@
 //! outputs rest (6443h: each), and at what (6444h), both read back (`on_error.rs`). A device that refuses one of these is
 //! not started. How large a change is one (6426h), the device's settings may say.
 
-use std::fmt;
 use std::time::Duration;
 
 use linewright_line::{Analogue, AnalogueInput, AnalogueOutput, InputId, Tick, Timing};
 
-use super::event::{BusEvent, BusOutbox, IgnoreReason};
-use super::peer::{Peer, PeerChange};
+use super::fault::{ChannelFault, IgnoreReason};
 use crate::codec::{NodeId, Payload};
 use crate::sdo::SdoWrite;
 
@@ -45,40 +43,6 @@ const EVENT_DRIVEN: u8 = 255;
 /// In a COB-ID parameter: the object does not exist; it is not sent on remote request.
 const INVALID: u32 = 1 << 31;
 const NO_REMOTE: u32 = 1 << 30;
-
-/// Why nothing follows from a channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ChannelFault {
-    /// It is no measurement.
-    Number {
-        /// Which channel: the subindex of object 6401h.
-        channel: u8,
-        /// The number it gave.
-        number: i16,
-    },
-    /// The process data object that carries it has not come for too long.
-    Late {
-        /// Which: 2 to 4.
-        object: u8,
-    },
-}
-
-impl fmt::Display for ChannelFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            ChannelFault::Number { channel, number: i16::MIN | i16::MAX } => {
-                write!(
-                    f,
-                    "analogue input {channel} (6401h:{channel:02X}) is at the end of its range: is its wire broken?"
-                )
-            }
-            ChannelFault::Number { channel, number } => {
-                write!(f, "analogue input {channel} (6401h:{channel:02X}) is {number}, which is no measurement")
-            }
-            ChannelFault::Late { object } => write!(f, "its analogue inputs (TPDO{object}) do not come"),
-        }
-    }
-}
 
 #[derive(Debug)]
 struct ChannelInput {
@@ -216,7 +180,7 @@ impl AnalogueChannels {
     }
 
     /// Lets time pass: channels that have measured for long enough are measured again. Whether there are any.
-    fn mend(&mut self, now: Tick) -> bool {
+    pub fn mend(&mut self, now: Tick) -> bool {
         let mut any = false;
         for input in &mut self.inputs {
             if input.mended_at().is_some_and(|at| at <= now) {
@@ -228,7 +192,7 @@ impl AnalogueChannels {
     }
 
     /// Looks again whether everything is heard and measured; what is wrong, if that is news.
-    fn news(&mut self, now: Tick) -> Option<Result<(), ChannelFault>> {
+    pub fn news(&mut self, now: Tick) -> Option<Result<(), ChannelFault>> {
         let now_is = self.fault(now).map_or(Ok(()), Err);
         (std::mem::replace(&mut self.sound, now_is.is_ok()) != now_is.is_ok()).then_some(now_is)
     }
@@ -345,26 +309,5 @@ impl ChannelInput {
 
     fn mended_at(&self) -> Option<Tick> {
         self.broken?.mended
-    }
-}
-
-impl Peer {
-    /// Looks again at its channels: whether they are heard and measured, and what follows if that has changed.
-    pub(super) fn judge_channels(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
-        if !self.is_operational() {
-            return PeerChange::Unchanged;
-        }
-        let Some(channels) = self.process.channels_mut() else { return PeerChange::Unchanged };
-        let mended = channels.mend(now);
-        match channels.news(now) {
-            // One with an input of its own for it.
-            None if mended => PeerChange::Inputs,
-            None => PeerChange::Unchanged,
-            Some(Ok(())) => PeerChange::Inputs,
-            Some(Err(fault)) => {
-                out.events.push(BusEvent::ChannelFault { node: self.node, fault });
-                PeerChange::Lost
-            }
-        }
     }
 }

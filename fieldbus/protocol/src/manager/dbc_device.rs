@@ -13,55 +13,21 @@
 //! is for the device.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::time::Duration;
 
-use linewright_line::{
-    Device, FrameBinding, FrameId, Owner, ReceivedFrameBinding, SentFrameBinding, SignalError, Tick,
-};
+use linewright_line::{Device, FrameBinding, FrameId, Owner, ReceivedFrameBinding, SentFrameBinding, Tick};
 
 use super::channels::AnalogueChannels;
-use super::event::{BusEvent, BusOutbox, IgnoreReason};
+use super::event::{BusEvent, BusOutbox};
+use super::fault::{FrameFault, IgnoreReason};
 use super::peer::{Peer, PeerChange};
 use super::{Manager, ManagerError};
 use crate::frame::Frame;
 
-/// What is wrong with a message that came.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FrameFault {
-    /// None came.
-    Silent,
-    /// It has fewer bytes than its definition.
-    Short,
-    /// Its checksum is wrong.
-    Checksum,
-    /// Its counter stands still.
-    Counter,
-    /// A signal that an input follows has no value.
-    Value(SignalError),
-    /// Nothing is wrong with it, but one of its multiplexed parts has not come.
-    Page,
-}
-
-impl fmt::Display for FrameFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            FrameFault::Value(unsound) => return unsound.fmt(f),
-            FrameFault::Silent => "it does not come",
-            FrameFault::Short => "it has too few bytes",
-            FrameFault::Checksum => "its checksum is wrong",
-            FrameFault::Counter => "its counter stands still",
-            FrameFault::Page => "a multiplexed part of it does not come",
-        })
-    }
-}
-
 /// A device that speaks no CANopen, as its manager knows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DbcDeviceState<'a> {
-    /// Name of the device.
     pub name: &'a str,
-    /// Whose image it carries.
     pub owner: Owner,
     /// All its messages come in time, and make sense; true of one that is only sent to.
     pub live: bool,
@@ -69,7 +35,6 @@ pub struct DbcDeviceState<'a> {
     pub heard: bool,
     /// How often it was live and then was not.
     pub losses: u32,
-    /// How it is, in one sentence.
     pub is: String,
 }
 
@@ -89,7 +54,6 @@ struct PublishedMessage {
     sent: Option<[u8; 8]>,
 }
 
-/// Such a device.
 pub(super) struct DbcDevice {
     pub name: String,
     pub owner: Owner,
@@ -135,7 +99,6 @@ impl DbcDevice {
         self.updated
     }
 
-    /// Its inputs may be acted upon.
     pub fn trusted(&self, now: Tick) -> bool {
         self.live && self.late(now).is_none()
     }
@@ -249,7 +212,6 @@ impl DbcDevice {
         if self.live { self.image } else { 0 }
     }
 
-    /// How it is, in one sentence.
     pub fn explain(&self, now: Tick) -> String {
         match self.late(now) {
             None if self.heard.is_empty() => "sent to, and not heard: nobody knows how it is".to_owned(),
@@ -329,7 +291,6 @@ impl Manager {
         }
     }
 
-    /// Adds a device that speaks no CANopen.
     pub(super) fn add_plain(&mut self, device: &Device, binding: &FrameBinding) {
         let plain = DbcDevice::new(device, binding);
         for told in &plain.told {
@@ -386,7 +347,6 @@ impl Manager {
         true
     }
 
-    /// Does what is due for them.
     pub(super) fn poll_plain(&mut self, now: Tick, out: &mut BusOutbox) {
         for at in 0..self.plains.len() {
             let outcome = self.plains[at].poll(now, out);
@@ -394,7 +354,6 @@ impl Manager {
         }
     }
 
-    /// When that is.
     pub(super) fn plain_deadline(&self) -> Tick {
         self.plains.iter().map(DbcDevice::deadline).fold(Tick::NEVER, Tick::min)
     }

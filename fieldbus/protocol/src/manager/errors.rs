@@ -21,16 +21,12 @@ use std::time::Duration;
 
 use linewright_line::{Reaction, Tick};
 
-use super::event::{BusEvent, BusOutbox};
-use super::not_operational::NotOperationalReason;
-use super::peer::{Peer, PeerChange, PeerPhase};
 use super::transfer::Transfer;
-use crate::codec::{BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST, NodeId, Profile};
+use crate::codec::{Emergency, NodeId, Profile, error_register_text};
 use crate::frame::Frame;
 use crate::sdo::wire::SdoBytes;
 use crate::sdo::{ObjectId, TransferProgress};
 
-/// The error register.
 pub(super) const ERROR_REGISTER: ObjectId = ObjectId::new(0x1001, 0);
 /// How often it is read while an error stands.
 const READ_EVERY: Duration = Duration::from_secs(1);
@@ -39,7 +35,6 @@ const WIRE: u8 = 0x11;
 /// Communication error: bit 4.
 const COMMUNICATION: u8 = 0x10;
 
-/// An error that stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ActiveError {
     /// By which emergency it was reported; `None` if only the register says so.
@@ -47,7 +42,6 @@ struct ActiveError {
     register: u8,
 }
 
-/// The errors of one device.
 #[derive(Debug)]
 pub(super) struct Errors {
     reaction: Reaction,
@@ -68,7 +62,6 @@ impl Errors {
         self.standing.is_some() && self.reaction == Reaction::Fault
     }
 
-    /// Hears an emergency.
     pub fn hear(&mut self, now: Tick, emergency: Emergency) {
         let Emergency { code, register, .. } = emergency;
         if register == 0 {
@@ -173,7 +166,6 @@ impl Errors {
         result.ok()?.first().copied()
     }
 
-    /// When [`Errors::poll`] has something to do next.
     pub fn deadline(&self) -> Tick {
         let reading = self.reading.as_ref().map_or(Tick::NEVER, Transfer::deadline);
         reading.min(self.next_read)
@@ -187,40 +179,8 @@ impl Errors {
                 let meaning = emergency.meaning(profile).unwrap_or("unknown error");
                 format!("emergency {:04X}h ({meaning}), error register 1001h = {register:02X}h", emergency.code)
             }
-            None => format!("its error register 1001h = {register:02X}h ({})", bits(register)),
+            None => format!("its error register 1001h = {register:02X}h ({})", error_register_text(register)),
         })
-    }
-}
-
-impl Peer {
-    pub(super) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut BusOutbox) -> PeerChange {
-        self.tell(now, BusEvent::Emergency { node: self.node, emergency, profile: self.process.profile() }, out);
-        // It has let go of its outputs because it did not hear us; its next heartbeat would say the same, later. While it
-        // was away it may have booted unheard, so it is not started as it is.
-        if matches!(emergency.code, HEARTBEAT_LOST | BUS_OFF_RECOVERED) && self.is_operational() {
-            let outcome = self.leave(now, PeerPhase::Stopped, NotOperationalReason::Reported(emergency));
-            self.boot(now, out);
-            return outcome;
-        }
-        self.process.emergency(now, emergency.code);
-        let stood = self.errors.stand();
-        self.errors.hear(now, emergency);
-        self.send_if_wanted(now, out);
-        match (stood, self.errors.stand()) {
-            (false, true) if self.is_operational() => PeerChange::Lost,
-            (true, false) => PeerChange::Inputs,
-            _ => PeerChange::Unchanged,
-        }
-    }
-
-    /// Its error register has been read, or not. Whether it can be trusted has changed by that.
-    pub(super) fn register_read(&mut self, now: Tick, register: Option<u8>, out: &mut BusOutbox) -> bool {
-        let Some(register) = register else { return false };
-        let news = self.errors.register(now, register);
-        if news {
-            self.tell(now, BusEvent::ErrorRegister { node: self.node, register }, out);
-        }
-        news
     }
 }
 
@@ -234,12 +194,4 @@ fn is_of_the_wire(code: u16) -> bool {
 /// Whether a register names communication and nothing else.
 fn is_the_wire_alone(register: u8) -> bool {
     register & !WIRE == 0 && register & COMMUNICATION != 0
-}
-
-/// The bits of the error register, in words (CiA 301 table 50).
-pub(super) fn bits(register: u8) -> String {
-    const NAMES: [&str; 8] =
-        ["generic", "current", "voltage", "temperature", "communication", "device profile", "reserved", "manufacturer"];
-    let on = NAMES.iter().enumerate().filter(|(bit, _)| register >> bit & 1 == 1);
-    on.map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
 }

@@ -7,21 +7,17 @@ use linewright_line::{FrameId, Owner};
 
 use super::MANAGER_NODE;
 use super::boot::BootError;
-use super::bus_off::{BUS_OFF, RESTARTED};
-use super::channels::ChannelFault;
-use super::dbc_device::FrameFault;
-use super::errors::bits;
+use super::device_request::RequestResult;
+use super::fault::{ChannelFault, FrameFault, IgnoreReason};
 use super::rate_limit::{FRAMES_MAX, WINDOW};
-use super::request::RequestResult;
-use crate::codec::{Emergency, NmtState, NodeId, Profile};
-use crate::frame::Frame;
+use crate::codec::{Emergency, NmtState, NodeId, Profile, error_register_text};
+use crate::frame::{BUS_OFF, Frame, RESTARTED};
 
 /// Frames to send, in order, and events to report, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BusOutbox {
     /// To be sent on the manager's bus.
     pub frames: Vec<Frame>,
-    /// To be reported.
     pub events: Vec<BusEvent>,
     /// What requests have come to ([`Manager::ask`](super::Manager::ask)), each told by an [`BusEvent::Answered`].
     pub answers: Vec<(u64, RequestResult)>,
@@ -32,28 +28,21 @@ pub struct BusOutbox {
 pub enum BusEvent {
     /// The device is configured and operational; it exchanges process data from here on.
     DeviceUp {
-        /// CANopen node id.
         node: NodeId,
     },
     /// The device has not sent a heartbeat for too long.
     DeviceLost {
-        /// CANopen node id.
         node: NodeId,
-        /// For how long.
         silent_for: Duration,
     },
     /// The device hears no SYNC: the inputs that come with it have not come for too long.
     NoSync {
-        /// CANopen node id.
         node: NodeId,
-        /// For how long.
         silent_for: Duration,
     },
     /// Nothing follows any more from an analogue channel of the device, and with it from the device.
     ChannelFault {
-        /// CANopen node id.
         node: NodeId,
-        /// Fault of the channel.
         fault: ChannelFault,
     },
     /// A device that speaks no CANopen is live: all its messages come.
@@ -65,36 +54,28 @@ pub enum BusEvent {
     FramesLost {
         /// Frame identifier of the sender.
         id: FrameId,
-        /// For how long.
         silent_for: Duration,
         /// What is wrong with those that come.
         why: FrameFault,
     },
     /// The device has booted while it was thought to be running.
     DeviceRebooted {
-        /// CANopen node id.
         node: NodeId,
     },
     /// The device has left the operational state without booting.
     DeviceLeft {
-        /// CANopen node id.
         node: NodeId,
-        /// Its state now.
         state: NmtState,
     },
     /// The device is not started: it is another one than expected, or does not take what it is told. A device that
     /// does not watch the manager's heartbeat would keep its outputs when the manager is gone.
     BootFailed {
-        /// CANopen node id.
         node: NodeId,
-        /// Reason why the boot-up procedure failed.
         why: BootError,
     },
     /// The device reports an error, or that its errors are gone.
     Emergency {
-        /// CANopen node id.
         node: NodeId,
-        /// What it reports.
         emergency: Emergency,
         /// What kind of device it is, by the description.
         profile: Profile,
@@ -102,24 +83,19 @@ pub enum BusEvent {
     /// What the device's error register says is news: an error stands that no emergency has reported, or the last one
     /// is gone and the emergency that should have said so was not heard.
     ErrorRegister {
-        /// CANopen node id.
         node: NodeId,
         /// Object 1001h; 0 is no error.
         register: u8,
     },
     /// The device sends so much that it is not listened to any more.
     Babbles {
-        /// CANopen node id.
         node: NodeId,
     },
     /// An owner's input image has changed, or whether it can be trusted has.
     InputsChanged {
-        /// Owner of the process image.
         owner: Owner,
     },
-    /// What was asked of a device is answered.
     Answered {
-        /// The request's number.
         number: u64,
     },
     /// Somebody else sends the manager's heartbeat: two managers are on this bus. Reported every few seconds.
@@ -131,73 +107,10 @@ pub enum BusEvent {
         /// Class bits of `linux/can/error.h`; 0x40 is bus-off, 0x100 that the interface is on the bus again.
         class: u32,
     },
-    /// A frame was ignored.
     Ignored {
-        /// Reason for ignoring the frame.
         reason: IgnoreReason,
-        /// The frame.
         frame: Frame,
     },
-}
-
-/// Why a frame was ignored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum IgnoreReason {
-    /// It has a 29-bit identifier.
-    Extended,
-    /// It is a remote request.
-    Remote,
-    /// It is the kernel's report about the bus; reported as [`BusEvent::BusError`].
-    ErrorFrame,
-    /// Its COB-ID has no meaning here.
-    UnknownCobId,
-    /// Its bytes do not fit its COB-ID.
-    Malformed,
-    /// Its sender is not in the description.
-    UnknownNode,
-    /// Process data from a device that was not started by this manager.
-    NotOperational,
-    /// Process data shorter than the device's inputs.
-    ShortPdo,
-    /// From a device that sends too much; counted without an event.
-    Babbling,
-    /// Addressed to others; counted without an event.
-    NotForManager,
-}
-
-pub(super) const IGNORE_REASONS: usize = IgnoreReason::NotForManager as usize + 1;
-
-impl IgnoreReason {
-    /// All reasons, for counters on a page or a topic.
-    pub const ALL: [IgnoreReason; IGNORE_REASONS] = [
-        IgnoreReason::Extended,
-        IgnoreReason::Remote,
-        IgnoreReason::ErrorFrame,
-        IgnoreReason::UnknownCobId,
-        IgnoreReason::Malformed,
-        IgnoreReason::UnknownNode,
-        IgnoreReason::NotOperational,
-        IgnoreReason::ShortPdo,
-        IgnoreReason::Babbling,
-        IgnoreReason::NotForManager,
-    ];
-}
-
-impl fmt::Display for IgnoreReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            IgnoreReason::Extended => "extended identifier",
-            IgnoreReason::Remote => "remote request",
-            IgnoreReason::ErrorFrame => "error frame",
-            IgnoreReason::UnknownCobId => "unknown COB-ID",
-            IgnoreReason::Malformed => "malformed",
-            IgnoreReason::UnknownNode => "node not in the description",
-            IgnoreReason::NotOperational => "process data from a device that was not started",
-            IgnoreReason::ShortPdo => "process data too short",
-            IgnoreReason::Babbling => "from a device that sends too much",
-            IgnoreReason::NotForManager => "not addressed to the manager",
-        })
-    }
 }
 
 impl fmt::Display for BusEvent {
@@ -227,7 +140,11 @@ impl fmt::Display for BusEvent {
                 write!(f, "node {node} is in error no longer: its error register 1001h = 00h")
             }
             BusEvent::ErrorRegister { node, register } => {
-                write!(f, "node {node} is in error: its error register 1001h = {register:02X}h ({})", bits(*register))
+                write!(
+                    f,
+                    "node {node} is in error: its error register 1001h = {register:02X}h ({})",
+                    error_register_text(*register)
+                )
             }
             BusEvent::Babbles { node } => write!(
                 f,

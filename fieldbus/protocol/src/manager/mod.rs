@@ -15,8 +15,10 @@ mod build;
 mod bus_off;
 mod channels;
 mod dbc_device;
+mod device_request;
 mod errors;
 mod event;
+mod fault;
 mod not_operational;
 mod on_error;
 mod pace;
@@ -37,16 +39,16 @@ use linewright_line::{Owner, Tick, Timing};
 
 pub use boot::BootError;
 pub use build::ManagerError;
-pub use channels::ChannelFault;
-pub use dbc_device::{DbcDeviceState, FrameFault};
-pub use event::{BusEvent, BusOutbox, IgnoreReason};
-pub use request::{DeviceRequest, DeviceRequestError, RequestResult};
+pub use dbc_device::DbcDeviceState;
+pub use device_request::{DeviceRequest, DeviceRequestError, RequestResult};
+pub use event::{BusEvent, BusOutbox};
+pub use fault::{ChannelFault, FrameFault, IgnoreReason};
 pub use status::{DeviceCondition, DeviceStatus};
 
 use crate::codec::{CanopenMessage, FrameDecodeError, NmtState, NodeId};
 use crate::frame::{Frame, FrameKind};
 use dbc_device::DbcDevice;
-use event::IGNORE_REASONS;
+use fault::IGNORE_REASONS;
 use pace::SendQueue;
 use peer::{Peer, PeerChange};
 use request::Requests;
@@ -67,7 +69,6 @@ struct ManagedImage {
     inputs: InputImage,
 }
 
-/// The manager of one bus.
 pub struct Manager {
     timing: Timing,
     peers: Vec<Peer>,
@@ -288,6 +289,17 @@ impl Manager {
         out.frames.push(CanopenMessage::Heartbeat { node: MANAGER_NODE, state: NmtState::BootUp }.encode());
         for peer in &self.peers {
             peer.send_rest(out);
+        }
+    }
+
+    /// Sends SYNC if it is due. One that a late caller missed is not made up for.
+    fn send_sync(&mut self, now: Tick, out: &mut BusOutbox) {
+        let Some(period) = self.timing.sync else { return };
+        let due = *self.next_sync.get_or_insert(now);
+        if due <= now {
+            out.frames.push(CanopenMessage::Sync { counter: None }.encode());
+            // In step with the last one, as long as it is no whole period late.
+            self.next_sync = Some(if due + period > now { due + period } else { now + period });
         }
     }
 

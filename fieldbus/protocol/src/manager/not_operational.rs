@@ -7,31 +7,10 @@
 
 use linewright_line::{Owner, Tick};
 
-use super::peer::{Peer, PeerPhase};
+use super::peer::{NotOperationalReason, Peer, PeerPhase};
 use super::rate_limit::{FRAMES_MAX, WINDOW};
 use super::{Manager, RETRY};
-use crate::codec::{Emergency, NmtState, NodeId};
-
-/// Why a device is not operational any more.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NotOperationalReason {
-    /// Its heartbeat stopped, and none has come since.
-    Silent,
-    /// It has booted.
-    Booted,
-    /// The inputs that come with SYNC have stopped.
-    NoSync,
-    /// Its heartbeat says another state.
-    Left(NmtState),
-    /// It has reported that it let go by itself.
-    Reported(Emergency),
-    /// The manager's interface has left the bus.
-    BusOff,
-    /// Another manager was on the bus.
-    Contested,
-    /// It sent too much.
-    Babbled,
-}
+use crate::codec::{NmtState, NodeId};
 
 impl Manager {
     /// How the device with this node id is at `now`, and what it waits for, in one sentence.

@@ -164,7 +164,6 @@ impl SendQueue {
         self.process.retain(|frame| !frame.cob_id().is_some_and(its));
     }
 
-    /// Whether nothing waits.
     #[cfg(test)]
     pub fn is_empty(&self) -> bool {
         self.own_is_through() && self.service.is_empty()

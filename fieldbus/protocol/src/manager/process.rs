@@ -6,15 +6,14 @@
 use linewright_fieldbus_seam::{gather, scatter};
 use linewright_line::{InputId, Io, OutputId, Tick, Timing};
 
-use super::channels::{AnalogueChannels, ChannelFault};
-use super::event::IgnoreReason;
+use super::channels::AnalogueChannels;
+use super::fault::{ChannelFault, IgnoreReason};
 use super::on_error;
 use crate::codec::{NodeId, Payload, Profile};
 use crate::profile::drive::{DriveBinding, ManagedDrive};
 use crate::sdo::Abort;
 use crate::sdo::SdoWrite;
 
-/// A device's process data.
 #[derive(Debug)]
 pub(super) enum ProcessData {
     /// Digital inputs and outputs, and analogue channels (CiA 401).
@@ -188,7 +187,6 @@ impl ProcessData {
         }
     }
 
-    /// Lets time pass.
     pub fn poll(&mut self, now: Tick) {
         if let ProcessData::Drive(drive) = self {
             drive.poll(now);
@@ -211,7 +209,6 @@ impl ProcessData {
         }
     }
 
-    /// What became of that.
     pub fn written(&mut self, now: Tick, setting: &SdoWrite, answer: Result<(), Abort>) {
         if let ProcessData::Drive(drive) = self {
             drive.written(now, setting, answer);

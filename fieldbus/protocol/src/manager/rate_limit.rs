@@ -8,11 +8,6 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-use super::RETRY;
-use super::event::{BusEvent, BusOutbox, IgnoreReason};
-use super::not_operational::NotOperationalReason;
-use super::peer::{Peer, PeerChange, PeerPhase};
-
 /// A node may say this much of itself within one [`WINDOW`]: process data, heartbeats and emergencies together. A drive
 /// that moves sends some forty; two thousand a second is a third of what 500 kbit/s carry.
 pub(super) const FRAMES_MAX: u32 = 200;
@@ -42,7 +37,6 @@ pub(super) enum RateVerdict {
 }
 
 impl NodeRateLimits {
-    /// Counts a frame.
     pub fn hear(&mut self, now: Tick) -> RateVerdict {
         if self.begun + WINDOW <= now {
             (self.begun, self.frames) = (now, 0);
@@ -68,32 +62,5 @@ impl NodeRateLimits {
     /// When it may have ceased to.
     pub fn deadline(&self) -> Tick {
         self.until.unwrap_or(Tick::NEVER)
-    }
-}
-
-impl Peer {
-    /// Takes a frame with which the device speaks by itself, unless there are too many of them.
-    pub(super) fn unless_babbling(
-        &mut self,
-        now: Tick,
-        out: &mut BusOutbox,
-        act: impl FnOnce(&mut Peer, &mut BusOutbox) -> PeerChange,
-    ) -> PeerChange {
-        match self.flood.hear(now) {
-            RateVerdict::Fine => act(self, out),
-            RateVerdict::Begins => {
-                out.events.push(BusEvent::Babbles { node: self.node });
-                self.send_rest(out);
-                self.leave(now, PeerPhase::Absent { probe: now + RETRY }, NotOperationalReason::Babbled)
-            }
-            RateVerdict::TooMuch => PeerChange::Ignored(IgnoreReason::Babbling),
-        }
-    }
-
-    /// Reports something, unless there was too much of it.
-    pub(super) fn tell(&mut self, now: Tick, event: BusEvent, out: &mut BusOutbox) {
-        if self.told.take(now) {
-            out.events.push(event);
-        }
     }
 }

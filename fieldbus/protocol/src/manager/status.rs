@@ -14,7 +14,6 @@ pub enum DeviceCondition {
     Absent,
     /// Being identified, configured or started.
     Booting,
-    /// It must not be started.
     Refused,
     /// It exchanges process data.
     Operational,
@@ -25,11 +24,8 @@ pub enum DeviceCondition {
 /// A device, as its manager knows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceStatus<'a> {
-    /// Its node id.
     pub node: NodeId,
-    /// Name of the device.
     pub name: &'a str,
-    /// Whose image it carries.
     pub owner: Owner,
     /// How it is.
     pub condition: DeviceCondition,

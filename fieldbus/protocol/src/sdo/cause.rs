@@ -11,9 +11,7 @@ use super::{Abort, ObjectId};
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("object {object}: {cause}")]
 pub struct TransferError {
-    /// The object.
     pub object: ObjectId,
-    /// What went wrong.
     pub cause: TransferFailure,
 }
 
@@ -41,16 +39,10 @@ pub enum TransferFailure {
     },
     /// A block was acknowledged beyond what was sent of it, or makes no progress.
     #[error("segment {number} of the block is out of sequence")]
-    Sequence {
-        /// The number given.
-        number: u8,
-    },
+    Sequence { number: u8 },
     /// A block of no segments, or more than 127.
     #[error("{size} segments in a block, expected 1 to 127")]
-    BlockSize {
-        /// The number given.
-        size: u8,
-    },
+    BlockSize { size: u8 },
     /// The checksum of a block transfer does not fit its bytes.
     #[error("checksum {sent:04X}h, but the bytes received have {computed:04X}h")]
     Crc {
@@ -62,12 +54,10 @@ pub enum TransferFailure {
     /// More or fewer bytes than were announced.
     #[error("{announced} bytes were announced, {came} came")]
     Length {
-        /// Announced.
         announced: u32,
         /// Came, or at least so many.
         came: usize,
     },
-    /// More bytes than are taken.
     #[error("longer than the {len_max} bytes that are taken")]
     TooLong {
         /// How many are taken.
@@ -87,7 +77,6 @@ pub enum TransferFailure {
         /// The other's object.
         by: ObjectId,
     },
-    /// The caller gave it up.
     #[error("given up")]
     Cancelled,
 }

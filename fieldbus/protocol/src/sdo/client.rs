@@ -22,7 +22,6 @@ use super::cause::{TransferError, TransferFailure};
 use super::wire::{ABORT, BlockSegment, ClientFrame, InitiateContent, SdoBytes, Segment, ServerFrame};
 use super::{Abort, ObjectId};
 
-/// Which kind of transfer is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TransferMode {
     /// Blocks where they pay, else segments. To read, the device is asked how long the object is, and asked again for
@@ -35,14 +34,12 @@ pub enum TransferMode {
     Block,
 }
 
-/// How a transfer is carried out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TransferOptions {
     /// How long an answer may take. Some devices write to flash before they answer.
     pub timeout: Duration,
     /// How often the first frame is repeated when no answer comes.
     pub retries: u8,
-    /// Which kind of transfer.
     pub mode: TransferMode,
     /// Objects longer than this go in blocks, in [`TransferMode::Auto`].
     pub block_above: usize,
@@ -67,7 +64,6 @@ impl Default for TransferOptions {
     }
 }
 
-/// How far a transfer is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TransferProgress {
     /// Under way. Also what an ended transfer says to whatever comes after its end.
@@ -84,21 +80,29 @@ enum TransferDirection {
 
 #[derive(Debug)]
 enum ClientState {
-    /// Not started.
     Fresh,
     /// The first frame is out; `blocks` says for what kind it asked.
-    Asking { frame: SdoBytes, asked: u8, blocks: bool },
+    Asking {
+        frame: SdoBytes,
+        asked: u8,
+        blocks: bool,
+    },
     /// The segment up to `at` is out.
-    Sending { at: usize, toggle: bool },
+    Sending {
+        at: usize,
+        toggle: bool,
+    },
     /// The segment with this toggle is asked for.
-    Receiving { size: Option<u32>, toggle: bool },
+    Receiving {
+        size: Option<u32>,
+        toggle: bool,
+    },
     /// Blocks go out.
     BlockSending(BlockSender),
     /// All blocks are out, and the end frame too.
     BlockEnding,
     /// Blocks come in.
     BlockReceiving(BlockReceiver),
-    /// Ended.
     Over,
 }
 
@@ -118,7 +122,6 @@ pub struct SdoClient {
     /// What is written, or what has been read so far.
     data: Vec<u8>,
     state: ClientState,
-    /// When [`SdoClient::poll`] has something to do.
     due: Tick,
     /// The first frame was repeated: its answer may come twice.
     repeated: bool,
@@ -127,12 +130,10 @@ pub struct SdoClient {
 }
 
 impl SdoClient {
-    /// Reads an object. Nothing is sent before [`SdoClient::start`].
     pub fn upload(object: ObjectId, options: TransferOptions) -> Self {
         SdoClient::new(object, TransferDirection::Upload, Vec::new(), options)
     }
 
-    /// Writes an object. Nothing is sent before [`SdoClient::start`].
     pub fn download(object: ObjectId, data: impl Into<Vec<u8>>, options: TransferOptions) -> Self {
         SdoClient::new(object, TransferDirection::Download, data.into(), options)
     }
@@ -150,7 +151,6 @@ impl SdoClient {
         }
     }
 
-    /// The object.
     pub fn object(&self) -> ObjectId {
         self.object
     }
@@ -167,7 +167,6 @@ impl SdoClient {
         }
     }
 
-    /// Takes a frame from the server.
     pub fn handle(&mut self, now: Tick, raw: &SdoBytes, out: &mut Vec<SdoBytes>) -> TransferProgress {
         let step = match &self.state {
             ClientState::Fresh | ClientState::Over => Ok(TransferStep::Ignored),

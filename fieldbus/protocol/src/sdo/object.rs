@@ -8,22 +8,18 @@ use thiserror::Error;
 /// An entry of an object dictionary (CiA 301 §7.4.1), written `1018h:01`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObjectId {
-    /// Index.
     pub index: u16,
     /// Subindex; 0 for an object without any.
     pub sub: u8,
 }
 
-/// A text is not an object.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("`{text}` is not an object: expected index and subindex in hexadecimal, as in 1018:01 or 1008")]
 pub struct ObjectIdError {
-    /// What was read.
     pub text: String,
 }
 
 impl ObjectId {
-    /// The entry `sub` of object `index`.
     pub const fn new(index: u16, sub: u8) -> Self {
         ObjectId { index, sub }
     }

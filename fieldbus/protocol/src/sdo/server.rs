@@ -83,9 +83,7 @@ const TIMEOUT: Duration = Duration::from_secs(3);
 pub struct SdoServer {
     len_max: usize,
     state: ServerState,
-    /// The object of the transfer under way.
     object: ObjectId,
-    /// When [`SdoServer::poll`] has something to do.
     due: Tick,
 }
 
@@ -103,7 +101,6 @@ impl SdoServer {
         self.state = ServerState::Idle;
     }
 
-    /// Takes a frame from a client.
     pub fn handle(&mut self, now: Tick, raw: &SdoBytes, dictionary: &mut impl Dictionary, out: &mut Vec<SdoBytes>) {
         let outcome = match &self.state {
             ServerState::BlockReceiving { receiver, first, .. } if !receiver.complete() && raw[0] != ABORT => {
@@ -139,14 +136,8 @@ impl SdoServer {
         self.due = now + self.patience();
     }
 
-    /// When [`SdoServer::poll`] has something to do next.
     pub fn next_deadline(&self) -> Option<Tick> {
         (!matches!(self.state, ServerState::Idle)).then_some(self.due)
-    }
-
-    /// Whether a transfer is under way.
-    pub fn is_busy(&self) -> bool {
-        !matches!(self.state, ServerState::Idle)
     }
 
     fn request(

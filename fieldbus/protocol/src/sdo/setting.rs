@@ -5,7 +5,6 @@ use super::{Abort, ObjectId};
 /// One object to be written by SDO.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SdoWrite {
-    /// Object index and subindex.
     pub object: ObjectId,
     /// Its bytes, least significant first.
     pub data: Vec<u8>,

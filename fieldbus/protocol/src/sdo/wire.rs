@@ -68,7 +68,6 @@ impl InitiateContent {
 pub struct Segment {
     /// Alternates, beginning with `false`.
     pub toggle: bool,
-    /// Whether it is the last one.
     pub last: bool,
     len: u8,
     bytes: [u8; 7],
@@ -110,7 +109,6 @@ pub struct BlockSegment {
     pub number: u8,
     /// Whether it is the last of the transfer. How many of its bytes count, the end frame says.
     pub last: bool,
-    /// The bytes.
     pub bytes: [u8; 7],
 }
 
@@ -121,7 +119,6 @@ impl BlockSegment {
         (head & 0x7F != 0).then_some(BlockSegment { number: head & 0x7F, last: head & 0x80 != 0, bytes })
     }
 
-    /// Its frame.
     pub fn encode(&self) -> SdoBytes {
         let [a, b, c, d, e, f, g] = self.bytes;
         [self.number & 0x7F | if self.last { 0x80 } else { 0 }, a, b, c, d, e, f, g]
@@ -133,16 +130,13 @@ impl BlockSegment {
 pub enum ClientFrame {
     /// Write an object.
     Download {
-        /// Object index and subindex.
         object: ObjectId,
-        /// Data of the transfer.
         content: InitiateContent,
     },
     /// More of what is to be written.
     DownloadSegment(Segment),
     /// Read an object.
     Upload {
-        /// Object index and subindex.
         object: ObjectId,
     },
     /// Send more of what is read.
@@ -152,7 +146,6 @@ pub enum ClientFrame {
     },
     /// Write an object in blocks.
     BlockDownload {
-        /// Object index and subindex.
         object: ObjectId,
         /// Whether the client computes the checksum.
         crc: bool,
@@ -163,12 +156,10 @@ pub enum ClientFrame {
     BlockDownloadEnd {
         /// How many bytes of the last segment do not count, 0 to 7.
         unused: u8,
-        /// The checksum of all bytes.
         crc: u16,
     },
     /// Read an object in blocks.
     BlockUpload {
-        /// Object index and subindex.
         object: ObjectId,
         /// Whether the client checks the checksum.
         crc: bool,
@@ -177,17 +168,13 @@ pub enum ClientFrame {
         /// Up to this many bytes the server may answer as to [`ClientFrame::Upload`]; 0 for never.
         switch_at: u8,
     },
-    /// Begin to send blocks.
     BlockUploadStart,
     /// A block was received.
     BlockAck(BlockAck),
     /// All blocks were received, and the checksum was right.
     BlockUploadEnd,
-    /// The client gives up.
     Abort {
-        /// The object of the transfer.
         object: ObjectId,
-        /// Abort code.
         code: Abort,
     },
 }
@@ -197,17 +184,14 @@ pub enum ClientFrame {
 pub enum ServerFrame {
     /// The object is written, or its segments may come.
     Download {
-        /// Object index and subindex.
         object: ObjectId,
     },
-    /// A segment was received.
     DownloadSegment {
         /// That of the segment.
         toggle: bool,
     },
     /// The object, or the announcement of its segments.
     Upload {
-        /// Object index and subindex.
         object: ObjectId,
         /// Its bytes or their number.
         content: InitiateContent,
@@ -216,7 +200,6 @@ pub enum ServerFrame {
     UploadSegment(Segment),
     /// Blocks may come.
     BlockDownload {
-        /// The object.
         object: ObjectId,
         /// Whether the server checks the checksum.
         crc: bool,
@@ -229,7 +212,6 @@ pub enum ServerFrame {
     BlockDownloadEnd,
     /// Blocks will come.
     BlockUpload {
-        /// The object.
         object: ObjectId,
         /// Whether the server computes the checksum.
         crc: bool,
@@ -240,14 +222,10 @@ pub enum ServerFrame {
     BlockUploadEnd {
         /// How many bytes of the last segment do not count, 0 to 7.
         unused: u8,
-        /// The checksum of all bytes.
         crc: u16,
     },
-    /// The server refuses, or gives up.
     Abort {
-        /// The object of the transfer.
         object: ObjectId,
-        /// Abort code.
         code: Abort,
     },
 }
@@ -326,7 +304,6 @@ impl ClientFrame {
         })
     }
 
-    /// Its frame.
     pub fn encode(self) -> SdoBytes {
         match self {
             ClientFrame::Download { object, content } => content.encode(0x20, object),
@@ -370,7 +347,6 @@ impl ServerFrame {
         })
     }
 
-    /// Its frame.
     pub fn encode(self) -> SdoBytes {
         match self {
             ServerFrame::Download { object } => build(0x60, object, [0; 4]),

@@ -2,9 +2,10 @@
 //! fuzz target.
 //!
 //! Whatever comes from the bus, in whatever order: each frame of outputs that the manager sends says what the image says
-//! that the owner set last, or lets go; and once a device of the owner is lost, only what it has set since. A drive is sent
-//! to a place only by the output that stands for it. Nothing else is sent than network management, the manager's heartbeat,
-//! questions to the devices, and settings of the description. What one call sends and reports is bounded.
+//! that the owner set last, or lets go; and once a device of the owner is lost, only what it has set since. Inputs are valid
+//! only while every device of the owner is operational. A drive is sent to a place only by the output that stands for it.
+//! Nothing else is sent than network management, the manager's heartbeat, questions to the devices, and settings of the
+//! description. What one call sends and reports is bounded.
 
 use std::time::Duration;
 
@@ -225,7 +226,6 @@ impl Bench {
         self.hear_frame(&Frame::data_frame(id, data).expect("11 bits, 8 bytes"));
     }
 
-    /// A frame from the bus.
     pub fn hear_frame(&mut self, frame: &Frame) {
         let mut out = BusOutbox::default();
         self.manager.handle(self.now, frame, &mut out);
@@ -340,6 +340,10 @@ impl Bench {
         }
         let up = self.manager.devices().filter(|(_, _, up)| *up);
         self.up = up.map(|(node, _, _)| node.get()).collect();
+        // Inputs are valid only while every device of their owner is operational.
+        for node in NODES.into_iter().filter(|node| !self.up.contains(node)) {
+            assert!(!self.manager.inputs(self.now, owner(node)).valid, "node {node} is not up, at {:?}", self.now);
+        }
     }
 
     fn check_frame(&mut self, frame: &Frame) {

@@ -74,26 +74,21 @@ fn answer_raw(raw: &SdoBytes) -> Option<SdoBytes> {
     }
 }
 
-/// A device's frame of inputs.
 pub fn inputs(id: u8, bits: u64) -> Frame {
     CanopenMessage::Tpdo1 { node: node(id), payload: Payload::from_bits(bits, BITS.into()) }.encode()
 }
 
-/// A device's heartbeat.
 pub fn heartbeat(id: u8) -> Frame {
     CanopenMessage::Heartbeat { node: node(id), state: NmtState::Operational }.encode()
 }
 
-/// A node id.
 pub fn node(id: u8) -> NodeId {
     NodeId::new(id).expect("devices have ids from 1 to 126")
 }
 
 /// A manager and its devices, the time, and what it has said.
 pub struct Crowd {
-    /// The manager.
     pub manager: Manager,
-    /// The present.
     pub now: Tick,
     /// What it has sent and reported since somebody last looked.
     pub out: BusOutbox,
@@ -126,7 +121,6 @@ impl Crowd {
         crowd
     }
 
-    /// A frame from the bus.
     pub fn hear(&mut self, frame: &Frame) {
         self.manager.handle(self.now, frame, &mut self.out);
     }

@@ -20,11 +20,11 @@ use linewright_canopen::profile::drive::{DriveState, FOLLOWING_ERROR, SENSOR_1};
 use linewright_canopen::sdo::ObjectId;
 use linewright_line::{Drive, DriveMode, Tick, Timing};
 
+use super::bytes::number;
 use super::comm::{Comm, CommChange};
-use super::objects::number;
 use super::on_error::Behaviour;
 use super::serve::{self, ObjectServer};
-use super::{DeviceOutbox, PDO_LENGTH, PlantEffect};
+use super::{CanDevice, DeviceOutbox, PDO_LENGTH, PlantEffect};
 use crate::fault::{DeviceFault, FAULT_INDEX, MotionFault};
 use motion::DriveMotion;
 use objects::DriveObjects;
@@ -37,7 +37,6 @@ const PROFILE_ERROR: u8 = 0x21;
 /// Error code of a lost connection where option 6007h makes that a fault.
 const CONNECTION_LOST: u16 = 0x8130;
 
-/// A simulated drive.
 #[derive(Debug)]
 pub struct DriveNode {
     comm: Comm,
@@ -100,7 +99,6 @@ impl DriveNode {
         }
     }
 
-    /// The state it reports of itself.
     pub fn nmt_state(&self) -> NmtState {
         self.comm.nmt_state()
     }
@@ -125,15 +123,6 @@ impl DriveNode {
         self.state == DriveState::OperationEnabled && !self.halted && self.set_point.is_some()
     }
 
-    /// Makes its communication fail, or work again (`None`). A silent drive goes on by itself: unplugged from the bus it
-    /// still misses its manager, and stops.
-    pub fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
-        let change = self.comm.inject(now, fault, Behaviour::PreOperational);
-        let mut unsaid = DeviceOutbox::default();
-        self.react(now, change, &mut unsaid);
-        self.settle(now, &mut unsaid);
-    }
-
     /// Makes its axis fail, or work again (`None`): stuck, until its following error trips, or with a broken encoder.
     pub fn fail(&mut self, now: Tick, fault: Option<MotionFault>, out: &mut DeviceOutbox) {
         match fault {
@@ -146,40 +135,6 @@ impl DriveNode {
             }
         }
         self.settle(now, out);
-    }
-
-    /// Takes a frame from the bus.
-    pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
-        let Ok(message) = CanopenMessage::decode(frame) else { return };
-        match message {
-            CanopenMessage::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
-            _ if !self.comm.hears() => return,
-            CanopenMessage::Rpdo1 { node, payload } if node == self.comm.node => self.take(payload, out),
-            message => {
-                let change = self.comm.handle(now, &message, Behaviour::PreOperational, out);
-                self.react(now, change, out);
-            }
-        }
-        self.settle(now, out);
-    }
-
-    /// Does what is due at `now`.
-    pub fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
-        let change = self.comm.poll(now, Behaviour::PreOperational, out);
-        self.react(now, change, out);
-        self.settle(now, out);
-        serve::poll(&mut self.comm, now, out);
-    }
-
-    /// When [`DriveNode::poll`] has something to do next.
-    pub fn next_deadline(&self) -> Option<Tick> {
-        let stands = self.motion.stands_at();
-        let settled = stands.map(|at| at + self.window_time());
-        let lag = self.blocked.filter(|_| !self.motion.stands(self.now) || self.lagging.is_some());
-        let servo = lag.map(|_| self.now + SERVO);
-        let own = [stands, settled, servo, self.next_pdo()].into_iter().flatten().filter(|at| *at > self.now);
-        let first = own.fold(self.comm.next_deadline(), Tick::min);
-        (first != Tick::NEVER).then_some(first)
     }
 
     /// Everything that follows from where it is now and what it was told.
@@ -311,13 +266,51 @@ impl DriveNode {
     }
 }
 
+impl CanDevice for DriveNode {
+    fn handle(&mut self, now: Tick, frame: &Frame, out: &mut DeviceOutbox) {
+        let Ok(message) = CanopenMessage::decode(frame) else { return };
+        match message {
+            CanopenMessage::SdoRequest { node, raw } if node == self.comm.node => serve::serve(self, now, &raw, out),
+            _ if !self.comm.hears() => return,
+            CanopenMessage::Rpdo1 { node, payload } if node == self.comm.node => self.take(payload, out),
+            message => {
+                let change = self.comm.handle(now, &message, Behaviour::PreOperational, out);
+                self.react(now, change, out);
+            }
+        }
+        self.settle(now, out);
+    }
+
+    fn poll(&mut self, now: Tick, out: &mut DeviceOutbox) {
+        let change = self.comm.poll(now, Behaviour::PreOperational, out);
+        self.react(now, change, out);
+        self.settle(now, out);
+        serve::poll(&mut self.comm, now, out);
+    }
+
+    fn next_deadline(&self) -> Option<Tick> {
+        let stands = self.motion.stands_at();
+        let settled = stands.map(|at| at + self.window_time());
+        let lag = self.blocked.filter(|_| !self.motion.stands(self.now) || self.lagging.is_some());
+        let servo = lag.map(|_| self.now + SERVO);
+        let own = [stands, settled, servo, self.next_pdo()].into_iter().flatten().filter(|at| *at > self.now);
+        let first = own.fold(self.comm.next_deadline(), Tick::min);
+        (first != Tick::NEVER).then_some(first)
+    }
+
+    /// Makes its communication fail, or work again (`None`). A silent drive goes on by itself: unplugged from the bus it
+    /// still misses its manager, and stops.
+    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
+        let change = self.comm.inject(now, fault, Behaviour::PreOperational);
+        let mut unsaid = DeviceOutbox::default();
+        self.react(now, change, &mut unsaid);
+        self.settle(now, &mut unsaid);
+    }
+}
+
 impl ObjectServer for DriveNode {
     fn comm(&mut self) -> &mut Comm {
         &mut self.comm
-    }
-
-    fn inject(&mut self, now: Tick, fault: Option<DeviceFault>) {
-        DriveNode::inject(self, now, fault);
     }
 
     fn read(&self, _: Tick, object: ObjectId) -> Result<Vec<u8>, Abort> {

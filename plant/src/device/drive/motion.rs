@@ -101,7 +101,6 @@ impl DriveMotion {
     }
 }
 
-/// A motion while it is worked out.
 struct MotionProfile {
     pieces: Vec<ConstantAcceleration>,
     time: f64,

@@ -1,6 +1,7 @@
 //! Analogue channels: what the device is told, limits with their hysteresis, broken wires, values that stay away, rest.
 
 use linewright_line::{Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, When};
+use proptest::prelude::*;
 
 use super::*;
 

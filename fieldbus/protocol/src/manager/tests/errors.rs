@@ -4,19 +4,6 @@ use linewright_line::Reaction;
 
 use super::*;
 
-/// The clamp's device up, with these reactions.
-fn with(on_emergency: Option<Reaction>, when_lost: Reaction) -> ManagerBench {
-    let mut devices = devices();
-    devices[2].canopen_mut().expect("CANopen").setup.on_emergency = on_emergency;
-    devices[2].canopen_mut().expect("CANopen").setup.when_lost = when_lost;
-    let mut bench = ManagerBench::of(&devices);
-    for node in [4, 5, 6] {
-        bench.bring_up(node);
-    }
-    bench.take();
-    bench
-}
-
 fn trouble(bench: &ManagerBench, owner: Owner) -> Vec<String> {
     bench.manager.trouble(bench.now, owner).collect()
 }
@@ -88,10 +75,7 @@ fn what_is_about_the_wire_alone_is_reported() {
 fn a_device_that_comes_up_in_error_is_not_trusted() {
     let mut bench = ManagerBench::up();
     bench.hear("706#00");
-    bench.hear("586#4300100091010300");
-    bench.hear("586#6017100000000000");
-    bench.hear("586#6016100100000000");
-    bench.takes_error_values(6);
+    bench.configure_to_register(6);
     bench.hear("586#4F01100009000000");
     bench.hear("706#05");
     bench.hear("186#00");
@@ -114,7 +98,10 @@ fn one_that_recovered_from_bus_off_has_let_go_and_is_started_again() {
 
 #[test]
 fn an_emergency_that_is_only_reported_changes_nothing() {
-    let mut bench = with(Some(Reaction::Report), Reaction::Fault);
+    let mut devices = devices();
+    devices[2].canopen_mut().expect("CANopen").setup.on_emergency = Some(Reaction::Report);
+    let mut bench = ManagerBench::of(&devices);
+    bench.bring_up(6);
     bench.set(CLAMP, 1);
     bench.take();
     bench.hear(OVERLOAD);
@@ -297,10 +284,7 @@ fn a_boot_ends_an_error_also_of_a_device_that_was_away_and_has_no_register() {
     bench.hear(OVERLOAD);
     bench.pass(1000);
     bench.hear("706#00");
-    bench.hear("586#4300100091010300");
-    bench.hear("586#6017100000000000");
-    bench.hear("586#6016100100000000");
-    bench.takes_error_values(6);
+    bench.configure_to_register(6);
     bench.hear("586#8001100000000206");
     bench.hear("186#00");
     assert!(bench.inputs(CLAMP).valid, "{:?}", trouble(&bench, CLAMP));

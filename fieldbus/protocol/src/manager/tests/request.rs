@@ -4,7 +4,7 @@ use linewright_line::ObjectWrite;
 
 use super::*;
 use crate::codec::NmtState;
-use crate::manager::request::WAITING_MAX;
+use crate::manager::device_request::WAITING_MAX;
 use crate::manager::{DeviceCondition, DeviceRequest, DeviceRequestError, RequestResult};
 use crate::sdo::{Abort, ObjectId, TransferError, TransferFailure};
 
@@ -155,10 +155,7 @@ fn a_boot_comes_first_and_requests_wait_for_its_end() {
     let (first, second) =
         (bench.ask(6, DeviceRequest::Read(VENDOR)), bench.ask(6, DeviceRequest::Read(ObjectId::new(0x1008, 0))));
     assert_eq!(bench.told(), (vec![], vec![]), "the boot is under way");
-    bench.hear("586#4300100091010300");
-    bench.hear("586#6017100000000000");
-    bench.hear("586#6016100100000000");
-    bench.takes_error_values(6);
+    bench.configure_to_register(6);
     bench.told();
     bench.hear("586#4F01100000000000");
     assert_eq!(bench.told().0, ["000#0106", "606#4018100100000000"], "started, and then the first request");
@@ -178,11 +175,7 @@ fn a_device_that_boots_in_the_middle_overtakes_the_request() {
     assert_eq!(frames, ["606#4000100000000000"], "the boot begins; nothing is aborted, that would end it");
     assert!(matches!(&answers[..], [(n, Err(DeviceRequestError::Overtaken(_)))] if *n == number), "{answers:?}");
     // The answer that was under way is the boot's problem, as if it had never been asked: it is not the device type.
-    bench.hear("586#4300100091010300");
-    bench.hear("586#6017100000000000");
-    bench.hear("586#6016100100000000");
-    bench.takes_error_values(6);
-    bench.hear("586#4F01100000000000");
+    bench.configure(6);
     bench.hear("186#01");
     assert!(bench.manager.inputs(bench.now, CLAMP).valid);
 }

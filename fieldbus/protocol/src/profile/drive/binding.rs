@@ -8,7 +8,6 @@ use crate::codec::Payload;
 /// One place a drive can be sent to, or one velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveSetpoint {
-    /// The output that sends it there.
     pub output: OutputId,
     /// The place in increments; in velocity mode the velocity in increments per second.
     pub to: i32,

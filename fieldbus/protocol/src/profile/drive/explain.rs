@@ -124,7 +124,6 @@ impl ManagedDrive {
         (f64::from(increments) / self.binding.units * 1e6).round() / 1e6
     }
 
-    /// The last error, in words.
     fn because(&self) -> String {
         match self.error {
             None => String::new(),

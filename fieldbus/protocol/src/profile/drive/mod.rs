@@ -73,7 +73,6 @@ const HOMING_SETTLE: Duration = Duration::from_millis(200);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{actual} bytes from a drive, expected {PDO_BYTES}")]
 pub struct ShortPdo {
-    /// How many came.
     pub actual: usize,
 }
 
@@ -181,7 +180,6 @@ impl ManagedDrive {
         }
     }
 
-    /// What it is bound to.
     pub fn binding(&self) -> &DriveBinding {
         &self.binding
     }
@@ -211,7 +209,6 @@ impl ManagedDrive {
         Ok(())
     }
 
-    /// Lets time pass.
     pub fn poll(&mut self, now: Tick) {
         self.advance(now);
     }

@@ -12,10 +12,15 @@
 //!  booted unheard, and a start that has no effect.
 //! ```
 //!
-//! Booting (`boot.rs`) comes before starting, also for a device found operational: it must be the device that is
+//! Booting (`manager/boot.rs`) comes before starting, also for a device found operational: it must be the device that is
 //! expected, and its heartbeat consumer must watch *this* manager before an output is energised. A stopped device stays
 //! stopped: somebody ordered that, and the manager does not argue. Only frames from the device move it along; what the
 //! manager sends proves nothing.
+
+mod boot;
+mod sync;
+mod trust;
+mod write;
 
 use std::time::Duration;
 
@@ -25,14 +30,14 @@ use linewright_line::{Device, DeviceSetup, Owner, Reaction, Tick, Timing};
 use super::boot::{Boot, BootError, BootPlan, DEVICE_TYPE, plan};
 use super::channels::AnalogueChannels;
 use super::errors::Errors;
-use super::event::{BusEvent, BusOutbox, IgnoreReason};
-use super::not_operational::NotOperationalReason;
+use super::event::{BusEvent, BusOutbox};
+use super::fault::IgnoreReason;
 use super::process::ProcessData;
 use super::rate_limit::NodeRateLimits;
-use super::sync;
+use super::sync::inputs_within;
 use super::transfer::Transfer;
 use super::{RETRY, TOLD};
-use crate::codec::{CanopenMessage, NmtCommand, NmtState, NodeId, Payload};
+use crate::codec::{CanopenMessage, Emergency, NmtCommand, NmtState, NodeId, Payload};
 use crate::sdo::SdoWrite;
 use crate::sdo::wire::{ClientFrame, SdoBytes};
 
@@ -49,6 +54,25 @@ pub(super) enum PeerChange {
     Inputs,
     /// It was operational, and is no longer, or not to be trusted.
     Lost,
+}
+
+/// Why a device is not operational any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NotOperationalReason {
+    /// Its heartbeat stopped, and none has come since.
+    Silent,
+    Booted,
+    /// The inputs that come with SYNC have stopped.
+    NoSync,
+    /// Its heartbeat says another state.
+    Left(NmtState),
+    /// It has reported that it let go by itself.
+    Reported(Emergency),
+    /// The manager's interface has left the bus.
+    BusOff,
+    Contested,
+    /// It sent too much.
+    Babbled,
 }
 
 #[derive(Debug)]
@@ -141,7 +165,7 @@ impl Peer {
             updated: None,
             sent: None,
             up_since: Tick::ZERO,
-            inputs_within: sync::inputs_within(device, timing),
+            inputs_within: inputs_within(device, timing),
             sync_losses: 0,
         }
     }

@@ -1,0 +1,88 @@
+//! What people and programs may ask of a device, and what it comes to.
+
+use std::time::Duration;
+
+use thiserror::Error;
+
+use crate::sdo::{Abort, ObjectId, TransferError, TransferFailure};
+
+/// Requests that may wait, for all devices together.
+pub const WAITING_MAX: usize = 32;
+/// How long a request may wait for the channel. A boot of some twenty objects takes a fifth of a second.
+pub const PATIENCE: Duration = Duration::from_secs(5);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeviceRequest {
+    Read(ObjectId),
+    Write {
+        object: ObjectId,
+        /// What; a negative one in two's complement of the object's length.
+        value: u32,
+        /// In how many bytes, 1 to 4; `None`: in as many as the object has.
+        bytes: Option<usize>,
+    },
+}
+
+impl DeviceRequest {
+    pub fn object(&self) -> ObjectId {
+        match self {
+            DeviceRequest::Read(object) | DeviceRequest::Write { object, .. } => *object,
+        }
+    }
+}
+
+/// Why a request was not fulfilled.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum DeviceRequestError {
+    /// No device of this bus has that node id.
+    #[error("no device of this bus has node id {node}")]
+    UnknownNode { node: u8 },
+    #[error("{WAITING_MAX} requests are waiting already")]
+    Full,
+    /// The device cannot answer now.
+    #[error("the device {0}")]
+    NotReady(String),
+    /// The channel was not free for too long.
+    #[error("not begun within {within} s: the device {0}", within = PATIENCE.as_secs())]
+    Waited(String),
+    /// The manager needed the channel before the transfer was done.
+    #[error("interrupted by the manager: the device {0}")]
+    Overtaken(String),
+    /// Not to be written for others.
+    #[error("object {object} is not written for others: {why}")]
+    Guarded {
+        object: ObjectId,
+        /// Reason of the protection.
+        why: &'static str,
+    },
+    /// The number is too large for the object.
+    #[error("{value} ({value:X}h) does not fit object {object}, which has {bytes} byte(s)")]
+    TooLarge {
+        object: ObjectId,
+        value: u32,
+        /// What the object has.
+        bytes: usize,
+    },
+    /// The device refused, or fell silent.
+    #[error(transparent)]
+    Transfer(#[from] TransferError),
+}
+
+impl DeviceRequestError {
+    /// The abort code that says it best, for answers that have only room for a number.
+    pub fn abort(&self) -> Abort {
+        match self {
+            DeviceRequestError::UnknownNode { .. } | DeviceRequestError::NotReady(_) => Abort::NO_CONNECTION,
+            DeviceRequestError::Full => Abort::OUT_OF_MEMORY,
+            DeviceRequestError::Waited(_) => Abort::TIMEOUT,
+            DeviceRequestError::Overtaken(_) => Abort::DEVICE_STATE,
+            DeviceRequestError::Guarded { .. } => Abort::LOCAL_CONTROL,
+            DeviceRequestError::TooLarge { .. } => Abort::VALUE_HIGH,
+            DeviceRequestError::Transfer(TransferError { cause: TransferFailure::Refused(code), .. }) => *code,
+            DeviceRequestError::Transfer(TransferError { cause, .. }) => cause.abort().unwrap_or(Abort::GENERAL),
+        }
+    }
+}
+
+/// What a request has come to: the bytes read, or nothing for a write.
+pub type RequestResult = Result<Vec<u8>, DeviceRequestError>;

@@ -1,0 +1,64 @@
+//! Booting a device: what the steps of a boot lead to.
+
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use super::super::RETRY;
+use super::super::boot::{Boot, BootError, BootStep};
+use super::super::event::{BusEvent, BusOutbox};
+use super::{Peer, PeerPhase};
+use crate::codec::NmtCommand;
+use crate::sdo::TransferFailure;
+
+/// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
+/// that whoever has mended it need not do anything else.
+pub(in crate::manager) const REFUSED_RETRY: Duration = Duration::from_secs(5);
+
+impl Peer {
+    pub(in crate::manager) fn order_start(&mut self, now: Tick, out: &mut BusOutbox) {
+        self.phase = PeerPhase::Starting { retry: now + RETRY };
+        if self.orders.take(now) {
+            self.order(NmtCommand::Start, out);
+        }
+    }
+
+    /// Begins, or begins again, to bring it up.
+    pub(in crate::manager) fn boot(&mut self, now: Tick, out: &mut BusOutbox) {
+        self.process.lost(now);
+        self.lent = false;
+        self.held = false;
+        if !self.orders.take(now) {
+            // It boots again and again: it is asked for after a while, like one that is absent.
+            self.phase = PeerPhase::Absent { probe: now + RETRY };
+            return;
+        }
+        self.phase = PeerPhase::Booting(Boot::start(now, self.node, &mut out.frames));
+    }
+
+    /// What a step of its boot leads to.
+    pub(in crate::manager) fn booted(&mut self, now: Tick, step: BootStep, out: &mut BusOutbox) {
+        let why = match step {
+            BootStep::Busy => return,
+            BootStep::Done(register) => {
+                self.refusal = None;
+                self.register_read(now, register, out);
+                return self.order_start(now, out);
+            }
+            BootStep::Failed(why) => why,
+        };
+        if self.refusal != Some(why) {
+            self.refusal = Some(why);
+            out.events.push(BusEvent::BootFailed { node: self.node, why });
+        }
+        let silent = matches!(
+            why,
+            BootError::Transfer { error, .. } | BootError::NotReadBack(error) if matches!(error.cause, TransferFailure::Silent { .. })
+        );
+        self.phase = if silent && self.heard + self.timeout <= now {
+            PeerPhase::Absent { probe: now + RETRY }
+        } else {
+            PeerPhase::Refused { why, retry: now + if silent { RETRY } else { REFUSED_RETRY } }
+        };
+    }
+}

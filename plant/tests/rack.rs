@@ -1,0 +1,115 @@
+//! A rack of devices as the bus sees it, and the mechanisms behind them.
+
+use linewright_canopen::NodeId;
+use linewright_line::{AxisId, DeviceBus, StationId, Tick, parse};
+use linewright_plant::{PlantOptions, Rack};
+
+use crate::alone::Alone;
+use crate::common::line;
+
+const DRIVES: &str = include_str!("../../model/line/tests/descriptions/drives.toml");
+
+/// Press 2, by itself on its bus.
+fn press(now: Tick, _: NodeId) -> Rack {
+    Rack::new(now, &line(), &DeviceBus::Own("press2".to_owned()), PlantOptions::default())
+}
+
+#[test]
+fn it_boots_beats_and_reports_its_inputs_once_started() {
+    let mut bench = Alone::new(4, press);
+    bench.pass(19);
+    assert!(bench.take().is_empty());
+    bench.pass(51);
+    assert_eq!(bench.take(), ["704#00", "704#7F"]);
+    bench.hear("000#0105");
+    assert!(bench.take().is_empty(), "that was for somebody else");
+    bench.hear("000#0104");
+    assert_eq!(bench.take(), ["184#02"]);
+    bench.pass(100);
+    assert_eq!(bench.take(), ["704#05", "704#05", "184#02"]);
+}
+
+#[test]
+fn an_output_drives_and_the_limit_switch_answers() {
+    let mut bench = Alone::started(4, press);
+    bench.hear("204#01");
+    bench.pass(200);
+    let inputs: Vec<String> = bench.take().into_iter().filter(|f| f.starts_with("184")).collect();
+    assert_eq!(inputs.first().unwrap(), "184#00");
+    assert_eq!(inputs.last().unwrap(), "184#01");
+}
+
+#[test]
+fn its_objects_can_be_read_and_the_unknown_are_refused() {
+    let mut bench = Alone::started(4, press);
+    bench.hear("204#03");
+    let cases = [
+        ("604#4000100000000000", "584#4300100091010300"),
+        ("604#4017100000000000", "584#4B17100032000000"),
+        ("604#4000600000000000", "584#4F00600001000000"),
+        ("604#4000600100000000", "584#4F00600102000000"),
+        ("604#4000620100000000", "584#4F00620103000000"),
+        ("604#2F00620100000000", "584#8000620102000106"),
+        ("604#4000600200000000", "584#8000600211000906"),
+        ("604#4034120000000000", "584#8034120000000206"),
+        ("604#2F00120000000000", "584#8000120000000206"),
+        ("604#2F17100032000000", "584#8017100010000706"),
+        ("604#40005F0100000000", "584#80005F0101000106"),
+        ("604#2F005F0109000000", "584#80005F0130000906"),
+        ("604#2F005F0301000000", "584#80005F0311000906"),
+    ];
+    for (request, answer) in cases {
+        assert_eq!(bench.ask(request), answer, "{request}");
+    }
+}
+
+#[test]
+fn faults_and_fingers_come_over_the_bus() {
+    let mut bench = Alone::started(4, press);
+    // The motion of output 0 breaks: its fault input comes on.
+    assert_eq!(bench.ask("604#2F005F0103000000"), "584#60005F0100000000");
+    bench.hear("204#01");
+    bench.pass(100);
+    assert!(bench.take().contains(&"184#06".to_owned()));
+    // A finger on input 3, taken off again.
+    bench.hear("604#2F015F0401000000");
+    assert!(bench.take().contains(&"184#0E".to_owned()));
+    bench.hear("604#2F015F0402000000");
+    assert!(bench.take().contains(&"184#06".to_owned()));
+    // Everything cleared: it moves.
+    bench.hear("604#2F005F0000000000");
+    bench.pass(200);
+    assert!(bench.take().contains(&"184#01".to_owned()));
+}
+
+#[test]
+fn its_axis_follows_it_and_the_others_follow_their_valves() {
+    let line = parse("drives.toml", DRIVES).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+    let mut bench = Alone::booted(3, |now, _| Rack::new(now, &line, &DeviceBus::Line, PlantOptions::default()));
+    let place = |bench: &Alone<Rack>, axis| bench.device.plant().position(StationId(0), AxisId(axis));
+    bench.pass(10);
+    bench.hear("000#0100");
+    assert_eq!((place(&bench, 0), place(&bench, 1)), (0.0, 0.0));
+    // The clamp closes by its valve; node 3 is told 40 mm at 100 mm/s, as with cansend.
+    for frame in [
+        "202#02",
+        "603#2381600000A08601",
+        "603#23836000C0C62D00",
+        "603#23846000C0C62D00",
+        "603#237A6000409C0000",
+        "203#0600",
+        "203#0700",
+        "203#0F00",
+        "203#3F00",
+    ] {
+        bench.hear(frame);
+    }
+    bench.pass(150);
+    assert!((1.0..39.0).contains(&place(&bench, 0)), "{}", place(&bench, 0));
+    assert!((1.0..4.9).contains(&place(&bench, 1)), "{}", place(&bench, 1));
+    bench.pass(1000);
+    assert_eq!((place(&bench, 0), place(&bench, 1)), (40.0, 5.0));
+    assert_eq!(bench.read("6064"), Ok(40_000u32.to_le_bytes().to_vec()), "its own increments");
+    // The clamp's switch is on where it is; nothing of the slide is among the I/O device's inputs.
+    assert_eq!(bench.out.iter().rev().find(|f| f.cob_id() == Some(0x182)).map(|f| f.data().to_vec()), Some(vec![2]));
+}
