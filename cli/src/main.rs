@@ -12,6 +12,7 @@ mod chart;
 mod check;
 mod client;
 mod devices;
+mod files;
 mod frames;
 mod interrupts;
 mod load;
