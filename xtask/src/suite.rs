@@ -153,7 +153,7 @@ impl TestProgram {
         };
         let path = text("executable").filter(|_| line.contains("\"test\":true},\"features\":"))?;
         let dir = Path::new(text("manifest_path")?).parent()?.to_owned();
-        // `path+file:///work/line#linewright-line@0.1.0`, without the name where the directory has it.
+        // `path+file:///line#linewright-line@0.1.0`, without the name where the directory has it.
         let (place, named) = text("package_id")?.split_once('#')?;
         let package = named.split_once('@').map_or(place.rsplit('/').next()?, |(name, _)| name);
         Some(TestProgram { package: package.to_owned(), dir, path: path.to_owned() })
