@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::support::command::{Scratch, json, linewright, shipped, text, unread};
+use crate::support::command::{Scratch, into_full_disk, json, linewright, shipped, text, unread};
 
 #[test]
 fn the_shipped_line_passes_every_check() {
@@ -222,6 +222,30 @@ fn a_reader_that_has_enough_is_no_error() {
             let output = unread(&words);
             assert!(output.status.success() && output.stderr.is_empty(), "{words:?}: {output:?}");
         }
+    }
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_an_error() {
+    let (line, scratch) = (shipped(), Scratch::new());
+    let net = scratch.file("net.pnml", "<pnml><net id=\"n\"><place id=\"p\"/></net></pnml>");
+    let line = line.to_str().unwrap();
+    for words in [
+        &["check", "--structure", line][..],
+        &["check", "--structure", "--json", line],
+        &["simulate", line],
+        &["simulate", "--json", line],
+        &["analyse", "--json", &net],
+        &["schema", "line"],
+        &["completions", "bash"],
+        &["--help"],
+    ] {
+        let output = into_full_disk(words);
+        assert_eq!(output.status.code(), Some(1), "{words:?}: {output:?}");
+        assert!(
+            text(&output.stderr).contains("cannot write to standard output: No space left"),
+            "{words:?}: {output:?}"
+        );
     }
 }
 

@@ -52,7 +52,7 @@ fn is_made(said: &str, name: &str) -> bool {
 /// alarm is answered after the part was put back, the marking is restored, and the part is loaded again.
 #[test]
 fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
-    let mut rig = cell("workcell-c1", 4.0);
+    let mut rig = cell("workcell-c1", 8.0);
     // The watchdog of a loading that takes 3 s.
     rig.change("cell.toml", &[("max_s = 24", "max_s = 8"), ("max_s = 26", "max_s = 9")]);
     rig.start(&["--parts", "A=1", "--patience", "140"]);
@@ -111,6 +111,10 @@ fn through_kills_and_an_alarm_every_part_that_was_ordered_is_made_once() {
 
     assert!(said.starts_with("parts: 0 inside, 3 have left"), "{said}");
     assert!(!said.contains("lost") && !said.contains("alarm"), "{said}");
+    let state = rig.said(&["order"], &["--json"]).expect("it is heard");
+    let state: serde_json::Value = serde_json::from_str(&state).expect("one object");
+    let orders: Vec<_> = state["orders"].as_array().expect("a list").iter().map(|order| &order["done"]).collect();
+    assert_eq!((&state["parts_left"], orders), (&3.into(), vec![&1.into(); 3]), "{state}");
     assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), 3, "each part was assembled once");
     rig.signal("INT");
     let (_, report) = rig.ended_within(LONG);

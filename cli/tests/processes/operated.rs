@@ -27,7 +27,7 @@ fn a_line_is_operated_by_topics_through_fault_emergency_stop_and_hand_mode() {
     operator.order("auto", StationState::MODE_AUTO);
     operator.cycles(1);
     a_fault_stops_its_station(&rig, &operator, station, operation, "feed");
-    by_its_selector(&operator, station);
+    by_its_selector(&rig, &operator, station);
     operator.cycles(1);
     an_emergency_stop_switches_everything_off_and_only_manual_leads_out(&rig, &operator);
     operator.cycles(1);
@@ -67,11 +67,19 @@ fn a_fault_stops_its_station(rig: &Rig, operator: &Operator, station: &str, oper
 }
 
 /// One station alone is turned to manual at its panel; the others stay as they are.
-fn by_its_selector(operator: &Operator, station: &str) {
+fn by_its_selector(rig: &Rig, operator: &Operator, station: &str) {
     operator.select(station, "manual");
     operator.wait("manual", |heard| heard.in_mode(StationState::MODE_MANUAL));
-    assert!(!operator.jog("clamp_1", "return") && !operator.jog("transfer", "return"), "their selectors stand at auto");
+    assert!(!operator.jog("transfer", "return"), "its selector stands at auto");
+    let press = |station: &str, button: &str| rig.said(&["press"], &[button, "--station", station, "--for", "1.5"]);
+    let refusal = press("clamp_1", "return").expect_err("its selector stands at auto");
+    assert!(refusal.contains("return refused: clamp_1 waits for its selector at manual"), "{refusal}");
+    let said = press(station, "advance").expect("it goes on");
+    assert!(said.starts_with(station), "{said}");
     operator.complete();
+    let mode: serde_json::Value =
+        serde_json::from_str(&rig.said(&["mode"], &["--json"]).expect("the mode")).expect("JSON");
+    assert_eq!((&mode["mode"], &mode["enabled"]), (&"manual".into(), &true.into()), "{mode}");
     let refusal = operator.refused("auto");
     assert!(refusal.contains(&format!("{station}: selector at manual")), "{refusal}");
     operator.select(station, "auto");

@@ -2,6 +2,7 @@
 //! are not read.
 
 use std::path::Path;
+use std::process::Stdio;
 
 use linewright_msgs::StationState;
 
@@ -26,12 +27,14 @@ fn a_line_in_another_namespace_is_operated_there_and_runs_without_its_logs() {
     let start = rig.command(&["mode"], &["start", REMAP[0], REMAP[1], REMAP[2]]).output().expect("the command starts");
     assert!(start.status.success(), "{start:?}");
     operator.wait("stand-by", |heard| heard.in_mode(StationState::MODE_STANDBY));
-    let nobody = rig.command(&["mode"], &[]).output().expect("the command starts");
-    assert!(!nobody.status.success(), "nobody is in the line's own namespace: {nobody:?}");
+    // It listens for seconds; the line runs meanwhile.
+    let elsewhere = rig.command(&["mode"], &[]).stderr(Stdio::piped()).spawn().expect("the command starts");
 
     operator.order("auto", StationState::MODE_AUTO);
     operator.cycles(1);
     operator.go_home();
+    let nobody = elsewhere.wait_with_output().expect("a child");
+    assert!(!nobody.status.success(), "nobody is in the line's own namespace: {nobody:?}");
     rig.signal("INT");
     let (code, report) = rig.ended();
     assert_eq!((code, &report["restarts"]), (0, &0.into()), "{report}");
