@@ -1,57 +1,54 @@
-//! Bar charts: rows down, time across. One description, drawn as text for a terminal and as SVG.
+//! Bar charts: a row for each resource or operation, time from left to right. Drawn as text ([`text`]) or as SVG ([`svg`]).
 //!
-//! An activity has up to two bars, when it was planned and when it was done, and may have failed on its way. What the rows
-//! stand for, their callers know.
+//! A bar shows one activity: planned from … to …, done from … to …, and the time from which it had failed.
 
 pub mod svg;
 pub mod text;
 
-/// A chart.
 pub struct BarChart {
-    /// From top to bottom.
+    /// Top row first.
     pub rows: Vec<BarRow>,
-    /// How long it is, in seconds.
+    /// Length of the time axis, in seconds.
     pub span: f64,
 }
 
-/// One line of bars.
+/// One row.
 pub struct BarRow {
-    /// What this row and those after it belong to, if it is the first of them.
+    /// Name of the group that begins with this row, e.g. a station.
     pub group: Option<String>,
-    /// What it is itself; empty where the group says enough.
+    /// Name of the row within its group, e.g. an operation; may be empty.
     pub name: String,
-    /// In the order in which they started.
+    /// Sorted by start.
     pub bars: Vec<ActivityBar>,
 }
 
-/// From and to, in seconds from the beginning of the chart.
+/// Start and end, in seconds from the left end of the chart.
 pub type TimeSpan = (f64, f64);
 
-/// An activity.
+/// One activity.
 pub struct ActivityBar {
-    /// What is written before its times, for people.
+    /// Text before the times in the tool tip.
     pub about: String,
-    /// What is written into it, where there is room.
+    /// Number drawn inside the bar where it fits, e.g. of a part.
     pub number: Option<u64>,
-    /// When it was planned.
     pub planned: Option<TimeSpan>,
-    /// When it was done; until the end of the chart if it goes on.
+    /// Up to the end of the chart while it is in progress.
     pub actual: Option<TimeSpan>,
-    /// From when on it had failed, and why.
+    /// Time of the failure, and its cause.
     pub failed: Option<(f64, String)>,
-    /// Of what was done, in SVG.
+    /// Fill of the actual bar in SVG.
     pub colour: &'static str,
 }
 
 impl BarChart {
-    /// A chart that is as long as its bars, and at least as this.
+    /// A chart that ends with its last bar, and not before `least` seconds.
     pub fn new(rows: Vec<BarRow>, least: f64) -> Self {
         let bars = rows.iter().flat_map(|row| &row.bars).flat_map(|bar| [bar.planned, bar.actual]).flatten();
         let span = bars.map(|(_, to)| to).fold(least, f64::max).max(1e-6);
         BarChart { rows, span }
     }
 
-    /// Something of it was planned.
+    /// Whether any bar has planned times.
     pub fn has_plan(&self) -> bool {
         self.rows.iter().flat_map(|row| &row.bars).any(|bar| bar.planned.is_some())
     }

@@ -59,6 +59,9 @@ pub struct OperatorClient {
 /// Events come in bursts, one per motion of every station.
 const QUEUE: usize = 4096;
 
+/// A state is shown for this many times the age at which controllers ignore it, so that the picture does not flicker.
+const SHOWN_FOR: u32 = 2;
+
 /// Joins the ROS graph of a line as `name`; also gives the domain.
 pub fn join(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<(RosNode, u16)> {
     let participant = Participant::open(ros).map_err(|error| miette!("{error}"))?;
@@ -68,7 +71,7 @@ pub fn join(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<(RosNode, 
     Ok((node, participant.domain_id()))
 }
 
-/// That nobody is there.
+/// Error: no coordinator is heard.
 pub fn not_heard(of: &str, domain: u16) -> miette::Report {
     miette!("no coordinator of {of} found on ROS domain {domain}; check that it runs, with the same ROS_DOMAIN_ID")
 }
@@ -120,8 +123,7 @@ impl OperatorClient {
     }
 
     fn is_fresh(&self, at: Instant) -> bool {
-        // An operator's picture may be older than a controller's view: twice the limit, so that it does not flicker.
-        at.elapsed() < self.line.timing.stale * 2
+        at.elapsed() < self.line.timing.stale * SHOWN_FOR
     }
 
     /// Waits for something newer. Cancel safe.
@@ -171,12 +173,12 @@ impl OperatorClient {
         Ok(())
     }
 
-    /// Gives an operator's command. It is not latched: nobody obeys it later.
+    /// Gives an operator's command. It is not latched: what starts later does not receive it.
     pub fn command(&self, word: &str) {
         self.commands.send(Text::from(word));
     }
 
-    /// Says which hand-mode buttons are held now; repeat it while they are.
+    /// Publishes the hand-mode buttons that are held now; repeated while they are.
     pub fn hold(&self, names: &str) {
         self.buttons.send(Text::from(names));
     }

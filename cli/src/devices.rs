@@ -9,7 +9,7 @@ use linewright_eds::{DownloadContent, Eds, NodeId, limits, read};
 use linewright_line::{Canopen, Device, DeviceKind, Line, ObjectWrite, is_the_managers, keeps_an_output};
 use miette::{WrapErr, miette};
 
-use crate::load;
+use crate::files;
 
 /// Reads the file of every device that names one, beside the description in `dir`.
 pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> {
@@ -29,7 +29,7 @@ pub fn complete(line: &mut Line, dir: &Path, quiet: bool) -> miette::Result<()> 
 }
 
 fn description(path: &Path) -> miette::Result<Eds> {
-    let bytes = load::bytes(path, limits::FILE_BYTES_MAX, "a device's file")?;
+    let bytes = files::bytes(path, limits::FILE_BYTES_MAX, "a device's file")?;
     read(&path.display().to_string(), &bytes).map_err(miette::Report::new)
 }
 

@@ -7,7 +7,7 @@ use linewright_dbc::{Database, FILE_BYTES_MAX, bind, read};
 use linewright_line::{DeviceKind, Line, Problem, Problems};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-use crate::load;
+use crate::files;
 
 /// Reads the DBC file of every device that has one, beside the description `file`. What does not fit is shown in the
 /// description, all of it at once.
@@ -24,14 +24,14 @@ pub fn complete(line: &mut Line, file: &Path) -> miette::Result<()> {
     }
     if !problems.is_empty() {
         let name = file.display().to_string();
-        let text = load::description(file)?;
+        let text = files::description(file)?;
         return Err(miette::Report::new(Problems::new(&name, &text, problems)));
     }
     identifiers_are_one_devices(line)
 }
 
 fn database(path: &Path) -> miette::Result<Database> {
-    let bytes = load::bytes(path, FILE_BYTES_MAX, "a DBC file")?;
+    let bytes = files::bytes(path, FILE_BYTES_MAX, "a DBC file")?;
     read(&bytes).map_err(|error| miette!("{}: {error}", path.display()))
 }
 

@@ -1,14 +1,11 @@
 //! Reading a description from disk.
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use linewright_line::{Line, Problem, StationId};
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::miette;
 
-/// A description may be this large; the parser refuses more, so do not read more.
-const TEXT_BYTES_MAX: usize = 4 << 20;
+use crate::files::description;
 
 /// The description file a path means: itself, or `line.toml` in the directory.
 pub fn file_of(path: &Path) -> PathBuf {
@@ -97,31 +94,6 @@ pub fn parsed(path: &Path) -> miette::Result<linewright_line::ParsedLine> {
     linewright_line::parse(&file.display().to_string(), &text).map_err(miette::Report::new)
 }
 
-/// The text of a description.
-pub fn description(file: &Path) -> miette::Result<String> {
-    text(file, TEXT_BYTES_MAX, "a description")
-}
-
-/// A file's bytes, of which there may be `most`; `what` it is to be, for whoever named the wrong one. No more of it is
-/// read than that: of a device like `/dev/zero` there is no end.
-pub fn bytes(path: &Path, most: usize, what: &str) -> miette::Result<Vec<u8>> {
-    let name = path.display();
-    let cannot = || format!("cannot read {name}");
-    let file = File::open(path).into_diagnostic().wrap_err_with(cannot)?;
-    let mut bytes = Vec::new();
-    file.take(most as u64 + 1).read_to_end(&mut bytes).into_diagnostic().wrap_err_with(cannot)?;
-    if bytes.len() > most {
-        return Err(miette!("{name} is larger than {most} bytes, and {what} is not. Is this the right file?"));
-    }
-    Ok(bytes)
-}
-
-/// The same for a file of text.
-pub fn text(path: &Path, most: usize, what: &str) -> miette::Result<String> {
-    let bytes = bytes(path, most, what)?;
-    String::from_utf8(bytes).into_diagnostic().wrap_err_with(|| format!("cannot read {}", path.display()))
-}
-
 pub fn station(line: &Line, name: &str) -> miette::Result<StationId> {
     line.station_named(name).ok_or_else(|| {
         let known: Vec<&str> = line.stations.iter().map(|s| s.name.as_str()).collect();
@@ -132,12 +104,6 @@ pub fn station(line: &Line, name: &str) -> miette::Result<StationId> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn of_a_file_without_an_end_no_more_is_read_than_it_may_have() {
-        let why = bytes(Path::new("/dev/zero"), 1000, "a description").expect_err("it is longer");
-        assert!(why.to_string().starts_with("/dev/zero is larger than 1000 bytes"), "{why}");
-    }
 
     #[test]
     fn a_directory_means_what_is_in_it() {
@@ -157,15 +123,5 @@ mod tests {
         assert_eq!(found(dir.path()), (line.clone(), cell.clone()));
         assert_eq!(found(&dir.path().join("cell.toml")), (line.clone(), cell));
         assert_eq!(found(&dir.path().join("line.toml")), (line, None));
-    }
-
-    #[test]
-    fn a_file_may_have_as_much_as_is_allowed() {
-        let dir = tempfile::tempdir().expect("a directory");
-        let file = dir.path().join("file");
-        std::fs::write(&file, "1234").expect("written");
-        assert_eq!(text(&file, 4, "a text").expect("read"), "1234");
-        assert!(text(&file, 3, "a text").is_err());
-        assert!(text(dir.path(), 3, "a text").is_err_and(|why| why.to_string().starts_with("cannot read")));
     }
 }

@@ -12,6 +12,7 @@ mod chart;
 mod check;
 mod client;
 mod devices;
+mod files;
 mod frames;
 mod interrupts;
 mod load;
@@ -25,8 +26,10 @@ mod run;
 mod schema;
 mod shell;
 mod simulate;
+mod states;
 mod watch;
 
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -101,6 +104,13 @@ enum CliCommand {
 
 fn main() -> ExitCode {
     let code = command();
+    let code = match out::finish() {
+        Ok(()) => code,
+        Err(why) => {
+            crate::out::complain!("linewright: cannot write to standard output: {why}");
+            ExitCode::FAILURE
+        }
+    };
     linewright_node_shell::flush_stderr();
     code
 }
@@ -114,7 +124,17 @@ fn command() -> ExitCode {
         }
     };
     let program = std::env::args().next().unwrap_or_else(|| "linewright".to_owned());
-    let cli = Cli::parse_from(std::iter::once(program).chain(rest));
+    let cli = match Cli::try_parse_from(std::iter::once(program).chain(rest)) {
+        Ok(cli) => cli,
+        // Help and the version are no errors, and go to standard output.
+        Err(shown) if !shown.use_stderr() => {
+            let text = shown.render();
+            let is_terminal = std::io::stdout().is_terminal();
+            out::bytes(if is_terminal { text.ansi().to_string() } else { text.to_string() }.as_bytes());
+            return ExitCode::SUCCESS;
+        }
+        Err(wrong) => wrong.exit(),
+    };
     match dispatch(cli.command, ros) {
         Ok(code) => code,
         Err(error) => {

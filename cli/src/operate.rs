@@ -1,7 +1,7 @@
-//! The operator's commands: `mode` and `press`.
+//! The operator's commands: `mode`, `press` and `rejoin`.
 //!
 //! Each does once, from a shell, what a console does with a finger. The answer is printed: what the line did, or why
-//! it refused.
+//! it refused, with exit code 1.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -10,17 +10,20 @@ use std::time::Duration;
 use clap::Args;
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{Line, StationId};
-use linewright_msgs::{Flag, Text};
+use linewright_msgs::{Flag, StationState, Text};
 use linewright_node_shell::RosArgs;
 use miette::miette;
 
 use crate::client::OperatorClient;
 use crate::load;
+use crate::states::{ModeJson, StationJson, mode_name};
 
 /// How long to wait for a line to be heard.
 const CONNECT: Duration = Duration::from_secs(5);
 /// How long an answer may take: several refresh periods.
 const ANSWER: Duration = Duration::from_millis(500);
+/// How long a mode that was given may take until it is in force at every station.
+const MODE: Duration = Duration::from_secs(1);
 /// How often a held button is repeated: well within the time after which it counts as released.
 const REPEAT: Duration = Duration::from_millis(50);
 
@@ -31,6 +34,9 @@ pub struct ModeArgs {
     line: PathBuf,
     /// start, stop, auto, hand, manual, estop or reset; none shows the mode.
     command: Option<String>,
+    /// One JSON object on standard output.
+    #[arg(long)]
+    json: bool,
 }
 
 /// `linewright mode`
@@ -55,12 +61,20 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
                 && state.refusals > refusals
             {
                 crate::out::complain!("{}", state.refusal);
+                if args.json {
+                    crate::out::json(&ModeJson::of(state))?;
+                }
                 return Ok(ExitCode::FAILURE);
             }
         }
     }
-    crate::out::say!("{}", client.coordinator().map_or("no state received from the coordinator", |state| &state.text));
-    Ok(ExitCode::SUCCESS)
+    let state = client.coordinator();
+    match state {
+        Some(state) if args.json => crate::out::json(&ModeJson::of(state))?,
+        Some(state) => crate::out::say!("{}", state.text),
+        None => crate::out::complain!("no state received from the coordinator"),
+    }
+    Ok(if state.is_some() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Hold buttons for a while.
@@ -80,6 +94,9 @@ pub struct PressArgs {
     /// How long to hold, in seconds.
     #[arg(long = "for", default_value_t = 1.0)]
     seconds: f64,
+    /// One JSON object on standard output.
+    #[arg(long)]
+    json: bool,
 }
 
 /// `linewright press`
@@ -101,11 +118,15 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
     let mut client = OperatorClient::open(line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     let names = args.buttons.join(" ");
-    hold(&mut client, args.seconds, |client, held| client.hold(if held { &names } else { "" })).await?;
-    for id in line.station_ids() {
-        print_station(&client, id);
+    let stations: Vec<StationId> = line.station_ids().collect();
+    if let Err(mode) = until_mode(&mut client, stations[0], StationState::MODE_HAND).await? {
+        let why = format!("hand-mode buttons act in hand mode only; the mode is {mode}");
+        return answer(&client, args, &stations, Some(why));
     }
-    Ok(ExitCode::SUCCESS)
+    let motions = motions(&client, &stations);
+    hold(&mut client, args.seconds, |client, held| client.hold(if held { &names } else { "" })).await?;
+    let refusal = refusal(&client, &stations, &motions);
+    answer(&client, args, &stations, refusal)
 }
 
 async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs) -> miette::Result<ExitCode> {
@@ -114,22 +135,95 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
         return Err(miette!("one button of a panel at a time: advance, return, manual or auto"));
     };
     let mut client = OperatorClient::open(line, ros, "operator")?;
-    match button.as_str() {
+    let refusal = match button.as_str() {
         "advance" | "return" => {
             let publisher = client.panel_button(id, button)?;
             client.until_connected(CONNECT).await?;
-            hold(&mut client, args.seconds, |_, held| publisher.send(Flag { data: held })).await?;
+            match until_mode(&mut client, id, StationState::MODE_MANUAL).await? {
+                Err(mode) => Some(format!("a panel acts in manual mode only; the mode is {mode}")),
+                Ok(()) => {
+                    let motions = motions(&client, &[id]);
+                    hold(&mut client, args.seconds, |_, held| publisher.send(Flag { data: held })).await?;
+                    refusal(&client, &[id], &motions)
+                }
+            }
         }
         "manual" | "auto" => {
             let publisher = client.panel_selector(id)?;
             client.until_connected(CONNECT).await?;
             publisher.send(Text::from(button.as_str()));
             client.listen(ANSWER).await?;
+            let stands = client.station(id).map(|state| if state.selector_manual { "manual" } else { "auto" });
+            let stays = stands.filter(|stands| stands != button);
+            stays.map(|stands| format!("the selector stays at {stands}: its wired switch stands there"))
         }
         other => return Err(miette!("'{other}' is not on a panel; it has advance, return, manual and auto")),
+    };
+    answer(&client, args, &[id], refusal)
+}
+
+/// Waits until a mode is in force at a station: it may have been given a moment ago. The error is the mode that is.
+async fn until_mode(
+    client: &mut OperatorClient,
+    station: StationId,
+    mode: u8,
+) -> miette::Result<Result<(), &'static str>> {
+    let deadline = tokio::time::Instant::now() + MODE;
+    loop {
+        let now = client.station(station).map(|state| state.mode);
+        if now == Some(mode) {
+            return Ok(Ok(()));
+        }
+        if tokio::time::Instant::now() >= deadline {
+            return Ok(Err(now.map_or("unknown: no state received", mode_name)));
+        }
+        client.listen(REPEAT).await?;
     }
-    print_station(&client, id);
-    Ok(ExitCode::SUCCESS)
+}
+
+/// What changes with every motion that starts: places, cycles started, cycles done.
+type Motions = Vec<Option<(Vec<u8>, Vec<i32>, Vec<i32>)>>;
+
+fn motions(client: &OperatorClient, stations: &[StationId]) -> Motions {
+    let of = |state: &StationState| (state.places.to_vec(), state.started.to_vec(), state.done.to_vec());
+    stations.iter().map(|id| client.station(*id).map(of)).collect()
+}
+
+/// Why a button that was held has moved nothing; `None` if something has moved since `before`.
+fn refusal(client: &OperatorClient, stations: &[StationId], before: &Motions) -> Option<String> {
+    if motions(client, stations) != *before {
+        return None;
+    }
+    let why = |id: &StationId| {
+        let name = &client.line().station(*id).name;
+        match client.station(*id) {
+            Some(state) => format!("{name} waits for {}", state.blocked_by.join("; ")),
+            None => format!("no state received from {name}"),
+        }
+    };
+    Some(stations.iter().map(why).collect::<Vec<_>>().join("\n"))
+}
+
+/// Prints what has become of a press.
+fn answer(
+    client: &OperatorClient,
+    args: &PressArgs,
+    stations: &[StationId],
+    refusal: Option<String>,
+) -> miette::Result<ExitCode> {
+    let buttons = args.buttons.join(" ");
+    if let Some(why) = &refusal {
+        crate::out::complain!("{buttons} refused: {why}");
+    }
+    if args.json {
+        let name = |id: &StationId| &client.line().station(*id).name;
+        let states: Vec<_> = stations.iter().map(|id| StationJson::of(name(id), client.station(*id))).collect();
+        let object = serde_json::json!({ "buttons": args.buttons, "refusal": refusal, "stations": states });
+        crate::out::json(&object)?;
+    } else if refusal.is_none() {
+        stations.iter().for_each(|id| print_station(client, *id));
+    }
+    Ok(if refusal.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Confirm where a station stands.

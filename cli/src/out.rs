@@ -1,12 +1,40 @@
-//! Writing to standard output and standard error, which may be a pipe that somebody has closed, or a full disk.
+//! Writing to standard output and standard error, which may be a closed pipe or a full disk.
 
-use std::io::Write;
+use std::io::{self, ErrorKind, Write};
+use std::sync::OnceLock;
 
 use miette::IntoDiagnostic;
 
-/// Writes a line; false when nobody reads any more (`linewright candump | head`), which is no error.
+/// The first error of standard output, other than a closed pipe.
+static FAILED: OnceLock<String> = OnceLock::new();
+
+fn written(result: io::Result<()>) -> bool {
+    if let Err(error) = &result
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        FAILED.get_or_init(|| error.to_string());
+    }
+    result.is_ok()
+}
+
+/// Writes a line; false when it could not be written. A reader that has gone (`linewright candump | head`) is no error; any
+/// other cause is an error of the command, see [`finish`].
 pub fn line(text: std::fmt::Arguments<'_>) -> bool {
-    writeln!(std::io::stdout().lock(), "{text}").is_ok()
+    written(writeln!(io::stdout().lock(), "{text}"))
+}
+
+/// Writes bytes; errors as with [`line`].
+pub fn bytes(bytes: &[u8]) {
+    written(io::stdout().lock().write_all(bytes));
+}
+
+/// Writes the rest, at the end of the command.
+///
+/// # Errors
+/// Why not everything could be written.
+pub fn finish() -> Result<(), String> {
+    written(io::stdout().lock().flush());
+    FAILED.get().map_or(Ok(()), |why| Err(why.clone()))
 }
 
 /// Prints what `--json` asks for: one object over several lines.

@@ -2,7 +2,6 @@
 //!
 //! Both follow from the definitions that the command line is read by.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -26,8 +25,7 @@ pub struct CompletionsArgs {
 pub fn completions(args: &CompletionsArgs) -> miette::Result<ExitCode> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "linewright", &mut script);
-    // That nobody reads any more is no error.
-    let _ = std::io::stdout().lock().write_all(&script);
+    crate::out::bytes(&script);
     Ok(ExitCode::SUCCESS)
 }
 

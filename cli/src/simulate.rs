@@ -19,8 +19,8 @@ use linewright_line::Line;
 use linewright_simulation::{LineSim, Network, RunEnd, RunGoal, Scenario, SimOptions};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-use crate::load;
 use crate::out::{self, say};
+use crate::{files, load};
 use report::SimulationReport;
 
 /// A scenario may be this large.
@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     if args.json {
         out::json(&json::SimulationJson::new(&line, &sim, &report))?;
     } else {
-        say!("{}", report.text(&line).trim_end());
+        say!("{}", report.text(&line, &chart::text(&line, &report.rows)).trim_end());
         print_end(&sim, &end, scenario.as_ref());
     }
     Ok(if end == RunEnd::Done { ExitCode::SUCCESS } else { ExitCode::FAILURE })
@@ -157,7 +157,7 @@ fn told(args: &Args, scenario: Option<&Scenario>) -> (RunGoal, SimOptions) {
 }
 
 fn read_scenario(path: &Path, line: &Line) -> miette::Result<Scenario> {
-    let text = load::text(path, SCENARIO_BYTES_MAX, "a scenario")?;
+    let text = files::text(path, SCENARIO_BYTES_MAX, "a scenario")?;
     Scenario::parse(line, &path.display().to_string(), &text).map_err(miette::Report::new)
 }
 

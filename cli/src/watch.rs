@@ -11,7 +11,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use clap::Args as ClapArgs;
 use crossterm::{cursor, execute, queue, terminal};
 use linewright_line::{Line, StationId};
-use linewright_msgs::StationEvent;
+use linewright_msgs::{LineState, StationEvent, StationState};
 use linewright_node_shell::RosArgs;
 use miette::IntoDiagnostic;
 
@@ -19,6 +19,7 @@ use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
 use crate::run::chart::RollingChart;
+use crate::states::LineJson;
 
 /// Show the line as it runs.
 #[derive(Debug, ClapArgs)]
@@ -28,6 +29,9 @@ pub struct Args {
     /// Print one picture and end.
     #[arg(long)]
     once: bool,
+    /// Print the states as one JSON object and end.
+    #[arg(long)]
+    json: bool,
 }
 
 /// `linewright watch`
@@ -36,12 +40,16 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut client = OperatorClient::open(&line, ros, "watch")?;
     client.until_connected(Duration::from_secs(5)).await?;
     let mut view = WatchState::new(&line);
-    if args.once || !std::io::stdout().is_terminal() {
+    if args.once || args.json || !std::io::stdout().is_terminal() {
         let until = tokio::time::Instant::now() + line.timing.refresh * 4;
         while let Ok(heard) = tokio::time::timeout_at(until, client.next()).await {
-            view.take(&heard?);
+            drop(view.take(&heard?));
         }
-        crate::out::say!("{}", view.picture(&client, 100).join("\n"));
+        if args.json {
+            crate::out::json(&LineJson::of(&client))?;
+        } else {
+            crate::out::say!("{}", view.picture(&client, (100, usize::MAX)).join("\n"));
+        }
         return Ok(ExitCode::SUCCESS);
     }
     let mut screen = Screen::open()?;
@@ -49,8 +57,8 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut interrupts = Interrupts::listen()?;
     loop {
         tokio::select! {
-            heard = client.next() => view.take(&heard?),
-            _ = ticks.tick() => screen.show(&view.picture(&client, Screen::width()))?,
+            heard = client.next() => drop(view.take(&heard?)),
+            _ = ticks.tick() => screen.show(&view.picture(&client, Screen::size()))?,
             () = interrupts.next() => break,
         }
     }
@@ -92,14 +100,15 @@ impl WatchState {
         }
     }
 
-    /// Takes what the client heard.
-    pub fn take(&mut self, heard: &StateUpdate) {
-        if let StateUpdate::Event(id, event) = heard {
-            self.event(*id, event);
-        }
+    /// Takes what the client heard; gives the message that it adds, if it does.
+    pub fn take(&mut self, heard: &StateUpdate) -> Option<String> {
+        let StateUpdate::Event(id, event) = heard else { return None };
+        let message = self.event(*id, event)?;
+        self.say(message.clone());
+        Some(message)
     }
 
-    fn event(&mut self, id: StationId, event: &StationEvent) {
+    fn event(&mut self, id: StationId, event: &StationEvent) -> Option<String> {
         let at = f64::from(event.header.stamp.sec) + f64::from(event.header.stamp.nanosec) * 1e-9;
         let op = self.line.station(id).operation_named(&event.operation);
         match (event.kind, op) {
@@ -108,53 +117,102 @@ impl WatchState {
             (StationEvent::KIND_COMPLETED | StationEvent::KIND_UNDONE, Some(op)) => self.chart.ended(id, op, at, false),
             (StationEvent::KIND_FAULT | StationEvent::KIND_STOPPED, Some(op)) => {
                 self.chart.ended(id, op, at, true);
-                self.say(format!("{} {}", event.station, event.text));
+                return Some(format!("{} {}", event.station, event.text));
             }
             (StationEvent::KIND_MODE | StationEvent::KIND_IGNORED, _) => {}
-            (_, _) => self.say(format!("{} {}", event.station, event.text)),
+            (_, _) => return Some(format!("{} {}", event.station, event.text)),
         }
+        None
     }
 
-    /// The picture, as lines of text.
-    pub fn picture(&self, client: &OperatorClient, width: usize) -> Vec<String> {
-        let mut lines = self.head.clone();
-        match client.coordinator() {
-            Some(state) => {
-                lines.push(format!("{} — mode: {}", self.line.title, state.text));
-                if !state.refusal.is_empty() {
-                    lines.push(format!("last refusal: {}", state.refusal));
-                }
+    /// The picture, as lines of text no wider than the screen. What does not fit its height is left out: first the bar
+    /// chart, then the oldest messages, then the head.
+    pub fn picture(&self, client: &OperatorClient, (width, height): (usize, usize)) -> Vec<String> {
+        let stations = self.line.station_ids().map(|id| (self.line.station(id).name.as_str(), client.station(id)));
+        let states = states(&self.line.title, client.coordinator(), stations, width);
+        let head: Vec<String> = self.head.iter().flat_map(|line| wrapped(line, 4, width)).collect();
+        let mut messages: Vec<String> = self.messages.iter().flat_map(|line| wrapped(line, 4, width)).collect();
+        let has_head = head.len() + states.len() < height;
+        let room = height - states.len().min(height) - if has_head { head.len() } else { 0 };
+        messages.drain(..messages.len().saturating_sub(room.saturating_sub(1)));
+        let chart = self.bars(width);
+        let has_chart = !chart.is_empty() && chart.len() + messages.len() + 2 <= room;
+        let mut lines = if has_head { head } else { Vec::new() };
+        lines.extend(states);
+        for part in [if has_chart { chart } else { Vec::new() }, messages] {
+            if !part.is_empty() {
+                lines.push(String::new());
+                lines.extend(part);
             }
-            None => lines.push(format!("{}: no state received from the coordinator", self.line.title)),
         }
-        lines.push(String::new());
-        for id in self.line.station_ids() {
-            lines.extend(self.station(client, id));
-        }
-        // One picture (`watch --once`) has seen too little for a chart.
-        if !self.chart.is_empty() {
-            lines.push(String::new());
-            let chart_width = width.saturating_sub(48).clamp(20, 160);
-            lines.extend(self.chart.draw(now(), CHART_SECONDS, chart_width));
-            lines.push(format!("{:>w$}", format!("last {CHART_SECONDS:.0} s ▏now"), w = chart_width + 44));
-        }
-        lines.push(String::new());
-        lines.extend(self.messages.iter().cloned());
         lines
     }
 
-    fn station(&self, client: &OperatorClient, id: StationId) -> Vec<String> {
-        let name = &self.line.station(id).name;
-        let Some(state) = client.station(id) else { return vec![format!("{name:12} no state received")] };
-        let mut lines = vec![format!("{name:12} cycle {:<4} {}", state.cycle, state.operation)];
-        if !state.fault.is_empty() {
-            lines.push(format!("{:12} FAULT {}", "", state.fault));
+    /// The bar chart; empty as long as nothing has moved, or where there is no width for it.
+    fn bars(&self, width: usize) -> Vec<String> {
+        let chart_width = width.saturating_sub(self.chart.label_width() + 2).min(160);
+        if self.chart.is_empty() || chart_width < 10 {
+            return Vec::new();
         }
-        if !state.blocked_by.is_empty() {
-            lines.push(format!("{:12} waits for {}", "", state.blocked_by.join("; ")));
-        }
+        let mut lines = self.chart.draw(now(), CHART_SECONDS, chart_width);
+        lines.push(format!(
+            "{:>w$}",
+            format!("last {CHART_SECONDS:.0} s ▏now"),
+            w = self.chart.label_width() + 2 + chart_width
+        ));
         lines
     }
+}
+
+/// The mode and the stations with their faults and what they wait for.
+fn states<'s>(
+    title: &str,
+    line: Option<&LineState>,
+    stations: impl Iterator<Item = (&'s str, Option<&'s StationState>)>,
+    width: usize,
+) -> Vec<String> {
+    let mut lines = match line {
+        Some(state) => wrapped(&format!("{title} — mode: {}", state.text), 4, width),
+        None => wrapped(&format!("{title}: no state received from the coordinator"), 4, width),
+    };
+    if let Some(state) = line.filter(|state| !state.refusal.is_empty()) {
+        lines.extend(wrapped(&format!("last refusal: {}", state.refusal), 4, width));
+    }
+    lines.push(String::new());
+    for (name, state) in stations {
+        let Some(state) = state else {
+            lines.push(format!("{name:12} no state received"));
+            continue;
+        };
+        lines.extend(wrapped(&format!("{name:12} cycle {:<4} {}", state.cycle, state.operation), 15, width));
+        if !state.fault.is_empty() {
+            lines.extend(wrapped(&format!("{:12} FAULT {}", "", state.fault), 15, width));
+        }
+        for (number, reason) in state.blocked_by.iter().enumerate() {
+            let begins = if number == 0 { "waits for" } else { "and" };
+            lines.extend(wrapped(&format!("{:12} {begins} {reason}", ""), 15, width));
+        }
+    }
+    lines
+}
+
+/// A text in lines of at most `width` characters, broken at spaces where there are any; the second and later ones are
+/// indented.
+fn wrapped(text: &str, indent: usize, width: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut rest: Vec<char> = text.trim_end().chars().collect();
+    let mut indent_now = 0;
+    while indent_now + rest.len() > width.max(indent + 10) {
+        let room = width.max(indent + 10) - indent_now;
+        let leading = rest.iter().take_while(|letter| **letter == ' ').count();
+        let space = rest[..=room].iter().rposition(|letter| *letter == ' ').filter(|at| *at > leading);
+        let (line, next) = rest.split_at(space.unwrap_or(room));
+        lines.push(" ".repeat(indent_now) + line.iter().collect::<String>().trim_end());
+        rest = next.iter().copied().skip_while(|letter| *letter == ' ').collect();
+        indent_now = indent;
+    }
+    lines.push(" ".repeat(indent_now) + &rest.iter().collect::<String>());
+    lines
 }
 
 /// The terminal, given back as it was when this is dropped.
@@ -167,12 +225,13 @@ impl Screen {
         Ok(Screen)
     }
 
-    /// Its width in characters.
-    pub fn width() -> usize {
-        terminal::size().map_or(100, |(width, _)| usize::from(width))
+    /// Its width and the height of a picture, in characters.
+    pub fn size() -> (usize, usize) {
+        terminal::size()
+            .map_or((100, 40), |(width, height)| (usize::from(width), usize::from(height).saturating_sub(1)))
     }
 
-    /// Shows a picture; lines that do not fit are cut.
+    /// Shows a picture; what does not fit is cut.
     pub fn show(&mut self, lines: &[String]) -> miette::Result<()> {
         let (width, height) = terminal::size().unwrap_or((100, 40));
         let mut out = std::io::stdout().lock();
@@ -191,5 +250,39 @@ impl Screen {
 impl Drop for Screen {
     fn drop(&mut self) {
         let _ = execute!(std::io::stdout(), cursor::Show, terminal::LeaveAlternateScreen);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_are_wrapped_and_whole_at_sixty_columns() {
+        let reason = "interlock: transfer not clear: LS_vertical_0 (transfer io, node 11h, 6000h:01 bit 0) off, for advance clamp";
+        let clamp = StationState {
+            cycle: 12,
+            operation: "return clamp".to_owned(),
+            fault: "advance clamp: watchdog: motion not complete in time".to_owned(),
+            blocked_by: vec!["recovery of advance clamp in manual".to_owned(), reason.to_owned()],
+            ..StationState::default()
+        };
+        let line = LineState { text: "e-stop, not reset; give reset, then manual".to_owned(), ..LineState::default() };
+        let stations = [("transfer", None), ("clamp_1", Some(&clamp)), ("mill_1", Some(&clamp))];
+        let lines = states("Transfer line", Some(&line), stations.into_iter(), 60);
+        assert!(lines.iter().all(|line| line.chars().count() <= 60), "{lines:#?}");
+        assert!(lines.len() < 24, "{lines:#?}");
+        let whole = lines.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
+        for part in [reason, &clamp.fault, "mode: e-stop, not reset; give reset, then manual"] {
+            assert!(whole.contains(part), "{part}: {lines:#?}");
+        }
+    }
+
+    #[test]
+    fn a_text_is_broken_at_spaces_and_a_long_word_anywhere() {
+        assert_eq!(wrapped("  one two three four", 4, 14), ["  one two", "    three four"]);
+        assert_eq!(wrapped("abcdefghijklmnopqrst", 2, 14), ["abcdefghijklmn", "  opqrst"]);
+        assert_eq!(wrapped("short", 4, 60), ["short"]);
+        assert_eq!(wrapped("", 4, 60), [""]);
     }
 }

@@ -10,7 +10,7 @@ use crate::LogLevel;
 use crate::lossy::LossyWriter;
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::fmt::Arguments;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::sync::LazyLock;
 use std::time::Duration;
 use thiserror::Error;
@@ -46,6 +46,8 @@ pub fn init(level: Option<LogLevel>) -> Result<(), LoggingError> {
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(log.clone())
+        // A log file has no colours.
+        .with_ansi(io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()))
         // Errors of its own it prints to stderr, and panics where that cannot be written.
         .log_internal_errors(false)
         .with_target(false)

@@ -4,7 +4,7 @@
 //!   scenario ──▶ Sim: what a person does, by name ──▶ the simulation: nodes, network, frames, devices, plant
 //!                  after every event                     │ events            │ positions
 //!                                                        ▼                   ▼
-//!                                                     Ledger              Observer of a transfer line
+//!                                                   its record        IndependentObserver
 //! ```
 //!
 //! The same seed gives the same run to the microsecond, so a failure found after a million cycles is found again at once.
@@ -20,13 +20,11 @@
 //! sim.run_until("the mill stops", |s| s.is_incomplete("mill_1"));
 //! ```
 
-mod ledger;
 mod observer;
 mod operator;
 mod scenario;
 mod sim;
 
-pub use ledger::Ledger;
 pub use linewright_simulation::{LogKind, Network, NodeProcess, Rng, RunLog, SimLogEntry};
 pub use observer::IndependentObserver;
 pub use scenario::{hand_button, soak, transfer_line, transfer_line_with};

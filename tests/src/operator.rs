@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
-use linewright_line::{ButtonId, InputId, OpId, Owner, StationId};
+use linewright_line::{ButtonId, InputId, Owner, StationId};
 use linewright_simulation::OperatorAction;
 
 use crate::sim::WatchedLine;
@@ -209,11 +209,6 @@ impl WatchedLine {
         let (id, op) = self.op(station, operation);
         let what = format!("{station}: {operation} done in cycle {cycle}");
         self.run_until(&what, |s| s.done(id, op) >= cycle);
-    }
-
-    /// The count of an operation, by the ledger: the last cycle in which it was done and not withdrawn.
-    pub fn done(&self, station: StationId, op: OpId) -> i32 {
-        self.ledger.count(station, op)
     }
 
     /// After anything that put the line into stand-by or into the emergency stop: waits until everybody is heard, leads

@@ -9,7 +9,6 @@ use linewright_plant::{DeviceFault, FrameFaults, MotionFault};
 use linewright_simulation::{MotionSelection, Network, NodeProcess, OperatorAction};
 use linewright_station_logic::Controller;
 
-use crate::ledger::Ledger;
 use crate::observer::IndependentObserver;
 use crate::sim::WatchedLine;
 
@@ -38,11 +37,6 @@ impl WatchedLine {
         sim.run_until_done("clamp_1", "return clamp", 2);
         sim.run_for(Duration::from_millis(moment));
         sim
-    }
-
-    /// The book-keeping of cycles.
-    pub fn ledger(&self) -> &Ledger {
-        &self.ledger
     }
 
     /// The one who looks at positions.
@@ -136,7 +130,6 @@ impl WatchedLine {
 
     /// Starts a killed station again without its journal: it remembers nothing, and its mechanisms stand where they stood.
     pub fn restart_station_without_memory(&mut self, station: StationId) {
-        self.ledger.lose(station);
         self.observer.lose_parts();
         self.act(OperatorAction::RestartEmpty(NodeProcess::Station(station)));
     }

@@ -1,7 +1,7 @@
 //! A line in the simulation, on its buses, watched after every event.
 //!
-//! After each event the observer has looked at the mechanisms and the ledger at the counts; a run ends at the first thing
-//! that one of them does not like.
+//! After each event the observer has looked at the mechanisms, and the simulation's record has compared the counts: every
+//! cycle of every operation is done, and done once. A run ends at the first violation.
 
 use std::ops::Deref;
 use std::time::Duration;
@@ -10,7 +10,6 @@ use linewright_line::{Line, StationId, Tick};
 use linewright_simulation::{LogKind, Network, OperatorAction, SimOptions};
 use linewright_station_logic::HappeningKind;
 
-use crate::ledger::Ledger;
 use crate::observer::IndependentObserver;
 
 /// A quiet machine: up to half a millisecond, nothing lost.
@@ -32,10 +31,9 @@ pub const fn network((shortest, longest): (u64, u64), loss_per_mille: u32, doubl
 /// A watched line in virtual time.
 pub struct WatchedLine {
     sim: linewright_simulation::LineSim,
-    pub(crate) ledger: Ledger,
     pub(crate) observer: IndependentObserver,
     seed: u64,
-    /// Entries of the log that the ledger has read.
+    /// Entries of the log that were looked at.
     read: u64,
     /// Mechanisms stand where the observer has seen them then.
     looked: Tick,
@@ -69,7 +67,6 @@ impl WatchedLine {
         let sim = linewright_simulation::LineSim::new(line, options);
         WatchedLine {
             sim: sim.unwrap_or_else(|error| panic!("the line of a test starts: {error}")),
-            ledger: Ledger::new(line),
             observer: IndependentObserver::new(line),
             seed,
             read: 0,
@@ -90,7 +87,7 @@ impl WatchedLine {
     /// Runs until `end`.
     ///
     /// # Panics
-    /// When the observer sees what must not happen, or the ledger a cycle lost or doubled.
+    /// When the observer sees what must not happen, or the record a cycle lost or doubled.
     pub fn run_to(&mut self, end: Tick) {
         while self.next_event() <= end {
             self.step();
@@ -109,11 +106,10 @@ impl WatchedLine {
         let from = usize::try_from(self.read - log.forgotten()).unwrap_or(usize::MAX);
         self.read = log.forgotten() + log.entries().len() as u64;
         for entry in log.entries().get(from..).unwrap_or_default() {
-            if let LogKind::Station(id, event) = entry.what {
-                self.ledger.enter(self.sim.line(), id, &event);
-                if event.what == HappeningKind::Refused {
-                    self.refused(id);
-                }
+            if let LogKind::Station(id, event) = entry.what
+                && event.what == HappeningKind::Refused
+            {
+                self.refused(id);
             }
         }
         let plant = self.sim.plant_of(StationId::at(0));
@@ -143,8 +139,8 @@ impl WatchedLine {
         if self.alarms() != 0 {
             self.give_up("both actuators of one axis were on at once");
         }
-        if !self.ledger.errors().is_empty() {
-            self.give_up(&self.ledger.errors().join("\n"));
+        if !self.record().errors().is_empty() {
+            self.give_up(&self.record().errors().join("\n"));
         }
     }
 

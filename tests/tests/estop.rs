@@ -61,19 +61,15 @@ fn stop_and_come_back(moment: Duration, by_wire: bool) {
 }
 
 #[test]
-fn every_twenty_milliseconds_of_a_cycle_by_message() {
-    for moment in (0..3560).step_by(20) {
-        stop_and_come_back(Duration::from_millis(moment), false);
+fn at_every_moment_of_a_cycle_by_message_and_by_wire() {
+    for (first, every, by_wire) in [(0, 20, false), (10, 30, true)] {
+        for moment in (first..3560).step_by(every) {
+            stop_and_come_back(Duration::from_millis(moment), by_wire);
+        }
     }
 }
 
-#[test]
-fn every_thirty_milliseconds_of_a_cycle_by_wire() {
-    for moment in (10..3560).step_by(30) {
-        stop_and_come_back(Duration::from_millis(moment), true);
-    }
-}
-
+/// A successor that has lost its journal adopts the stop from the stations that are in it.
 #[test]
 fn an_emergency_stop_outlives_the_coordinator_that_gave_it() {
     for remembers in [true, false] {
@@ -93,6 +89,10 @@ fn an_emergency_stop_outlives_the_coordinator_that_gave_it() {
         let stands = sim.positions();
         sim.settle();
         assert_eq!(sim.positions(), stands);
+        assert_eq!(sim.mode(), Some(ControlMode::EStop), "remembers {remembers}");
+        assert!(sim.ask(ModeCommand::Auto).expect_err("stopped").contains("emergency stop"));
+        sim.bring_back();
+        sim.run_until_done("mill_1", "reset main slide", 3);
     }
 }
 
@@ -116,23 +116,6 @@ fn replacing_the_coordinator_is_no_way_out_of_an_emergency_stop() {
         sim.back_to_auto();
         sim.run_until_done("mill_1", "reset main slide", 2);
     }
-}
-
-#[test]
-fn a_coordinator_that_has_lost_its_journal_adopts_the_stop_the_stations_are_in() {
-    let mut sim = WatchedLine::new(&transfer_line(1.0), 4);
-    sim.start_auto();
-    sim.run_until_done("transfer", "advance transfer", 2);
-    sim.order(ModeCommand::EStop);
-    sim.run_for(Duration::from_millis(100));
-    sim.kill_coordinator();
-    sim.run_for(Duration::from_secs(2));
-    sim.restart_coordinator(false);
-    sim.settle();
-    assert_eq!(sim.mode(), Some(ControlMode::EStop), "it has no record of it");
-    assert!(sim.ask(ModeCommand::Auto).expect_err("stopped").contains("emergency stop"));
-    sim.bring_back();
-    sim.run_until_done("mill_1", "reset main slide", 3);
 }
 
 /// Its life, its numbers and its epoch are all unknown here, and its epochs are lower than those in force.

@@ -1,6 +1,6 @@
 //! Anything, in any order, at any time: commands, fingers, faults, crashes, partitions, weather.
 //!
-//! After every single event the observer has looked at the mechanisms and the ledger at the counts; that is where
+//! After every single event the observer has looked at the mechanisms and the record at the counts; that is where
 //! this test's assertions are. At the end of each run the world is repaired, and the line must come back to auto by
 //! what its operators can do, and make two more parts.
 //!
@@ -133,7 +133,7 @@ impl World {
         }
     }
 
-    /// Starts what is down. No process comes back within a message's way: see `known_gaps.rs`.
+    /// Starts what is down. No process comes back within a message's way.
     fn up_again(&mut self) {
         let down: Vec<StationId> = self.stations.iter().copied().filter(|&id| !self.sim.is_running(id)).collect();
         self.sim.run_for(Duration::from_millis(50));

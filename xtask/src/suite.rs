@@ -3,12 +3,12 @@
 //! No part stops at another's failure, so that one run tells all. Format, house rules, lints and documentation count
 //! as one test each in the sum. What runs beside something else is printed whole when it has ended.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 use std::time::Instant;
 
-use crate::part::{cargo, lines};
+use crate::part::{Stream, cargo, lines};
 use crate::setup::{self, Setup};
 use crate::tally::TestTally;
 use crate::tidy;
@@ -21,6 +21,9 @@ pub enum Extent {
     /// What takes seconds once it is built.
     Quick,
 }
+
+/// Parts of the names of tests that take seconds each; without them the tests of `--quick` take less than a minute.
+const LONG: [&str; 0] = [];
 
 /// What the exit code means with which `vcan_uml.sh` says that it could not run.
 const SKIPPED: i32 = 77;
@@ -104,18 +107,61 @@ fn processes(root: &Path, setup: &Setup, stage: &mut Stage) {
     shown.push(format!("tests of lines of processes: {:.0?}", start.elapsed()));
 }
 
+/// The test programs of everything are built at once, because packages built by themselves have other features and with
+/// them most of their dependencies once more; those of the pure crates are run.
 fn quick(root: &Path, tally: &mut TestTally) {
     format_and_rules(root, tally);
     spelling(root, &setup::find(root), tally);
     lints(root, tally);
-    let mut args = vec!["test", "--no-fail-fast"];
-    let names = tidy::PURE.iter().chain(&["linewright-msgs", "xtask"]);
-    args.extend(names.flat_map(|name| ["--package", name]));
-    args.extend(["--", "--show-output"]);
-    let mut command = cargo(root, &args);
-    setup::find(root).apply(&mut command);
-    tests(tally, command);
-    tally.skip("SKIPPED tests of the crates with sockets and processes, and documentation: --quick");
+    heading("build");
+    let mut programs = Vec::new();
+    let command =
+        cargo(root, &["test", "--workspace", "--no-run", "--quiet", "--message-format=json-render-diagnostics"]);
+    let ended = lines(command, |stream, line| match stream {
+        Stream::Out => programs.extend(TestProgram::of(line)),
+        Stream::Err => println!("{line}"),
+    });
+    println!("build: {}", if matches!(ended, Ok(Some(0))) { "ok".to_owned() } else { how(&ended) });
+    if !matches!(ended, Ok(Some(0))) {
+        tally.failed += 1;
+    }
+    let is_quick = |name: &str| tidy::PURE.contains(&name) || ["linewright-msgs", "xtask"].contains(&name);
+    let skipped: Vec<&str> = LONG.iter().flat_map(|name| ["--skip", name]).collect();
+    let setup = setup::find(root);
+    heading("tests");
+    let start = Instant::now();
+    for program in programs.iter().filter(|program| is_quick(&program.package)) {
+        let mut command = Command::new(&program.path);
+        setup.apply(command.current_dir(&program.dir).arg("--show-output").args(&skipped));
+        counted(tally, &program.path, command, &[0], |line| println!("{line}"));
+    }
+    println!("tests: {:.0?}", start.elapsed());
+    tally.skip("SKIPPED tests of the crates with sockets and processes, long tests, and documentation: --quick");
+}
+
+/// A program with tests, as cargo describes it.
+#[derive(Debug, PartialEq, Eq)]
+struct TestProgram {
+    package: String,
+    /// Where the package is; its tests are run there.
+    dir: PathBuf,
+    path: String,
+}
+
+impl TestProgram {
+    /// From one of cargo's messages in JSON; `None` for any other message, and for programs that are built but are no tests.
+    fn of(line: &str) -> Option<Self> {
+        let text = |key: &str| {
+            let (_, rest) = line.split_once(&format!("\"{key}\":\""))?;
+            rest.split_once('"').map(|(value, _)| value)
+        };
+        let path = text("executable").filter(|_| line.contains("\"test\":true},\"features\":"))?;
+        let dir = Path::new(text("manifest_path")?).parent()?.to_owned();
+        // `path+file:///line#linewright-line@0.1.0`, without the name where the directory has it.
+        let (place, named) = text("package_id")?.split_once('#')?;
+        let package = named.split_once('@').map_or(place.rsplit('/').next()?, |(name, _)| name);
+        Some(TestProgram { package: package.to_owned(), dir, path: path.to_owned() })
+    }
 }
 
 fn format_and_rules(root: &Path, tally: &mut TestTally) {
@@ -270,10 +316,32 @@ fn how(ended: &std::io::Result<Option<i32>>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+
     #[test]
     fn the_program_of_a_test_is_found_in_what_cargo_says() {
         let line = "  Executable tests/vcan.rs (target/debug/deps/vcan-0123)";
-        assert_eq!(super::program_of(line, "tests/vcan.rs"), Some("target/debug/deps/vcan-0123"));
-        assert_eq!(super::program_of(line, "tests/other.rs"), None);
+        assert_eq!(program_of(line, "tests/vcan.rs"), Some("target/debug/deps/vcan-0123"));
+        assert_eq!(program_of(line, "tests/other.rs"), None);
+    }
+
+    #[test]
+    fn test_programs_are_found_in_cargos_messages() {
+        let message = |id: &str, test: bool, program: &str| {
+            format!(
+                "{{\"reason\":\"compiler-artifact\",\"package_id\":\"path+file:///w/{id}\",\"manifest_path\":\"/w/m/line/Cargo.toml\",\
+                 \"target\":{{\"name\":\"all\",\"test\":true}},\"profile\":{{\"opt_level\":\"1\",\"test\":{test}}},\"features\":[],\
+                 \"executable\":{program},\"fresh\":true}}"
+            )
+        };
+        let found = |id, test, program| TestProgram::of(&message(id, test, program));
+        let program = |package: &str| {
+            let (package, dir, path) = (package.to_owned(), PathBuf::from("/w/m/line"), "/w/target/all-1".to_owned());
+            Some(TestProgram { package, dir, path })
+        };
+        assert_eq!(found("m/line#linewright-line@0.1.0", true, "\"/w/target/all-1\""), program("linewright-line"));
+        assert_eq!(found("xtask#0.1.0", true, "\"/w/target/all-1\""), program("xtask"));
+        assert_eq!(found("m/line#linewright-line@0.1.0", false, "\"/w/target/all-1\""), None);
+        assert_eq!(found("m/line#linewright-line@0.1.0", true, "null"), None);
     }
 }

@@ -6,11 +6,11 @@ use linewright_nets::Net;
 use linewright_pnml::{Problems, limits};
 use serde_json::{Value, json};
 
-use crate::load;
+use crate::files;
 
 /// Reads the net of a file, or the one with the id `wanted`.
 pub fn net(file: &Path, wanted: Option<&str>) -> miette::Result<Net> {
-    let bytes = load::bytes(file, limits::FILE_BYTES_MAX, "a net in PNML")?;
+    let bytes = files::bytes(file, limits::FILE_BYTES_MAX, "a net in PNML")?;
     linewright_pnml::read(&file.display().to_string(), &bytes, wanted).map_err(miette::Report::new)
 }
 

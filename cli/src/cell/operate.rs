@@ -8,10 +8,12 @@ use clap::{Args, Subcommand};
 use linewright_msgs::{CellState, ProductionState, SetResourceRequest, Time};
 use linewright_node_shell::RosArgs;
 use miette::miette;
+use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::{CellClient, request};
 use crate::load;
-use crate::out::say;
+use crate::out::{self, say};
 
 /// How long to wait for a cell to be heard.
 const CONNECT: Duration = Duration::from_secs(5);
@@ -21,6 +23,9 @@ const CONNECT: Duration = Duration::from_secs(5);
 pub struct OrderArgs {
     /// The cell's directory.
     cell: PathBuf,
+    /// One JSON object on standard output.
+    #[arg(long, global = true)]
+    json: bool,
     #[command(subcommand)]
     what: Option<OrderOperation>,
 }
@@ -73,6 +78,7 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut client = CellClient::open(&line, ros, "order")?;
     let state = client.until_heard(CONNECT).await?;
     match args.what {
+        None | Some(OrderOperation::List) if args.json => out::json(&CellJson::of(state))?,
         None | Some(OrderOperation::List) => say!("{}", list(state)),
         Some(OrderOperation::Submit(submit)) => {
             let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
@@ -82,19 +88,29 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             wanted.due = moment(wall, submit.due, "--due")?;
             (wanted.priority, wanted.after) = (submit.priority, submit.after);
             let ids = client.submit(vec![wanted]).await?;
-            let ids: Vec<String> = ids.iter().map(u64::to_string).collect();
-            say!("production order {}: `{name}`", ids.join(", "));
+            let numbers: Vec<String> = ids.iter().map(u64::to_string).collect();
+            let text = format!("production order {}: `{name}`", numbers.join(", "));
+            done(args.json, &text, json!({ "ids": ids, "name": name }))?;
         }
         Some(OrderOperation::Cancel { name }) => {
             client.cancel(&name).await?;
-            say!("`{name}` is cancelled");
+            done(args.json, &format!("`{name}` is cancelled"), json!({ "name": name, "state": "cancelled" }))?;
         }
         Some(OrderOperation::Withdraw { name }) => {
             client.withdraw(&name).await?;
-            say!("`{name}` is withdrawn");
+            done(args.json, &format!("`{name}` is withdrawn"), json!({ "name": name, "state": "withdrawn" }))?;
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Prints what was done, as text or as JSON.
+fn done(as_json: bool, text: &str, object: Value) -> miette::Result<()> {
+    if as_json {
+        return out::json(&object);
+    }
+    say!("{text}");
+    Ok(())
 }
 
 fn moment(now: Duration, after: Option<f64>, option: &str) -> miette::Result<Time> {
@@ -103,6 +119,57 @@ fn moment(now: Duration, after: Option<f64>, option: &str) -> miette::Result<Tim
     let span = span.ok_or_else(|| miette!("{option} {seconds}: expected seconds from now, 0 to 1000000000"))?;
     let at = now + span;
     Ok(Time { sec: i32::try_from(at.as_secs()).unwrap_or(i32::MAX), nanosec: at.subsec_nanos() })
+}
+
+/// What is on order, and what stands in the way.
+#[derive(Serialize)]
+struct CellJson {
+    parts_inside: u32,
+    parts_left: u64,
+    /// Activities may start.
+    starting: bool,
+    orders: Vec<OrderJson>,
+    alarms: Vec<Value>,
+}
+
+#[derive(Serialize)]
+struct OrderJson {
+    id: u64,
+    name: String,
+    product: String,
+    quantity: u32,
+    entered: u32,
+    done: u32,
+    lost: u32,
+    /// The state as operators read it.
+    text: String,
+}
+
+impl CellJson {
+    fn of(state: &CellState) -> Self {
+        let order = |order: &ProductionState| OrderJson {
+            id: order.id,
+            name: order.name.clone(),
+            product: order.product.clone(),
+            quantity: order.quantity,
+            entered: order.entered,
+            done: order.done,
+            lost: order.lost,
+            text: order.text.clone(),
+        };
+        CellJson {
+            parts_inside: state.parts_inside,
+            parts_left: state.parts_left,
+            starting: state.starting,
+            orders: state.orders.as_slice().iter().map(order).collect(),
+            alarms: alarms(state),
+        }
+    }
+}
+
+fn alarms(state: &CellState) -> Vec<Value> {
+    let alarms = state.alarms.as_slice().iter();
+    alarms.map(|alarm| json!({ "id": alarm.id, "text": alarm.text, "answers": alarm.answers })).collect()
 }
 
 fn list(state: &CellState) -> String {
@@ -136,6 +203,9 @@ pub struct WhyArgs {
     cell: PathBuf,
     /// A part, by its number (7, or "part 7"), or a production order or a resource, by its name.
     about: Vec<String>,
+    /// One JSON object on standard output.
+    #[arg(long)]
+    json: bool,
 }
 
 /// `linewright why`
@@ -143,7 +213,9 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line_of_cell(&args.cell)?;
     let mut client = CellClient::open(&line, ros, "why")?;
     client.until_heard(CONNECT).await?;
-    client.why(&args.about.join(" ")).await?.iter().for_each(|reason| say!("{reason}"));
+    let about = args.about.join(" ");
+    let reasons = client.why(&about).await?;
+    done(args.json, &reasons.join("\n"), json!({ "about": about, "reasons": reasons }))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -157,6 +229,9 @@ pub struct AnswerArgs {
     alarm: Option<u64>,
     /// What is true now: one of the alarm's answers.
     word: Option<String>,
+    /// One JSON object on standard output.
+    #[arg(long)]
+    json: bool,
 }
 
 /// `linewright answer`
@@ -165,6 +240,10 @@ pub async fn answer(args: AnswerArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let mut client = CellClient::open(&line, ros, "answer")?;
     let state = client.until_heard(CONNECT).await?;
     let (Some(alarm), Some(word)) = (args.alarm, args.word) else {
+        if args.json {
+            out::json(&json!({ "alarms": alarms(state) }))?;
+            return Ok(ExitCode::SUCCESS);
+        }
         if state.alarms.as_slice().is_empty() {
             say!("no active alarm");
         }
@@ -174,7 +253,8 @@ pub async fn answer(args: AnswerArgs, ros: &RosArgs) -> miette::Result<ExitCode>
         return Ok(ExitCode::SUCCESS);
     };
     client.answer(alarm, &word).await?;
-    say!("alarm {alarm} is answered: {word}");
+    let text = format!("alarm {alarm} is answered: {word}");
+    done(args.json, &text, json!({ "alarm": alarm, "answer": word }))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -185,6 +265,9 @@ pub struct ResourceArgs {
     cell: PathBuf,
     /// The resource, by its name in the cell's description; none shows those that are left out.
     resource: Option<String>,
+    /// One JSON object on standard output.
+    #[arg(long, global = true)]
+    json: bool,
     /// How it is.
     #[command(subcommand)]
     is: Option<ResourceService>,
@@ -216,6 +299,14 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
         (Some(name), Some(is)) => (name, is),
         (None, None) => {
             let down = state.down.clone();
+            if args.json {
+                let mut list = Vec::new();
+                for name in down.as_slice() {
+                    list.push(json!({ "resource": name, "reasons": client.why(name).await? }));
+                }
+                out::json(&json!({ "out_of_service": list }))?;
+                return Ok(ExitCode::SUCCESS);
+            }
             if down.as_slice().is_empty() {
                 say!("no resource is out of service");
             }
@@ -227,7 +318,7 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
         (Some(name), None) => return Err(miette!("missing state for {name}: alarm, down, up or reset")),
         (None, Some(_)) => return Err(miette!("missing resource name")),
     };
-    let (what, text, done) = match is {
+    let (what, text, state) = match is {
         ResourceService::Alarm { text } => (
             SetResourceRequest::ALARM,
             text.join(" "),
@@ -238,6 +329,6 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
         ResourceService::Reset => (SetResourceRequest::RESET, String::new(), "is reset"),
     };
     client.resource(&name, what, &text).await?;
-    say!("{name} {done}");
+    done(args.json, &format!("{name} {state}"), json!({ "resource": name, "state": state }))?;
     Ok(ExitCode::SUCCESS)
 }

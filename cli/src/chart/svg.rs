@@ -1,52 +1,49 @@
-//! Bars as SVG. The names of rows decide how wide the left margin is, by the width of an average letter: who draws the text
-//! is not known here.
+//! Bar charts as SVG. Callers choose the left margin from the length of the names and an average letter width, because the
+//! font of the viewer is unknown.
 
 use std::fmt::Write as _;
 
 use super::{ActivityBar, BarChart, TimeSpan};
 
-/// What was planned.
+/// Fill of planned bars.
 pub const PLANNED: &str = "#b8c4d0";
 
-/// What a chart looks like.
+/// Dimensions (in SVG user units) and colours of a chart.
 pub struct SvgStyle {
-    /// What is defined before it is drawn: patterns and tips.
+    /// Content of `<defs>`: patterns and markers.
     pub defs: &'static str,
-    /// The width of all time.
+    /// Width of the time axis.
     pub width: f64,
-    /// The height of a row.
+    /// Height of a row.
     pub row: f64,
-    /// Where rows begin.
+    /// Distance of the first row from the upper edge.
     pub top: f64,
-    /// What is below them.
+    /// Distance of the last row from the lower edge.
     pub bottom: f64,
-    /// How far above the lower edge the lines of times end.
+    /// Distance of the grid lines' ends from the lower edge.
     pub grid: f64,
-    /// Where times are written.
     pub times: TimeLabels,
-    /// Where names stand, from the top of their row.
+    /// Baseline of names, from the top of the row.
     pub baseline: f64,
-    /// From the top of a row: where the bar of the plan begins, and how high it is.
+    /// Planned bar: distance from the top of the row, and height.
     pub plan: (f64, f64),
-    /// The same of what was done.
+    /// Actual bar, likewise.
     pub done: (f64, f64),
-    /// What is filled where something had failed.
+    /// Fill of the failed stretch of a bar.
     pub failed: &'static str,
-    /// Attributes of all bars.
+    /// Attributes of every bar.
     pub outline: &'static str,
-    /// What is written before the times of a plan.
+    /// Text before the times in the tool tip of a planned bar.
     pub planned: &'static str,
 }
 
-/// Where times are written.
+/// Position of the times.
 pub enum TimeLabels {
-    /// Above the rows.
     Above,
-    /// Below them.
     Below,
 }
 
-/// A chart that is being drawn.
+/// SVG text under construction.
 pub struct SvgChart<'a> {
     text: String,
     chart: &'a BarChart,
@@ -56,7 +53,7 @@ pub struct SvgChart<'a> {
 }
 
 impl<'a> SvgChart<'a> {
-    /// An empty sheet with a title, and with so much space for names.
+    /// The title and an empty sheet; `labels` is the width of the names' margin.
     pub fn new(chart: &'a BarChart, style: &'a SvgStyle, labels: f64, title: &str) -> Self {
         let width = labels + style.width + 28.0;
         let height = style.top + style.row * chart.rows.len() as f64 + style.bottom;
@@ -72,17 +69,17 @@ impl<'a> SvgChart<'a> {
         SvgChart { text, chart, style, labels, height }
     }
 
-    /// Where a time is.
+    /// Position of a time.
     pub fn x(&self, at: f64) -> f64 {
         self.labels + at / self.chart.span * self.style.width
     }
 
-    /// Where a row begins.
+    /// Upper edge of a row.
     pub fn y(&self, row: usize) -> f64 {
         self.style.top + self.style.row * row as f64
     }
 
-    /// The sheet as text.
+    /// The finished SVG document.
     pub fn end(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text
@@ -93,7 +90,7 @@ impl<'a> SvgChart<'a> {
         let _ = writeln!(self.text, "{line}");
     }
 
-    /// Lines at round times, at most a dozen of them, and the rows.
+    /// Draws grid lines at round times (at most 12), row names and bars.
     pub fn rows(&mut self) {
         let bottom = self.height - self.style.grid;
         let written = match self.style.times {
@@ -138,7 +135,6 @@ impl<'a> SvgChart<'a> {
             self.rectangle(bar, (*at, to), (y, done), failed, &format!("{cause} "));
         }
         let left = self.x(from.max(0.0));
-        // Where there is room for it.
         if let Some(number) = bar.number.filter(|_| self.x(sound_until) - left > 18.0) {
             let (x, y) = (left + 3.0, y + done.0 + 11.0);
             self.line(format_args!("<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"10\" fill=\"white\">{number}</text>"));
@@ -172,7 +168,7 @@ pub fn steps(span: f64) -> Vec<f64> {
     (0..=count).map(|n| (f64::from(n) * step * 1e6).round() / 1e6).collect()
 }
 
-/// Text between tags and in attributes.
+/// Escapes text for element content and attributes.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,36 +1,36 @@
-//! Bars as characters.
+//! Bar charts as text: a row is a line of characters.
 
 use std::fmt::{self, Display};
 use std::ops::Range;
 
 use super::{ActivityBar, BarChart, TimeSpan};
 
-/// Characters in a line.
+/// A line of characters that bars are drawn into.
 pub struct TextStrip {
     cells: Vec<char>,
 }
 
 impl TextStrip {
-    /// An empty line.
+    /// All spaces.
     pub fn new(width: usize) -> Self {
         TextStrip { cells: vec![' '; width] }
     }
 
-    /// Where a bar is in a line that shows this much time. To the nearest boundary of a character, so that bars which follow
-    /// each other do not overlap; at least one wide.
+    /// Columns of a bar in a line of `span` seconds: rounded to character boundaries, so that successive bars do not
+    /// overlap, and at least one wide.
     fn range(&self, span: f64, (from, to): TimeSpan) -> Range<usize> {
         let width = self.cells.len();
         let from = column(width, span, from).min(width.saturating_sub(1));
         from..column(width, span, to).max(from + 1)
     }
 
-    /// Replaces characters; what is outside of the line is left out.
+    /// Replaces each character of a range by `glyph` of it; the part of the range beyond the line is ignored.
     pub fn fill(&mut self, range: Range<usize>, glyph: impl Fn(char) -> char) {
         let count = range.len();
         self.cells.iter_mut().skip(range.start).take(count).for_each(|cell| *cell = glyph(*cell));
     }
 
-    /// Writes over characters, from here on.
+    /// Overwrites from column `at`; the part beyond the line is ignored.
     pub fn write(&mut self, at: usize, text: &str) {
         self.cells.iter_mut().skip(at).zip(text.chars()).for_each(|(cell, letter)| *cell = letter);
     }
@@ -47,7 +47,7 @@ impl Display for TextStrip {
 }
 
 impl BarChart {
-    /// A row in one line, two halves high: above what was planned, below what was done.
+    /// A row in half-height blocks: planned bars in the upper half, actual bars in the lower.
     pub fn halves(&self, row: usize, width: usize) -> TextStrip {
         let mut strip = TextStrip::new(width);
         for bar in &self.rows[row].bars {
@@ -59,7 +59,7 @@ impl BarChart {
         strip
     }
 
-    /// What was planned in a row: `▒`.
+    /// The planned bars of a row, as `▒`.
     pub fn plan(&self, row: usize, width: usize) -> TextStrip {
         let mut strip = TextStrip::new(width);
         for bar in &self.rows[row].bars {
@@ -72,7 +72,7 @@ impl BarChart {
         strip
     }
 
-    /// What was done in a row: `█`, and `░` what had failed.
+    /// The actual bars of a row, as `█`, and as `░` after a failure.
     pub fn done(&self, row: usize, width: usize) -> TextStrip {
         let mut strip = TextStrip::new(width);
         for bar in &self.rows[row].bars {
@@ -91,7 +91,7 @@ impl BarChart {
 }
 
 impl TextStrip {
-    /// Where its bar begins, if it is longer.
+    /// Writes the bar's number at its start, if the bar is longer than that.
     fn number(&mut self, bar: &ActivityBar, range: Range<usize>) {
         let number = bar.number.map(|number| number.to_string()).unwrap_or_default();
         if number.len() < range.len() {

@@ -1,6 +1,6 @@
 //! The bar chart as it grows: operations down, time across, as engineers draw it.
 //!
-//! Pure: it is told what started and ended when, and gives lines of text.
+//! Pure: starts and ends of motions in, lines of text out.
 
 use linewright_line::{Line, OpId, StationId};
 
@@ -76,9 +76,14 @@ impl RollingChart {
         }
     }
 
+    /// Width of the names before the bars.
+    pub fn label_width(&self) -> usize {
+        self.labels.iter().map(|label| label.chars().count()).max().unwrap_or(0)
+    }
+
     /// Draws the `seconds` before `now`, a line of text per operation, `width` characters for the time.
     pub fn draw(&self, now: f64, seconds: f64, width: usize) -> Vec<String> {
-        let label_width = self.labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
+        let label_width = self.label_width();
         let begin = now - seconds;
         let column = |at: f64| (((at - begin) / seconds) * width as f64).floor().max(0.0) as usize;
         let mut strips: Vec<TextStrip> = self.labels.iter().map(|_| TextStrip::new(width)).collect();

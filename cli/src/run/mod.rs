@@ -7,7 +7,10 @@
 mod cell;
 pub mod chart;
 mod children;
+mod directory;
 mod observer;
+mod start;
+mod stopping;
 mod tally;
 
 use std::io::IsTerminal;
@@ -21,17 +24,21 @@ use linewright_fieldbus::{Bus as CanBus, BusError, BusOptions, OwnBuses};
 use linewright_line::{DeviceBus, Line};
 use linewright_msgs::{LineState, StationState};
 use linewright_node_shell::{Claim, RosArgs};
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::{IntoDiagnostic, miette};
 use tokio::sync::mpsc;
 
 use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
-use crate::nodes::{DEFAULT_BUS, claim_coordinator, claim_station};
+use crate::nodes::DEFAULT_BUS;
+use crate::states::mode_name;
 use crate::watch::{PICTURE_EVERY, Screen, WatchState};
 use cell::CellRun;
 use children::Children;
+use directory::RunDirectory;
 use observer::BusObserver;
+use start::{nothing_runs_yet, start_all};
+use stopping::{StopStep, next_step};
 use tally::RunTally;
 
 /// Run a whole line on this machine, with simulated devices.
@@ -63,8 +70,8 @@ pub struct Args {
     /// Host this many stations per process.
     #[arg(long, default_value_t = 1)]
     stations_per_process: usize,
-    /// Fail when no cycle ends for this many seconds; by default 30, or four times what the chart's operations take
-    /// together if that is more.
+    /// Fail when no cycle ends for this many seconds, or when the line is not at home this long after Ctrl-C; by default 30,
+    /// or four times what the chart's operations take together if that is more.
     #[arg(long)]
     patience: Option<f64>,
 }
@@ -76,10 +83,12 @@ enum RunPhase {
     Starting,
     /// In auto.
     Running,
-    /// Master stop is given.
-    Stopping,
+    /// The line is being stopped, since then.
+    Stopping(Instant),
 }
 
+/// How often it is said what a stop waits for.
+const STOP_SAID_EVERY: Duration = Duration::from_secs(5);
 /// How often a command is repeated until its effect is seen: it is not latched, and discovery takes a moment.
 const REPEAT: Duration = Duration::from_millis(300);
 
@@ -115,55 +124,6 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     Ok(code)
 }
 
-/// Looks whether what is about to be started is there already, so that nothing is started beside it. The nodes claim the
-/// same again.
-fn nothing_runs_yet(line: &Line, args: &Args, ros: &RosArgs, bus: &BusOptions) -> miette::Result<()> {
-    let state_dir = args.state_dir.as_deref();
-    let mut claims = vec![claim_coordinator(line, ros, &args.bus, state_dir, bus)?];
-    for station in line.station_ids() {
-        claims.push(claim_station(line, ros, station, state_dir, bus)?);
-    }
-    Ok(())
-}
-
-fn start_all(children: &mut Children, line: &Line, args: &Args, dir: &Path, virtual_bus: bool) -> miette::Result<()> {
-    // A cell's description lies beside its line's, so nodes are given the directory.
-    let path = if args.line.is_dir() { args.line.clone() } else { load::file_of(&args.line) };
-    let description = path.canonicalize().into_diagnostic()?.display().to_string();
-    let state = dir.display().to_string();
-    let words = |more: &[&str]| -> Vec<String> {
-        let mut words: Vec<String> = more.iter().map(|word| (*word).to_owned()).collect();
-        words.extend(["--end-with-stdin".to_owned(), description.clone()]);
-        words.extend(virtual_bus.then(|| "--virtual-bus".to_owned()));
-        words.extend(forwarded_ros_args());
-        words
-    };
-    if !args.no_plant {
-        children.start("plant", words(&["plant", "--bus", &args.bus]))?;
-    }
-    children.start("coordinator", words(&["coordinator", "--bus", &args.bus, "--state-dir", &state]))?;
-    for group in line.stations.chunks(args.stations_per_process) {
-        let names: Vec<&str> = group.iter().map(|station| station.name.as_str()).collect();
-        let mut more = vec!["station", "--state-dir", &state];
-        for name in &names {
-            more.extend(["--station", name]);
-        }
-        children.start(&names.join("+"), words(&more))?;
-    }
-    Ok(())
-}
-
-/// The ROS arguments this process was given, for the nodes it starts.
-fn forwarded_ros_args() -> Vec<String> {
-    let mut inside = false;
-    let is_ros = |argument: &String| {
-        inside = (inside && argument != "--") || argument == "--ros-args";
-        inside
-    };
-    // Each stretch begins anew with --ros-args, so that it need not be ended.
-    std::env::args().filter(is_ros).collect()
-}
-
 struct Session {
     line: Line,
     client: OperatorClient,
@@ -177,8 +137,15 @@ struct Session {
     no_auto: bool,
     /// One of the buses is virtual at least, and so may those of the nodes be.
     virtual_bus: bool,
+    /// The picture is shown on a terminal.
     live: bool,
+    json: bool,
+    began: Instant,
+    /// The mode, as it was printed last.
+    mode_text: String,
     said: Option<Instant>,
+    /// When it is said again what a stop waits for.
+    stop_said_at: Instant,
     progress: (usize, Instant),
     patience: Duration,
 }
@@ -230,7 +197,11 @@ impl Session {
             no_auto: args.no_auto,
             virtual_bus,
             live,
+            json: args.json,
+            began: Instant::now(),
+            mode_text: String::new(),
             said: None,
+            stop_said_at: Instant::now(),
             progress: (0, Instant::now()),
             patience: Duration::from_secs_f64(args.patience.unwrap_or_else(|| (works * 4.0).max(30.0)).clamp(0.1, 1e6)),
             line: line.clone(),
@@ -246,36 +217,30 @@ impl Session {
             tokio::select! {
                 heard = self.client.next() => self.take(&heard?),
                 told = next_of(&mut self.cell) => for line in told? {
-                    if !self.live {
-                        crate::out::complain!("{line}");
-                    }
-                    self.view.say(line);
+                    self.note(line);
                 },
                 Some(frame) = self.frames.recv() => {
                     let (bus, frame) = frame.into_diagnostic()?;
                     let before = self.observer.conflicts().len();
                     self.observer.frame(&bus, &frame);
-                    for conflict in &self.observer.conflicts()[before..] {
-                        self.view.say(format!("CONFLICT {conflict}"));
+                    for conflict in self.observer.conflicts()[before..].to_vec() {
+                        self.note(format!("CONFLICT {conflict}"));
                     }
                 }
                 () = interrupts.next() => {
                     if self.phase != RunPhase::Running {
                         return Ok(());
                     }
-                    self.phase = RunPhase::Stopping;
-                    self.said = None;
-                    self.view.say("stopping at home; Ctrl-C again ends at once".to_owned());
+                    self.begin_stop();
+                    let limit = self.patience.as_secs_f64();
+                    self.note(format!("stopping at home, for {limit:.0} s at most; Ctrl-C again ends at once"));
                 }
                 _ = ticks.tick() => {
                     for name in children.revive()? {
-                        self.view.say(format!("started again: {name}"));
-                        if !self.live {
-                            crate::out::complain!("started again: {name}");
-                        }
+                        self.note(format!("started again: {name}"));
                     }
                     if let Some(screen) = &mut screen {
-                        screen.show(&self.view.picture(&self.client, Screen::width()))?;
+                        screen.show(&self.view.picture(&self.client, Screen::size()))?;
                     }
                 }
             }
@@ -284,8 +249,7 @@ impl Session {
             {
                 cell.begin().await?;
                 if cell.is_over() {
-                    self.phase = RunPhase::Stopping;
-                    self.said = None;
+                    self.begin_stop();
                 }
             }
             if self.advance()? {
@@ -295,17 +259,29 @@ impl Session {
     }
 
     fn take(&mut self, heard: &StateUpdate) {
-        self.view.take(heard);
+        if let Some(line) = self.view.take(heard) {
+            self.print(&line);
+        }
         match heard {
-            StateUpdate::Line => {}
+            StateUpdate::Line => {
+                let text = self.client.coordinator().map_or_else(String::new, |state| state.text.clone());
+                if text != self.mode_text {
+                    self.print(&format!("mode: {text}"));
+                    self.mode_text = text;
+                }
+            }
             StateUpdate::Station(id) => {
                 let id = *id;
                 if let Some(state) = self.client.station(id).cloned() {
+                    let before = self.tally.cycles();
                     self.tally.state(id, &state);
+                    if self.tally.cycles() > before {
+                        let of = self.target.map_or(String::new(), |target| format!(" of {target}"));
+                        self.print(&format!("cycle {}{of} ended", self.tally.cycles()));
+                    }
                     let begun = self.tally.begun(id, &state);
                     if self.phase == RunPhase::Running && self.target.is_some_and(|target| begun >= target) {
-                        self.phase = RunPhase::Stopping;
-                        self.said = None;
+                        self.begin_stop();
                     }
                 }
             }
@@ -313,8 +289,58 @@ impl Session {
         }
     }
 
+    /// A line for whoever watches the run: in the picture, or printed where there is none.
+    fn note(&mut self, line: String) {
+        if self.json {
+            crate::out::complain!("{line}");
+        }
+        self.print(&line);
+        self.view.say(line);
+    }
+
+    /// Prints a line of progress where no picture is shown, with the seconds since the run began.
+    fn print(&self, line: &str) {
+        if !self.live && !self.json {
+            crate::out::say!("{:8.1} s  {line}", self.began.elapsed().as_secs_f64());
+        }
+    }
+
+    fn begin_stop(&mut self) {
+        let now = Instant::now();
+        (self.phase, self.said, self.stop_said_at) = (RunPhase::Stopping(now), None, now + STOP_SAID_EVERY);
+    }
+
+    /// Stops the line; true when it is at home.
+    ///
+    /// # Errors
+    /// Why it cannot come home by itself, or has not within the time limit.
+    fn stop(&mut self, since: Instant) -> miette::Result<bool> {
+        let state = self.client.coordinator();
+        let stations = self.line.station_ids().filter_map(|id| self.client.station(id));
+        match next_step(state, stations) {
+            StopStep::Home => return Ok(true),
+            StopStep::Stands => {
+                return Err(miette!("the stop ended in {}", state.map_or_else(String::new, |state| self.why(state))));
+            }
+            StopStep::Command => self.say("stop"),
+            StopStep::Wait => {}
+        }
+        if since.elapsed() > self.patience {
+            let limit = self.patience.as_secs_f64();
+            return Err(miette!("not at home {limit:.0} s after the stop: {}", self.reasons().join(", ")));
+        }
+        if Instant::now() >= self.stop_said_at {
+            self.stop_said_at = Instant::now() + STOP_SAID_EVERY;
+            self.note(format!("stopping: {}", self.reasons().join(", ")));
+        }
+        Ok(false)
+    }
+
     /// Gives the commands the phase asks for; true when the run is over.
     fn advance(&mut self) -> miette::Result<bool> {
+        if let RunPhase::Stopping(since) = self.phase {
+            return self.stop(since);
+        }
         let Some(state) = self.client.coordinator().cloned() else { return self.wait() };
         match self.phase {
             RunPhase::Starting if !self.no_auto => match state.mode {
@@ -335,17 +361,7 @@ impl Session {
             RunPhase::Running if state.mode == StationState::MODE_STANDBY && self.ends() => {
                 return Err(miette!("auto ended: {}", self.why(&state)));
             }
-            RunPhase::Running => {}
-            RunPhase::Stopping => match state.mode {
-                StationState::MODE_AUTO if state.master_stop => {}
-                StationState::MODE_AUTO | StationState::MODE_HAND => self.say("stop"),
-                // The coordinator may be heard before the states that it has decided by.
-                StationState::MODE_HOME if self.all_home() => return Ok(true),
-                StationState::MODE_HOME => {}
-                _ if self.ends() => return Err(miette!("the stop ended in {}", self.why(&state))),
-                // The operator recovers it first; a second Ctrl-C ends at once.
-                _ => {}
-            },
+            RunPhase::Running | RunPhase::Stopping(_) => {}
         }
         self.wait()
     }
@@ -357,22 +373,28 @@ impl Session {
         }
         let went_on = self.cell.as_ref().map_or(self.progress.1, |cell| self.progress.1.max(cell.since()));
         if self.ends() && went_on.elapsed() > self.patience {
-            let mut reasons = match self.client.coordinator() {
-                Some(state) => vec![format!("the mode is {}", state.text)],
-                None => vec!["no state received from the coordinator".to_owned()],
-            };
-            reasons.extend(self.cell.iter().flat_map(CellRun::waits));
-            for id in self.line.station_ids() {
-                let name = &self.line.station(id).name;
-                match self.client.station(id) {
-                    Some(state) if state.blocked_by.is_empty() => reasons.push(format!("{name}: {}", state.operation)),
-                    Some(state) => reasons.push(format!("{name} waits for {}", state.blocked_by.join("; "))),
-                    None => reasons.push(format!("no state received from {name}")),
-                }
-            }
-            return Err(miette!("nothing was done for {:.0} s: {}", self.patience.as_secs_f64(), reasons.join(", ")));
+            let limit = self.patience.as_secs_f64();
+            return Err(miette!("nothing was done for {limit:.0} s: {}", self.reasons().join(", ")));
         }
         Ok(false)
+    }
+
+    /// What the line and each station wait for.
+    fn reasons(&self) -> Vec<String> {
+        let mut reasons = match self.client.coordinator() {
+            Some(state) => vec![format!("the mode is {}", state.text)],
+            None => vec!["no state received from the coordinator".to_owned()],
+        };
+        reasons.extend(self.cell.iter().flat_map(CellRun::waits));
+        for id in self.line.station_ids() {
+            let name = &self.line.station(id).name;
+            reasons.push(match self.client.station(id) {
+                Some(state) if state.blocked_by.is_empty() => format!("{name}: {}", state.operation),
+                Some(state) => format!("{name} waits for {}", state.blocked_by.join("; ")),
+                None => format!("no state received from {name}"),
+            });
+        }
+        reasons
     }
 
     /// Whether it is to end by itself.
@@ -382,12 +404,6 @@ impl Session {
 
     fn all_ready(&self) -> bool {
         self.line.station_ids().all(|id| self.client.station(id).is_some_and(|state| state.devices_valid))
-    }
-
-    /// Whether every station that is heard has obeyed, and so has said all it did before.
-    fn all_home(&self) -> bool {
-        let is_home = |state: &StationState| state.mode == StationState::MODE_HOME;
-        self.line.station_ids().all(|id| self.client.station(id).is_none_or(is_home))
     }
 
     fn why(&self, state: &LineState) -> String {
@@ -450,33 +466,5 @@ async fn next_of(cell: &mut Option<CellRun>) -> miette::Result<Vec<String>> {
     match cell {
         Some(cell) => cell.next().await,
         None => std::future::pending().await,
-    }
-}
-
-fn mode_name(code: u8) -> &'static str {
-    linewright_node_line::mode_from_code(code).map_or("unknown", |mode| mode.name())
-}
-
-/// The directory of this run's journals and logs.
-struct RunDirectory {
-    dir: PathBuf,
-    temporary: bool,
-}
-
-impl RunDirectory {
-    fn new(given: Option<&Path>) -> miette::Result<Self> {
-        let dir = match given {
-            Some(dir) => dir.to_owned(),
-            None => std::env::temp_dir().join(format!("linewright-run-{}", std::process::id())),
-        };
-        std::fs::create_dir_all(&dir).into_diagnostic().wrap_err_with(|| format!("cannot use {}", dir.display()))?;
-        Ok(RunDirectory { dir, temporary: given.is_none() })
-    }
-
-    /// A temporary directory is kept only if somebody will want to read the logs.
-    fn end(self, ok: bool) {
-        if self.temporary && ok {
-            let _ = std::fs::remove_dir_all(&self.dir);
-        }
     }
 }

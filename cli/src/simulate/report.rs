@@ -10,8 +10,6 @@ use linewright_simulation::{
     CriticalPath, LastWait, LinePlan, LineSim, MotionEnd, RecordedMotion, RunEnd, RunGoal, RunRecord, Scenario,
 };
 
-use super::chart;
-
 /// Start and end of an operation in the drawn cycle, in seconds after that cycle began.
 pub type OperationSpan = (f64, f64);
 
@@ -87,8 +85,8 @@ impl SimulationReport {
         }
     }
 
-    /// The report as text, chart and all.
-    pub fn text(&self, line: &Line) -> String {
+    /// The report as text, with the bar chart as text in it.
+    pub fn text(&self, line: &Line, chart: &str) -> String {
         let mut text = String::new();
         let _ = writeln!(text, "{}", line.title);
         if let Some(title) = &self.title {
@@ -101,7 +99,7 @@ impl SimulationReport {
         }
         if self.rows.iter().any(|row| row.simulated.is_some()) {
             let _ = writeln!(text, "\ncycle {}:  ▀ planned  ▄ simulated  █ both  ! critical", self.drawn);
-            text.push_str(&chart::text(line, &self.rows));
+            text.push_str(chart);
         }
         if let Some(path) = &self.critical {
             text.push_str(&critical_text(line, path));

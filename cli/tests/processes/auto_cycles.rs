@@ -86,19 +86,14 @@ fn cycles_follow_the_chart_without_a_conflict() {
 }
 
 #[test]
-fn a_station_with_a_bus_of_its_own_runs_the_same() {
+fn all_stations_in_one_process_and_one_with_a_bus_of_its_own_run_the_same() {
     let bus = format!("name = \"mill_1\"\nbus = \"{OWN_BUS}\"\n");
     let text = line(0.3).replacen("name = \"mill_1\"\n", &bus, 1);
     assert!(text.contains(OWN_BUS));
-    let rig = run_cycles(&text, 1, &[]);
-    assert!(rig.log("mill_1").contains(OWN_BUS), "it drives its devices itself");
-}
-
-#[test]
-fn all_stations_in_one_process_run_the_same() {
-    let rig = run_cycles(&line(0.3), 1, &["--stations-per-process", "3"]);
+    let rig = run_cycles(&text, 1, &["--stations-per-process", "3"]);
     let log = rig.log("transfer+clamp_1+mill_1");
     assert!(["transfer", "clamp_1", "mill_1"].iter().all(|name| log.contains(name)), "one log, of one process");
+    assert!(log.contains(OWN_BUS), "it drives its devices itself");
 }
 
 /// An observer that never complains proves nothing: without the arrow that keeps the clamp open, it does.

@@ -177,8 +177,12 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
     let told = machine.ends(domain, &["fail"], &line, &stuck);
     assert!(told.status.success(), "{told:?}");
 
+    let mut lines = said.lines().map_while(Result::ok);
+    assert!(lines.any(|line| line.contains(" s  mode: home")), "without a terminal, a line for each change");
     send_signal("INT", first.0.id());
     assert_eq!(first.0.wait().expect("a child").code(), Some(0));
+    let log = fs::read_to_string(machine.path("state").join("coordinator.log")).expect("a log");
+    assert!(!log.is_empty() && !log.contains('\u{1b}'), "no colours in a file: {log}");
     let next = machine.run(domain, &line, &["--cycles", "1", "--json"]);
     let (code, report) = next.ended();
     assert_eq!(code, Some(0), "{report}");

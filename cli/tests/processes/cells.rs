@@ -1,7 +1,7 @@
 //! Flexible cells of real processes: seed 001's story of a failed loading, and processes killed while parts are inside.
 //!
 //! ```text
-//!   run ──▶ plant, coordinator, stations          what people see and do: `order`, `answer`, `resource`, and a panel
+//!   run ──▶ plant, coordinator, stations          what an operator does: `order`, `answer`, `resource`, and a panel
 //!   a part missing in the gripper ── watchdog ──▶ secured ──▶ alarm ──▶ answer ──▶ loaded again
 //!   coordinator ✝ ✝ ✝, station ✝                  every part that was ordered is made, once
 //! ```
@@ -13,6 +13,7 @@ use std::time::Duration;
 
 use linewright_msgs::StationState;
 
+use crate::support::eye::Seen;
 use crate::support::faster::faster;
 use crate::support::operator::Operator;
 use crate::support::rig::{BUS, Rig, TIMING};
@@ -48,10 +49,10 @@ fn is_made(said: &str, name: &str) -> bool {
 }
 
 /// Seed 001, §6 (L227-229): the robot comes to the machine without the part, the watchdog fires, the resources are secured, the
-/// operator is told, puts it right and says so, the marking is restored, and the part is loaded again.
+/// alarm is answered after the part was put back, the marking is restored, and the part is loaded again.
 #[test]
-fn a_part_that_was_not_grasped_is_loaded_once_somebody_has_put_it_back() {
-    let mut rig = cell("workcell-c1", 4.0);
+fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
+    let mut rig = cell("workcell-c1", 8.0);
     // The watchdog of a loading that takes 3 s.
     rig.change("cell.toml", &[("max_s = 24", "max_s = 8"), ("max_s = 26", "max_s = 9")]);
     rig.start(&["--parts", "A=1", "--patience", "140"]);
@@ -78,47 +79,7 @@ fn a_part_that_was_not_grasped_is_loaded_once_somebody_has_put_it_back() {
 }
 
 #[test]
-fn whoever_is_killed_every_part_that_was_ordered_is_made_once() {
-    let mut rig = cell("assembly-cell", 2.0);
-    rig.start(&["--no-auto"]);
-    let operator = Operator::join_line(&rig, "/assembly_cell", &["robot_1", "robot_2", "human"]);
-
-    to_auto(&operator);
-    order(&rig, "1", "first");
-
-    // In the middle of an operation that is not undone.
-    rig.eye.within(LONG, "robot 2 assembles", |seen| seen.output("robot_2", "assemble"));
-    coordinator_is_killed(&rig, &operator);
-    put_right(&rig, &operator);
-    until(&rig, &["order"], |said| is_made(said, "first"));
-
-    // A station in the middle of its order: the others go on.
-    order(&rig, "1", "second");
-    let before = rig.eye.seen().starts().iter().filter(|start| start.what == "robot_2: assemble").count();
-    let begun = |seen: &crate::support::eye::Seen| {
-        seen.starts().iter().filter(|start| start.what == "robot_2: assemble").count() > before
-    };
-    rig.eye.within(LONG, "robot 2 assembles again", begun);
-    let boot = operator.station("robot_2").boot_id;
-    rig.kill(&["--station", "robot_2"]);
-    operator.wait("it comes back", |heard| heard.station("robot_2").boot_id != boot);
-    until(&rig, &["answer"], |said| said.contains("robot_2.process with part"));
-    assert_eq!(operator.heard().line.mode, StationState::MODE_AUTO, "{}", operator.picture());
-    put_right(&rig, &operator);
-    let said = until(&rig, &["order"], |said| is_made(said, "second"));
-
-    assert!(said.starts_with("parts: 0 inside, 2 have left"), "{said}");
-    assert!(!said.contains("lost") && !said.contains("alarm"), "{said}");
-    assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), 2, "each part was assembled once");
-    rig.signal("INT");
-    let (_, report) = rig.ended_within(LONG);
-    assert_eq!(report["restarts"], 2, "{report}");
-}
-
-/// Somebody gives alarm of robot 2 while it assembles, and the rule for that puts it into emergency stop: it stands at once, the
-/// others stay in auto, and only a reset leads out.
-#[test]
-fn alarm_stops_a_station_by_itself_until_it_is_reset() {
+fn through_kills_and_an_alarm_every_part_that_was_ordered_is_made_once() {
     let mut rig = cell("assembly-cell", 2.0);
     let rule = "[[exception]]\nin = \"robot_2.process\"\ncode = \"alarm\"\ntell = \"Look at part {part}.\"\n\
                 emergency_stop = [\"*\"]\nanswers = [{ word = \"as-done\", part = \"to\", then = \"forward\" }]\n[cell]";
@@ -126,31 +87,65 @@ fn alarm_stops_a_station_by_itself_until_it_is_reset() {
     rig.start(&["--no-auto"]);
     let operator = Operator::join_line(&rig, "/assembly_cell", &["robot_1", "robot_2", "human"]);
     to_auto(&operator);
-    order(&rig, "1", "first");
-    rig.eye.within(LONG, "robot 2 assembles", |seen| seen.output("robot_2", "assemble"));
+
+    // In the middle of an operation that is not undone.
+    assembles(&rig, "first");
+    coordinator_is_killed(&rig, &operator);
+    put_right(&rig, &operator);
+    until(&rig, &["order"], |said| is_made(said, "first"));
+
+    // A station in the middle of its order: the others go on.
+    assembles(&rig, "second");
+    let boot = operator.station("robot_2").boot_id;
+    rig.kill(&["--station", "robot_2"]);
+    operator.wait("it comes back", |heard| heard.station("robot_2").boot_id != boot);
+    until(&rig, &["answer"], |said| said.contains("robot_2.process with part"));
+    assert_eq!(operator.heard().line.mode, StationState::MODE_AUTO, "{}", operator.picture());
+    put_right(&rig, &operator);
+    until(&rig, &["order"], |said| is_made(said, "second"));
+
+    assembles(&rig, "third");
+    an_alarm_stops_a_station_by_itself_until_it_is_reset(&rig, &operator);
+    put_right(&rig, &operator);
+    let said = until(&rig, &["order"], |said| is_made(said, "third"));
+
+    assert!(said.starts_with("parts: 0 inside, 3 have left"), "{said}");
+    assert!(!said.contains("lost") && !said.contains("alarm"), "{said}");
+    let state = rig.said(&["order"], &["--json"]).expect("it is heard");
+    let state: serde_json::Value = serde_json::from_str(&state).expect("one object");
+    let orders: Vec<_> = state["orders"].as_array().expect("a list").iter().map(|order| &order["done"]).collect();
+    assert_eq!((&state["parts_left"], orders), (&3.into(), vec![&1.into(); 3]), "{state}");
+    assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), 3, "each part was assembled once");
+    rig.signal("INT");
+    let (_, report) = rig.ended_within(LONG);
+    assert_eq!(report["restarts"], 2, "{report}");
+}
+
+/// Orders a part, and waits until robot 2 assembles it.
+fn assembles(rig: &Rig, name: &str) {
+    let starts = |seen: &Seen| seen.starts().iter().filter(|start| start.what == "robot_2: assemble").count();
+    let before = starts(&rig.eye.seen());
+    rig.said(&["order"], &["submit", "1", "--name", name]).unwrap_or_else(|error| panic!("{name}: {error}"));
+    rig.eye.within(LONG, "robot 2 assembles", |seen| starts(seen) > before);
+}
+
+/// An alarm is given of robot 2 while it assembles, and the rule for that puts it into emergency stop: it stands at once,
+/// the others stay in auto, and only a reset leads out.
+fn an_alarm_stops_a_station_by_itself_until_it_is_reset(rig: &Rig, operator: &Operator) {
     rig.said(&["resource"], &["robot_2", "alarm", "smoke"]).expect("it is taken");
     let is_stopped = |heard: &crate::support::operator::Heard| {
         heard.station("robot_2").mode == StationState::MODE_ESTOP && !heard.station("robot_2").incomplete.is_empty()
     };
     operator.wait("robot 2 is in emergency stop", is_stopped);
     rig.eye.within(LONG, "its outputs are off", |seen| !seen.output("robot_2", "assemble"));
-    assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), 0, "it has not gone on");
     assert_eq!(operator.heard().line.mode, StationState::MODE_AUTO);
     assert_eq!(operator.station("robot_1").mode, StationState::MODE_AUTO);
-    operator.wait("people are told", |heard| heard.line.text.contains("robot_2 in emergency stop"));
-
+    operator.wait("the line's text names it", |heard| heard.line.text.contains("robot_2 in emergency stop"));
     let why = rig.said(&["resource"], &["robot_2", "up"]).expect_err("not without looking");
     assert!(why.contains("robot_2: an activity with it failed"), "{why}");
     let is_reset = || rig.said(&["resource"], &["robot_2", "reset"]).is_ok();
     assert!(wait_for(LONG, is_reset), "{:?}", rig.said(&["resource"], &["robot_2", "reset"]));
     operator.wait("it follows the line again", |heard| heard.station("robot_2").mode != StationState::MODE_ESTOP);
-    put_right(&rig, &operator);
-    until(&rig, &["order"], |said| is_made(said, "first"));
-    assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), 1);
-}
-
-fn order(rig: &Rig, product: &str, name: &str) {
-    rig.said(&["order"], &["submit", product, "--name", name]).unwrap_or_else(|error| panic!("{name}: {error}"));
 }
 
 fn coordinator_is_killed(rig: &Rig, operator: &Operator) {
@@ -168,7 +163,7 @@ fn to_auto(operator: &Operator) {
     operator.order("auto", StationState::MODE_AUTO);
 }
 
-/// Robot 2 has been stopped while it assembled. Somebody leads it to the end of its task by hand, and says that it is done.
+/// Robot 2 has been stopped while it assembled. It is led to the end of its task by hand, and the alarm is answered with that.
 fn put_right(rig: &Rig, operator: &Operator) {
     let said = until(rig, &["answer"], |said| said.starts_with("alarm ") && said.contains("robot_2.process"));
     if operator.heard().line.mode == StationState::MODE_AUTO {
@@ -184,7 +179,7 @@ fn put_right(rig: &Rig, operator: &Operator) {
     operator.order("auto", StationState::MODE_AUTO);
     let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
     rig.said(&["answer"], &[alarm, "as-done"]).unwrap_or_else(|error| panic!("{said}: {error}"));
-    // Who could not work when the activity was closed is left out until somebody says otherwise.
+    // What could not work when the activity was closed stays out of service until `resource … up`.
     if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 out of service")) {
         rig.said(&["resource"], &["robot_2", "up"]).expect("it works");
     }

@@ -1,19 +1,22 @@
-//! Devices through ROS 2 while a line runs: an object is read, the state is seen, and a reset stops one station alone.
+//! Devices while a line runs: through ROS 2 an object is read, the state is seen, and a reset stops one station alone; and
+//! a device fails by the command `fail` until it is repaired.
 //!
 //! ```text
 //!   auto ── nmt_reset_node in mid-motion ──▶ devices lost, by name ── booted again ── manual, advance ──▶ auto
+//!        ── fail … identity ──▶ another product, by name ── fail … clear ──▶ booted again ──▶ auto
 //! ```
 
 use std::time::{Duration, Instant};
 
 use linewright_msgs::{
     Byte, CORead, COReadID, COWrite, CoReadIdRequest, CoReadRequest, CoReadResponse, CoWriteRequest, DiagnosticArray,
-    DiagnosticStatus, RosMessage, RosService, Text, Trigger, TriggerRequest,
+    DiagnosticStatus, RosMessage, RosService, StationState, Text, Trigger, TriggerRequest,
 };
 use linewright_node_shell::{Caller, Mapping, Participant, RosArgs, RosNode, Subscription, qos};
 use tokio::runtime::Runtime;
 
-use crate::support::rig::{Rig, line};
+use crate::support::operator::Operator;
+use crate::support::rig::{BUS, Rig, line};
 use crate::support::{PATIENCE, pause};
 
 /// A technician with a node of his own.
@@ -70,7 +73,10 @@ impl Technician {
 
 #[test]
 fn a_device_is_asked_seen_and_reset_while_the_line_runs() {
-    let mut rig = Rig::new(&line(1.0));
+    let (node, product) = ("node = 0x11\n", "node = 0x11\nidentity = { product = 401 }\n");
+    let text = line(1.0);
+    assert!(text.contains(node));
+    let mut rig = Rig::new(&text.replace(node, product));
     let operator = rig.in_auto();
     let mut technician = Technician::join(&rig);
     let mut states =
@@ -107,15 +113,36 @@ fn a_device_is_asked_seen_and_reset_while_the_line_runs() {
     assert!(refusal.contains("transfer: operation incomplete"), "{refusal}");
     operator.wait("its devices are back", |heard| heard.all(|state| state.devices_valid));
     operator.recover();
-    operator.cycles(2);
+    operator.cycles(1);
+    is_another_device(&rig, &operator);
+    operator.cycles(1);
     operator.go_home();
     rig.signal("INT");
     let (code, report) = rig.ended();
-    assert_eq!(code, 0, "{report}");
-    assert_eq!(report["stations"]["transfer"]["faults"], 1, "{report}");
+    assert_eq!((code, &report["restarts"]), (0, &0.into()), "{report}");
+    assert!(report["stations"]["transfer"]["faults"].as_u64() >= Some(1), "{report}");
     assert!(report["stations"]["transfer"]["fault"].as_str().is_some_and(|text| text.contains(by_name)), "{report}");
     assert_eq!(report["stations"]["clamp_1"]["faults"], 0, "{report}");
     assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
+}
+
+/// The station waits for its device and says why; repaired, the device is booted again without a restart.
+fn is_another_device(rig: &Rig, operator: &Operator) {
+    let fail = |what: &str| {
+        let output = rig.command(&["fail"], &["transfer", what, "--device", "transfer io", "--bus", BUS]).output();
+        let output = output.expect("the command starts");
+        assert!(output.status.success(), "{output:?}");
+    };
+    fail("identity");
+    operator.wait("another product", |heard| {
+        let said = "its product code (object 1018h:02) is 0000FFFFh";
+        heard.station("transfer").blocked_by.iter().any(|text| text.contains("transfer io") && text.contains(said))
+    });
+    fail("clear");
+    operator.wait("its devices are back", |heard| heard.all(|state| state.devices_valid));
+    if !operator.heard().in_mode(StationState::MODE_AUTO) {
+        operator.recover();
+    }
 }
 
 /// Objects are read, by device and by node id; what the line rests on is not written.

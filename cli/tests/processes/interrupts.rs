@@ -1,4 +1,4 @@
-//! Ctrl-C: once stops at home, twice ends at once.
+//! Ctrl-C: once stops at home, or where nothing leads home without an operator; twice ends at once.
 
 use std::time::Duration;
 
@@ -47,4 +47,16 @@ fn the_second_ctrl_c_ends_at_once_with_every_output_off() {
     assert_ne!(report["mode"], "home", "{report}");
     assert!(rig.processes().is_empty(), "nothing is left: {:?}", rig.processes());
     assert_eq!(rig.eye.seen().energised(), [""; 0]);
+}
+
+#[test]
+fn one_ctrl_c_ends_a_run_in_an_emergency_stop_and_says_why_it_is_not_at_home() {
+    let (mut rig, operator) = running_in_auto();
+    operator.say("estop");
+    operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
+    rig.signal("INT");
+    let (code, report) = rig.ended_within(AT_ONCE);
+    assert_eq!((code, &report["mode"]), (1, &"e-stop".into()), "{report}");
+    let error = report["error"].as_str().expect("it is not at home");
+    assert!(error.starts_with("the stop ended in e-stop, not reset"), "{error}");
 }

@@ -1,4 +1,5 @@
-//! Processes killed by SIGKILL: in the middle of a motion, and the coordinator; and stopped for a moment.
+//! Processes killed by SIGKILL: in the middle of a motion, the coordinator, one whose journal is gone when it comes back;
+//! and processes stopped for a moment.
 //!
 //! ```text
 //!   mill_1       ── feed ──✝  run starts it again ── "goes on from its journal" ──▶ incomplete ── advance ──▶
@@ -8,7 +9,7 @@
 
 use linewright_msgs::StationState;
 
-use super::faults::counts_are_what_was_seen;
+use super::operated::counts_are_what_was_seen;
 use crate::support::operator::Operator;
 use crate::support::pause;
 use crate::support::rig::{Rig, line, send_signal};
@@ -28,16 +29,22 @@ fn a_station_and_the_coordinator_killed_come_back_and_no_count_is_lost() {
 
     operator.go_home();
     counts_are_what_was_seen(&rig, &operator, &counted_before);
+
+    operator.order("start", StationState::MODE_STANDBY);
+    operator.order("auto", StationState::MODE_AUTO);
+    a_station_whose_journal_is_gone(&rig, &operator);
+    operator.cycles(1);
+    operator.go_home();
     rig.signal("INT");
     let (_, report) = rig.ended();
-    assert_eq!(report["restarts"], 2, "{report}");
+    assert_eq!(report["restarts"], 3, "{report}");
     assert!(report["cycles"].as_u64().is_some_and(|cycles| cycles >= 2), "{report}");
     assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
 }
 
 /// The middleware does not survive a stop and a continuation; a deaf node must not stay.
 #[test]
-fn who_was_stopped_for_a_moment_is_started_again() {
+fn a_process_stopped_for_a_moment_is_started_again() {
     let mut rig = Rig::new(&line(0.3));
     let operator = rig.in_stand_by();
     for words in [&["--station", "clamp_1"][..], &["coordinator"]] {
@@ -91,6 +98,29 @@ fn the_coordinator(rig: &Rig, operator: &Operator) {
     assert_ne!(operator.heard().line.mode, StationState::MODE_AUTO, "nobody has asked for auto");
     nothing_starts(rig, operator);
     operator.recover();
+}
+
+/// The clamp does not move, and auto is refused with its name and the way back: it is confirmed where it stands, and all
+/// stations are led home.
+fn a_station_whose_journal_is_gone(rig: &Rig, operator: &Operator) {
+    rig.eye.wait("the clamp is closed and the mill works", |seen| seen.output("mill_1", "feed"));
+    let before = operator.station("clamp_1");
+    // Before its process, which is started again at once.
+    std::fs::remove_file(rig.state().join("clamp_1.journal")).expect("a journal");
+    rig.kill(&["--station", "clamp_1"]);
+    let started = rig.eye.seen().starts().len();
+    comes_back(operator, "clamp_1", &before);
+    nothing_starts(rig, operator);
+    assert!(!rig.eye.seen().starts()[started..].iter().any(|start| start.what.starts_with("clamp_1")));
+    let refusal = operator.refused("auto");
+    let way_back =
+        "clamp_1: no generation in common with the other stations; lead all stations home in manual, then give auto";
+    assert!(refusal.contains(way_back), "{refusal}");
+    let said = rig.said(&["rejoin"], &["clamp_1"]).expect("its switches tell where it stands");
+    assert!(said.contains("advance clamp"), "{said}");
+    operator.order("manual", StationState::MODE_MANUAL);
+    operator.lead_home();
+    operator.order("auto", StationState::MODE_AUTO);
 }
 
 fn comes_back(operator: &Operator, station: &str, before: &StationState) {

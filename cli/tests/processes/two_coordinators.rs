@@ -68,9 +68,33 @@ impl Drop for Other {
 }
 
 #[test]
-fn a_second_coordinator_ends_and_names_the_first() {
-    let mut rig = Rig::new(&line(0.3));
+fn a_second_coordinator_ends_and_one_that_does_not_stops_the_line() {
+    // The mill drives its devices itself, the others are behind the gateway.
+    let own = format!("name = \"mill_1\"\nbus = \"{OWN_BUS}\"\n");
+    let mut rig = Rig::new(&line(1.0).replacen("name = \"mill_1\"\n", &own, 1));
     let operator = rig.in_auto();
+    a_second_coordinator_ends_and_names_the_first(&rig, &operator);
+    operator.recover();
+    operator.cycles(1);
+
+    rig.eye.wait("something moves", |seen| !seen.energised().is_empty());
+    let other = Other::start(&rig);
+    nothing_moves(&rig, &operator);
+    other.orders(StationState::MODE_ESTOP);
+    operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
+    operator.wait("of the line", |heard| heard.line.mode == StationState::MODE_ESTOP);
+    drop(other);
+    operator.wait("one is left", |heard| heard.all(|state| state.blocked_by.iter().all(|why| !is_named(why))));
+    // The stop of the other one counts as given until it has been silent for its term.
+    pause(1500);
+    operator.say("reset");
+    operator.recover();
+    operator.cycles(1);
+    operator.go_home();
+    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
+}
+
+fn a_second_coordinator_ends_and_names_the_first(rig: &Rig, operator: &Operator) {
     let first = operator.heard().line.boot_id;
     // A name and a bus of its own: all that this machine keeps it from being twice is got round.
     let more = ["--bus", "rig-second", "--virtual-bus", "--ros-args", "-r", "__node:=second"];
@@ -87,33 +111,6 @@ fn a_second_coordinator_ends_and_names_the_first() {
     let expected = format!("second coordinator: one with boot id {first} is active on this line; this one ends");
     assert!(text.contains(&expected), "{text}");
     operator.wait("the first one is alone", |heard| !heard.line.text.contains("second coordinator"));
-    operator.recover();
-    operator.cycles(1);
-    operator.go_home();
-    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
-}
-
-#[test]
-fn while_two_coordinators_are_up_nothing_moves_and_the_emergency_stop_of_the_other_is_obeyed() {
-    // The mill drives its devices itself, the others are behind the gateway.
-    let own = format!("name = \"mill_1\"\nbus = \"{OWN_BUS}\"\n");
-    let mut rig = Rig::new(&line(1.0).replacen("name = \"mill_1\"\n", &own, 1));
-    let operator = rig.in_auto();
-    rig.eye.wait("something moves", |seen| !seen.energised().is_empty());
-    let other = Other::start(&rig);
-    nothing_moves(&rig, &operator);
-    other.orders(StationState::MODE_ESTOP);
-    operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
-    operator.wait("of the line", |heard| heard.line.mode == StationState::MODE_ESTOP);
-    drop(other);
-    operator.wait("one is left", |heard| heard.all(|state| state.blocked_by.iter().all(|why| !is_named(why))));
-    // The stop of the other one counts as given until it has been silent for its term.
-    pause(1500);
-    operator.say("reset");
-    operator.recover();
-    operator.cycles(1);
-    operator.go_home();
-    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
 }
 
 fn is_named(reason: &str) -> bool {

@@ -1,5 +1,7 @@
-//! The schemas as others understand them: the Python package `jsonschema` takes what the reader takes, and refuses what is
-//! misspelt, of the wrong type or out of range. Wants `pip install jsonschema`; without it nothing is tested.
+//! The schemas in `docs/schema`, evaluated by the Python package `jsonschema`, against the project's own readers.
+//!
+//! Descriptions that the reader accepts must be valid; descriptions with a misspelt key, a value of another type, a missing
+//! required key or a number out of range ([`mutants`]) must be invalid. Without the package the tests print SKIPPED.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -10,7 +12,8 @@ use serde_json::{Value, json};
 use super::mutants::{self, Change, Mutant};
 use super::{schema, shipped};
 
-/// Reads schemas by name, then a list of a name and a description; writes a list of whether it is taken, or what is wrong.
+/// Standard input: schemas by name, and a list of [name, description]. Standard output: for each description null, or the
+/// first validation error.
 const SCRIPT: &str = r#"
 import json, sys
 from jsonschema import Draft7Validator
@@ -22,7 +25,7 @@ errors = (next(known[name].iter_errors(description), None) for name, description
 json.dump([error and error.message[:200] for error in errors], sys.stdout)
 "#;
 
-/// What is wrong with each description, as its schema has it; `None` without the package.
+/// For each (schema, description) the first validation error; `None` without the package.
 fn judged(descriptions: &[(&str, &Value)]) -> Option<Vec<Option<String>>> {
     let python = std::env::var("LINEWRIGHT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let has = Command::new(&python).args(["-c", "import jsonschema"]).stderr(Stdio::null()).status();
@@ -46,7 +49,7 @@ fn judged(descriptions: &[(&str, &Value)]) -> Option<Vec<Option<String>>> {
     Some(serde_json::from_slice(&output.stdout).expect("a list"))
 }
 
-/// A description's errors, each with what is written under the marked text.
+/// The reader's errors: message, and label of the marked text.
 fn read(of: &str, text: &str) -> Vec<(String, String)> {
     let problems = match of {
         "line" => linewright_line::parse("line.toml", text).err(),
@@ -65,7 +68,7 @@ const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives
 const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
 const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
 
-/// The keys that none of them has.
+/// Every key that none of the descriptions above has.
 const REST: &str = r#"
 [timing]
 refresh_ms = 20
@@ -123,7 +126,7 @@ analogue_inputs = [{ channel = 1, unit = "bar", factor = 0.01, offset = 1, least
 analogue_outputs = [{ channel = 2, rest = 0.5, outputs = [{ output = "soft", value = 3.5 }] }]
 "#;
 
-/// What tests of the readers read, as values; the last one names what is not there, and so is no line.
+/// Descriptions as JSON values. The last one has every remaining key; its names refer to nothing, so no reader accepts it.
 fn samples() -> Vec<(&'static str, Value)> {
     let head = "name = \"rest\"\nbuttons = []\n";
     let texts = [("line", CELL), ("line", ON_ORDER), ("line", DRIVES), ("cell", C1), ("cell", ASSEMBLY)];
@@ -146,7 +149,7 @@ fn what_the_readers_take_the_schemas_take() {
     assert!(found.iter().all(Option::is_none), "{found:?}");
 }
 
-/// Whether an error is about a key that is always needed. Which buttons a type of hand mode needs is for a later rule.
+/// Whether an error reports a missing required key. The buttons of a hand type are required by a rule, not by the schema.
 fn is_missed_by_the_reader(message: &str, label: &str) -> bool {
     label.starts_with("no `") && label.ends_with("` here") && !message.starts_with("hand type")
 }

@@ -1,11 +1,13 @@
-//! Descriptions that are wrong in one place: for each key a misspelt one, another type, numbers out of range, or nothing.
+//! Mutants of a description: copies with one change at one key. The key is misspelt, has a value of another type, has an
+//! extreme number, or is missing.
 
 use std::collections::BTreeSet;
 
 use serde_json::{Map, Value, json};
 
-/// A description with one change, and what was done to it.
+/// A description with one change.
 pub struct Mutant {
+    /// Path of the key, and the change.
     pub what: String,
     pub description: Value,
     pub change: Change,
@@ -13,25 +15,23 @@ pub struct Mutant {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// The key is misspelt.
     Misspelt,
-    /// No key takes such a value.
+    /// A value of a type that no key has.
     WrongType,
-    /// A number far from usual.
+    /// An extreme number: the reader decides whether it is out of range.
     Number,
-    /// The key is left out.
     LeftOut,
 }
 
-/// A step on the way to a value.
+/// One step of the path to a value.
 #[derive(Clone)]
 enum Step {
     Key(String),
     Index(usize),
 }
 
-/// Every key of the description, changed in every way, where it is met first. `seen` are the keys of earlier ones: of those
-/// only what is left out is of interest, since what is needed depends on the rest.
+/// All mutants of the first occurrence of each key. Keys in `seen` occurred in earlier descriptions; they are only left out,
+/// since whether a key is required depends on its neighbours.
 pub fn of(description: &Value, seen: &mut BTreeSet<String>) -> Vec<Mutant> {
     let mut places = Vec::new();
     walk(description, &mut Vec::new(), &mut places);

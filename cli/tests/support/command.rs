@@ -15,13 +15,21 @@ pub fn linewright(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_linewright")).args(args).output().expect("the command starts")
 }
 
-/// Runs the command with nobody reading what it says, as `| head` does once it has enough.
+/// Runs the command with a reader that has gone, as `| head` has once it has enough.
 pub fn unread(args: &[&str]) -> Output {
     let _no_rig = beside_no_rig();
     let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
     command.args(args).stdout(writer).output().expect("the command starts")
+}
+
+/// Runs the command with its output on a full disk.
+pub fn into_full_disk(args: &[&str]) -> Output {
+    let _no_rig = beside_no_rig();
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("Linux has it");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
+    command.args(args).stdout(full).output().expect("the command starts")
 }
 
 /// The shipped line's directory.

@@ -46,10 +46,12 @@ fn all_texts_of_the_mode_decision() {
         ModeText { without: vec!["m1"], stopped: vec!["m2", "m3"], ..ModeText::default() },
         ModeText { troubles: vec![ModeRefusal::NotHeard(StationId(1)).text(&line)], ..ModeText::default() },
     ];
+    let stops = [false, true].map(|reset| ModeText { reset, ..ModeText::default() });
     let lists = [
         listed("why a command is refused", &reasons(), |reason| reason.text(&line)),
         listed("a refusal", &[refusal], |refusal| refusal.text(&line)),
         listed("the mode", &modes, |mode| mode.text(ControlMode::Auto)),
+        listed("the emergency stop", &stops, |mode| mode.text(ControlMode::EStop)),
     ];
     insta::assert_snapshot!(lists.join("\n"));
 }

@@ -24,7 +24,6 @@ use crate::cell::{CellError, CellNodeOptions, CellThread, LineSituation};
 use crate::gateway_topics::{GatewayTopics, inputs_message};
 use crate::remembered::remembered;
 use crate::topics::{CoordinatorInbound, CoordinatorPublishers, open};
-use crate::waiting::Recorded;
 
 /// Why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -91,6 +90,15 @@ pub async fn run(
     let outcome = node.work(&watchdog, stop).await;
     node.end();
     outcome
+}
+
+/// Outcome of writing a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Recorded {
+    Yes,
+    No,
+    /// It is still being written, and there is an emergency stop to obey first.
+    Interrupted,
 }
 
 /// How soon a refusal may follow another one in what is logged.

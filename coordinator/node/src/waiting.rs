@@ -10,21 +10,12 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Owner, Tick};
 
 use crate::cell::CellThread;
-use crate::node::{CoordinatorLoop, CoordinatorNodeError};
+use crate::node::{CoordinatorLoop, CoordinatorNodeError, Recorded};
 use crate::remembered::record_of;
 use crate::topics::CoordinatorInbound;
 
 /// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
 const TAKEN_AT_ONCE: usize = 256;
-
-/// What has become of a record.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Recorded {
-    Yes,
-    No,
-    /// It is still being written, and there is an emergency stop to obey first.
-    Interrupted,
-}
 
 impl CoordinatorLoop {
     /// Takes in what has arrived, what has waited first.

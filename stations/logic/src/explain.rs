@@ -3,7 +3,7 @@
 //! Called when a state is published, never in the step; it reads the same tables the step reads, so it cannot give a
 //! reason the controller does not have. The texts are in `texts`.
 
-use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace};
+use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace, TransitionKind};
 use linewright_line::{Line, OpId, Tick};
 
 use crate::controller::Controller;
@@ -163,7 +163,14 @@ impl Controller {
             }
             ControlMode::Manual => {
                 if self.panel_is_live() {
-                    reasons.push(StationWait::Panel.text());
+                    reasons.push(match place.block {
+                        _ if self.leads_back(place, step) => StationWait::Panel.text(),
+                        block => StationWait::PanelAdvance {
+                            op: self.op_name(line, place.op),
+                            is_undone: block == Block::Recovery,
+                        }
+                        .text(),
+                    });
                     self.explain_positions(line, step, StationPlace::undoing, reasons);
                     self.explain_causes(line, next, now, reasons);
                 } else {
@@ -173,6 +180,15 @@ impl Controller {
             ControlMode::Home | ControlMode::StandBy => reasons.push(StationWait::Mode(self.mode()).text()),
             ControlMode::EStop => reasons.push(StationWait::EStop.text()),
         }
+    }
+
+    /// Whether the panel's return has a motion from this place, at rest at the end of a motion.
+    fn leads_back(&self, place: StationPlace, step: usize) -> bool {
+        self.program.actions.iter().any(|action| match (place.block, action.kind) {
+            (Block::Normal, TransitionKind::Undo(op)) => op == place.op,
+            (Block::Recovery, TransitionKind::Back { from, .. }) => from == step,
+            _ => false,
+        })
     }
 
     fn hand_choices(&self, line: &Line, place: StationPlace) -> String {

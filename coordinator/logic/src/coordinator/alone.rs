@@ -89,6 +89,7 @@ impl Coordinator {
         let stations = || self.line.station_ids().zip(&self.stations);
         let text = ModeText {
             stopping: self.stopping,
+            reset: !self.estop,
             waiting: self.waiting_for().into_iter().map(name).collect(),
             without: stations().filter(|(_, station)| station.isolated).map(|(id, _)| name(id)).collect(),
             stopped: stations().filter(|(_, station)| station.stopped).map(|(id, _)| name(id)).collect(),

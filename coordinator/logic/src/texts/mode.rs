@@ -5,6 +5,8 @@ use linewright_line::net::ControlMode;
 /// What the text of the mode contains; stations by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ModeText<'a> {
+    /// The emergency stop is reset; without meaning in other modes.
+    pub reset: bool,
     /// The line stops at home.
     pub stopping: bool,
     /// Stations that have not acknowledged the mode.
@@ -21,6 +23,9 @@ impl ModeText<'_> {
     /// The text, e.g. `auto, stopping at home` or `stand-by: mill_1: no state received`.
     pub fn text(&self, mode: ControlMode) -> String {
         let mut text = mode.name().to_owned();
+        if mode == ControlMode::EStop {
+            text.push_str(if self.reset { ", reset; select manual" } else { ", not reset; give reset, then manual" });
+        }
         if self.stopping {
             text.push_str(", stopping at home");
         }

@@ -91,7 +91,7 @@ const TELL_AT_MOST_EVERY: Duration = Duration::from_millis(100);
 
 /// A station that has an order and is silent for so many times what makes a view stale is lost. Its mode does not wait for
 /// that; a process that is started again meanwhile says itself what has become of its order.
-const LOST: u32 = 20;
+const LOST_AFTER: u32 = 20;
 
 impl CellThread {
     /// Opens everything and begins. Must be called inside a tokio runtime.
@@ -234,7 +234,7 @@ impl CellLoop {
         let CellNodeOptions { cell, line, state_dir, boot_id } = options;
         let pace = OrderTiming { refresh: line.timing.stale, grace: line.timing.stale * 2 };
         let mut made = compile_cell(&cell, Some(&line), Supply::Open, pace)?;
-        let handling = RecoveryPolicy { stale: Some(line.timing.stale * LOST), ..made.table.handling().clone() };
+        let handling = RecoveryPolicy { stale: Some(line.timing.stale * LOST_AFTER), ..made.table.handling().clone() };
         made.table = made.table.with_handling(handling);
         let table = Arc::new(made.table.clone());
         let (state, mut log) = known(state_dir.as_deref(), &cell.name, &table)?;

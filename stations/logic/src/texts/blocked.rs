@@ -50,6 +50,8 @@ pub enum StationWait<'a> {
     Mode(ControlMode),
     /// The reset of the emergency stop.
     EStop,
+    /// Advance at the station's panel; return leads no further back.
+    PanelAdvance { op: &'a str, is_undone: bool },
     /// What measured positions forbid; the detail of [`StopCause::Interlock`].
     Position { detail: &'a str, own: &'a str },
     /// What the recovery path needs; another wait.
@@ -135,6 +137,12 @@ impl StationWait<'_> {
             StationWait::Selector => "its selector at manual".to_owned(),
             StationWait::Mode(mode) => format!("a mode that allows motion (now {mode})"),
             StationWait::EStop => "the reset of the emergency stop".to_owned(),
+            StationWait::PanelAdvance { op, is_undone: true } => {
+                format!("advance at its panel; no return: {op} is undone, its hand type leads no further back")
+            }
+            StationWait::PanelAdvance { op, is_undone: false } => {
+                format!("advance at its panel; no return: {op} cannot be undone")
+            }
             StationWait::Position { detail, own } => format!("{detail}, for {own}"),
             StationWait::WayHome { cause } => format!("{cause}, needed on the recovery path"),
             StationWait::NoState { station, own } => format!("the state of {station}, for {own}"),

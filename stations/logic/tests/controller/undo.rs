@@ -3,7 +3,7 @@
 use linewright_line::net::ControlMode;
 
 use super::rig::Rig;
-use crate::build::{alone, r};
+use crate::build::{alone, i, r};
 
 type Counts = (i32, Vec<i32>, Vec<i32>);
 
@@ -97,4 +97,35 @@ fn a_reverse_sequence_back_to_the_first_operation_ends_in_the_cycle_before() {
     assert_eq!(counts(&rig), (1, vec![1; 4], vec![1; 4]));
     rig.advance_through(0);
     assert_eq!(counts(&rig), (2, vec![2, 1, 1, 1], vec![2, 1, 1, 1]));
+}
+
+/// What the reason offers is possible, and where return moves nothing the reason says why.
+#[test]
+fn return_is_offered_where_it_moves_and_nowhere_else() {
+    for types in [&[1, 1, 2, 6][..], &[3, 4, 5, 6], &[6, 6, 6]] {
+        let home = types.len() - 1;
+        for last in 0..types.len() as u16 {
+            let mut rig = in_manual(home, types);
+            (0..=last).for_each(|op| rig.advance_through(op));
+            for back in 0..=last + 1 {
+                let reasons = rig.blocked_by();
+                let offered = reasons.contains(&"advance or return at its panel".to_owned());
+                rig.retract(true);
+                assert_eq!(offered, rig.outputs != 0, "{types:?}, after {last}, {back} back: {reasons:?}");
+                if !offered {
+                    assert!(reasons.iter().any(|why| why.contains("no return: ")), "{reasons:?}");
+                    break;
+                }
+                rig.arrive_back(rig.marking()[0].op.0);
+                rig.retract(false);
+            }
+        }
+    }
+    let mut rig = Rig::new(alone(2, &[r(1), i(2, &[2]), r(6)]));
+    rig.mode(ControlMode::Manual);
+    rig.advance_through(0);
+    rig.advance_through(1);
+    assert_eq!(rig.blocked_by(), ["advance at its panel; no return: op 1 cannot be undone"]);
+    rig.retract(true);
+    assert_eq!(rig.outputs, 0);
 }

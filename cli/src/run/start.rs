@@ -1,0 +1,68 @@
+//! Starting the processes of a line.
+
+use std::path::Path;
+
+use linewright_fieldbus::BusOptions;
+use linewright_line::Line;
+use linewright_node_shell::RosArgs;
+use miette::IntoDiagnostic;
+
+use super::Args;
+use super::children::Children;
+use crate::load;
+use crate::nodes::{claim_coordinator, claim_station};
+
+/// Claims what the nodes are going to claim, and lets go of it: an error names a process that holds any of it already.
+pub fn nothing_runs_yet(line: &Line, args: &Args, ros: &RosArgs, bus: &BusOptions) -> miette::Result<()> {
+    let state_dir = args.state_dir.as_deref();
+    let mut claims = vec![claim_coordinator(line, ros, &args.bus, state_dir, bus)?];
+    for station in line.station_ids() {
+        claims.push(claim_station(line, ros, station, state_dir, bus)?);
+    }
+    Ok(())
+}
+
+/// Starts the plant, the coordinator and the stations.
+pub fn start_all(
+    children: &mut Children,
+    line: &Line,
+    args: &Args,
+    dir: &Path,
+    virtual_bus: bool,
+) -> miette::Result<()> {
+    // A cell's description lies beside its line's, so nodes are given the directory.
+    let path = if args.line.is_dir() { args.line.clone() } else { load::file_of(&args.line) };
+    let description = path.canonicalize().into_diagnostic()?.display().to_string();
+    let state = dir.display().to_string();
+    let words = |more: &[&str]| -> Vec<String> {
+        let mut words: Vec<String> = more.iter().map(|word| (*word).to_owned()).collect();
+        words.extend(["--end-with-stdin".to_owned(), description.clone()]);
+        words.extend(virtual_bus.then(|| "--virtual-bus".to_owned()));
+        words.extend(forwarded_ros_args());
+        words
+    };
+    if !args.no_plant {
+        children.start("plant", words(&["plant", "--bus", &args.bus]))?;
+    }
+    children.start("coordinator", words(&["coordinator", "--bus", &args.bus, "--state-dir", &state]))?;
+    for group in line.stations.chunks(args.stations_per_process) {
+        let names: Vec<&str> = group.iter().map(|station| station.name.as_str()).collect();
+        let mut more = vec!["station", "--state-dir", &state];
+        for name in &names {
+            more.extend(["--station", name]);
+        }
+        children.start(&names.join("+"), words(&more))?;
+    }
+    Ok(())
+}
+
+/// The ROS arguments this process was given, for the nodes it starts.
+fn forwarded_ros_args() -> Vec<String> {
+    let mut inside = false;
+    let is_ros = |argument: &String| {
+        inside = (inside && argument != "--") || argument == "--ros-args";
+        inside
+    };
+    // Each stretch begins anew with --ros-args, so that it need not be ended.
+    std::env::args().filter(is_ros).collect()
+}

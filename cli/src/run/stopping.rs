@@ -1,0 +1,61 @@
+//! How a run ends: the line is stopped at home if it can be.
+//!
+//! In auto and hand a master stop leads home. After a fault, in manual and in an emergency stop nothing does without an
+//! operator: the run ends as soon as everything stands. A time limit holds for all of it.
+
+use linewright_msgs::{LineState, StationState};
+
+/// What a stop does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopStep {
+    /// Give the command `stop`.
+    Command,
+    /// Wait for stations.
+    Wait,
+    /// Every station is at home: the run is over.
+    Home,
+    /// Nothing moves, and nothing leads home without an operator: the run is over.
+    Stands,
+}
+
+/// The next step, from the coordinator's state and those of the stations that are heard.
+pub fn next_step<'s>(line: Option<&LineState>, mut stations: impl Iterator<Item = &'s StationState>) -> StopStep {
+    let Some(line) = line else { return StopStep::Wait };
+    match line.mode {
+        StationState::MODE_AUTO if line.master_stop => StopStep::Wait,
+        StationState::MODE_AUTO | StationState::MODE_HAND => StopStep::Command,
+        // The coordinator may be heard before the states that it has decided by.
+        StationState::MODE_HOME if stations.all(|state| state.mode == StationState::MODE_HOME) => StopStep::Home,
+        StationState::MODE_HOME => StopStep::Wait,
+        _ if stations.all(|state| state.stopped) => StopStep::Stands,
+        _ => StopStep::Wait,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stop_leads_home_or_ends_where_everything_stands() {
+        let auto = StationState::MODE_AUTO;
+        let (home, stand_by, stop) = (StationState::MODE_HOME, StationState::MODE_STANDBY, StationState::MODE_ESTOP);
+        // Mode and master stop of the line; mode of a station, and whether it stands.
+        for (mode, master_stop, of_station, stands, expected) in [
+            (auto, false, auto, false, StopStep::Command),
+            (StationState::MODE_HAND, false, StationState::MODE_HAND, true, StopStep::Command),
+            (auto, true, auto, false, StopStep::Wait),
+            (home, true, auto, true, StopStep::Wait),
+            (home, true, home, true, StopStep::Home),
+            (stand_by, false, stand_by, false, StopStep::Wait),
+            (stand_by, false, stand_by, true, StopStep::Stands),
+            (stop, false, stop, true, StopStep::Stands),
+            (StationState::MODE_MANUAL, false, StationState::MODE_MANUAL, true, StopStep::Stands),
+        ] {
+            let line = LineState { mode, master_stop, ..LineState::default() };
+            let station = StationState { mode: of_station, stopped: stands, ..StationState::default() };
+            assert_eq!(next_step(Some(&line), [&station].into_iter()), expected, "{mode} {master_stop} {stands}");
+        }
+        assert_eq!(next_step(None, std::iter::empty()), StopStep::Wait);
+    }
+}

@@ -1,0 +1,137 @@
+//! A shift of one operator, over ROS topics alone: a fault in auto, an emergency stop in mid-motion, and hand mode.
+//!
+//! ```text
+//!   auto ── fault ──▶ stand-by, the others finish ── selector at manual, advance ──▶ auto
+//!        ── estop ──▶ every output off ── reset ──▶ still e-stop ── manual ──▶ auto ── stop ──▶ home
+//!        ── hand: a step of the cycle forward and back
+//! ```
+
+use std::time::Duration;
+
+use linewright_msgs::{StationEvent, StationState};
+
+use crate::support::operator::{Operator, STATIONS};
+use crate::support::pause;
+use crate::support::rig::{Rig, line};
+
+/// Switching off takes milliseconds; this is for a machine that is busy with other things.
+const PROMPTLY: Duration = Duration::from_millis(1500);
+
+#[test]
+fn a_line_is_operated_by_topics_through_fault_emergency_stop_and_hand_mode() {
+    let (station, operation) = ("mill_1", "feed main slide");
+    // Slow enough that a motion is still under way when a stop arrives.
+    let mut rig = Rig::new(&line(1.0));
+    let operator = rig.in_stand_by();
+    let counted_before = operator.counts();
+    operator.order("auto", StationState::MODE_AUTO);
+    operator.cycles(1);
+    a_fault_stops_its_station(&rig, &operator, station, operation, "feed");
+    by_its_selector(&rig, &operator, station);
+    operator.cycles(1);
+    an_emergency_stop_switches_everything_off_and_only_manual_leads_out(&rig, &operator);
+    operator.cycles(1);
+    operator.go_home();
+    counts_are_what_was_seen(&rig, &operator, &counted_before);
+    a_held_button_runs_a_step_and_its_partner_runs_it_back(&rig, &operator);
+    rig.signal("INT");
+    let (code, report) = rig.ended();
+    assert_eq!(code, 0, "{report}");
+    assert!(report["stations"][station]["faults"].as_u64() >= Some(1), "{report}");
+    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
+}
+
+/// It breaks in the middle of its motion; the others finish theirs, and nothing new starts.
+fn a_fault_stops_its_station(rig: &Rig, operator: &Operator, station: &str, operation: &str, output: &str) {
+    rig.eye.wait("off", |seen| !seen.output(station, output));
+    rig.eye.wait(operation, |seen| seen.output(station, output));
+    rig.fault(station, operation, 3);
+    let is_it = |event: &StationEvent| event.kind == StationEvent::KIND_FAULT && event.operation == operation;
+    operator.wait(&format!("{operation} fails"), |heard| heard.events.iter().any(is_it));
+    rig.eye.wait("its actuator is off", |seen| !seen.output(station, output));
+    operator.wait("the station says what is wrong", |heard| !heard.station(station).fault.is_empty());
+    operator.wait("stand-by everywhere", |heard| heard.in_mode(StationState::MODE_STANDBY));
+    let started = rig.eye.seen().starts().len();
+    operator.wait("everything stands", |heard| heard.all(|state| state.stopped));
+    pause(700);
+    let seen = rig.eye.seen();
+    assert_eq!(seen.energised(), [""; 0]);
+    assert_eq!(&seen.starts()[started..], [], "nothing new starts after {operation} has failed");
+    drop(seen);
+    for other in STATIONS.iter().filter(|other| **other != station) {
+        assert!(operator.station(other).incomplete.is_empty(), "{other} has finished what it did");
+    }
+    let refusal = operator.refused("auto");
+    assert!(refusal.contains(&format!("{station}: operation incomplete")), "{refusal}");
+    rig.fail(station, operation, "clear");
+}
+
+/// One station alone is turned to manual at its panel; the others stay as they are.
+fn by_its_selector(rig: &Rig, operator: &Operator, station: &str) {
+    operator.select(station, "manual");
+    operator.wait("manual", |heard| heard.in_mode(StationState::MODE_MANUAL));
+    assert!(!operator.jog("transfer", "return"), "its selector stands at auto");
+    let press = |station: &str, button: &str| rig.said(&["press"], &[button, "--station", station, "--for", "1.5"]);
+    let refusal = press("clamp_1", "return").expect_err("its selector stands at auto");
+    assert!(refusal.contains("return refused: clamp_1 waits for its selector at manual"), "{refusal}");
+    let said = press(station, "advance").expect("it goes on");
+    assert!(said.starts_with(station), "{said}");
+    operator.complete();
+    let mode: serde_json::Value =
+        serde_json::from_str(&rig.said(&["mode"], &["--json"]).expect("the mode")).expect("JSON");
+    assert_eq!((&mode["mode"], &mode["enabled"]), (&"manual".into(), &true.into()), "{mode}");
+    let refusal = operator.refused("auto");
+    assert!(refusal.contains(&format!("{station}: selector at manual")), "{refusal}");
+    operator.select(station, "auto");
+    operator.wait("stand-by", |heard| heard.in_mode(StationState::MODE_STANDBY));
+    operator.order("auto", StationState::MODE_AUTO);
+}
+
+fn an_emergency_stop_switches_everything_off_and_only_manual_leads_out(rig: &Rig, operator: &Operator) {
+    // The bar runs back while the mill works: two motions at once.
+    rig.eye.wait("two motions", |seen| seen.energised().len() == 2);
+    operator.say("estop");
+    rig.eye.within(PROMPTLY, "every output off", |seen| seen.energised().is_empty());
+    operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
+    let stopped = ["transfer", "mill_1"].map(|name| operator.station(name).incomplete);
+    assert!(stopped.iter().all(|incomplete| !incomplete.is_empty()), "both were stopped on their way: {stopped:?}");
+    let started = rig.eye.seen().starts().len();
+    let refusal = operator.refused("auto");
+    assert!(refusal.contains("emergency stop"), "{refusal}");
+    operator.say("reset");
+    pause(500);
+    assert_eq!(operator.heard().line.mode, StationState::MODE_ESTOP, "a reset leads nowhere");
+    assert_eq!(&rig.eye.seen().starts()[started..], [], "and nothing has moved");
+    operator.recover();
+}
+
+fn a_held_button_runs_a_step_and_its_partner_runs_it_back(rig: &Rig, operator: &Operator) {
+    operator.order("start", StationState::MODE_STANDBY);
+    operator.order("hand", StationState::MODE_HAND);
+    let (started, done) = (rig.eye.seen().starts().len(), operator.station("transfer").done);
+    for (button, end) in [("PB_2", "LS_vertical_200"), ("PB_4", "LS_vertical_0")] {
+        let finger = operator.hold_buttons(button);
+        rig.eye.wait(end, |seen| seen.input("transfer", end) && seen.energised().is_empty());
+        drop(finger);
+        pause(300);
+    }
+    let order: Vec<String> = rig.eye.seen().starts()[started..].iter().map(|start| start.what.clone()).collect();
+    let step = ["lift_to_50", "lift_to_100", "lift_to_150", "lift_to_200"];
+    let back = ["lower_to_150", "lower_to_100", "lower_to_50", "lower_to_0"];
+    let expected: Vec<String> = step.iter().chain(&back).map(|output| format!("transfer: {output}")).collect();
+    assert_eq!(order, expected);
+    assert_eq!(operator.station("transfer").done, done, "taken back, counts and all");
+}
+
+/// Every count is how often the mechanism was seen to arrive, no less and no more.
+pub fn counts_are_what_was_seen(rig: &Rig, operator: &Operator, before: &[Vec<i32>]) {
+    let after = operator.counts();
+    let seen = rig.eye.seen();
+    for ((station, before), after) in STATIONS.iter().zip(before).zip(&after) {
+        let operations = rig.plan.operations.iter().filter(|operation| operation.station == *station);
+        for (operation, (before, after)) in operations.zip(before.iter().zip(after)) {
+            let arrived = seen.arrivals(station, &operation.name);
+            assert_eq!(after - before, arrived, "{station}: {}", operation.name);
+        }
+    }
+}
