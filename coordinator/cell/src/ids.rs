@@ -77,5 +77,5 @@ impl ResourceId {
 /// A token demand or gift: so many of a cell.
 pub type TokenDemand = (CellId, u32);
 
-/// Counters stay below this, so that counting on from what somebody has made up never fails.
+/// Counters stay below this, so that counting on from forged values never overflows.
 pub(crate) const NUMBER_MAX: u64 = 1 << 62;

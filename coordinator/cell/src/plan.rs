@@ -21,7 +21,7 @@ pub struct PlayPlan {
     pub activity_of: Vec<usize>,
     /// What is made. Where nothing is said to be, there are no production orders.
     pub products: Vec<Product>,
-    /// Whose parts have positions.
+    /// The store whose parts have positions.
     pub stores: Vec<StorePositions>,
     /// An order that no station has acknowledged is repeated after this time.
     pub refresh: Duration,
@@ -83,7 +83,7 @@ pub struct PlayedActivity {
 /// How an activity comes and goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActivityTiming {
-    /// It happens by itself as soon as it can, and takes no time. Nobody is told.
+    /// It happens by itself as soon as it can, and takes no time. No station is ordered.
     Immediate,
     /// Its start is decided (seed 001, L187-190).
     Decided {

@@ -80,7 +80,7 @@ pub enum RecordKind {
         /// Failure of the task order.
         failure: OrderFailure,
     },
-    /// An activity will not end by itself. It keeps its tokens and its part until somebody says what is true.
+    /// An activity will not end by itself. It keeps its tokens and its part until it is answered what is true.
     Raised {
         /// Activity in progress.
         firing: FiringId,
@@ -98,7 +98,7 @@ pub enum RecordKind {
         /// With which part; a new one if the mode lets parts enter.
         part: Option<PartId>,
     },
-    /// Somebody has changed what is on order.
+    /// The production orders have changed.
     Production {
         /// Change of the production orders.
         change: ProductionChange,
@@ -179,7 +179,7 @@ pub enum OrderFailure {
     Refused(TaskRefusal),
     /// No end was heard within its limit.
     TimedOut,
-    /// The station has lost its memory. Whether it was done, nobody knows but who looks.
+    /// The station has lost its memory; whether the order was done can only be seen at the station.
     Forgotten,
     /// The station was not heard for too long.
     Lost,
@@ -200,7 +200,7 @@ pub enum ActivityFailure {
     },
     /// It takes longer than it may altogether.
     TimedOut,
-    /// Somebody has given alarm of one of its resources.
+    /// An operator has given alarm of one of its resources.
     ByHand { resource: ResourceId },
 }
 

@@ -12,7 +12,7 @@ use super::super::question::{DispatchDecision, Dispatcher, HeldCandidate, Questi
 use super::super::reason::HoldReason;
 use super::super::record::Record;
 
-/// A dispatcher of imagined cells.
+/// A dispatcher within a forward simulation.
 pub trait RolloutPolicy: Dispatcher {
     /// What it knows of parts and orders.
     fn desk(&self) -> &DispatchConfiguration;

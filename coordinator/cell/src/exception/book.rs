@@ -48,7 +48,7 @@ pub struct FailedActivity {
 pub enum ExceptionStage {
     /// Its stations are to come to rest.
     Securing,
-    /// Somebody is asked.
+    /// An alarm waits for its answer.
     Waiting(AlarmId),
     /// What was answered is being compared with what sensors say.
     Restoring {

@@ -18,7 +18,7 @@ pub enum ExceptionStep {
         /// How its station stands.
         standing: SecuredState,
     },
-    /// Somebody is told, and asked.
+    /// An alarm is raised.
     Alarmed {
         /// The next number.
         alarm: AlarmId,
@@ -76,7 +76,7 @@ pub enum ExceptionStep {
         #[serde(with = "serial::station")]
         station: StationId,
     },
-    /// Somebody has reset it.
+    /// Reset by an operator.
     Reset {
         #[serde(with = "serial::station")]
         station: StationId,
@@ -149,7 +149,7 @@ pub enum Strategy {
     Forward,
 }
 
-/// Who has said what is true.
+/// Source of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AnsweredBy {
@@ -175,12 +175,12 @@ pub struct SensorMismatch {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OutOfServiceReason {
-    /// Somebody has said so.
+    /// Taken out by an operator.
     ByHand {
         /// Always empty; logs from before alarms had a cause of their own have a text.
         text: String,
     },
-    /// Somebody has given alarm of it: nothing that it takes part in may move by itself.
+    /// Alarm given by an operator: nothing that it takes part in may move by itself.
     Alarm {
         /// Why; empty if that was not said.
         text: String,

@@ -40,7 +40,7 @@ impl ProductionChange {
 /// Why an order is not cancelled or withdrawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProductionRefusal {
-    /// Nobody knows of it.
+    /// No production order has this name.
     Unknown {
         /// What was asked about.
         name: String,

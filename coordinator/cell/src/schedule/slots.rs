@@ -80,7 +80,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// From what was imagined to start in a cell.
+    /// From the activities of a forward simulation.
     pub fn new(state: &PlayerState, now: Tick, acts: &[SimulatedActivity], score: Score, proved: bool) -> Self {
         let table = state.table();
         let mut new = Schedule { made: now, score, proved, ..Schedule::default() };

@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::orders::OrdersReport;
 use super::spread::Spread;
 
-/// For what causes somebody was down: how often, and for how long.
+/// Causes of down time: how often, and for how long.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Causes(BTreeMap<String, (u64, Duration)>);
 
@@ -146,7 +146,7 @@ impl Effectiveness {
 }
 
 impl CellSummary {
-    /// Of all together who have worked on parts; none if nobody has, or nothing has left.
+    /// Of all resources that have worked on parts; none if none has, or nothing has left.
     pub fn effectiveness(&self) -> Option<Effectiveness> {
         let workers = || self.resources.iter().filter(|resource| resource.worked > 0);
         let count = u32::try_from(workers().count()).ok()?;
