@@ -13,7 +13,7 @@ pub enum LogKind {
     Mode(ControlMode),
     /// The coordinator refused a command, in words.
     Refusal(String),
-    /// Somebody did something: an operator, the scenario.
+    /// An action of an operator or of the scenario.
     Act(String),
 }
 
