@@ -43,7 +43,7 @@ struct StationEntry {
 impl StationEntry {
     fn of(line: &Line, id: StationId) -> Self {
         let compares = line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
-        StationEntry { on_order: line.station(id).works_on_order(), compares, ..StationEntry::default() }
+        StationEntry { on_order: line.station(id).is_task_driven(), compares, ..StationEntry::default() }
     }
 
     /// Whether it is not in the latest round, or at the end of it.

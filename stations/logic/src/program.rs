@@ -456,7 +456,7 @@ pub(crate) fn path_index(paths: &[OpId], op: OpId) -> usize {
 
 fn way_home(line: &Line, station: StationId, failed: OpId) -> Vec<(u8, i32)> {
     let described = line.station(station);
-    if described.works_on_order() {
+    if described.is_task_driven() {
         // It has no arrows, and nobody builds on what it skips.
         return Vec::new();
     }

@@ -24,7 +24,7 @@ impl StationNetBuilder<'_> {
     /// t4 in auto: what the station takes back by itself when it is to go back.
     pub(super) fn secured(&self, op: OpId) -> Option<Conjunction> {
         let station = self.station;
-        let within = station.works_on_order() && station.rest_after(op).is_none();
+        let within = station.is_task_driven() && station.rest_after(op).is_none();
         within.then(|| vec![on(Var::Secure)])
     }
 
