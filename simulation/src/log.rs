@@ -4,7 +4,6 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
 use linewright_station_logic::StationHappening;
 
-/// What happened.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LogKind {
     /// At a station, by its own account.
@@ -25,7 +24,6 @@ pub struct SimLogEntry {
     pub what: LogKind,
 }
 
-/// The log of a run.
 #[derive(Clone, Debug, Default)]
 pub struct RunLog {
     entries: Vec<SimLogEntry>,

@@ -54,21 +54,18 @@ number! {
 }
 
 impl CellId {
-    /// The id as an index.
     pub const fn index(self) -> usize {
         self.0 as usize
     }
 }
 
 impl ModeId {
-    /// The id as an index.
     pub const fn index(self) -> usize {
         self.0 as usize
     }
 }
 
 impl ResourceId {
-    /// The id as an index.
     pub const fn index(self) -> usize {
         self.0 as usize
     }

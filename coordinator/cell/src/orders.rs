@@ -134,7 +134,6 @@ pub enum CellMessage {
 /// An order as its station gets it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OrderMessage {
-    /// Station that gets the order.
     pub station: StationId,
     /// The part it is about.
     pub part: Option<PartId>,
@@ -150,7 +149,6 @@ pub enum Sending {
     Sent {
         /// Transmissions so far.
         tries: u32,
-        /// When last.
         at: Tick,
     },
 }

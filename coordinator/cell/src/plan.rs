@@ -42,7 +42,6 @@ pub struct Product {
 /// part has matters to whoever reaches for it, and enables nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StorePositions {
-    /// What people call it.
     pub name: Arc<str>,
     /// Its parts are on these cells. How many there can be the net knows.
     pub cells: Vec<CellId>,
@@ -70,7 +69,6 @@ pub enum PartPick {
 /// What transitions stand for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlayedActivity {
-    /// What people call it.
     pub name: Arc<str>,
     /// Whether anybody decides about it, and how long it takes.
     pub kind: ActivityTiming,
@@ -97,7 +95,6 @@ pub enum ActivityTiming {
 /// What one station is told.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlayedOrderTemplate {
-    /// Station that gets the order.
     pub station: StationId,
     pub task: Arc<str>,
     /// The task's parameters.

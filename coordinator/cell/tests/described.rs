@@ -63,7 +63,7 @@ fn the_described_cell_decides_its_conflict_by_its_own_rules() {
     let RecordKind::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records) };
     let said = texts::decision(&world.it.table, started, held);
     assert_eq!(started.len(), 1);
-    assert!(said[0].starts_with("`unload robot_2<1.done>` with part "), "{said:?}");
+    assert!(said[0].starts_with("`unload robot_2` with part "), "{said:?}");
     assert!(said[1].contains("by shortest-processing-time (takes 3 s; the other takes 7 s)"), "{said:?}");
     assert!(said[2].contains("by shortest-processing-time (takes 3 s; the other takes 6 s)"), "{said:?}");
 }

@@ -19,7 +19,6 @@ pub struct HistoryEvent {
     pub what: EventKind,
 }
 
-/// What has happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EventKind {
     /// What the log says under a number.

@@ -8,7 +8,6 @@ use linewright_coordinator_cell::{AlarmId, Dispatcher, FiringId, PlayerInput, Re
 
 use super::sim::CellSim;
 
-/// A simulated operator.
 #[derive(Clone, Debug, Default)]
 pub struct SimulatedOperator {
     /// He says something else than he has found to so many alarms, as soon as that can be said and a sensor would see it.

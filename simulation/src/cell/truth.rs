@@ -35,7 +35,6 @@ struct PartMove {
 /// Result of an inspection of a failed activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InspectionResult {
-    /// Where the part is.
     pub part: Whereabouts,
     /// All stations have done what they were told.
     pub is_done: bool,

@@ -155,6 +155,8 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
             StationWait::Button { onward: None, back: None };
         StationWait::TaskButton { .. } => StationWait::TaskButton { choices };
         StationWait::Panel => StationWait::Panel;
+        StationWait::PanelAtRest { .. } => StationWait::PanelAtRest { is_reversible: true },
+            StationWait::PanelAtRest { is_reversible: false };
         StationWait::Selector => StationWait::Selector;
         StationWait::Mode(_) => StationWait::Mode(ControlMode::StandBy);
         StationWait::EStop => StationWait::EStop;

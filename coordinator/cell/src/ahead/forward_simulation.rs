@@ -23,11 +23,9 @@ use super::rollout_policy::RolloutPolicy;
 /// An activity that was started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimulatedActivity {
-    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part; a new one has the number that it would have.
     pub part: Option<PartId>,
-    /// When it starts.
     pub from: Tick,
     /// When it ends; none if that was not played any more, or it has failed.
     pub to: Option<Tick>,
@@ -96,7 +94,6 @@ impl ForwardSimulation {
         &self.state
     }
 
-    /// When it began.
     pub fn began(&self) -> Tick {
         self.began
     }

@@ -38,7 +38,6 @@ pub const EFFORT: usize = 4000;
 /// So many candidates of a group are tried.
 const TRIED: usize = 8;
 
-/// Looks ahead.
 #[derive(Clone, Debug)]
 pub struct LookAhead {
     /// The rules, and what is on order.

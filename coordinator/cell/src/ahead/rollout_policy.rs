@@ -101,7 +101,6 @@ impl RolloutPolicy for DeviatingPolicy {
 pub struct PlannedStart {
     /// Not before.
     pub at: Tick,
-    /// Net mode to start.
     pub mode: ModeId,
     /// With which part; none for one that enters, or that takes none.
     pub part: Option<PartId>,

@@ -79,7 +79,7 @@ impl Coordination {
     }
 
     /// Why a station could not be told anything.
-    pub(super) fn objection(&self, now: Tick, station: StationId) -> Option<AlarmAnswerRefusal> {
+    pub(in super::super) fn objection(&self, now: Tick, station: StationId) -> Option<AlarmAnswerRefusal> {
         if self.state.exceptions().is_stopped(station) {
             return Some(AlarmAnswerRefusal::EmergencyStop(station));
         }

@@ -32,7 +32,6 @@ pub struct RecoveryPolicy {
 /// One resource.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResourcePolicy {
-    /// What people call it.
     pub name: Arc<str>,
     pub station: Option<StationId>,
     /// That station says whether a part is there ([`super::super::TaskReport::presence`]).
@@ -51,7 +50,6 @@ pub struct ModeHandling {
     pub from: Option<ResourceId>,
     /// Holder of the part afterwards.
     pub to: Option<ResourceId>,
-    /// Carrier.
     pub carrier: Option<ResourceId>,
     /// The rules that are about it, as positions.
     pub rules: Vec<usize>,
@@ -74,11 +72,9 @@ pub struct RecoveryRule {
     pub stops: Vec<StationId>,
     /// And so do all that have an order in the activity.
     pub stops_activity: bool,
-    /// What can be answered.
     pub answers: Vec<PermittedAnswer>,
 }
 
-/// What can be answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PermittedAnswer {
     /// The word, where the part is, how to go on.

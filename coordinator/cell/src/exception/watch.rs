@@ -22,7 +22,6 @@ pub(super) struct LastReport {
 /// What was told to leave an order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecureRequest {
-    /// When last.
     pub at: Tick,
     /// And to stop at once.
     pub stop: bool,
@@ -77,6 +76,11 @@ impl StationMonitor {
             seen.heard.slot = None;
             self.strays.remove(&station);
         }
+    }
+
+    /// The stations between two rests, at no order.
+    pub(super) fn held(&self) -> impl Iterator<Item = StationId> + '_ {
+        self.seen.iter().filter(|(_, seen)| seen.heard.is_held).map(|(&station, _)| station)
     }
 
     /// What was last heard of a station.

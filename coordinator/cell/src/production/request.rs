@@ -17,7 +17,6 @@ pub const QUANTITY_MAX: u32 = 1_000_000;
 /// The most orders that are not over, at once.
 pub const ORDERS_MAX: usize = 10_000;
 
-/// A request for a production order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProductionOrderRequest {
@@ -62,7 +61,6 @@ pub enum RequestProblem {
         name: String,
         /// What it asks for.
         product: String,
-        /// What could be meant.
         hint: Option<String>,
     },
     /// None, or too many.
@@ -80,19 +78,9 @@ pub enum RequestProblem {
         release: Tick,
     },
     /// It waits for what is not there.
-    NoSuchOrder {
-        name: String,
-        /// What it waits for.
-        after: String,
-        /// What could be meant.
-        hint: Option<String>,
-    },
+    NoSuchOrder { name: String, after: String, hint: Option<String> },
     /// It waits for what was withdrawn.
-    AfterWithdrawn {
-        name: String,
-        /// What it waits for.
-        after: String,
-    },
+    AfterWithdrawn { name: String, after: String },
     /// Each waits for the next, and the last for the first.
     Circle(Vec<String>),
     /// More than are kept.

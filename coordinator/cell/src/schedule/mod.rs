@@ -32,7 +32,6 @@ use super::state::PlayerState;
 /// What there is to be planned.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanningSituation<'a> {
-    /// The time.
     pub now: Tick,
     /// The cell.
     pub state: &'a PlayerState,

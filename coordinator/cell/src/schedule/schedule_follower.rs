@@ -29,7 +29,6 @@ const REVISIONS_MAX: usize = 100;
 /// A schedule was made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Revision {
-    /// Time of the revision.
     pub at: Tick,
     pub why: RevisionReason,
 }

@@ -34,7 +34,6 @@ pub(super) struct Best {
 /// Key of a node: equal for simulations that differ only in the time and in what has left.
 type SearchKey = Vec<u64>;
 
-/// A search.
 pub(super) struct ScheduleSearch {
     basis: SimulationBasis,
     seen: BTreeMap<SearchKey, (Tick, u64)>,

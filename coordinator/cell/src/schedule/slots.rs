@@ -21,7 +21,6 @@ use super::super::table::CellTable;
 /// Something that is to be done, is being done, or has been.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScheduleSlot {
-    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part, as the schedule numbers them; none for what takes none.
     pub part: Option<usize>,
@@ -44,7 +43,6 @@ pub struct ScheduleSlot {
 /// Plan against actual, of one activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlanActualBar {
-    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part; none if it takes none, or has not entered.
     pub part: Option<PartId>,

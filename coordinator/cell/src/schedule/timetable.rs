@@ -28,7 +28,6 @@ pub enum RevisionReason {
     Restored,
     /// Something starts, or ends, later than it may.
     Late {
-        /// Net mode (transition with its colours).
         mode: ModeId,
         /// With which part; none if it has not entered, or takes none.
         part: Option<PartId>,

@@ -39,11 +39,9 @@ pub struct ReportMetadata {
     pub modes: Vec<ModeEntry>,
 }
 
-/// A resource.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResourceEntry {
-    /// What people call it.
     pub name: String,
     /// What it is: a machine, a robot, a store.
     pub prototype: String,

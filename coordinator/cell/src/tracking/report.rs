@@ -1,7 +1,8 @@
 //! What is reported of a cell, as numbers and as text.
 //!
-//! Availability, performance and quality as OEE has them (ISO 22400-2): the part of the time in which a resource was not
-//! down; how long its work should have taken beside how long it took; the part of what left that was good.
+//! Availability, performance and quality as factors of OEE (ISO 22400-2), each from 0 to 1: the part of the time in which a
+//! resource was not down; how long its work should have taken beside how long it took; the part of what left that was good.
+//! A part that took less time than described counts as described: the planned run time per item is the shorter of the two.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -59,7 +60,7 @@ pub struct ResourceReport {
     pub causes: Causes,
     /// How many parts it has worked on.
     pub worked: u64,
-    /// How long that should have taken.
+    /// How long that should have taken, each part at most as long as it took.
     pub nominal: Duration,
     /// How long it took.
     pub actual: Duration,

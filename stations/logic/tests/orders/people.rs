@@ -104,6 +104,9 @@ fn once_it_has_rested_after_its_order_it_does_not_go_back_from_where_people_lead
 #[test]
 fn from_an_order_that_it_never_had_it_does_not_go_back() {
     let mut m1 = Bench::clamped();
+    m1.mode(ControlMode::Hand);
+    m1.press("PB_run");
+    m1.release();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
     m1.mode(ControlMode::Auto);
@@ -184,9 +187,31 @@ fn in_hand_mode_nothing_starts_before_what_it_waits_for_is_there() {
     assert_eq!(m1.on(), ["Y_close"]);
 }
 
+/// Advance is held once too often easily: it ends what was begun, and out of a rest a task is chosen.
 #[test]
-fn the_panel_begins_the_first_task_listed_and_takes_back_through_a_rest() {
-    let mut m1 = Bench::clamped();
+fn the_panel_leads_a_task_to_its_rest_and_begins_none() {
+    let mut m1 = Bench::machining();
+    m1.mode(ControlMode::Manual);
+    for doing in ["slide in", "mill", "slide out"] {
+        m1.hold(&[Advance(true)]);
+        assert_eq!(m1.doing(), doing);
+        m1.arrive();
+        m1.hold(&[]);
+    }
+    assert_eq!(m1.rest().as_deref(), Some("clamped"));
+    m1.events();
+    for _ in 0..3 {
+        m1.hold(&[Advance(true)]);
+        assert_eq!((m1.doing().as_str(), m1.outputs), ("slide out (done)", 0));
+        m1.hold(&[]);
+    }
+    assert_eq!(m1.events()[0], "rejected the command");
+    assert_eq!(m1.blocked_by(), ["a task: its order in auto, or its button in hand mode, or return at its panel"]);
+}
+
+#[test]
+fn the_panel_takes_back_through_a_rest() {
+    let mut m1 = Bench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
     assert_eq!(m1.doing(), "slide in (done)");
