@@ -60,12 +60,12 @@ pub fn parts(line: &Line) -> Vec<SubLine> {
 /// Each station that works on order, alone: nothing joins it to another, and who gives it orders gives any.
 pub fn on_order(line: &Line) -> Vec<SubLine> {
     let alone = |id| SubLine { stations: vec![id], conflicts: Vec::new(), line: part_of(line, &[id]) };
-    line.station_ids().filter(|&id| line.station(id).works_on_order()).map(alone).collect()
+    line.station_ids().filter(|&id| line.station(id).is_task_driven()).map(alone).collect()
 }
 
 /// The stations that go round a cycle, as a line of their own with all conflicts.
 pub fn cyclic(line: &Line) -> Line {
-    let stations: Vec<StationId> = line.station_ids().filter(|&id| !line.station(id).works_on_order()).collect();
+    let stations: Vec<StationId> = line.station_ids().filter(|&id| !line.station(id).is_task_driven()).collect();
     part_of(line, &stations)
 }
 

@@ -232,7 +232,7 @@ impl World {
         }
         if self.now.as_micros() % 100_000 < STEP.as_micros() as u64 {
             for (id, station) in [0u16, 1].into_iter().zip(0..) {
-                let report = self.stations[station as usize].controller.report().order.expect("it works on order");
+                let report = self.stations[station as usize].controller.report().order.expect("it is task-driven");
                 let number = self.sent + 1;
                 self.fly(|| Flying::State(StationId(id), number, orders::heard(&report)));
             }

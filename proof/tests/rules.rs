@@ -1,4 +1,4 @@
-//! With any one rule off something goes wrong on the shipped line, and it is found: that is how we know that the
+//! With any one rule off something goes wrong on the shipped line or on another, and it is found: that is how we know that the
 //! explorer would see it.
 
 use linewright_line::{Line, TransferLine, parse};
@@ -9,16 +9,19 @@ fn shipped() -> Line {
     parse("line.toml", &TransferLine::default().text()).expect("the shipped line is sound").line
 }
 
-fn without(rules: Rules) -> LineExplored {
-    let mut setting = LineExploration::new(&shipped());
+fn without(line: &Line, rules: Rules) -> LineExplored {
+    let mut setting = LineExploration::new(line);
     setting.rules = rules;
-    explore(&setting, SearchLimits { states: 1_000_000, ..SearchLimits::default() })
-        .expect("the shipped line can be explored")
+    explore(&setting, SearchLimits { states: 1_000_000, ..SearchLimits::default() }).expect("it can be explored")
 }
 
 /// The end of the counterexample that the missing rule leads to.
 fn goes_wrong(rules: Rules) -> String {
-    let explored = without(rules);
+    wrong_in(&shipped(), rules)
+}
+
+fn wrong_in(line: &Line, rules: Rules) -> String {
+    let explored = without(line, rules);
     let story = explored.counterexample().unwrap_or_else(|| panic!("nothing wrong in {} states", explored.states));
     assert_eq!(explored.properties.iter().filter(|p| p.verdict == Verdict::Fails).count(), 1, "the first thing wrong");
     println!("{story}");
@@ -50,4 +53,10 @@ fn a_request_number_used_twice_makes_an_old_agreement_good_again() {
 #[test]
 fn going_home_without_withdrawing_the_round_counts_a_part_that_was_never_machined() {
     assert!(goes_wrong(Rules { redo_round: false, ..Rules::COUNTS }).contains("are of no cycle"));
+}
+
+#[test]
+fn going_home_without_waiting_for_its_arrows_runs_into_a_neighbour() {
+    let rules = Rules { home_waits: false, ..Rules::COUNTS };
+    assert_eq!(wrong_in(&crate::agreement::lines::home_in_the_way(), rules), "x and y meet");
 }

@@ -53,12 +53,10 @@ pub enum OperationCondition {
     Undone,
 }
 
-/// A condition.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScenarioCondition {
     /// Cycles of the line that have ended.
     Cycles(Compare, i64),
-    /// The mode of the line.
     Mode(ControlMode),
     Station(StationId, StationCondition),
     Every(StationCondition),

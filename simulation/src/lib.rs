@@ -30,12 +30,14 @@
 pub mod cell;
 mod condition;
 mod critical;
+mod error;
 mod field;
 mod held_buttons;
 mod idle;
 mod link;
 mod lives;
 mod log;
+mod network;
 mod node;
 mod observer;
 mod operator;
@@ -54,7 +56,7 @@ mod whole;
 
 pub use condition::{Compare, OperationCondition, ScenarioCondition, StationCondition};
 pub use critical::{CriticalMotion, CriticalPath};
-pub use lives::StartError;
+pub use error::StartError;
 pub use log::{LogKind, RunLog, SimLogEntry};
 pub use observer::SeenConflict;
 pub use operator::{MotionSelection, NodeProcess, OperatorAction};

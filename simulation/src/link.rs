@@ -30,7 +30,6 @@ pub(crate) enum LinkPayload {
     Report(Rc<StationReport>),
     /// A station's state, as far as the coordinator looks at it.
     Heard(StationView),
-    /// The coordinator's order.
     Order(ModeOrder),
     /// An operator's confirmation of where a station stands.
     Rejoin(Option<OpId>),
@@ -59,7 +58,6 @@ pub(crate) enum WholeMessage {
     Report(Rc<StationReport>),
     /// A station's state, as far as the coordinator looks at it.
     Heard(StationView),
-    /// The coordinator's order.
     Order(ModeOrder),
     /// A station's inputs, from the gateway.
     Inputs(InputsMessage),

@@ -3,34 +3,14 @@
 //! A process that dies says nothing any more, and its devices keep what it asked for until they miss it. One that starts
 //! has its journal and nothing else: it hears and says everything anew.
 
-use linewright_canopen::ManagerError;
 use linewright_coordinator_shell::CoordinatorRecord;
 use linewright_line::{DeviceBus, StationId, Tick};
-use linewright_station_logic::{CompileError, Restore};
-use thiserror::Error;
+use linewright_station_logic::Restore;
 
+use crate::error::StartError;
 use crate::field::SimulatedField;
 use crate::node::{CoordinatorNode, StationNode};
 use crate::sim::LineSim;
-
-/// Why a line, or a process of it, cannot be started.
-#[derive(Debug, Error)]
-pub enum StartError {
-    /// A station does not compile.
-    #[error(transparent)]
-    Station(#[from] CompileError),
-    /// The devices of a bus have no manager.
-    #[error(transparent)]
-    Bus(#[from] ManagerError),
-    /// A device is on no CAN bus.
-    #[error(
-        "frames are played on CAN buses, and device `{device}` speaks Modbus: simulate without frames, or run the line"
-    )]
-    NoFrames {
-        /// Which.
-        device: String,
-    },
-}
 
 impl LineSim {
     pub(crate) fn next_life(&mut self) -> u64 {

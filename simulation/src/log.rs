@@ -4,7 +4,6 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
 use linewright_station_logic::StationHappening;
 
-/// What happened.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LogKind {
     /// At a station, by its own account.
@@ -13,7 +12,7 @@ pub enum LogKind {
     Mode(ControlMode),
     /// The coordinator refused a command, in words.
     Refusal(String),
-    /// Somebody did something: an operator, the scenario.
+    /// An action of an operator or of the scenario.
     Act(String),
 }
 
@@ -25,7 +24,6 @@ pub struct SimLogEntry {
     pub what: LogKind,
 }
 
-/// The log of a run.
 #[derive(Clone, Debug, Default)]
 pub struct RunLog {
     entries: Vec<SimLogEntry>,

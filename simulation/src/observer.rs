@@ -42,7 +42,6 @@ pub struct SeenConflict {
     pub positions: String,
 }
 
-/// The observer.
 pub(crate) struct ConflictObserver {
     pairs: Vec<[ObservedSide; 2]>,
     holds: Vec<bool>,

@@ -10,14 +10,14 @@ use linewright_line::{InputId, OpId, Owner, StationId, Tick};
 use linewright_plant::{MotionFault, Rack};
 use linewright_station_logic::{ModeOrder, PanelCommand};
 
+use crate::error::StartError;
 use crate::field::SimulatedField;
 use crate::held_buttons::RELEASES;
 use crate::link::{LinkPayload, WholeMessage};
-use crate::lives::StartError;
 use crate::options::{Network, NetworkChange, SimOptions};
 use crate::sim::LineSim;
 
-/// Whose process.
+/// A node's process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeProcess {
     /// A station's.

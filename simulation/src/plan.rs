@@ -23,7 +23,6 @@ struct EventGraphEdge {
 /// When one operation starts and ends in one cycle, in microseconds after the line began to move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlannedTimes {
-    /// When it starts.
     pub start: u64,
     /// When it ends.
     pub end: u64,
@@ -208,7 +207,6 @@ impl LinePlan {
     }
 }
 
-/// An earliest schedule.
 #[derive(Clone, Debug)]
 pub struct EarliestSchedule {
     lowest: i32,

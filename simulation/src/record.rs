@@ -44,11 +44,9 @@ pub struct RecordedMotion {
     pub block: Block,
     /// The station's cycle.
     pub cycle: i32,
-    /// When it began.
     pub start: Tick,
     /// When it ended; meaningless while it is open.
     pub end: Tick,
-    /// How the motion ended.
     pub ended: MotionEnd,
     pub by: LastWait,
 }
@@ -57,7 +55,6 @@ pub struct RecordedMotion {
 /// station spent in other modes meanwhile does not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ArrowWait {
-    /// How many starts.
     pub starts: u64,
     /// Together.
     pub total: Duration,
@@ -81,7 +78,6 @@ const FAULTS_MAX: usize = 1000;
 /// For each arrow, how many counts it is remembered when they were heard: a reader is at most a cycle or two behind.
 const HEARD_MAX: usize = 8;
 
-/// The record of a run.
 #[derive(Clone, Debug)]
 pub struct RunRecord {
     motions: Vec<RecordedMotion>,

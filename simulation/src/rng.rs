@@ -15,7 +15,6 @@ impl Rng {
         rng
     }
 
-    /// The next number.
     #[allow(clippy::should_implement_trait)]
     pub fn next(&mut self) -> u64 {
         let drawn = mix(self.0);

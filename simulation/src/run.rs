@@ -7,7 +7,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, Tick};
 
 use crate::condition::{ScenarioCondition, StationCondition};
-use crate::lives::StartError;
+use crate::error::StartError;
 use crate::options::SimOptions;
 use crate::script::{Script, ScriptAction, ScriptFailure, ScriptPlayer, ScriptStep};
 use crate::sim::LineSim;

@@ -14,16 +14,16 @@ use linewright_plant::PlantOptions;
 use linewright_station_logic::Restore;
 use linewright_station_shell::StationEffect;
 
+use crate::error::StartError;
 use crate::field::SimulatedField;
 use crate::held_buttons::HeldButtons;
 use crate::link::{Link, LinkPayload};
-use crate::lives::StartError;
 use crate::log::{LogKind, RunLog};
+use crate::network::links_of;
 use crate::node::{CoordinatorNode, StationNode};
 use crate::observer::ConflictObserver;
 use crate::options::SimOptions;
 use crate::record::RunRecord;
-use crate::talk::links_of;
 use crate::timers::Timers;
 
 /// An answer to a command: obeyed, or refused.
@@ -52,7 +52,7 @@ pub struct LineSim {
     /// By link between stations: the arrows from its writer into its reader.
     pub(crate) arrows: Vec<Vec<usize>>,
     pub(crate) timers: Timers,
-    /// Who repeats its state when, and in which life; sorted, because all have the same period.
+    /// Next repetition of each node's state, with its life; sorted, because all have the same period.
     pub(crate) repeats: VecDeque<(Tick, usize, u64)>,
     /// By node: its life, for whoever knew it before it died.
     pub(crate) lives: Vec<u64>,

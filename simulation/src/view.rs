@@ -1,4 +1,4 @@
-//! What a run shows to whoever watches it.
+//! The view of a run for its watchers.
 
 use linewright_coordinator_logic::Coordinator;
 use linewright_line::net::ControlMode;

@@ -277,7 +277,7 @@ fn stations_that_are_killed_and_restarted_do_nothing_twice() {
                 sim.run(&mut dispatcher, now);
                 let floor = sim.floor.as_mut().expect("real stations");
                 let at = StationId::at(rng.below(of.line.stations.len() as u64) as usize);
-                let order = floor.controller(at).report().order.expect("it works on order");
+                let order = floor.controller(at).report().order.expect("it is task-driven");
                 if order.slot.is_none() && order.rest.is_some() {
                     floor.kill(at);
                     killed += 1;
@@ -337,7 +337,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     let waited = since.since(started);
     assert!((Duration::from_secs(24)..Duration::from_secs(40)).contains(&waited), "{waited:?}");
     for station in [robot, of.line.station_named(&station).expect("there")] {
-        let order = sim.floor.as_ref().expect("real").controller(station).report().order.expect("it works on order");
+        let order = sim.floor.as_ref().expect("real").controller(station).report().order.expect("it is task-driven");
         assert_eq!((order.slot, order.rest.is_some()), (None, true), "secured");
     }
     let lies = |sim: &CellSim| {

@@ -10,7 +10,7 @@ use super::report::CheckReport;
 
 /// Column headings for the checks of a station, in the order of the table.
 const COLUMNS: [(&str, &str); 10] = [
-    ("places", "6j+3k"),
+    ("places", "places"),
     ("token", "token"),
     ("state machine", "machine"),
     ("strongly connected", "connected"),

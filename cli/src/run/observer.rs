@@ -90,7 +90,7 @@ impl BusObserver {
         let is_seen = |span: &StateSpan| {
             let (from, until) = switches(line, span);
             // What a task's ends leave may be left in other tasks too.
-            let is_told = !line.station(span.station).works_on_order() || line.clearance(span).is_ok();
+            let is_told = !line.station(span.station).is_task_driven() || line.clearance(span).is_ok();
             is_told && from.into_iter().chain([until]).all(|input| is_read(line, span.station, input))
         };
         BusObserver {

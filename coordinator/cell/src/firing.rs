@@ -56,7 +56,6 @@ pub enum ActivityPhase {
 pub struct OngoingOrder {
     /// What the station knows it by.
     pub key: OrderKey,
-    /// Station that gets the order.
     #[serde(with = "serial::station")]
     pub station: StationId,
     /// What has been heard of it.

@@ -54,21 +54,18 @@ number! {
 }
 
 impl CellId {
-    /// The id as an index.
     pub const fn index(self) -> usize {
         self.0 as usize
     }
 }
 
 impl ModeId {
-    /// The id as an index.
     pub const fn index(self) -> usize {
         self.0 as usize
     }
 }
 
 impl ResourceId {
-    /// The id as an index.
     pub const fn index(self) -> usize {
         self.0 as usize
     }
@@ -77,5 +74,5 @@ impl ResourceId {
 /// A token demand or gift: so many of a cell.
 pub type TokenDemand = (CellId, u32);
 
-/// Counters stay below this, so that counting on from what somebody has made up never fails.
+/// Counters stay below this, so that counting on from forged values never overflows.
 pub(crate) const NUMBER_MAX: u64 = 1 << 62;

@@ -7,9 +7,9 @@
 //! - [`Enabling`]: which modes have their tokens, after each firing by looking at what it touched.
 //! - [`Question`], [`DispatchDecision`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers where
 //!   nobody who knows more does.
-//! - [`dispatch`]: the dispatcher with rules, who lets nobody wait for ever, and says why.
+//! - [`dispatch`]: the dispatcher with rules, under which no part waits for ever, with its reasons.
 //! - [`production`]: what is to be made, and which part counts to which order.
-//! - [`ahead`]: the dispatcher that tries out in thought what comes of a decision.
+//! - [`ahead`]: the dispatcher that compares decisions by forward simulation.
 //! - [`schedule`]: when everything is to start, followed and revised.
 //! - [`tracking`]: what has happened, for reports.
 //! - [`texts`]: what operators read.

@@ -10,7 +10,6 @@ use super::ids::{CellId, PartId};
 use super::plan::{CellKind, PartPick};
 use super::table::CellTable;
 
-/// The marking of a cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CellMarking {
     counts: Vec<u64>,

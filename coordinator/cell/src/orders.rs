@@ -25,7 +25,7 @@ pub enum PlayerInput<'a> {
     Secured(StationId, OrderKey, TaskReply),
     /// Whether activities may start: the line is in auto, and enabled. They may not until this says so.
     Starts(bool),
-    /// Somebody asks for something to be made, or not to be made, and waits for a reply.
+    /// A command about production orders, whose requester waits for a reply.
     Production(RequestId, ProductionCommand<'a>),
     /// A person's answer to an alarm.
     Answer { alarm: AlarmId, word: &'a str },
@@ -45,7 +45,7 @@ pub enum PlayerInput<'a> {
     Reset(StationId),
 }
 
-/// What a reply to somebody is known by; the caller's affair.
+/// Identifies the requester of a reply; chosen by the caller.
 pub type RequestId = u64;
 
 /// What people say about production orders.
@@ -134,7 +134,6 @@ pub enum CellMessage {
 /// An order as its station gets it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OrderMessage {
-    /// Station that gets the order.
     pub station: StationId,
     /// The part it is about.
     pub part: Option<PartId>,
@@ -150,7 +149,6 @@ pub enum Sending {
     Sent {
         /// Transmissions so far.
         tries: u32,
-        /// When last.
         at: Tick,
     },
 }

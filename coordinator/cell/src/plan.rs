@@ -21,7 +21,7 @@ pub struct PlayPlan {
     pub activity_of: Vec<usize>,
     /// What is made. Where nothing is said to be, there are no production orders.
     pub products: Vec<Product>,
-    /// Whose parts have positions.
+    /// The store whose parts have positions.
     pub stores: Vec<StorePositions>,
     /// An order that no station has acknowledged is repeated after this time.
     pub refresh: Duration,
@@ -42,7 +42,6 @@ pub struct Product {
 /// part has matters to whoever reaches for it, and enables nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StorePositions {
-    /// What people call it.
     pub name: Arc<str>,
     /// Its parts are on these cells. How many there can be the net knows.
     pub cells: Vec<CellId>,
@@ -70,7 +69,6 @@ pub enum PartPick {
 /// What transitions stand for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlayedActivity {
-    /// What people call it.
     pub name: Arc<str>,
     /// Whether anybody decides about it, and how long it takes.
     pub kind: ActivityTiming,
@@ -83,7 +81,7 @@ pub struct PlayedActivity {
 /// How an activity comes and goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActivityTiming {
-    /// It happens by itself as soon as it can, and takes no time. Nobody is told.
+    /// It happens by itself as soon as it can, and takes no time. No station is ordered.
     Immediate,
     /// Its start is decided (seed 001, L187-190).
     Decided {
@@ -97,7 +95,6 @@ pub enum ActivityTiming {
 /// What one station is told.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlayedOrderTemplate {
-    /// Station that gets the order.
     pub station: StationId,
     pub task: Arc<str>,
     /// The task's parameters.

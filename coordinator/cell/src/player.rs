@@ -31,7 +31,7 @@ use linewright_line::{StationId, Tick};
 use linewright_orders::{TaskFailure, TaskOrder};
 use thiserror::Error;
 
-use super::exception::StationMonitor;
+use super::exception::{AlarmAnswerRefusal, StationMonitor};
 use super::fifo::Fifo;
 use super::firing::{ActivityPhase, OrderProgress, PendingRecord};
 use super::ids::{FiringId, ModeId, OrderKey, PartId, ProductionId};
@@ -407,10 +407,19 @@ impl Coordination {
     /// the model. Until then it waits; it is not an exception.
     pub(super) fn is_heard(&self, now: Tick, mode: ModeId) -> bool {
         let table = &self.state.table;
-        let can_work =
-            |station| self.heard.contains(&station) && self.can_work(now, station) && !self.moves(now, station);
-        table.activity(mode).orders.iter().all(|order| can_work(order.station))
+        self.unready(now, mode).is_none()
             && !table.handling().mode(mode).resources().any(|id| self.watch.is_to_be_compared(&self.state, id))
+    }
+
+    /// The first station that keeps a mode from starting; none if all its stations were heard and can be given an order.
+    pub fn unready(&self, now: Tick, mode: ModeId) -> Option<AlarmAnswerRefusal> {
+        let why = |station| match self.heard.contains(&station) {
+            false => Some(AlarmAnswerRefusal::NotHeard(station)),
+            true => self
+                .objection(now, station)
+                .or_else(|| self.moves(now, station).then_some(AlarmAnswerRefusal::Moves(station))),
+        };
+        self.state.table.activity(mode).orders.iter().find_map(|order| why(order.station))
     }
 
     fn start(

@@ -21,7 +21,6 @@ use super::state::PlayerState;
 /// What could start now.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
-    /// The time.
     pub now: Tick,
     /// The cell.
     pub state: &'a PlayerState,
@@ -34,7 +33,6 @@ pub struct Question<'a> {
 /// A mode that could start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Candidate {
-    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// How often, if nobody else took anything; at least 1.
     pub times: u32,
@@ -74,7 +72,6 @@ pub struct DispatchDecision {
 /// A candidate that is to start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Start {
-    /// Which, as an index.
     pub candidate: usize,
     /// With which part; none exactly if the mode takes none.
     pub part: Option<PartId>,
@@ -83,7 +80,6 @@ pub struct Start {
 /// A candidate that is not to start now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HeldCandidate {
-    /// Which, as an index.
     pub candidate: usize,
     /// Reason, for operators.
     pub reason: HoldReason,

@@ -27,7 +27,6 @@ pub struct Record {
     pub fact: RecordKind,
 }
 
-/// What has happened.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RecordKind {
@@ -54,9 +53,7 @@ pub enum RecordKind {
     },
     /// An activity has started: its tokens are taken, its orders exist.
     Started {
-        /// The next number.
         firing: FiringId,
-        /// Net mode that started.
         mode: ModeId,
         /// With which part; a new one if the mode lets parts enter.
         part: Option<PartId>,
@@ -64,41 +61,22 @@ pub enum RecordKind {
         orders: Vec<OrderKey>,
     },
     /// A station has taken an order on.
-    Acknowledged {
-        /// Task order.
-        key: OrderKey,
-    },
+    Acknowledged { key: OrderKey },
     /// A station has done what it was told.
-    OrderEnded {
-        /// Task order.
-        key: OrderKey,
-    },
+    OrderEnded { key: OrderKey },
     /// An order will not be done, as far as is known.
-    OrderFailed {
-        /// Task order.
-        key: OrderKey,
-        /// Failure of the task order.
-        failure: OrderFailure,
-    },
-    /// An activity will not end by itself. It keeps its tokens and its part until somebody says what is true.
-    Raised {
-        /// Activity in progress.
-        firing: FiringId,
-        cause: ActivityFailure,
-    },
+    OrderFailed { key: OrderKey, failure: OrderFailure },
+    /// An activity will not end by itself. It keeps its tokens and its part until it is answered what is true.
+    Raised { firing: FiringId, cause: ActivityFailure },
     /// An activity has ended: its tokens are given.
-    Ended {
-        /// Activity in progress.
-        firing: FiringId,
-    },
+    Ended { firing: FiringId },
     /// What takes no time has happened: tokens are taken and given.
     Fired {
-        /// Net mode that fired.
         mode: ModeId,
         /// With which part; a new one if the mode lets parts enter.
         part: Option<PartId>,
     },
-    /// Somebody has changed what is on order.
+    /// The production orders have changed.
     Production {
         /// Change of the production orders.
         change: ProductionChange,
@@ -111,34 +89,26 @@ pub enum RecordKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActivityStep<'a> {
     Started {
-        /// Task order.
         firing: FiringId,
-        /// Net mode that started.
         mode: ModeId,
         part: Option<PartId>,
         orders: &'a [OrderKey],
     },
     /// It will not end by itself.
     Raised {
-        /// Task order.
         firing: FiringId,
-        /// Failure of the task order.
         cause: &'a ActivityFailure,
     },
     Ended {
-        /// Task order.
         firing: FiringId,
     },
     /// It had failed, and is put right.
     Closed {
-        /// Activity in progress.
         firing: FiringId,
-        /// What was said.
         ruling: &'a RecoveryDecision,
     },
     /// What takes no time has happened.
     Fired {
-        /// Net mode that fired.
         mode: ModeId,
         part: Option<PartId>,
     },
@@ -179,7 +149,7 @@ pub enum OrderFailure {
     Refused(TaskRefusal),
     /// No end was heard within its limit.
     TimedOut,
-    /// The station has lost its memory. Whether it was done, nobody knows but who looks.
+    /// The station has lost its memory; whether the order was done can only be seen at the station.
     Forgotten,
     /// The station was not heard for too long.
     Lost,
@@ -195,12 +165,11 @@ pub enum ActivityFailure {
     Order {
         /// The first of them.
         key: OrderKey,
-        /// Failure of the task order.
         failure: OrderFailure,
     },
     /// It takes longer than it may altogether.
     TimedOut,
-    /// Somebody has given alarm of one of its resources.
+    /// An operator has given alarm of one of its resources.
     ByHand { resource: ResourceId },
 }
 

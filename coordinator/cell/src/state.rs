@@ -32,7 +32,6 @@ use super::table::CellTable;
 pub struct Part {
     /// Number of the part.
     pub id: PartId,
-    /// When it entered.
     #[serde(with = "serial::micros")]
     pub entered: Tick,
     /// Since when it has been where it is.

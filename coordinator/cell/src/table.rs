@@ -62,7 +62,7 @@ pub enum PlanError {
         /// How many there may be.
         most: u64,
     },
-    /// Nobody could be told, since what is immediate has ended when it starts.
+    /// No station could be ordered, since what is immediate has ended when it starts.
     #[error("activity `{activity}` is immediate and has orders; make it a decided one")]
     ImmediateOrders { activity: String },
     /// It would happen for ever.
@@ -82,7 +82,7 @@ pub enum PlanError {
         /// The cell, as a number.
         cell: u32,
     },
-    /// Nobody could say which number to send.
+    /// The number to send is not determined.
     #[error("task `{task}` of `{mode}` has a store position as parameter, but the part is in no store")]
     NoPosition { task: String, mode: String },
     /// Not even one firing is allowed.
@@ -142,7 +142,7 @@ pub struct CellTable {
     inputs: Rows<TokenDemand>,
     outputs: Rows<TokenDemand>,
     consumers: Rows<ModeId>,
-    /// Whose each of the input arcs is.
+    /// The mode of each input arc.
     arc_modes: Vec<ModeId>,
     products: Vec<Product>,
     stores: Vec<StorePositions>,
@@ -251,7 +251,7 @@ impl CellTable {
     }
 
     /// The same cell without stations: whatever takes time ends by the clock alone. This is what is played where nothing
-    /// happens but in thought.
+    /// happens but in forward simulations.
     pub fn without_orders(&self) -> Self {
         let mut quiet = self.clone();
         quiet.activities.iter_mut().for_each(|activity| activity.orders.clear());
@@ -345,7 +345,7 @@ impl CellTable {
         &self.products
     }
 
-    /// Whose parts have positions.
+    /// The store whose parts have positions.
     pub fn stores(&self) -> &[StorePositions] {
         &self.stores
     }

@@ -9,12 +9,13 @@ use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, Unplayable
 use linewright_coordinator_cell::dispatch::Fairness;
 use linewright_coordinator_cell::texts;
 use linewright_coordinator_cell::{
-    ActivityPhase, ActivityTiming, DispatchDecision, Dispatcher, Fifo, HeldCandidate, HoldReason, PlayerOutbox,
-    Question, RecordKind, Start, TaskParameterValue,
+    ActivityTiming, DispatchDecision, Dispatcher, Fifo, HeldCandidate, HoldReason, PlayerOutbox, Question, RecordKind,
+    TaskParameterValue,
 };
 use linewright_line::Tick;
 
 use crate::player::plans::Compiled;
+use crate::player::printed::Script;
 use crate::player::world::World;
 
 const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
@@ -31,36 +32,12 @@ fn world(made: CompiledCell, stations: usize, seed: u64) -> World {
     World::new(it, stations, seed)
 }
 
-/// Starts what is on its list, one after the other, and holds everything else; keeps the last question.
-struct Script {
-    starts: Vec<&'static str>,
-    asked: Vec<String>,
-}
-
-impl Dispatcher for Script {
-    fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
-        let table = question.state.table();
-        self.asked = question.candidates.iter().map(|of| table.mode_name(of.mode).to_owned()).collect();
-        let mut answer = DispatchDecision::default();
-        for (candidate, name) in self.asked.iter().enumerate() {
-            if self.starts.first() == Some(&name.as_str()) {
-                self.starts.remove(0);
-                let part = question.parts(&question.candidates[candidate]).next();
-                answer.start.push(Start { candidate, part });
-            } else {
-                answer.held.push(HeldCandidate { candidate, reason: HoldReason::NotYet(Tick::NEVER), until: None });
-            }
-        }
-        answer
-    }
-}
-
 /// A3, seed 000, L2738-2740: robot 2 has finished a part 1, the human is free, parts 2 and 3 wait; possible are exactly t1
 /// with part 2 and with part 3, and t5 with part 1.
 #[test]
 fn the_conflict_of_figure_41_arises_in_the_described_cell() {
     let starts = ["arrive<1.new>", "arrive<2.new>", "arrive<3.new>", "load robot_2<1.new>", "robot_2.process<1.new>"];
-    let mut script = Script { starts: starts.to_vec(), asked: Vec::new() };
+    let mut script = Script { starts: starts.to_vec(), ..Script::default() };
     let mut world = world(made(ASSEMBLY, Supply::Closed(&[1, 1, 1])), 3, 1);
     world.run(&mut script, Tick::from_millis(120_000));
     assert_eq!(script.starts, [""; 0], "all of it was played");
@@ -72,7 +49,7 @@ fn the_conflict_of_figure_41_arises_in_the_described_cell() {
 #[test]
 fn the_described_cell_decides_its_conflict_by_its_own_rules() {
     let starts = ["arrive<1.new>", "arrive<2.new>", "arrive<3.new>", "load robot_2<1.new>", "robot_2.process<1.new>"];
-    let mut script = Script { starts: starts.to_vec(), asked: Vec::new() };
+    let mut script = Script { starts: starts.to_vec(), ..Script::default() };
     let mut world = world(made(ASSEMBLY, Supply::Closed(&[1, 1, 1])), 3, 1);
     world.run(&mut script, Tick::from_millis(60_000));
     let cell = linewright_cell::parse("cell.toml", ASSEMBLY, None).expect("it is sound").cell;
@@ -86,28 +63,9 @@ fn the_described_cell_decides_its_conflict_by_its_own_rules() {
     let RecordKind::Decided { started, held, .. } = &out.records[0].fact else { panic!("{:?}", out.records) };
     let said = texts::decision(&world.it.table, started, held);
     assert_eq!(started.len(), 1);
-    assert!(said[0].starts_with("`unload robot_2<1.done>` with part "), "{said:?}");
+    assert!(said[0].starts_with("`unload robot_2` with part "), "{said:?}");
     assert!(said[1].contains("by shortest-processing-time (takes 3 s; the other takes 7 s)"), "{said:?}");
     assert!(said[2].contains("by shortest-processing-time (takes 3 s; the other takes 6 s)"), "{said:?}");
-}
-
-/// A5, seed 000, L2736: robot 1 loads the human with a part 2 while robot 2 works on a part 1. Orders are out to two
-/// stations: a load of the human is robot 1's alone, since his station is a lamp.
-#[test]
-fn loading_and_working_are_in_progress_at_once() {
-    let starts =
-        ["arrive<1.new>", "arrive<2.new>", "load robot_2<1.new>", "robot_2.process<1.new>", "load human<2.new>"];
-    let mut script = Script { starts: starts.to_vec(), asked: Vec::new() };
-    let mut world = world(made(ASSEMBLY, Supply::Closed(&[1, 1, 0])), 3, 1);
-    let mut seen = false;
-    for millis in (0..60_000).step_by(20) {
-        world.run(&mut script, Tick::from_millis(millis));
-        let table = world.state().table();
-        let running = world.state().firings().filter(|firing| firing.phase == ActivityPhase::Running);
-        let names: Vec<&str> = running.map(|firing| table.mode_name(firing.mode)).collect();
-        seen |= names.contains(&"robot_2.process<1.new>") && names.contains(&"load human<2.new>");
-    }
-    assert!(seen && script.starts.is_empty());
 }
 
 /// Lets so many parts of each type in, and leaves the rest to the first come.

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 pub struct CellAbout {
     /// The cell's name.
     pub cell: String,
-    /// What people call it.
     pub title: String,
     /// The digest of the table that the records are about.
     pub table: u64,
@@ -20,7 +19,6 @@ pub struct CellAbout {
     pub sheet: ReportMetadata,
 }
 
-/// What times are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TimeBase {

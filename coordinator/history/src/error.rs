@@ -12,7 +12,6 @@ pub enum HistoryError {
     /// The file system refuses.
     #[error("cannot use database {path}: {error}")]
     File {
-        /// The database.
         path: PathBuf,
         /// The system's reason.
         error: io::Error,
@@ -34,7 +33,6 @@ pub enum HistoryError {
     /// Another version of the program wrote it.
     #[error("database {path} has form {is}, this program reads form {expected}: it was written by another version")]
     Form {
-        /// The database.
         path: PathBuf,
         /// Its form.
         is: i64,
@@ -44,7 +42,6 @@ pub enum HistoryError {
     /// It is about something else.
     #[error("database {path} is about {is}, not about {expected}; move it away to begin a new one")]
     Other {
-        /// The database.
         path: PathBuf,
         /// What it is about.
         is: String,
@@ -57,7 +54,6 @@ pub enum HistoryError {
          away to begin a new one"
     )]
     OtherLog {
-        /// The database.
         path: PathBuf,
         /// The first number under which they differ.
         number: u64,
@@ -65,7 +61,6 @@ pub enum HistoryError {
     /// What it says cannot have happened.
     #[error("database {path} is damaged: {why}")]
     Damaged {
-        /// The database.
         path: PathBuf,
         /// What is wrong.
         why: String,
@@ -73,7 +68,6 @@ pub enum HistoryError {
     /// The database says no.
     #[error("cannot use database {path}: {why}")]
     Refused {
-        /// The database.
         path: PathBuf,
         /// Its reason.
         why: String,
@@ -81,7 +75,6 @@ pub enum HistoryError {
     /// The log from which it is caught up cannot be read.
     #[error("records missing in database {path} cannot be added from the log: {why}")]
     Source {
-        /// The database.
         path: PathBuf,
         /// Reason.
         why: String,

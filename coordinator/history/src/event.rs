@@ -1,7 +1,7 @@
 //! One row: a record, or a note.
 //!
 //! A fact is written as serde writes it, `{"started": {…}}`, and kept in two columns, the word and what stands behind it.
-//! So a fact that is new needs nothing here, and a word that nobody knows is of a newer program.
+//! So a fact that is new needs nothing here, and an unknown word is of a newer program.
 
 use linewright_coordinator_cell::{Record, RecordKind};
 use linewright_line::Tick;
@@ -19,7 +19,6 @@ pub struct HistoryEvent {
     pub what: EventKind,
 }
 
-/// What has happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EventKind {
     /// What the log says under a number.

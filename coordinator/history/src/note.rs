@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 pub enum Note {
     /// The mode has changed, or whether anything may start.
     Mode {
-        /// What it is called.
         name: String,
         /// Whether activities may start.
         starts: bool,
@@ -34,14 +33,12 @@ pub enum Note {
     Device {
         /// The station's number.
         station: u16,
-        /// What it is called.
         device: String,
         /// Which of the two.
         lost: bool,
     },
     /// When an activity that has started was planned to start and to end.
     Planned {
-        /// Activity in progress.
         firing: FiringId,
         #[serde(with = "micros")]
         from: Tick,

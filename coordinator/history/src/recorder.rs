@@ -25,7 +25,7 @@ const BATCH: usize = 1000;
 /// So many notes are kept while the queue is full; then the oldest are lost.
 const NOTES_MAX: usize = 1000;
 
-/// The log, for whoever reads it beside the one who writes it.
+/// The log, for readers beside its writer.
 pub trait RecordSource: Send {
     /// Gives `take` every record that the log has, with its number, in their order, as far as they are written. It may begin
     /// later than with the first: what is before, the log has forgotten.

@@ -34,6 +34,8 @@ struct StationEntry {
     on_order: bool,
     /// What is wrong with it is an exception of its order (see [`Coordinator::isolate`]).
     isolated: bool,
+    /// Between two rests, at no order (see [`Coordinator::hold`]).
+    held: bool,
     /// In emergency stop by itself (see [`Coordinator::stop_alone`]).
     stopped: bool,
     /// The epoch in which it was reset from that last.
@@ -43,7 +45,7 @@ struct StationEntry {
 impl StationEntry {
     fn of(line: &Line, id: StationId) -> Self {
         let compares = line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
-        StationEntry { on_order: line.station(id).works_on_order(), compares, ..StationEntry::default() }
+        StationEntry { on_order: line.station(id).is_task_driven(), compares, ..StationEntry::default() }
     }
 
     /// Whether it is not in the latest round, or at the end of it.
@@ -52,7 +54,6 @@ impl StationEntry {
     }
 }
 
-/// The coordinator.
 #[derive(Clone, Debug)]
 pub struct Coordinator {
     line: Line,
@@ -88,6 +89,10 @@ pub struct Coordinator {
     changed: bool,
     modes: Vec<ControlMode>,
     refusals: Vec<RefusedCommand>,
+    /// The mode that ended by itself, and why; until the next command.
+    ended: Option<(ControlMode, Vec<ModeRefusal>)>,
+    /// Stand-by stands for home, where a station is away from it: start is still to be given.
+    is_unstarted: bool,
 }
 
 impl Coordinator {
@@ -119,6 +124,8 @@ impl Coordinator {
             changed: true,
             modes: Vec::new(),
             refusals: Vec::new(),
+            ended: None,
+            is_unstarted: false,
         }
     }
 
@@ -136,7 +143,6 @@ impl Coordinator {
         self.estop || self.mode == ControlMode::EStop
     }
 
-    /// The mode of the line.
     pub fn mode(&self) -> ControlMode {
         self.mode
     }
@@ -146,7 +152,6 @@ impl Coordinator {
         self.stopped_in
     }
 
-    /// The epoch of that mode.
     pub fn epoch(&self) -> u64 {
         self.epoch
     }
@@ -297,15 +302,30 @@ impl Coordinator {
     }
 
     fn facts(&self, command: Option<ModeCommand>) -> ModeFacts {
+        let counted_home = self.all(|h| self.is_at_rest(h) && h.at_home) && self.all_in(self.latest_round());
+        let all_home = counted_home && self.left_out_away().is_empty();
         ModeFacts {
             command,
             estop: self.estop,
-            trouble: !self.troubles().is_empty(),
+            // A stop that cannot end at home, since a station that is left out is away from it, ends in stand-by.
+            trouble: !self.troubles().is_empty() || (self.stopping && counted_home && !all_home),
             stopping: self.stopping,
-            all_home: self.all(|h| self.is_at_rest(h) && h.at_home) && self.all_in(self.latest_round()),
+            all_home,
+            away: self.stations.iter().any(|s| s.on_order && self.is_known(s) && !s.heard.at_home),
             all_stopped: self.all(|h| self.is_at_rest(h)),
             any_manual: self.manual_all || self.any_selector(),
         }
+    }
+
+    /// The stations left out of the mode decision that keep the line from home.
+    fn left_out_away(&self) -> Vec<ModeRefusal> {
+        let counted: Vec<StationId> = self.counted().map(|(id, _)| id).collect();
+        let left_out = self.line.station_ids().zip(&self.stations).filter(|(id, _)| !counted.contains(id));
+        let away = left_out.filter_map(|(id, station)| match self.is_known(station) {
+            false => Some(ModeRefusal::NotHeard(id)),
+            true => (!station.heard.at_home).then_some(ModeRefusal::NotAtHome(id)),
+        });
+        away.collect()
     }
 
     /// Nothing moves, and nothing will by an order that it heard before.
@@ -363,6 +383,16 @@ impl Coordinator {
         self.counted().filter(|(_, s)| self.is_known(s) && what(&s.heard)).map(|(id, _)| reason(id)).collect()
     }
 
+    /// Why auto or hand ends now.
+    fn why_ended(&self) -> Vec<ModeRefusal> {
+        let mut reasons = self.troubles();
+        reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
+        if reasons.is_empty() {
+            reasons = self.left_out_away();
+        }
+        reasons
+    }
+
     fn unheard(&self) -> Vec<ModeRefusal> {
         self.counted().filter(|(_, s)| !self.is_known(s)).map(|(id, _)| ModeRefusal::NotHeard(id)).collect()
     }
@@ -372,6 +402,12 @@ impl Coordinator {
         // Six places and exclusive arcs: more hops than places would be a loop among conditions that hold together.
         for _ in ControlMode::ALL {
             let Some(mode) = next(self.mode, &self.facts(command)) else { break };
+            if mode == ControlMode::StandBy && command.is_none() {
+                self.is_unstarted = self.mode == ControlMode::Home || self.stopping;
+                if matches!(self.mode, ControlMode::Auto | ControlMode::Hand) {
+                    self.ended = Some((self.mode, self.why_ended()));
+                }
+            }
             command = None;
             self.enter(mode);
         }
@@ -396,6 +432,7 @@ impl Coordinator {
         if mode != ControlMode::Auto {
             self.stopping = false;
         }
+        self.is_unstarted &= mode == ControlMode::StandBy;
         if matches!(mode, ControlMode::Manual | ControlMode::EStop) {
             self.founding = None;
         }

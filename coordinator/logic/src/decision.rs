@@ -3,7 +3,7 @@
 //! The arcs of Figure 18 are lost. They follow from the seed's §2.3, §2.4 and §5.4:
 //!
 //! ```text
-//!            start              auto
+//!            start, away        auto
 //!   home ──────────▶ stand-by ────────▶ auto ──(master stop, all at home)──▶ home
 //!     ▲  stop, all     │  ▲ ▲  ◀────────  │ ▲
 //!     └── at home ─────┘  │ │ trouble     │ │ auto
@@ -16,7 +16,10 @@
 //!      all selectors auto                 └──▶ (any place) ── e-stop ──▶ e-stop
 //! ```
 //!
-//! Every condition is a conjunction over [`ModeFacts`], so that a test can try all of them: out of each place at most one
+//! *Away*: a coordinator that comes up while a task-driven station stands between two rests is in stand-by, since home is
+//! only where every station is at its start.
+//!
+//! Every condition is over [`ModeFacts`], so that a test can try all of them: out of each place at most one
 //! arc is ever allowed. Emergency stop comes before trouble, trouble before what the operator asks for.
 
 use linewright_line::net::ControlMode;
@@ -86,6 +89,8 @@ pub struct ModeFacts {
     pub stopping: bool,
     /// Every station is at home, at the end of the same round.
     pub all_home: bool,
+    /// Some task-driven station stands away from its rests.
+    pub away: bool,
     /// No operation is moving.
     pub all_stopped: bool,
     /// Some selector stands at manual.
@@ -95,7 +100,7 @@ pub struct ModeFacts {
 impl ModeFacts {
     /// Every combination of facts and command, for whoever wants to try them all.
     pub fn all() -> impl Iterator<Item = ModeFacts> {
-        (0..1u32 << 6).flat_map(|bits| {
+        (0..1u32 << 7).flat_map(|bits| {
             let on = move |bit: u32| bits & (1 << bit) != 0;
             std::iter::once(None).chain(ModeCommand::ALL.map(Some)).map(move |command| ModeFacts {
                 command,
@@ -105,6 +110,7 @@ impl ModeFacts {
                 all_home: on(3),
                 all_stopped: on(4),
                 any_manual: on(5),
+                away: on(6),
             })
         })
     }
@@ -129,7 +135,7 @@ pub const ARCS: [ModeArc; 16] = [
     ModeArc {
         from: ControlMode::Home,
         to: ControlMode::StandBy,
-        when: |f| !f.estop && f.command == Some(ModeCommand::Start),
+        when: |f| !f.estop && (f.command == Some(ModeCommand::Start) || f.away),
     },
     ModeArc {
         from: ControlMode::StandBy,

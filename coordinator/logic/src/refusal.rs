@@ -41,6 +41,8 @@ pub enum ModeRefusal {
     /// A station stands, and has not acknowledged yet that it is to.
     Unaware(StationId),
     NotAtHome(StationId),
+    /// A task-driven station stands between two rests, at no order.
+    BetweenRests(StationId),
     /// A station is at home, but a round behind another.
     Behind(StationId),
 }

@@ -120,3 +120,56 @@ fn only_stations_on_order_are_stopped_alone() {
     let stopped = bench.line.station_ids().filter(|&id| bench.coordinator.is_stopped(id));
     assert_eq!(stopped.collect::<Vec<_>>(), [ON_ORDER]);
 }
+
+/// A station that was led away from its rest by hand has nothing to go on with in auto, and nothing can be ordered of it.
+#[test]
+fn between_two_rests_without_an_order_it_keeps_the_line_from_auto() {
+    for mode in [ControlMode::StandBy, ControlMode::Manual] {
+        let mut bench = Bench::with_one_on_order();
+        bench.command(ModeCommand::Start);
+        if mode == ControlMode::Manual {
+            bench.command(ModeCommand::Manual);
+        }
+        bench.heard[1].at_home = false;
+        bench.coordinator.hold(|id| id == ON_ORDER);
+        bench.beat();
+        let expected = format!(
+            "auto refused in {mode}: clamp_1: between two rests, with no task order; lead it to a rest in manual, or \
+             take its resource out of service"
+        );
+        assert_eq!((bench.command(ModeCommand::Auto), bench.mode()), (Some(expected), mode));
+        // Left out by its cell it is none of the line's.
+        bench.coordinator.isolate(|id, _| id == ON_ORDER);
+        assert_eq!((bench.command(ModeCommand::Auto), bench.mode()), (None, ControlMode::Auto));
+    }
+}
+
+/// Home is only where every station is at its start, also one that is left out.
+#[test]
+fn a_stop_ends_in_stand_by_while_a_station_that_is_left_out_is_away() {
+    let mut bench = bench();
+    bench.coordinator.isolate(|id, _| id == ON_ORDER);
+    bench.heard[1].at_home = false;
+    bench.beat();
+    assert_eq!(bench.mode(), ControlMode::Auto);
+    assert_eq!(bench.command(ModeCommand::Stop), None);
+    assert_eq!(bench.mode(), ControlMode::StandBy);
+    assert_eq!(bench.coordinator.text(), "stand-by, without clamp_1, auto ended (clamp_1: not at home)");
+    let refusal = bench.command(ModeCommand::Stop);
+    assert_eq!(refusal.as_deref(), Some("stop refused in stand-by: clamp_1: not at home"));
+    assert_eq!(bench.command(ModeCommand::Start), None, "as from home");
+    bench.heard[1].at_home = true;
+    bench.beat();
+    assert_eq!((bench.command(ModeCommand::Stop), bench.mode()), (None, ControlMode::Home));
+}
+
+/// A coordinator that was killed and comes up finds it away: the line is not at home.
+#[test]
+fn a_coordinator_that_comes_up_while_it_is_away_is_in_stand_by() {
+    let mut bench = Bench::with_one_on_order();
+    bench.heard[1].at_home = false;
+    bench.beat();
+    assert_eq!(bench.mode(), ControlMode::StandBy);
+    assert_eq!(bench.command(ModeCommand::Start), None, "the start that is due");
+    assert!(bench.command(ModeCommand::Start).is_some_and(|refusal| refusal.contains("already")));
+}

@@ -10,6 +10,7 @@ use crate::samples::{listed, samples};
 fn reasons() -> Vec<ModeRefusal> {
     let station = StationId(1);
     samples!(ModeRefusal {
+        ModeRefusal::BetweenRests(_) => ModeRefusal::BetweenRests(StationId(1));
         ModeRefusal::WrongMode(_) => ModeRefusal::WrongMode(vec![ModeCommand::Start, ModeCommand::Manual]);
         ModeRefusal::Already => ModeRefusal::Already;
         ModeRefusal::EStop => ModeRefusal::EStop;
@@ -44,6 +45,10 @@ fn all_texts_of_the_mode_decision() {
         ModeText { stopping: true, ..ModeText::default() },
         ModeText { waiting: vec!["clamp_1", "mill_1"], ..ModeText::default() },
         ModeText { without: vec!["m1"], stopped: vec!["m2", "m3"], ..ModeText::default() },
+        ModeText {
+            ended: Some((ControlMode::Auto, vec!["clamp_1: I/O devices lost".to_owned()])),
+            ..ModeText::default()
+        },
         ModeText { troubles: vec![ModeRefusal::NotHeard(StationId(1)).text(&line)], ..ModeText::default() },
     ];
     let stops = [false, true].map(|reset| ModeText { reset, ..ModeText::default() });

@@ -334,3 +334,19 @@ fn manual_is_entered_as_soon_as_every_station_has_heard_of_stand_by() {
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::Manual);
 }
+
+#[test]
+fn why_auto_ended_by_itself_is_said_until_the_next_command() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.heard[1].devices_valid = false;
+    bench.beat();
+    assert_eq!(bench.coordinator.text(), "stand-by: clamp_1: I/O devices lost");
+    bench.heard[1].devices_valid = true;
+    bench.beat();
+    let ended = "stand-by, auto ended (clamp_1: I/O devices lost)";
+    assert_eq!(bench.coordinator.text(), ended);
+    assert!(bench.command(ModeCommand::Start).is_some());
+    assert_eq!(bench.coordinator.text(), ended, "what is refused is no command");
+    assert_eq!(bench.command(ModeCommand::Manual), None);
+    assert_eq!(bench.coordinator.text(), "manual");
+}

@@ -357,6 +357,7 @@ impl CoordinatorLoop {
         if let Some(cell) = &self.cell {
             let apart = cell.apart();
             self.shell.plays_cell(apart.isolated.iter().copied(), apart.stopped.iter().copied());
+            self.shell.hold(|id| apart.held.contains(&id));
         }
         self.devices.act(now, &self.buses);
         // The reason first, so that a station that sees the loss can say why.

@@ -147,6 +147,11 @@ impl CoordinatorShell {
         self.coordinator.stop_alone(|id| self.stopped.contains(&id));
     }
 
+    /// These stations of the cell stand between two rests, at no order. Call it whenever that changes.
+    pub fn hold(&mut self, stations: impl Fn(StationId) -> bool) {
+        self.coordinator.hold(stations);
+    }
+
     /// The stations that the cell has put into emergency stop.
     pub fn stopped(&self) -> &[StationId] {
         &self.stopped

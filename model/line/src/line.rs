@@ -344,13 +344,13 @@ impl Station {
     /// [`Station::initial_round`]. Counts are signed because an operator may undo the home operation of a station
     /// that has never run a cycle.
     pub fn home_count(&self, op: OpId, n: i32) -> i32 {
-        if op <= self.home || self.works_on_order() { n } else { n - 1 }
+        if op <= self.home || self.is_task_driven() { n } else { n - 1 }
     }
 
     /// The round a station that has never moved stands at the end of: 0 on order, and if the home operation is the last one
     /// listed, else 1 (so that the operations listed up to it count cycle 1 and everything else counts 0).
     pub fn initial_round(&self) -> i32 {
-        i32::from(!self.works_on_order() && self.home.index() + 1 < self.operations.len())
+        i32::from(!self.is_task_driven() && self.home.index() + 1 < self.operations.len())
     }
 }
 

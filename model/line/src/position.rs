@@ -101,7 +101,7 @@ impl Station {
     pub fn positions_before_steps(&self) -> Vec<Vec<f64>> {
         let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
         let mut before = vec![home.clone(); self.steps.len()];
-        if self.works_on_order() {
+        if self.is_task_driven() {
             for task in &self.tasks {
                 let mut at = self.rests[task.from.index()].at.clone();
                 for step in task.steps.clone() {

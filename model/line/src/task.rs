@@ -84,7 +84,7 @@ impl Parameter {
 impl Line {
     /// Whether a conflict is of tasks: orders keep its states apart, and no arrows do.
     pub fn is_of_tasks(&self, conflict: &Conflict) -> bool {
-        [conflict.a, conflict.b].iter().all(|span| self.station(span.station).works_on_order())
+        [conflict.a, conflict.b].iter().all(|span| self.station(span.station).is_task_driven())
     }
 
     /// The line without its conflicts of tasks.
@@ -97,7 +97,7 @@ impl Line {
 
 impl Station {
     /// Whether it works on order, and not round a cycle.
-    pub fn works_on_order(&self) -> bool {
+    pub fn is_task_driven(&self) -> bool {
         !self.tasks.is_empty()
     }
 

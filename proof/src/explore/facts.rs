@@ -99,7 +99,7 @@ fn acts(setting: &LineExploration, station: usize, situation: &Situation) -> Vec
     if situation.controller.request().is_some() {
         acts.push(StationAct::Step);
     }
-    let may_restart = !setting.line.station(StationId::at(station)).works_on_order();
+    let may_restart = !setting.line.station(StationId::at(station)).is_task_driven();
     acts.extend((setting.restarts && may_restart).then_some(StationAct::Restart));
     acts.extend((setting.forgets && may_restart && !situation.is_lost()).then_some(StationAct::Forget));
     orders::acts(&setting.line, StationId::at(station), situation, &mut acts);

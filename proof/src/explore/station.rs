@@ -267,7 +267,7 @@ impl Situations {
         let open = |controller: &Controller| controller.request().map(|request| request.number);
         let closed = setting.rules.fresh_numbers && open(before).is_some() && open(before) != open(&next.controller);
         // On order nobody compares cycles, which count orders and grow for ever.
-        let on_order = setting.line.stations[self.station].works_on_order();
+        let on_order = setting.line.stations[self.station].is_task_driven();
         // Nor are those of a station without its memory compared.
         let compared = !on_order && next.stood.is_none();
         let cycles = if compared { next.controller.cycle() - before.cycle() } else { 0 };

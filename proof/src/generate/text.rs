@@ -104,7 +104,7 @@ fn write_console(out: &mut String, line: &Line) -> fmt::Result {
 fn write_station(out: &mut String, line: &Line, station: &Station) -> fmt::Result {
     let op = |id: OpId| quoted(&station.operations[id.index()].name);
     writeln!(out, "\n[[station]]\nname = {}\ntitle = {}", quoted(&station.name), quoted(&station.title))?;
-    if station.works_on_order() {
+    if station.is_task_driven() {
         write_tasks(out, station)?;
     } else {
         writeln!(out, "home = {}", op(station.home))?;

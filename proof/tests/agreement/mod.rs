@@ -1,21 +1,16 @@
-//! Two explorers, written apart from each other, say the same.
+//! Two explorers, written apart from each other, come to the same states and verdicts.
 //!
-//! The older one, beside the controllers, plays each state with real controllers from end to end and knows nothing of
-//! situations, words or packed states; it is slow and plain. Where both see every state they must see equally many.
+//! The plain one, in this folder, plays each state with real controllers from end to end, without situations, packed
+//! states or classes: motions complete, fail or stay at any moment; operators press, hold and release at every panel at
+//! once; a station hears a change of mode when it hears it; every reader holds any report between its last one and the
+//! newest; stations restart from what they kept. It is slow. Where both see every state they must see equally many.
 
-#[path = "../../../stations/logic/tests/explore/actions.rs"]
 mod actions;
 #[path = "../../../model/line/tests/common/mod.rs"]
 mod build;
-#[path = "../../../stations/logic/tests/explore/lines.rs"]
-#[allow(dead_code, reason = "the shipped line takes it too long")]
-mod lines;
-#[path = "../../../stations/logic/tests/explore/oracle.rs"]
+pub mod lines;
 mod oracle;
-#[path = "../../../stations/logic/tests/explore/search.rs"]
-#[allow(dead_code, reason = "walks are for the tests it was written with")]
 mod search;
-#[path = "../../../stations/logic/tests/explore/world.rs"]
 mod world;
 
 use linewright_line::Line;
@@ -98,19 +93,38 @@ fn agree(what: &str, line: &Line, freedom: Freedom, states: usize) -> bool {
 }
 
 #[test]
-fn of_small_lines_both_see_equally_many_states() {
+fn small_lines_are_sound_and_both_see_equally_many_states() {
     let fixed = [
         ("bar and clamp", lines::bar_and_clamp()),
         ("clamp and mill", lines::clamp_and_mill()),
         ("two jaws", lines::two_jaws()),
         ("home in the way", lines::home_in_the_way()),
     ];
+    let sound = |name: &str, line: &Line, freedom| {
+        assert!(agree(name, line, freedom, 60_000), "{name} was not seen to the end");
+        let (said, _) = newer(line, freedom, 60_000);
+        assert!(matches!(said, Said::All { home: true, .. }), "{name}, {freedom:?}: {said:?}");
+    };
     for (name, line) in &fixed {
-        assert!(agree(name, line, PLAIN, 60_000), "{name} was not seen to the end");
+        sound(name, line, PLAIN);
     }
     for (name, line) in &fixed[..2] {
-        assert!(agree(name, line, Freedom { lag: 2, ..PLAIN }, 60_000), "{name} was not seen to the end");
-        assert!(agree(name, line, Freedom { tidy: false, ..PLAIN }, 60_000), "{name} was not seen to the end");
+        sound(name, line, Freedom { lag: 2, ..PLAIN });
+        sound(name, line, Freedom { tidy: false, ..PLAIN });
+    }
+}
+
+/// Every mode, restarts, four reports on their way, and operators who hold on to their buttons.
+#[test]
+fn long_walks_with_every_mode_restarts_and_careless_hands_meet_nothing_wrong() {
+    let fixed = [lines::shipped(), lines::small(), lines::bar_and_clamp(), lines::clamp_and_mill(), lines::two_jaws()];
+    let generated = (0..common::lines(20)).map(|seed| generate::line(&LineShape::small(), seed));
+    let walks = fixed.into_iter().map(|line| (line, 100_000)).chain(generated.map(|line| (line, 5_000)));
+    for (seed, (line, steps)) in walks.enumerate() {
+        let mut setting = world::Setting::new(lines::without_haste(line), Rules::COUNTS);
+        setting.modes = ControlMode::ALL.into_iter().filter(|mode| *mode != ControlMode::Home).collect();
+        (setting.reports_max, setting.restarts, setting.tidy_hands) = (4, true, false);
+        assert_eq!(search::random_walk(&setting, seed as u64, steps), None, "walk {seed}");
     }
 }
 

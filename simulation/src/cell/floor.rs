@@ -53,7 +53,6 @@ struct Running {
     down: Option<(StationSnapshot, Tick)>,
 }
 
-/// The shop floor.
 pub struct ShopFloor {
     line: Line,
     plant: Plant,

@@ -1,4 +1,4 @@
-//! Somebody who walks up to what has failed, looks, puts it right, and answers.
+//! A simulated operator: inspects what has failed, puts it right, and answers the alarm.
 //!
 //! He sees the parts as they are ([`super::PartTruth`]), never what the coordinator believes. He brings stations to a rest, mends
 //! them, and says what he has found; where that cannot be said he changes it first. Now and then he may be told to lie.
@@ -8,7 +8,6 @@ use linewright_coordinator_cell::{AlarmId, Dispatcher, FiringId, PlayerInput, Re
 
 use super::sim::CellSim;
 
-/// Somebody who answers alarms.
 #[derive(Clone, Debug, Default)]
 pub struct SimulatedOperator {
     /// He says something else than he has found to so many alarms, as soon as that can be said and a sensor would see it.

@@ -104,7 +104,6 @@ pub struct CellSim {
     pub log: Vec<Record>,
     /// What people were told, and when.
     pub events: Vec<(Tick, CellEvent)>,
-    /// The time.
     pub now: Tick,
     /// Whether anything may start.
     pub starts: bool,

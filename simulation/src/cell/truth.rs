@@ -32,10 +32,9 @@ struct PartMove {
     is_done: bool,
 }
 
-/// What somebody finds who looks at what an activity has left.
+/// Result of an inspection of a failed activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InspectionResult {
-    /// Where the part is.
     pub part: Whereabouts,
     /// All stations have done what they were told.
     pub is_done: bool,
@@ -57,7 +56,7 @@ impl PartTruth {
         self.at.values().any(|&at| at == resource)
     }
 
-    /// Somebody has put a part somewhere else, or has taken it away.
+    /// Moves a part by hand, or takes it away.
     pub fn put(&mut self, part: PartId, at: Option<ResourceId>) {
         match at {
             Some(at) => _ = self.at.insert(part, at),
@@ -65,24 +64,24 @@ impl PartTruth {
         }
     }
 
-    /// Somebody does by hand what an activity has left undone.
+    /// Completes by hand what an activity has left undone.
     pub fn finish(&mut self, table: &CellTable, firing: FiringId) {
         self.go_on(table, firing);
     }
 
-    /// Somebody brings the part of an activity back to where it was.
+    /// Brings the part of an activity back to where it was.
     pub fn bring_back(&mut self, table: &CellTable, firing: FiringId) {
         if let Some((Some(part), mode)) = self.moves.get(&firing).map(|of| (of.part, of.mode)) {
             self.put(part, table.handling().mode(mode).from);
         }
     }
 
-    /// Somebody takes the part of an activity away for good.
+    /// Removes the part of an activity.
     pub fn take_away(&mut self, firing: FiringId) {
         self.moves.get(&firing).and_then(|of| of.part).into_iter().for_each(|part| self.put(part, None));
     }
 
-    /// What somebody finds who looks at an activity.
+    /// Inspects an activity.
     pub fn found(&self, table: &CellTable, firing: FiringId) -> Option<InspectionResult> {
         let of = self.moves.get(&firing)?;
         let handled = table.handling().mode(of.mode);

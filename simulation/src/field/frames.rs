@@ -18,7 +18,6 @@ pub(crate) struct SeenInputs {
     pub(crate) losses: u64,
 }
 
-/// The buses.
 pub(crate) struct SimulatedBuses {
     buses: Vec<SimulatedBus>,
     /// By station, the console last: the bus its devices are on.

@@ -10,7 +10,7 @@ mod images;
 use linewright_line::{AxisId, InputId, Line, OpId, OperationModule, Owner, StationId, Tick};
 use linewright_plant::{MotionFault, Plant, PlantOptions};
 
-use crate::lives::StartError;
+use crate::error::StartError;
 
 pub(crate) use bus::Played;
 pub(crate) use frames::{SeenInputs, SimulatedBuses};

@@ -12,7 +12,6 @@ use linewright_text::Report;
 use crate::options::Network;
 use crate::script::Script;
 
-/// A scenario.
 #[derive(Clone, Debug)]
 pub struct Scenario {
     /// What a person calls it.

@@ -36,7 +36,7 @@ fn run(of: &Shipped, options: CellSimOptions, fast: Duration) -> bool {
     loop {
         now = now + MILLIS(5);
         sim.run_on(&mut dispatcher, now);
-        let report = sim.floor.as_ref().expect("real").controller(robot).report().order.expect("it works on order");
+        let report = sim.floor.as_ref().expect("real").controller(robot).report().order.expect("it is task-driven");
         let raised = sim.state().firings().any(|firing| firing.phase != ActivityPhase::Running);
         let gives_up = report.slot.is_some_and(|slot| slot.is_securing);
         if station_first.is_none() && (raised || gives_up) {

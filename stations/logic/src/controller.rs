@@ -38,7 +38,6 @@ pub enum StationInput<'a> {
         /// image follows the outputs at once.
         under: u64,
     },
-    /// The coordinator's order.
     Order(ModeOrder),
     /// An emergency stop that is no newer order, given by this life of a coordinator: by another one than is followed, or
     /// in a message that came late or twice. In force while it is heard, and until the coordinator that is followed has
@@ -184,7 +183,6 @@ impl Controller {
         self.tokens().iter().map(|t| self.place(t))
     }
 
-    /// The station it controls.
     pub fn station(&self) -> StationId {
         self.program.station
     }

@@ -51,7 +51,6 @@ impl StopCause {
     }
 }
 
-/// What happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HappeningKind {
     /// A motion started or went on.

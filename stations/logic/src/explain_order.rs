@@ -1,7 +1,7 @@
 //! What a task-driven station waits for between two motions.
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
-use linewright_line::{InputId, Line, Owner};
+use linewright_line::{InputId, Line, OperationModule, Owner};
 
 use crate::controller::Controller;
 use crate::texts::StationWait;
@@ -43,6 +43,12 @@ impl Controller {
                 }
                 (_, Block::Recovery) => false,
             },
+            ControlMode::Manual if self.panel_is_live() && place.block == Block::Normal && self.rest().is_some() => {
+                let is_reversible =
+                    matches!(station.operations[place.op.index()].module, OperationModule::Reversible { .. });
+                reasons.push(StationWait::PanelAtRest { is_reversible }.text());
+                true
+            }
             ControlMode::Home | ControlMode::StandBy | ControlMode::Manual | ControlMode::EStop => false,
         }
     }

@@ -107,7 +107,6 @@ impl HeldButton {
     }
 }
 
-/// An emergency stop in force.
 #[derive(Clone, Copy, Debug, Default)]
 struct EmergencyStopInForce {
     /// Life and epoch in which the coordinator that is followed has ordered it. Only a later epoch of that life ends it:

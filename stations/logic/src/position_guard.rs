@@ -94,7 +94,7 @@ impl Interlocks {
             interlocks.read_by_others |= own_clear.unwrap_or(0);
             let clear = line.clearance(other).ok();
             // No counts keep tasks apart: where no switches tell of the other one, there is nothing to look at.
-            if clear.is_none() && described.works_on_order() {
+            if clear.is_none() && described.is_task_driven() {
                 continue;
             }
             interlocks.covers &= clear.is_some() && own_clear.is_some();

@@ -114,7 +114,6 @@ pub(crate) struct IncomingArrow {
     pub modes: [bool; 6],
 }
 
-/// A transition, compiled.
 #[derive(Clone, Debug)]
 pub(crate) struct CompiledTransition {
     pub kind: TransitionKind,
@@ -135,17 +134,12 @@ pub enum CompileError {
     /// More irreversible operations than a station's word of variables has room for.
     TooManyPaths {
         station: String,
-        /// How many it has.
         has: usize,
         /// How many there may be.
         most: usize,
     },
     /// More stations that it exchanges counts or positions with than a set of peers has room for.
-    TooManyPeers {
-        station: String,
-        /// How many it has.
-        has: usize,
-    },
+    TooManyPeers { station: String, has: usize },
     /// The snapshot to start from is not one of this station's: the description has changed, or the file is damaged.
     SnapshotDoesNotFit {
         /// What does not fit.
@@ -270,7 +264,6 @@ impl Program {
         })
     }
 
-    /// The station it controls.
     pub fn station(&self) -> StationId {
         self.station
     }
@@ -456,7 +449,7 @@ pub(crate) fn path_index(paths: &[OpId], op: OpId) -> usize {
 
 fn way_home(line: &Line, station: StationId, failed: OpId) -> Vec<(u8, i32)> {
     let described = line.station(station);
-    if described.works_on_order() {
+    if described.is_task_driven() {
         // It has no arrows, and nobody builds on what it skips.
         return Vec::new();
     }

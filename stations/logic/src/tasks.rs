@@ -32,7 +32,7 @@ pub(crate) struct TaskTable {
 impl StationTasks {
     /// Of a station on order; none for one that goes round a cycle.
     pub fn of(station: &Station) -> Option<Self> {
-        if !station.works_on_order() {
+        if !station.is_task_driven() {
             return None;
         }
         let task = |id: TaskId| {

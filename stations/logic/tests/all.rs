@@ -5,7 +5,6 @@
 #[path = "../../../model/line/tests/common/mod.rs"]
 mod build;
 mod controller;
-mod explore;
 mod orders;
 mod samples;
 mod texts;

@@ -157,6 +157,8 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
         StationWait::Panel => StationWait::Panel;
         StationWait::PanelAdvance { .. } => StationWait::PanelAdvance { op: "decel", is_undone: true },
             StationWait::PanelAdvance { op: "feed main slide", is_undone: false };
+        StationWait::PanelAtRest { .. } => StationWait::PanelAtRest { is_reversible: true },
+            StationWait::PanelAtRest { is_reversible: false };
         StationWait::Selector => StationWait::Selector;
         StationWait::Mode(_) => StationWait::Mode(ControlMode::StandBy);
         StationWait::EStop => StationWait::EStop;

@@ -197,7 +197,7 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
     let is_newest = record.host == host && !host.is_empty();
     let generation = if is_newest { record.generation } else { 0 };
     let order = record.order.map(|order| order.memory().ok_or_else(|| other("orders"))).transpose()?;
-    if order.is_some() != described.works_on_order() {
+    if order.is_some() != described.is_task_driven() {
         return Err(other("orders"));
     }
     let snapshot = StationSnapshot {
@@ -258,7 +258,7 @@ mod tests {
     fn a_record_gives_back_what_was_kept_of_orders() {
         let line = line(ON_ORDER);
         let mut kept = snapshot(&line);
-        let orders = kept.order.as_mut().expect("it works on order");
+        let orders = kept.order.as_mut().expect("it is task-driven");
         assert_eq!((orders.memory, orders.epoch, orders.last, orders.results.len()), (7, 2, 5, 1));
         orders.slot = Some(OrderKey { epoch: 2, id: 6 });
         orders.secured = Some(OrderKey { epoch: 2, id: 4 });

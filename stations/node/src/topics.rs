@@ -85,7 +85,7 @@ pub fn open(
             Some(StationInbound::State(Box::new(m)))
         }));
     }
-    if line.station(station).works_on_order() {
+    if line.station(station).is_task_driven() {
         says.orders = Some(TaskOrderTopics::open(node, &line.station(station).name, boot_id, &to, &mut tasks)?);
     }
     if gateway {

@@ -172,7 +172,7 @@ fn error(sim: &CellSim, played: &CompiledCell, asked: u32, end: Tick) -> Option<
     sim.log.iter().for_each(|record| reasons.note(record));
     let ways = linewright_coordinator_cell::dispatch::ShortestRoutes::new(&played.table);
     for part in state.parts().take(STUCK_MAX) {
-        let why = why_not(&ways, &reasons, state, end, part.id);
+        let why = why_not(&ways, &reasons, &sim.coordination, end, part.id);
         lines.extend(why.into_iter().map(|line| format!("  {line}")));
     }
     Some(lines.join("\n"))

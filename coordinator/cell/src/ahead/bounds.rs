@@ -39,7 +39,7 @@ pub(in super::super) struct CostBounds {
     shared: Vec<SharedResource>,
 }
 
-/// What is needed to imagine a cell: its table without orders, and its bounds. It is worked out once.
+/// Basis of forward simulations: the table without orders, and its bounds.
 #[derive(Clone, Debug)]
 pub struct SimulationBasis {
     table: Arc<CellTable>,
@@ -57,7 +57,7 @@ impl SimulationBasis {
         &self.table
     }
 
-    /// What no future can beat, and what one that ends early is measured with.
+    /// Bounds on any future; also used for a simulation that ends early.
     pub(in super::super) fn bounds(&self) -> &CostBounds {
         &self.bounds
     }
@@ -131,8 +131,8 @@ impl SharedResource {
     }
 
     /// For how long these tokens are needed at least from now on.
-    fn need(&self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> Duration {
-        let (state, table) = (imagined.state(), imagined.state().table());
+    fn need(&self, simulation: &ForwardSimulation, desk: &DispatchConfiguration) -> Duration {
+        let (state, table) = (simulation.state(), simulation.state().table());
         let mut has = state.marking().count(self.cell);
         let mut need = Duration::ZERO;
         for part in state.parts() {
@@ -149,8 +149,8 @@ impl SharedResource {
             }
             let during = self.during(table, firing.mode);
             has += during;
-            let end = firing.due(table.activity(firing.mode)).unwrap_or(imagined.now());
-            need += end.since(imagined.now()).saturating_mul(u32::try_from(during).unwrap_or(u32::MAX));
+            let end = firing.due(table.activity(firing.mode)).unwrap_or(simulation.now());
+            need += end.since(simulation.now()).saturating_mul(u32::try_from(during).unwrap_or(u32::MAX));
             need += table.part_out(firing.mode).map_or(Duration::ZERO, |to| self.ahead[to.index()]);
         }
         for order in desk.production().into_iter().flat_map(|production| production.missing()) {
@@ -177,23 +177,23 @@ impl CostBounds {
     }
 
     /// How much time has to pass at least until nothing is left to be done.
-    pub fn need(&self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> Duration {
-        self.shared.iter().map(|shared| shared.need(imagined, desk)).max().unwrap_or_default()
+    pub fn need(&self, simulation: &ForwardSimulation, desk: &DispatchConfiguration) -> Duration {
+        self.shared.iter().map(|shared| shared.need(simulation, desk)).max().unwrap_or_default()
     }
 
     /// What no way on from here can beat, in the measures of [`super::Score`].
-    pub fn bound(&self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> CostBound {
-        let (state, table, ways) = (imagined.state(), imagined.state().table(), desk.rules.ways());
+    pub fn bound(&self, simulation: &ForwardSimulation, desk: &DispatchConfiguration) -> CostBound {
+        let (state, table, ways) = (simulation.state(), simulation.state().table(), desk.rules.ways());
         let micros = |span: Duration| u64::try_from(span.as_micros()).unwrap_or(u64::MAX);
         let mut bound = CostBound { tardiness: 0, makespan: 0 };
-        let (began, now) = (imagined.began(), imagined.now());
+        let (began, now) = (simulation.began(), simulation.now());
         let mut finish = |job: PartPriority, at: Tick, count: u32| {
             let late = job.due.map_or(Duration::ZERO, |due| at.since(due));
             let late = micros(late).saturating_mul(weight(&job)).saturating_mul(u64::from(count));
             bound.tardiness = bound.tardiness.saturating_add(late);
             bound.makespan = bound.makespan.max(micros(at.since(began)));
         };
-        imagined.left().iter().for_each(|&(job, at)| finish(job, at, 1));
+        simulation.left().iter().for_each(|&(job, at)| finish(job, at, 1));
         for part in state.parts() {
             let at = match part.place {
                 PartPlace::On { cell, arrival: _ } if is_last(table, cell) => part.since,
@@ -210,7 +210,7 @@ impl CostBounds {
         for order in desk.production().into_iter().flat_map(|production| production.missing()) {
             finish(order.job(), now + entering(desk, table, ways, order.product), order.missing());
         }
-        let need = self.need(imagined, desk);
+        let need = self.need(simulation, desk);
         bound.makespan = bound.makespan.max(micros((now + need).since(began)));
         bound
     }

@@ -23,15 +23,13 @@ use super::rollout_policy::RolloutPolicy;
 /// An activity that was started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimulatedActivity {
-    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part; a new one has the number that it would have.
     pub part: Option<PartId>,
-    /// When it starts.
     pub from: Tick,
     /// When it ends; none if that was not played any more, or it has failed.
     pub to: Option<Tick>,
-    /// It was in progress before anything was imagined.
+    /// It was in progress when the simulation began.
     pub was_running: bool,
 }
 
@@ -96,7 +94,6 @@ impl ForwardSimulation {
         &self.state
     }
 
-    /// When it began.
     pub fn began(&self) -> Tick {
         self.began
     }
@@ -126,31 +123,31 @@ impl ForwardSimulation {
         self.first
     }
 
-    fn write(&mut self, fact: RecordKind, lead: &mut (impl RolloutPolicy + ?Sized)) {
+    fn write(&mut self, fact: RecordKind, policy: &mut (impl RolloutPolicy + ?Sized)) {
         let record = Record { at: self.now, fact };
         let moved = match record.fact.activity_step() {
             Some(ActivityStep::Ended { firing }) => self.state.firing(firing).map(|firing| (firing.mode, firing.part)),
             Some(ActivityStep::Fired { mode, part }) => Some((mode, part)),
-            // Nothing else is imagined, or it takes no part out.
+            // The simulation decides no other activity, or this one takes no part out.
             Some(ActivityStep::Started { .. } | ActivityStep::Raised { .. } | ActivityStep::Closed { .. }) | None => {
                 None
             }
         };
         let leaving = moved.and_then(|(mode, part)| part.filter(|_| self.state.table.part_out(mode).is_none()));
-        self.left.extend(leaving.map(|part| (lead.desk().job(part), self.now)));
+        self.left.extend(leaving.map(|part| (policy.desk().job(part), self.now)));
         // Only what was looked at in this very state is written, as the player does it.
-        self.state.apply(&record).expect("only what fits is imagined");
-        lead.note(&record);
+        self.state.apply(&record).expect("only what fits is simulation");
+        policy.note(&record);
     }
 
     /// Ends what is due, and lets happen what happens by itself; false if that was more than allowed.
-    pub(in super::super) fn settle(&mut self, lead: &mut (impl RolloutPolicy + ?Sized), most: usize) -> bool {
+    pub(in super::super) fn settle(&mut self, policy: &mut (impl RolloutPolicy + ?Sized), most: usize) -> bool {
         loop {
             while let Some(&(_, firing)) = self.state.due.first().filter(|(due, _)| *due <= self.now) {
                 if let Some(act) = self.running.remove(&firing) {
                     self.acts[act].to = Some(self.now);
                 }
-                self.write(RecordKind::Ended { firing }, lead);
+                self.write(RecordKind::Ended { firing }, policy);
             }
             let Some(mode) = self.state.enabling.immediate().iter().copied().min() else { return true };
             if self.firings >= most {
@@ -158,7 +155,7 @@ impl ForwardSimulation {
             }
             self.firings += 1;
             let part = self.state.part_for(mode);
-            self.write(RecordKind::Fired { mode, part }, lead);
+            self.write(RecordKind::Fired { mode, part }, policy);
         }
     }
 
@@ -172,7 +169,7 @@ impl ForwardSimulation {
         &mut self,
         mode: ModeId,
         part: Option<PartId>,
-        lead: &mut (impl RolloutPolicy + ?Sized),
+        policy: &mut (impl RolloutPolicy + ?Sized),
     ) {
         let part = part.or_else(|| self.state.part_for(mode));
         let firing = FiringId(self.state.last_firing + 1);
@@ -180,7 +177,7 @@ impl ForwardSimulation {
         let to = Some(self.now + time(&self.state.table, mode));
         self.acts.push(SimulatedActivity { mode, part, from: self.now, to, was_running: false });
         self.firings += 1;
-        self.write(RecordKind::Started { firing, mode, part, orders: Vec::new() }, lead);
+        self.write(RecordKind::Started { firing, mode, part, orders: Vec::new() }, policy);
     }
 
     /// When something ends next.
@@ -194,22 +191,22 @@ impl ForwardSimulation {
     }
 
     /// Goes on until a time, or until so many firings.
-    pub fn play(&mut self, lead: &mut (impl RolloutPolicy + ?Sized), until: Tick, most: usize) -> Ending {
+    pub fn play(&mut self, policy: &mut (impl RolloutPolicy + ?Sized), until: Tick, most: usize) -> Ending {
         loop {
-            if !self.settle(lead, most) || self.firings >= most {
+            if !self.settle(policy, most) || self.firings >= most {
                 return Ending::Worn;
             }
             let (candidates, groups) = self.candidates();
             let mut answer = DispatchDecision::default();
             if !candidates.is_empty() {
                 let question = Question { now: self.now, state: &self.state, candidates: &candidates, groups: &groups };
-                answer = lead.decide(&question);
+                answer = policy.decide(&question);
                 if check(&question, &answer).is_err() {
                     answer = DispatchDecision::default();
                 }
             }
             for start in &answer.start {
-                self.start(candidates[start.candidate].mode, start.part, lead);
+                self.start(candidates[start.candidate].mode, start.part, policy);
             }
             self.first.get_or_insert(self.acts.len());
             if !answer.start.is_empty() {
@@ -217,7 +214,7 @@ impl ForwardSimulation {
             }
             let wakes = answer.held.iter().filter_map(|held| held.until).filter(|&until| until > self.now);
             match wakes.chain(self.next_end()).min() {
-                // Whoever is held until the end of time is not waited for.
+                // What is held until the end of time is not waited for.
                 None | Some(Tick::NEVER) => return Ending::Still,
                 Some(next) if next > until => {
                     self.advance(until);

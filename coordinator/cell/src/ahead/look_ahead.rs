@@ -1,19 +1,18 @@
 //! The dispatcher that tries out what comes of a decision before it makes it.
 //!
 //! For each group of candidates that compete, the first of them by the rules are tried, waiting for what happens next, and
-//! doing without a way where there are others: each is imagined, with the rules deciding all that follows, until the
+//! doing without a way where there are others: each is simulated, with the rules deciding all that follows, until the
 //! horizon; the best future counts (a rollout; Bertsekas, Tsitsiklis and Wu 1997). The best future found so far is kept and
 //! tried again at the next question, so that it is left only for a better one (their *fortified* rollout).
 //!
 //! # What holds
 //! - *Never worse than its rules*, if the horizon covers all the work and everything takes its nominal time: the first
-//!   question tries the rules themselves, what is kept is at least as good, and in a cell that goes as imagined it is
+//!   question tries the rules themselves, what is kept is at least as good, and in a cell that goes as simulated it is
 //!   repeated to the end. With a shorter horizon, or where times differ, that is a hope.
-//! - *Nobody waits for ever.* When somebody has waited longer than parts should, it is decided by the rules alone, and these
-//!   see to it that he gets on ([`Fairness`](super::super::dispatch::Fairness)). Whoever is held here is asked about again
-//!   at the latest when that will be so.
-//! - *The timetable goes before.* Where one is in force, whoever made it has looked further than this.
-//! - *Bounded.* At most so many firings are imagined for a question; what could not be tried is not chosen.
+//! - *No part waits for ever.* When a part has waited longer than its patience, the rules alone decide, and these make it
+//!   go on ([`Fairness`](super::super::dispatch::Fairness)). A candidate held here is posed again at the latest at that time.
+//! - *The timetable goes before.* Where one is in force, its scheduler has looked further than this.
+//! - *Bounded.* At most so many firings are simulated for a question; what could not be tried is not chosen.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::time::Duration;
@@ -33,22 +32,21 @@ use super::forward_simulation::{Ending, ForwardSimulation};
 use super::rollout_policy::{DeviatingPolicy, PlanPolicy, PlannedStart, PolicyChoice, RolloutPolicy};
 use super::score::Score;
 
-/// How many firings are imagined for a question, if nothing else is said.
+/// Default number of firings simulated for a question.
 pub const EFFORT: usize = 4000;
 
 /// So many candidates of a group are tried.
 const TRIED: usize = 8;
 
-/// Looks ahead.
 #[derive(Clone, Debug)]
 pub struct LookAhead {
     /// The rules, and what is on order.
     pub desk: DispatchConfiguration,
     /// How far ahead; zero for not at all.
     pub horizon: Duration,
-    /// How many firings are imagined for a question at most.
+    /// Most firings simulated for a question.
     pub effort: usize,
-    thought: SimulationBasis,
+    basis: SimulationBasis,
     /// The rest of the best future found so far.
     best: VecDeque<PlannedStart>,
     worn: u64,
@@ -68,14 +66,13 @@ impl LookAhead {
         LookAhead::with(SimulationBasis::new(table), desk, horizon)
     }
 
-    /// The same, with what things are imagined with.
-    pub fn with(thought: SimulationBasis, desk: DispatchConfiguration, horizon: Duration) -> Self {
-        LookAhead { desk, horizon, effort: EFFORT, thought, best: VecDeque::new(), worn: 0 }
+    /// The same, on a basis that exists already.
+    pub fn with(basis: SimulationBasis, desk: DispatchConfiguration, horizon: Duration) -> Self {
+        LookAhead { desk, horizon, effort: EFFORT, basis, best: VecDeque::new(), worn: 0 }
     }
 
-    /// What things are imagined with.
-    pub fn thought(&self) -> &SimulationBasis {
-        &self.thought
+    pub fn basis(&self) -> &SimulationBasis {
+        &self.basis
     }
 
     /// How many questions had to be decided before everything was tried.
@@ -95,27 +92,27 @@ impl LookAhead {
     fn tries(
         &self,
         question: &Question<'_>,
-        mut lead: impl RolloutPolicy,
+        mut policy: impl RolloutPolicy,
         left: &mut usize,
     ) -> Option<EvaluatedDecision> {
-        let mut imagined = ForwardSimulation::new(question.state, self.thought.table(), question.now);
-        let ending = imagined.play(&mut lead, question.now + self.horizon, *left);
-        *left = left.saturating_sub(imagined.firings());
+        let mut simulation = ForwardSimulation::new(question.state, self.basis.table(), question.now);
+        let ending = simulation.play(&mut policy, question.now + self.horizon, *left);
+        *left = left.saturating_sub(simulation.firings());
         match ending {
             Ending::Worn => return None,
             Ending::Still | Ending::Horizon => (),
         }
         let table = question.state.table();
-        let before = imagined.acts().iter().take_while(|act| act.was_running).count();
-        let all: Vec<PlannedStart> = imagined.acts()[before..]
+        let before = simulation.acts().iter().take_while(|act| act.was_running).count();
+        let all: Vec<PlannedStart> = simulation.acts()[before..]
             .iter()
             .map(|act| {
                 let part = act.part.filter(|_| table.part_in(act.mode).is_some());
                 PlannedStart { at: act.from, mode: act.mode, part }
             })
             .collect();
-        let first = imagined.first().unwrap_or(before) - before;
-        let score = Score::of(&imagined, lead.desk(), &self.thought, ending);
+        let first = simulation.first().unwrap_or(before) - before;
+        let score = Score::of(&simulation, policy.desk(), &self.basis, ending);
         Some(EvaluatedDecision { score, first: all[..first].to_vec(), all: all.into() })
     }
 
@@ -126,7 +123,7 @@ impl LookAhead {
         for group in question.groups {
             let mut known = BTreeSet::new();
             let of_group = preference.iter().filter(|start| group.candidates.contains(&start.candidate));
-            // Of parts that nobody could tell apart one is enough, the first.
+            // Of equal parts the first is enough.
             let distinct = of_group.filter(|start| {
                 let job = start.part.map(|part| self.desk.job(part));
                 known.insert((start.candidate, job.map(|job| (job.due, job.priority))))
@@ -138,7 +135,7 @@ impl LookAhead {
                 let modes = group.candidates.iter().map(|&candidate| mode(candidate)).collect();
                 choices.push(PolicyChoice::Wait(modes, question.now));
             }
-            // Whoever has several ways could wait for a better one.
+            // A part with several routes could wait for a better one.
             let table = question.state.table();
             let ways = |mode: ModeId| table.part_in(mode).map_or(0, |cell| table.consumers(cell).len());
             let several = group.candidates.iter().map(|&candidate| mode(candidate)).filter(|&mode| ways(mode) > 1);
@@ -179,7 +176,7 @@ impl LookAhead {
         DispatchDecision { held: held.collect(), start }
     }
 
-    /// When somebody will have waited too long, if nothing moves.
+    /// When the first part will have waited too long, if nothing moves.
     fn pressed_at(&self, now: Tick, state: &PlayerState) -> Option<Tick> {
         let patience = self.desk.rules.fairness.patience?;
         let inside = state.waiting().map(|part| part.since);
@@ -189,7 +186,7 @@ impl LookAhead {
 
     /// What was started is not to be started again.
     fn started(&mut self, mode: ModeId, part: Option<PartId>) {
-        let part = part.filter(|_| self.thought.table().part_in(mode).is_some());
+        let part = part.filter(|_| self.basis.table().part_in(mode).is_some());
         let at = self.best.iter().position(|of| (of.mode, of.part) == (mode, part));
         at.into_iter().for_each(|at| _ = self.best.remove(at));
     }

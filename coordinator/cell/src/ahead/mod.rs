@@ -1,15 +1,15 @@
-//! Looking ahead: the same cell, played in thought from where it is now.
+//! Looking ahead: forward simulation of the cell from its present state.
 //!
 //! # Map
-//! - [`SimulationBasis`]: what it takes to imagine a cell, made once.
+//! - [`SimulationBasis`]: table and bounds for forward simulations, made once.
 //! - [`ForwardSimulation`]: a copy of the cell's state that goes on without stations, by nominal times, until a horizon; it changes by
 //!   records as the real one does.
-//! - [`RolloutPolicy`]: who decides there: the rules as ever ([`DispatchConfiguration`](super::production::DispatchConfiguration)), one other decision and then the
-//!   rules ([`DeviatingPolicy`]), or a plan ([`PlanPolicy`]).
-//! - [`Score`]: what has come of it.
+//! - [`RolloutPolicy`]: what decides there: the rules ([`DispatchConfiguration`](super::production::DispatchConfiguration)),
+//!   one other decision and then the rules ([`DeviatingPolicy`]), or a plan ([`PlanPolicy`]).
+//! - [`Score`]: the measures of a simulated future.
 //! - [`LookAhead`]: the dispatcher that tries out each decision before it makes it.
 //!
-//! How much is thought is counted in firings: the same question has the same answer on every machine, however slow. What is
+//! Effort is counted in firings: the same question has the same answer on every machine, however slow. What is
 //! played is the compiled table, the one that was checked and is run; nothing of the cell is modelled a second time.
 
 mod bounds;

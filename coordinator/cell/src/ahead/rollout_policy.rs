@@ -12,7 +12,7 @@ use super::super::question::{DispatchDecision, Dispatcher, HeldCandidate, Questi
 use super::super::reason::HoldReason;
 use super::super::record::Record;
 
-/// A dispatcher of imagined cells.
+/// A dispatcher within a forward simulation.
 pub trait RolloutPolicy: Dispatcher {
     /// What it knows of parts and orders.
     fn desk(&self) -> &DispatchConfiguration;
@@ -101,7 +101,6 @@ impl RolloutPolicy for DeviatingPolicy {
 pub struct PlannedStart {
     /// Not before.
     pub at: Tick,
-    /// Net mode to start.
     pub mode: ModeId,
     /// With which part; none for one that enters, or that takes none.
     pub part: Option<PartId>,

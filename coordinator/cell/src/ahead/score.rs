@@ -1,4 +1,4 @@
-//! What has come of an imagined future.
+//! Measures of a simulated future.
 //!
 //! Of two futures the one in which parts are less late is better, each counted as often as its order matters; then the one
 //! that leaves nothing stuck; then the one in which all is finished first; then the one that leaves less to be done at the end
@@ -36,15 +36,15 @@ pub struct Score {
 impl Score {
     /// Of what was played until it ended so.
     pub fn of(
-        imagined: &ForwardSimulation,
+        simulation: &ForwardSimulation,
         desk: &DispatchConfiguration,
-        thought: &SimulationBasis,
+        basis: &SimulationBasis,
         ending: Ending,
     ) -> Self {
-        let (mut score, state) = (Score::default(), imagined.state());
+        let (mut score, state) = (Score::default(), simulation.state());
         let (table, ways) = (state.table(), desk.rules.ways());
-        let tally = ScoreTally { began: imagined.began(), end: imagined.now() };
-        imagined.left().iter().for_each(|(job, at)| tally.finish(&mut score, job, *at, 1));
+        let tally = ScoreTally { began: simulation.began(), end: simulation.now() };
+        simulation.left().iter().for_each(|(job, at)| tally.finish(&mut score, job, *at, 1));
         for part in state.parts() {
             let job = desk.job(part.id);
             let (from, work) = match part.place {
@@ -66,7 +66,7 @@ impl Score {
             tally.left(&mut score, &order.job(), tally.end, work, order.missing(), ending);
         }
         if ending != Ending::Still {
-            let after = tally.end + thought.bounds().need(imagined, desk);
+            let after = tally.end + basis.bounds().need(simulation, desk);
             score.makespan = score.makespan.max(micros(after.since(tally.began)));
         }
         score

@@ -120,7 +120,7 @@ impl RuleDispatcher {
 /// Of candidates that are held whatever the others do, why, and until when, if that is known.
 type HeldCandidates = BTreeMap<usize, (HoldReason, Option<Tick>)>;
 
-/// Who stands in the line.
+/// A candidate in the line.
 struct QueueEntry {
     candidate: usize,
     mode: ModeId,

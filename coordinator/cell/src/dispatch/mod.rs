@@ -1,4 +1,4 @@
-//! The dispatcher: answers what the player asks, by rules, so that nobody waits for ever, and says why.
+//! The dispatcher: answers what the player asks, by rules, so that no part waits for ever, with its reasons.
 //!
 //! # Map
 //! - [`DispatchRule`], [`Measure`]: the rules and what they measure; [`PartPriorities`], [`Timetable`]: what they have to know of parts.
@@ -10,7 +10,7 @@
 //!
 //! A dispatcher chooses among what the player has found possible, and the player looks at the answer: nothing here can
 //! make a cell do what its net forbids. What rules measure is a matter of the whole question, so a dispatcher that tries
-//! out what comes next can ask the same rules about a state that is only imagined.
+//! out what comes next can ask the same rules about a simulated state.
 
 mod by_rules;
 mod measure;

@@ -33,11 +33,11 @@ pub struct PartPriorities {
     pub parts: BTreeMap<PartId, PartPriority>,
     /// Of those outside, by the mode that lets them enter. One that is not here never becomes urgent.
     pub outside: BTreeMap<ModeId, EntryCandidate>,
-    /// Who may enter. None lets in what the net has room for.
+    /// What may enter. None lets in what the net has room for.
     pub admission: Option<Admission>,
 }
 
-/// Who may enter. What is not in it may not.
+/// What may enter. What is not in it may not.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Admission {
     /// For each mode that lets parts enter, its product, as an index.

@@ -1,4 +1,4 @@
-//! Nobody waits for ever: what is done for the part that has waited longest, once it has waited too long.
+//! No part waits for ever: what is done for the part that has waited longest, once it has waited too long.
 //!
 //! No rule but first come, first served is fair. With any other one a part can wait as long as better ones come, and even
 //! the fair one starves a part that needs two things which others take in turns. So a part that has been where it is for
@@ -54,7 +54,7 @@ use super::ways::ShortestRoutes;
 /// What is done against waiting for ever.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fairness {
-    /// Who has waited so long is urgent; none if nobody ever is.
+    /// A part that has waited so long is urgent; none if none ever is.
     pub patience: Option<Duration>,
     /// What an urgent part needs is kept for it. Without this, parts can wait for ever.
     pub reserves: bool,
@@ -72,7 +72,7 @@ impl Fairness {
     pub const OFF: Fairness = Fairness { patience: None, reserves: false, inherits: false };
 }
 
-/// Somebody who has waited too long.
+/// A part that has waited too long.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Urgent {
     pub(super) since: Tick,
@@ -104,7 +104,7 @@ enum UrgencyStatus {
     Stuck,
 }
 
-/// Who is urgent, the first first. A part that the timetable makes wait is not.
+/// The urgent parts, the first first. A part that the timetable makes wait is not.
 pub(super) fn urgent(facts: &RuleInputs<'_>, patience: Duration) -> Vec<Urgent> {
     let table = facts.state.table();
     let is_over = |since: Tick| since + patience <= facts.now;

@@ -12,18 +12,27 @@ use super::super::exception::AlarmSubject;
 use super::super::firing::{ActivityPhase, OngoingActivity};
 use super::super::ids::{CellId, ModeId, PartId, ResourceId};
 use super::super::plan::{ActivityTiming, CellKind};
+use super::super::player::Coordination;
 use super::super::state::{PartPlace, PlayerState};
 use super::super::table::CellTable;
 use super::Reasons;
 use super::ways::ShortestRoutes;
-use crate::texts::wait::{failed, remaining};
+use crate::texts::decision::tenths;
+use crate::texts::wait::{failed, remaining, unready};
 use crate::texts::{CellWait, TokenOwner, called, reason};
 
 /// At most so many are named where many would do.
 const NAMED_MAX: usize = 3;
 
 /// Why a part is where it is, in sentences; the first says where that is.
-pub fn why_not(ways: &ShortestRoutes, reasons: &Reasons, state: &PlayerState, now: Tick, part: PartId) -> Vec<String> {
+pub fn why_not(
+    ways: &ShortestRoutes,
+    reasons: &Reasons,
+    coordination: &Coordination,
+    now: Tick,
+    part: PartId,
+) -> Vec<String> {
+    let state = coordination.state();
     let table = state.table();
     let Some(found) = state.part(part) else { return vec![CellWait::NotInCell(part).text()] };
     let cell = match found.place {
@@ -40,15 +49,14 @@ pub fn why_not(ways: &ShortestRoutes, reasons: &Reasons, state: &PlayerState, no
         lines.push(CellWait::NoWay.text());
     }
     for mode in options {
-        let (activity, why) = (called(table, mode, None), option(ways, reasons, state, now, part, mode));
+        let (activity, why) = (called(table, mode, None), option(ways, reasons, coordination, now, part, mode));
         lines.push(CellWait::Activity { activity: &activity, why: &why }.text());
     }
     lines
 }
 
-/// In tenths.
 fn seconds(span: Duration) -> f64 {
-    (span.as_secs_f64() * 10.0).round() / 10.0
+    tenths(span.as_secs_f64())
 }
 
 /// Where a cell of the net is, as people say it where that is known.
@@ -63,11 +71,12 @@ fn place(table: &CellTable, cell: CellId) -> String {
 fn option(
     ways: &ShortestRoutes,
     reasons: &Reasons,
-    state: &PlayerState,
+    coordination: &Coordination,
     now: Tick,
     part: PartId,
     mode: ModeId,
 ) -> String {
+    let state = coordination.state();
     let table = state.table();
     if let Some(first) = state.takeable(mode).next().filter(|_| !state.takeable(mode).any(|able| able == part)) {
         return CellWait::First(first).text();
@@ -85,6 +94,9 @@ fn option(
     }
     if state.room(mode) == 0 {
         return CellWait::InProgress.text();
+    }
+    if let Some(why) = coordination.unready(now, mode) {
+        return unready(table, why);
     }
     match state.held().iter().find(|(held, _)| *held == mode) {
         Some((_, why)) => reason(table, why),

@@ -8,7 +8,7 @@ use super::super::orders::{CellEvent, PlayerOutbox};
 use super::super::player::Coordination;
 use super::super::record::{ActivityFailure, RecordKind};
 use super::fact::{AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, Whereabouts};
-use super::watch::{AlarmAnswerRefusal, Presence, ResourceRequest};
+use super::request::{AlarmAnswerRefusal, Presence, ResourceRequest};
 use crate::texts::alarm;
 
 impl Coordination {

@@ -26,7 +26,6 @@ pub struct Exceptions {
     pub(super) scrapped: u64,
 }
 
-/// A failed activity.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FailedActivity {
@@ -48,11 +47,10 @@ pub struct FailedActivity {
 pub enum ExceptionStage {
     /// Its stations are to come to rest.
     Securing,
-    /// Somebody is asked.
+    /// An alarm waits for its answer.
     Waiting(AlarmId),
     /// What was answered is being compared with what sensors say.
     Restoring {
-        /// What was said.
         ruling: RecoveryDecision,
         /// Time at which the answer was accepted.
         #[serde(with = "serial::micros")]
@@ -72,7 +70,6 @@ pub struct Alarm {
     pub about: AlarmSubject,
     /// Instruction, as ISA-18.2 asks: what, where, consequence, action.
     pub text: String,
-    /// What can be answered.
     pub words: Vec<String>,
 }
 

@@ -13,7 +13,7 @@ use super::fact::{
     Strategy, Whereabouts,
 };
 use super::policy::{PermittedAnswer, usual};
-use super::watch::{Presence, StationUnavailable};
+use super::request::{Presence, StationUnavailable};
 use crate::texts::alarm;
 
 /// What sensors say to an answer.
@@ -172,7 +172,7 @@ impl Coordination {
         if described.is_empty() { usual().into_iter().filter(can_be).collect() } else { described }
     }
 
-    /// Nobody has to be asked where a rule is automatic and all stations are at rest; otherwise people are told.
+    /// No alarm where a rule is automatic and all stations are at rest; otherwise one is raised.
     pub(super) fn ask_people(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
         let Some((firing, cause)) = self.failed(id) else { return };
         let rule = self.state.table().handling().rule(firing.mode, cause);

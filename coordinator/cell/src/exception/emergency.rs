@@ -6,7 +6,7 @@
 //! which stations; the mode decision orders it of them as it orders the mode (`Coordinator::stop_alone`), over and
 //! over, so that a station that is started again is told again. What they were doing they are told to stop as well.
 //!
-//! Each is a record, and lasts until somebody resets that station: no change of mode ends it, no restart, and no answer.
+//! Each is a record, and lasts until an operator resets that station: no change of mode ends it, no restart, and no answer.
 //! Reset it follows the line's mode again. It is put right then like any other that stands half-way. Its resource is left out
 //! from the stop on, so being reset starts nothing; it comes up when its station stands at a rest and can work.
 
@@ -20,7 +20,7 @@ use super::super::orders::{CellEvent, PlayerOutbox};
 use super::super::player::Coordination;
 use super::book::ExceptionStage;
 use super::fact::{ExceptionStep, OutOfServiceReason};
-use super::watch::{AlarmAnswerRefusal, ResourceRequest};
+use super::request::{AlarmAnswerRefusal, ResourceRequest};
 
 impl Coordination {
     /// Has the stations stopped that the rule of a failed activity names, once.
@@ -51,7 +51,7 @@ impl Coordination {
         }
     }
 
-    /// Somebody resets a station that is in emergency stop by itself.
+    /// Reset of a station that is in emergency stop by itself.
     pub(in super::super) fn reset(&mut self, now: Tick, station: StationId, out: &mut PlayerOutbox) {
         match self.against_reset(now, station) {
             None => self.except(now, ExceptionStep::Reset { station }, out),
@@ -79,7 +79,7 @@ impl Coordination {
     }
 
     /// Why a station could not be told anything.
-    pub(super) fn objection(&self, now: Tick, station: StationId) -> Option<AlarmAnswerRefusal> {
+    pub(in super::super) fn objection(&self, now: Tick, station: StationId) -> Option<AlarmAnswerRefusal> {
         if self.state.exceptions().is_stopped(station) {
             return Some(AlarmAnswerRefusal::EmergencyStop(station));
         }

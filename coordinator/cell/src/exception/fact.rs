@@ -6,26 +6,22 @@ use serde::{Deserialize, Serialize};
 use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::super::serial;
 
-/// A step of an exception.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ExceptionStep {
     /// A station does nothing for an order of a failed activity any more, or is not waited for.
     Secured {
-        /// Activity in progress.
         firing: FiringId,
         key: OrderKey,
         /// How its station stands.
         standing: SecuredState,
     },
-    /// Somebody is told, and asked.
+    /// An alarm is raised.
     Alarmed {
-        /// The next number.
         alarm: AlarmId,
         about: AlarmSubject,
         /// Text for operators.
         text: String,
-        /// What can be answered.
         words: Vec<String>,
     },
     /// It was said what is true, and how to go on.
@@ -43,13 +39,11 @@ pub enum ExceptionStep {
     },
     /// An activity is over: tokens and part are where the ruling says.
     Closed {
-        /// Activity in progress.
         firing: FiringId,
         /// Net mode of the closed activity.
         mode: ModeId,
         /// The part it had.
         part: Option<PartId>,
-        /// What was said.
         ruling: RecoveryDecision,
         /// Resources of which no sensor says whether it is so.
         unchecked: Vec<ResourceId>,
@@ -76,7 +70,7 @@ pub enum ExceptionStep {
         #[serde(with = "serial::station")]
         station: StationId,
     },
-    /// Somebody has reset it.
+    /// Reset by an operator.
     Reset {
         #[serde(with = "serial::station")]
         station: StationId,
@@ -118,7 +112,6 @@ pub enum SecuredState {
 pub struct RecoveryDecision {
     /// The word that was answered.
     pub word: String,
-    /// Where the part is.
     pub part: Whereabouts,
     /// How to go on.
     pub then: Strategy,
@@ -149,7 +142,7 @@ pub enum Strategy {
     Forward,
 }
 
-/// Who has said what is true.
+/// Source of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AnsweredBy {
@@ -175,12 +168,12 @@ pub struct SensorMismatch {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OutOfServiceReason {
-    /// Somebody has said so.
+    /// Taken out by an operator.
     ByHand {
         /// Always empty; logs from before alarms had a cause of their own have a text.
         text: String,
     },
-    /// Somebody has given alarm of it: nothing that it takes part in may move by itself.
+    /// Alarm given by an operator: nothing that it takes part in may move by itself.
     Alarm {
         /// Why; empty if that was not said.
         text: String,

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 
 use linewright_line::StationId;
 
+use super::super::player::Coordination;
 use super::super::state::PlayerState;
 
 /// The stations whose trouble is not the line's.
@@ -17,4 +18,12 @@ pub fn isolated(state: &PlayerState) -> BTreeSet<StationId> {
     let stations = failed.flat_map(|firing| firing.orders.iter().map(|order| order.station));
     let down = state.exceptions().down().filter_map(|(id, _)| handling.resource(id)?.station);
     stations.chain(down).chain(state.exceptions().stopped()).collect()
+}
+
+impl Coordination {
+    /// The stations that stand between two rests, at no order, as last heard. Nothing is ordered of them before a person
+    /// has led them to a rest.
+    pub fn held_stations(&self) -> impl Iterator<Item = StationId> + '_ {
+        self.watch.held()
+    }
 }

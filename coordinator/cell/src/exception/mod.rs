@@ -32,6 +32,7 @@ mod fact;
 mod isolation;
 mod kept;
 mod policy;
+mod request;
 mod secure;
 mod watch;
 
@@ -43,5 +44,5 @@ pub use fact::{
 pub use isolation::isolated;
 pub use kept::SavedExceptions;
 pub use policy::{FailureMatch, ModeHandling, PermittedAnswer, RecoveryPolicy, RecoveryRule, ResourcePolicy};
+pub use request::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
 pub(super) use watch::StationMonitor;
-pub use watch::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};

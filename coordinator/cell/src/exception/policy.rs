@@ -32,7 +32,6 @@ pub struct RecoveryPolicy {
 /// One resource.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResourcePolicy {
-    /// What people call it.
     pub name: Arc<str>,
     pub station: Option<StationId>,
     /// That station says whether a part is there ([`super::super::TaskReport::presence`]).
@@ -47,11 +46,10 @@ pub struct ModeHandling {
     /// The activity, by what people call it; empty for the mode's own name.
     pub activity: Arc<str>,
     pub part_type: Arc<str>,
-    /// Who has the part before; who works on a part has it before and afterwards.
+    /// Holder of the part before; a worker holds it before and afterwards.
     pub from: Option<ResourceId>,
-    /// Who has it afterwards.
+    /// Holder of the part afterwards.
     pub to: Option<ResourceId>,
-    /// Who brings it over.
     pub carrier: Option<ResourceId>,
     /// The rules that are about it, as positions.
     pub rules: Vec<usize>,
@@ -68,17 +66,15 @@ pub struct RecoveryRule {
     pub tell: Arc<str>,
     /// How often the same may be done once more with one part.
     pub retries: u32,
-    /// Nobody has to be asked as long as all stations are at rest.
+    /// Applied without asking as long as all stations are at rest.
     pub is_automatic: bool,
     /// These stations go into emergency stop.
     pub stops: Vec<StationId>,
     /// And so do all that have an order in the activity.
     pub stops_activity: bool,
-    /// What can be answered.
     pub answers: Vec<PermittedAnswer>,
 }
 
-/// What can be answered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PermittedAnswer {
     /// The word, where the part is, how to go on.
@@ -164,14 +160,14 @@ impl RecoveryPolicy {
 }
 
 impl ModeHandling {
-    /// Who takes part, each once.
+    /// Resources of the activity, each once.
     pub fn resources(&self) -> impl Iterator<Item = ResourceId> {
         let to = self.to.filter(|&to| Some(to) != self.from);
         let carrier = self.carrier.filter(|&carrier| Some(carrier) != self.from && Some(carrier) != to);
         [self.from, to, carrier].into_iter().flatten()
     }
 
-    /// Who has the part if it is there.
+    /// Holder of the part in this place.
     pub(super) fn holder(&self, part: Whereabouts) -> Option<ResourceId> {
         match part {
             Whereabouts::From => self.from,

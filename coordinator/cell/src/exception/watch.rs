@@ -5,75 +5,10 @@ use std::time::Duration;
 
 use linewright_line::{StationId, Tick};
 
-use super::super::ids::{AlarmId, OrderKey, ResourceId};
+use super::super::ids::{OrderKey, ResourceId};
 use super::super::orders::{TaskReply, TaskReport};
 use super::super::state::PlayerState;
-
-/// Whether a part is there, as a sensor says.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Presence {
-    /// Nobody knows: there is no sensor, or nobody vouches for it.
-    #[default]
-    Unknown,
-    /// There is one.
-    On,
-    /// There is none.
-    Off,
-}
-
-/// Why a station could not do anything now. The mode of the line is none of these.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StationUnavailable {
-    /// Its devices are not there.
-    Devices,
-    /// An operation was stopped before its end.
-    Incomplete,
-    /// People move it.
-    ByHand,
-}
-
-/// What a person has asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ResourceRequest {
-    /// To take an answer.
-    Answer(AlarmId),
-    /// To take an alarm of a resource.
-    Alarm(ResourceId),
-    /// To leave a resource out.
-    Down(ResourceId),
-    /// To count on a resource again.
-    Up(ResourceId),
-    /// To reset a station that is in emergency stop by itself.
-    Reset(StationId),
-}
-
-/// Why it was not done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AlarmAnswerRefusal {
-    /// There is no such alarm, or not any more.
-    NoSuchAlarm,
-    /// It cannot be answered with this word.
-    NoSuchWord,
-    /// There is no such resource.
-    NoSuchResource,
-    /// It is as it was asked to be already.
-    AlreadySo,
-    /// A station is still at it.
-    Moves(StationId),
-    /// The resource has a part by its sensor, and by the answer it has none.
-    HasPart(ResourceId),
-    /// The resource has no part by its sensor, and by the answer it has one.
-    HasNoPart(ResourceId),
-    NotHeard(StationId),
-    /// The station stands between two rests.
-    NotAtRest(StationId),
-    /// The station could not do anything.
-    CannotWork(StationId, StationUnavailable),
-    /// The resource's activity is open: its alarm has to be answered first.
-    Open(ResourceId),
-    /// The station is in emergency stop, and has to be reset first.
-    EmergencyStop(StationId),
-}
+use super::request::{AlarmAnswerRefusal, Presence};
 
 /// What was last heard of a station.
 #[derive(Clone, Debug)]
@@ -87,7 +22,6 @@ pub(super) struct LastReport {
 /// What was told to leave an order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecureRequest {
-    /// When last.
     pub at: Tick,
     /// And to stop at once.
     pub stop: bool,
@@ -104,7 +38,7 @@ pub(in super::super) struct StationMonitor {
     /// is missed later, and what ends is not waited for: only what starts can make it sooner.
     pub(super) missed_from: Option<Tick>,
     pub(super) told: BTreeMap<OrderKey, SecureRequest>,
-    /// Stations that are at something that nobody waits for.
+    /// Stations at an order that no activity waits for.
     pub(super) strays: BTreeSet<StationId>,
     /// Resources of which model and plant have not been compared in this life, and from when on what is heard counts.
     pub(super) uncompared: BTreeMap<ResourceId, Tick>,
@@ -142,6 +76,11 @@ impl StationMonitor {
             seen.heard.slot = None;
             self.strays.remove(&station);
         }
+    }
+
+    /// The stations between two rests, at no order.
+    pub(super) fn held(&self) -> impl Iterator<Item = StationId> + '_ {
+        self.seen.iter().filter(|(_, seen)| seen.heard.is_held).map(|(&station, _)| station)
     }
 
     /// What was last heard of a station.

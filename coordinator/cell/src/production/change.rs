@@ -12,7 +12,6 @@ use super::request::ProductionOrderRequest;
 pub enum ProductionChange {
     /// A request is an order now.
     Accepted {
-        /// The next number.
         id: ProductionId,
         /// What was asked for.
         request: ProductionOrderRequest,
@@ -40,25 +39,22 @@ impl ProductionChange {
 /// Why an order is not cancelled or withdrawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProductionRefusal {
-    /// Nobody knows of it.
+    /// No production order has this name.
     Unknown {
         /// What was asked about.
         name: String,
-        /// What could be meant.
         hint: Option<String>,
     },
     /// There is nothing left to change.
     Over(String),
     /// It can only be cancelled.
     Begun {
-        /// The order.
         name: String,
         /// How many of its parts have entered, those that were lost among them.
         entered: u32,
     },
     /// Others would wait for ever.
     Needed {
-        /// The order.
         name: String,
         /// The first that waits for it.
         by: String,

@@ -2,7 +2,7 @@
 //!
 //! Which order a part that enters counts to is not decided when it enters but follows: the first in turn of those of its
 //! product that are released. So a record of entering says enough, and a dispatcher that tries out what comes next can let
-//! imagined parts enter as well.
+//! simulated parts enter as well.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -86,7 +86,7 @@ impl Production {
         self.orders.values().find(|order| order.request.key == key)
     }
 
-    /// Which order a part counts to; none if it has left, or nobody had ordered it.
+    /// Which order a part counts to; none if it has left, or was not ordered.
     pub fn order_of(&self, part: PartId) -> Option<&ProductionOrder> {
         self.order(*self.of_part.get(&part)?)
     }
@@ -241,7 +241,7 @@ impl Production {
         Ok(())
     }
 
-    /// Forgets the oldest of those that are over and that nobody waits for.
+    /// Forgets the oldest of those that are over and that no other order waits for.
     fn forget(&mut self) {
         if self.keeps_all {
             return;

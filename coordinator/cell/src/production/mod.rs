@@ -1,11 +1,11 @@
 //! Production orders: what is to be made, how many, from when, until when, and after what.
 //!
 //! # Map
-//! - [`ProductionOrderRequest`]: what somebody asks for; [`RequestProblem`]: what is wrong with it, all of it at once.
+//! - [`ProductionOrderRequest`]: a request; [`RequestProblem`]: what is wrong with it, all of it at once.
 //! - [`ProductionOrder`], [`ProductionStatus`]: an order that was accepted, and where it is.
 //! - [`Production`]: all of them, a fold over the records of the cell: those that say what people have changed
 //!   ([`ProductionChange`]), and those that say what has entered and what has left. It is part of the cell's state. A dispatcher has
-//!   one of its own, since it also has to try out in thought what comes next.
+//!   one of its own, since it also decides in forward simulations.
 //! - [`DispatchConfiguration`]: the dispatcher with rules, who lets in what is on order and knows when each part is due.
 //!
 //! ```text

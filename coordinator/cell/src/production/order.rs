@@ -15,7 +15,6 @@ use super::request::ProductionOrderRequest;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProductionOrder {
-    /// Number, unique in its cell and rising.
     pub id: ProductionId,
     /// What was asked for.
     pub request: ProductionOrderRequest,
@@ -73,7 +72,6 @@ pub enum ProductionStatus {
     },
     /// Nothing more enters.
     Cancelled {
-        /// Time of the cancellation.
         at: Tick,
         /// How many parts are still inside.
         inside: u32,

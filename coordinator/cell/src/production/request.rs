@@ -1,4 +1,4 @@
-//! What somebody asks for, and all that can be wrong with it.
+//! A request for a production order, and its validation.
 //!
 //! Requests come in batches, so that some of a batch can be after others of it. A batch is accepted whole or not at all, and
 //! whoever has made five mistakes is told of five. Names are people's: any text of one line.
@@ -17,11 +17,10 @@ pub const QUANTITY_MAX: u32 = 1_000_000;
 /// The most orders that are not over, at once.
 pub const ORDERS_MAX: usize = 10_000;
 
-/// What somebody asks for.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProductionOrderRequest {
-    /// Drawn by whoever asks. The same request twice is one order.
+    /// Drawn by the requester. The same request twice is one order.
     #[serde(with = "serial::key")]
     pub key: u128,
     /// What people call it. Of orders that are not over each has a name of its own.
@@ -45,7 +44,7 @@ pub struct ProductionOrderRequest {
 /// What is wrong with a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RequestProblem {
-    /// Nobody could call it by that.
+    /// Not usable as a name.
     Name(String),
     /// An order of that name is not over.
     NameTaken(String),
@@ -62,7 +61,6 @@ pub enum RequestProblem {
         name: String,
         /// What it asks for.
         product: String,
-        /// What could be meant.
         hint: Option<String>,
     },
     /// None, or too many.
@@ -80,19 +78,9 @@ pub enum RequestProblem {
         release: Tick,
     },
     /// It waits for what is not there.
-    NoSuchOrder {
-        name: String,
-        /// What it waits for.
-        after: String,
-        /// What could be meant.
-        hint: Option<String>,
-    },
+    NoSuchOrder { name: String, after: String, hint: Option<String> },
     /// It waits for what was withdrawn.
-    AfterWithdrawn {
-        name: String,
-        /// What it waits for.
-        after: String,
-    },
+    AfterWithdrawn { name: String, after: String },
     /// Each waits for the next, and the last for the first.
     Circle(Vec<String>),
     /// More than are kept.

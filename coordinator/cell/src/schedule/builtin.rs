@@ -4,7 +4,7 @@
 //! it; where the cell is small enough, all that can be decided ([`super::search`]); and as long as that has not proved
 //! anything, futures by chance near the best one ([`super::randomised_rollouts`]). The best counts, of equals the one
 //! that was found first; so what was planned stays planned unless something is better. It can be stopped after any of these,
-//! and is, when so many firings have been imagined: a large order is then planned as far as that goes.
+//! and is, when so many firings have been simulated: a large order is then planned as far as that goes.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -21,7 +21,7 @@ use super::search::{Best, ScheduleSearch};
 use super::slots::Schedule;
 use super::{PlanningSituation, Scheduler};
 
-/// How many firings are imagined for a schedule, if nothing else is said. The cell waits meanwhile.
+/// Default number of firings simulated for a schedule. The cell waits meanwhile.
 pub const EFFORT: usize = 20_000;
 
 /// Everything is looked through only if cells and modes, times firings, are at most so many: a node of the search is a copy
@@ -31,7 +31,7 @@ const SMALL: usize = 100_000;
 /// The scheduler that is always there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RolloutScheduler {
-    /// How many firings are imagined for a schedule at most.
+    /// Most firings simulated for a schedule.
     pub effort: usize,
     /// Whether everything is looked through where the cell is small.
     pub exact: bool,
@@ -51,21 +51,21 @@ impl Default for RolloutScheduler {
 struct ScheduleSearchState<'a> {
     situation: &'a PlanningSituation<'a>,
     best: Option<Best>,
-    /// How many firings may still be imagined.
+    /// Firings left.
     left: usize,
     /// How many the last future took.
     took: usize,
 }
 
 impl ScheduleSearchState<'_> {
-    fn tries(&mut self, mut lead: impl RolloutPolicy, most: usize) {
-        let PlanningSituation { now, state, thought, .. } = *self.situation;
-        let mut imagined = ForwardSimulation::new(state, thought.table(), now);
-        let ending = imagined.play(&mut lead, Tick::NEVER, most);
-        self.took = imagined.firings();
+    fn tries(&mut self, mut policy: impl RolloutPolicy, most: usize) {
+        let PlanningSituation { now, state, basis, .. } = *self.situation;
+        let mut simulation = ForwardSimulation::new(state, basis.table(), now);
+        let ending = simulation.play(&mut policy, Tick::NEVER, most);
+        self.took = simulation.firings();
         self.left = self.left.saturating_sub(self.took);
-        let score = Score::of(&imagined, lead.desk(), thought, ending);
-        self.offer(score, imagined.acts(), ending);
+        let score = Score::of(&simulation, policy.desk(), basis, ending);
+        self.offer(score, simulation.acts(), ending);
     }
 
     fn offer(&mut self, score: Score, acts: &[SimulatedActivity], ending: Ending) {
@@ -89,7 +89,7 @@ fn free(desk: &DispatchConfiguration) -> DispatchConfiguration {
 
 impl Scheduler for RolloutScheduler {
     fn plan(&mut self, situation: &PlanningSituation<'_>) -> Schedule {
-        let PlanningSituation { now, state, desk, thought, previous } = *situation;
+        let PlanningSituation { now, state, desk, basis, previous } = *situation;
         let desk = free(desk);
         let mut making = ScheduleSearchState { situation, best: None, left: self.effort, took: 0 };
         if let Some(previous) = previous {
@@ -118,12 +118,12 @@ impl Scheduler for RolloutScheduler {
         if self.looks_ahead {
             self.look(&mut making, &desk);
         }
-        let size = (thought.table().cell_count() + thought.table().mode_count()).saturating_mul(making.took);
+        let size = (basis.table().cell_count() + basis.table().mode_count()).saturating_mul(making.took);
         let mut proved = false;
         if self.exact && size <= SMALL {
-            let search = ScheduleSearch::new(thought.clone(), making.best.take(), making.left / 2);
+            let search = ScheduleSearch::new(basis.clone(), making.best.take(), making.left / 2);
             making.left /= 2;
-            (making.best, proved) = search.run(ForwardSimulation::new(state, thought.table(), now), desk.clone());
+            (making.best, proved) = search.run(ForwardSimulation::new(state, basis.table(), now), desk.clone());
         }
         if !proved {
             self.sample(&mut making, &desk);
@@ -136,7 +136,7 @@ impl Scheduler for RolloutScheduler {
 impl RolloutScheduler {
     /// Tries futures near the best one, as many as what is left allows.
     fn sample(&self, making: &mut ScheduleSearchState<'_>, desk: &DispatchConfiguration) {
-        let (table, mut chance) = (making.situation.thought.table(), Xorshift::new());
+        let (table, mut chance) = (making.situation.basis.table(), Xorshift::new());
         let took = making.took.max(1);
         while self.samples && making.left >= 2 * took {
             let acts = making.best.iter().flat_map(|best| &best.acts).filter(|act| !act.was_running);
@@ -147,7 +147,7 @@ impl RolloutScheduler {
                 })
                 .collect();
             making.tries(RandomPolicy::new(desk, &plan, &mut chance), 2 * took);
-            // What is imagined for nothing counts as well.
+            // Firings of rejected plans count as well.
             making.left = making.left.saturating_sub(1);
         }
     }
@@ -157,7 +157,7 @@ impl RolloutScheduler {
         let (budget, took) = (making.left / 2, making.took.max(1));
         // As many questions as firings at most; for each a few futures that become shorter and shorter.
         let each = budget / took;
-        let mut look = LookAhead::with(making.situation.thought.clone(), desk.clone(), Duration::MAX);
+        let mut look = LookAhead::with(making.situation.basis.clone(), desk.clone(), Duration::MAX);
         look.effort = each;
         if each < 2 * took {
             // Not even two whole futures: shorter ones.

@@ -3,8 +3,8 @@
 //! # Map
 //! - [`Schedule`], [`ScheduleSlot`]: what is to start when, in which window, and what has become of it; the dispatcher's rule
 //!   `schedule` follows the windows.
-//! - [`Scheduler`]: who makes one. [`RolloutScheduler`] plays the cell in thought: by rules, by looking ahead, and, where the cell is
-//!   small, through all that can be decided, until nothing better can exist.
+//! - [`Scheduler`]: makes one. [`RolloutScheduler`] compares forward simulations: by rules, by looking ahead, and, where the
+//!   cell is small, through all that can be decided, until nothing better can exist.
 //! - [`ScheduleFollower`]: the dispatcher that has schedules made, follows them, and has them revised.
 //! - [`PlanActualBar`]: plan against actual, for a Gantt chart.
 //!
@@ -32,14 +32,12 @@ use super::state::PlayerState;
 /// What there is to be planned.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanningSituation<'a> {
-    /// The time.
     pub now: Tick,
     /// The cell.
     pub state: &'a PlayerState,
     /// Rules and production orders.
     pub desk: &'a DispatchConfiguration,
-    /// What things are imagined with.
-    pub thought: &'a SimulationBasis,
+    pub basis: &'a SimulationBasis,
     /// What was planned before, and what has become of it.
     pub previous: Option<&'a Schedule>,
 }

@@ -29,7 +29,6 @@ const REVISIONS_MAX: usize = 100;
 /// A schedule was made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Revision {
-    /// Time of the revision.
     pub at: Tick,
     pub why: RevisionReason,
 }
@@ -48,7 +47,7 @@ pub struct ScheduleFollower {
 }
 
 impl ScheduleFollower {
-    /// Over rules that may look ahead, with somebody who makes schedules.
+    /// Over rules that may look ahead, with a scheduler.
     pub fn new(look: LookAhead, scheduler: Box<dyn Scheduler + Send>) -> Self {
         let tolerance = look.desk.rules.timetable.tolerance;
         ScheduleFollower {
@@ -98,7 +97,7 @@ impl ScheduleFollower {
         }
         let Some(why) = why else { return };
         let previous = self.schedule.as_ref();
-        let situation = PlanningSituation { now, state, desk: &self.look.desk, thought: self.look.thought(), previous };
+        let situation = PlanningSituation { now, state, desk: &self.look.desk, basis: self.look.basis(), previous };
         let mut new = self.scheduler.plan(&situation);
         if let Some(previous) = self.schedule.take() {
             new.keep(&previous, self.tolerance);
@@ -129,7 +128,7 @@ impl Dispatcher for ScheduleFollower {
             rules.timetable = schedule.timetable(question.state, &rules.jobs, now, patience, self.tolerance);
         }
         let mut answer = self.look.decide(question);
-        // Whoever waits for something else than time is asked about when that does not come.
+        // A candidate that waits for another activity is posed again when that does not come in time.
         let until = self.schedule.as_ref().and_then(|schedule| schedule.holds_until(self.tolerance));
         let until = until.filter(|&until| until >= now).map(|until| until + Duration::from_micros(1));
         for held in answer.held.iter_mut().filter(|held| matches!(held.reason, HoldReason::PlannedOtherwise(_))) {
@@ -141,7 +140,7 @@ impl Dispatcher for ScheduleFollower {
     fn note(&mut self, record: &Record) {
         self.look.note(record);
         if let Some(schedule) = &mut self.schedule {
-            schedule.note(self.look.thought().table(), record);
+            schedule.note(self.look.basis().table(), record);
         }
         match &record.fact {
             RecordKind::Raised { firing, cause: _ } => self.pending = Some(RevisionReason::Failed(*firing)),

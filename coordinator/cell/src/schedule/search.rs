@@ -1,8 +1,8 @@
 //! All that can be decided, looked through until nothing better can exist: branch and bound, depth first.
 //!
-//! A node is a cell in thought at a moment at which something can be decided. Its branches are the single starts, and to wait
+//! A node is a forward simulation at a moment at which something can be decided. Its branches are the single starts, and to wait
 //! for what happens next; every schedule can be moved to the left until each of its starts is at such a moment, so nothing
-//! better is between them. What cannot be wrong is done at once: to take on a part that nobody else wants, with nothing but
+//! better is between them. What cannot be wrong is done at once: to take on a part that no other mode takes, with nothing but
 //! the part. A node is left when its bound is not below the best that was found, or when the same cell was seen no later and
 //! with no more tardiness. It is looked for least tardiness and then for the shortest makespan; what is told of flow is what
 //! came with these.
@@ -31,21 +31,20 @@ pub(super) struct Best {
     pub acts: Vec<SimulatedActivity>,
 }
 
-/// What makes two cells in thought the same, apart from the time and from what has left.
+/// Key of a node: equal for simulations that differ only in the time and in what has left.
 type SearchKey = Vec<u64>;
 
-/// A search.
 pub(super) struct ScheduleSearch {
-    thought: SimulationBasis,
+    basis: SimulationBasis,
     seen: BTreeMap<SearchKey, (Tick, u64)>,
     best: Option<Best>,
     stack: Vec<SearchNode>,
-    /// How many firings may still be imagined.
+    /// Firings left.
     left: usize,
 }
 
 struct SearchNode {
-    imagined: ForwardSimulation,
+    simulation: ForwardSimulation,
     desk: DispatchConfiguration,
     /// What is still to be tried, the last first; none is to wait.
     options: Vec<Option<(ModeId, Start)>>,
@@ -54,9 +53,9 @@ struct SearchNode {
 }
 
 impl ScheduleSearch {
-    /// With the best that is known so far, and so many firings to imagine.
-    pub fn new(thought: SimulationBasis, best: Option<Best>, effort: usize) -> Self {
-        ScheduleSearch { thought, seen: BTreeMap::new(), best, stack: Vec::new(), left: effort }
+    /// With the best that is known so far, and a limit of firings.
+    pub fn new(basis: SimulationBasis, best: Option<Best>, effort: usize) -> Self {
+        ScheduleSearch { basis, seen: BTreeMap::new(), best, stack: Vec::new(), left: effort }
     }
 
     /// Looks through everything; the best there is, and whether nothing better can be.
@@ -71,51 +70,51 @@ impl ScheduleSearch {
                 return (self.best, false);
             }
             // The last branch needs the node no longer.
-            let (mut imagined, mut desk) = (node.imagined.clone(), node.desk.clone());
-            let before = imagined.firings();
+            let (mut simulation, mut desk) = (node.simulation.clone(), node.desk.clone());
+            let before = simulation.firings();
             match option {
-                Some((mode, start)) => imagined.start(mode, start.part, &mut desk),
-                None => node.next.into_iter().for_each(|next| imagined.advance(next)),
+                Some((mode, start)) => simulation.start(mode, start.part, &mut desk),
+                None => node.next.into_iter().for_each(|next| simulation.advance(next)),
             }
-            self.left = self.left.saturating_sub((imagined.firings() - before).max(1));
-            self.open(imagined, desk);
+            self.left = self.left.saturating_sub((simulation.firings() - before).max(1));
+            self.open(simulation, desk);
         }
         (self.best, true)
     }
 
     /// Goes on to the next decision from here, and puts it on the stack, unless it leads nowhere.
-    fn open(&mut self, mut imagined: ForwardSimulation, mut desk: DispatchConfiguration) {
-        let before = imagined.firings();
+    fn open(&mut self, mut simulation: ForwardSimulation, mut desk: DispatchConfiguration) {
+        let before = simulation.firings();
         let options = loop {
-            if !imagined.settle(&mut desk, before + self.left) {
+            if !simulation.settle(&mut desk, before + self.left) {
                 self.left = 0;
                 return;
             }
-            desk.refresh(imagined.now());
-            let options = options(&imagined, &mut desk);
-            match options.iter().find(|(mode, _)| is_free(imagined.state().table(), *mode)) {
-                Some(&(mode, start)) => imagined.start(mode, start.part, &mut desk),
+            desk.refresh(simulation.now());
+            let options = options(&simulation, &mut desk);
+            match options.iter().find(|(mode, _)| is_free(simulation.state().table(), *mode)) {
+                Some(&(mode, start)) => simulation.start(mode, start.part, &mut desk),
                 None => break options,
             }
         };
-        self.left = self.left.saturating_sub(imagined.firings() - before);
-        let release = desk.production().and_then(|production| production.next_release(imagined.now()));
-        let next = imagined.next_end().into_iter().chain(release).min();
+        self.left = self.left.saturating_sub(simulation.firings() - before);
+        let release = desk.production().and_then(|production| production.next_release(simulation.now()));
+        let next = simulation.next_end().into_iter().chain(release).min();
         if options.is_empty() && next.is_none() {
-            return self.close(&imagined, &desk);
+            return self.close(&simulation, &desk);
         }
-        if self.is_beaten(self.thought.bounds().bound(&imagined, &desk)) || self.was_seen(&imagined, &desk) {
+        if self.is_beaten(self.basis.bounds().bound(&simulation, &desk)) || self.was_seen(&simulation, &desk) {
             return;
         }
         let mut tries: Vec<Option<(ModeId, Start)>> = next.map(|_| None).into_iter().collect();
         tries.extend(options.into_iter().rev().map(Some));
-        self.stack.push(SearchNode { imagined, desk, options: tries, next });
+        self.stack.push(SearchNode { simulation, desk, options: tries, next });
     }
 
-    fn close(&mut self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) {
-        let score = Score::of(imagined, desk, &self.thought, Ending::Still);
+    fn close(&mut self, simulation: &ForwardSimulation, desk: &DispatchConfiguration) {
+        let score = Score::of(simulation, desk, &self.basis, Ending::Still);
         if self.best.as_ref().is_none_or(|best| score < best.score) {
-            self.best = Some(Best { score, acts: imagined.acts().to_vec() });
+            self.best = Some(Best { score, acts: simulation.acts().to_vec() });
         }
     }
 
@@ -126,13 +125,13 @@ impl ScheduleSearch {
         })
     }
 
-    fn was_seen(&mut self, imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> bool {
+    fn was_seen(&mut self, simulation: &ForwardSimulation, desk: &DispatchConfiguration) -> bool {
         let late = |(job, at): &(PartPriority, Tick)| {
             let by = job.due.map_or(Duration::ZERO, |due| at.since(due)).as_micros();
             u64::try_from(by).unwrap_or(u64::MAX).saturating_mul(weight(job))
         };
-        let tardiness = imagined.left().iter().map(late).fold(0, u64::saturating_add);
-        let (key, now) = (key(imagined, desk), imagined.now());
+        let tardiness = simulation.left().iter().map(late).fold(0, u64::saturating_add);
+        let (key, now) = (key(simulation, desk), simulation.now());
         match self.seen.get_mut(&key) {
             Some((at, least)) if *at <= now && *least <= tardiness => true,
             Some(known) if now <= known.0 && tardiness <= known.1 => {
@@ -150,13 +149,13 @@ impl ScheduleSearch {
     }
 }
 
-/// What could start, in the order of preference; of parts that nobody could tell apart one.
-fn options(imagined: &ForwardSimulation, desk: &mut DispatchConfiguration) -> Vec<(ModeId, Start)> {
-    let (candidates, groups) = imagined.candidates();
+/// What could start, in the order of preference; of equal parts one.
+fn options(simulation: &ForwardSimulation, desk: &mut DispatchConfiguration) -> Vec<(ModeId, Start)> {
+    let (candidates, groups) = simulation.candidates();
     if candidates.is_empty() {
         return Vec::new();
     }
-    let (now, state) = (imagined.now(), imagined.state());
+    let (now, state) = (simulation.now(), simulation.state());
     let question = Question { now, state, candidates: &candidates, groups: &groups };
     let usual = desk.decide(&question).start;
     let others = desk.rules.preference(&question);
@@ -170,15 +169,14 @@ fn options(imagined: &ForwardSimulation, desk: &mut DispatchConfiguration) -> Ve
 }
 
 /// Whether it cannot be wrong to start something as soon as it can: it takes nothing but its part, which nothing else takes,
-/// and nobody would be the better for its coming later.
+/// and no later start of it is better for another.
 fn is_free(table: &CellTable, mode: ModeId) -> bool {
     let ([(cell, 1)], Some(from)) = (table.takes(mode), table.part_in(mode)) else { return false };
     *cell == from && table.consumers(from).len() == 1
 }
 
-/// What makes two cells in thought the same.
-fn key(imagined: &ForwardSimulation, desk: &DispatchConfiguration) -> SearchKey {
-    let (state, now) = (imagined.state(), imagined.now());
+fn key(simulation: &ForwardSimulation, desk: &DispatchConfiguration) -> SearchKey {
+    let (state, now) = (simulation.state(), simulation.now());
     let table = state.table();
     let job_of = |part| {
         let job: PartPriority = desk.job(part);

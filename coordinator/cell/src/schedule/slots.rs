@@ -21,7 +21,6 @@ use super::super::table::CellTable;
 /// Something that is to be done, is being done, or has been.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScheduleSlot {
-    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part, as the schedule numbers them; none for what takes none.
     pub part: Option<usize>,
@@ -44,7 +43,6 @@ pub struct ScheduleSlot {
 /// Plan against actual, of one activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlanActualBar {
-    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part; none if it takes none, or has not entered.
     pub part: Option<PartId>,
@@ -80,7 +78,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// From what was imagined to start in a cell.
+    /// From the activities of a forward simulation.
     pub fn new(state: &PlayerState, now: Tick, acts: &[SimulatedActivity], score: Score, proved: bool) -> Self {
         let table = state.table();
         let mut new = Schedule { made: now, score, proved, ..Schedule::default() };

@@ -1,8 +1,8 @@
 //! From a schedule to the windows that the rule `schedule` follows, and when a schedule does not hold any more.
 //!
 //! A part is held until the window of what it is to do next, and from everything else it could do. That never makes it wait
-//! for longer than parts should wait: whoever has waited so long is not held by any schedule, however often that is revised,
-//! and is then as urgent as anybody. So the argument why nobody waits for ever stands as it is (the head of `urgency.rs`).
+//! for longer than parts should wait: a part that has waited so long is not held by any schedule, however often that is revised,
+//! and is then as urgent as any. So the argument why no part waits for ever stands as it is (the head of `urgency.rs`).
 
 use std::time::Duration;
 
@@ -28,7 +28,6 @@ pub enum RevisionReason {
     Restored,
     /// Something starts, or ends, later than it may.
     Late {
-        /// Net mode (transition with its colours).
         mode: ModeId,
         /// With which part; none if it has not entered, or takes none.
         part: Option<PartId>,
@@ -66,7 +65,7 @@ impl Schedule {
                     timetable.next.insert(id, slot.mode);
                     timetable.windows.insert((Some(id), slot.mode), capped(slot, part.since));
                 }
-                // It is on its way, or where nobody had thought of.
+                // It is on its way, or not where the schedule expects it.
                 PartPlace::On { .. } | PartPlace::In(_) => (),
             }
         }

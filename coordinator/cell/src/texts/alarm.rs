@@ -68,7 +68,6 @@ pub enum StationStanding {
     EmergencyStop,
     /// Its order is done.
     Done,
-    /// At a rest.
     AtRest,
     /// Between two rests.
     Held,
@@ -177,7 +176,6 @@ pub enum AlarmText<'a> {
 }
 
 impl AlarmText<'_> {
-    /// The text.
     pub fn text(self) -> String {
         match self {
             AlarmText::Failed { activity, part: Some(part) } => {

@@ -6,6 +6,8 @@
 use std::fmt::{self, Write as _};
 use std::time::Duration;
 
+use linewright_line::Tick;
+
 use crate::dispatch::{DispatchRule, Measure};
 use crate::ids::{ModeId, PartId};
 use crate::question::BadAnswer;
@@ -13,18 +15,31 @@ use crate::reason::{DecidingRule, Gain, HoldReason, LostDecision, ProgressCompar
 use crate::schedule::RevisionReason;
 use crate::table::CellTable;
 
-/// A mode by its own name, and with which part.
+/// A mode by the name of its activity, and with which part; without one, with which product.
 pub fn named(table: &CellTable, mode: ModeId, part: Option<PartId>) -> String {
-    with(table.mode_name(mode), part)
+    match (&*table.handling().mode(mode).part_type, part) {
+        ("", None) | (_, Some(_)) => called(table, mode, part),
+        (product, None) => format!("{} of {product}", called(table, mode, part)),
+    }
 }
 
-/// A mode by the name of its activity, without the stage: where its part is known.
+/// A mode by the name of its activity, where its part is known.
 pub fn called(table: &CellTable, mode: ModeId, part: Option<PartId>) -> String {
-    with(table.called(mode), part)
+    // Activities of one name are numbered: `leave/2`.
+    let name = table.called(mode);
+    let name = name.rsplit_once('/').filter(|(_, n)| n.parse::<u32>().is_ok()).map_or(name, |(name, _)| name);
+    part.map_or_else(|| format!("`{name}`"), |part| format!("`{name}` with {part}"))
 }
 
-fn with(name: &str, part: Option<PartId>) -> String {
-    part.map_or_else(|| format!("`{name}`"), |part| format!("`{name}` with {part}"))
+/// Seconds for operators, in tenths.
+pub(crate) fn tenths(seconds: f64) -> f64 {
+    // Never minus zero.
+    (seconds * 10.0).round() / 10.0 + 0.0
+}
+
+/// A time for operators, in tenths of a second.
+pub(crate) fn moment(at: Tick) -> String {
+    format!("{} s", tenths(at.as_micros() as f64 / 1e6))
 }
 
 fn whom(part: Option<PartId>) -> String {
@@ -46,7 +61,7 @@ fn ground(by: &DecidingRule) -> String {
 
 /// What is better about a forecast.
 fn leads(gain: &Gain) -> String {
-    let s = |span: &Duration| span.as_secs_f64();
+    let s = |span: &Duration| tenths(span.as_secs_f64());
     match gain {
         Gain::Tardiness(by) => format!("makes parts less late, by {} s", s(by)),
         Gain::Work(by) => format!("leaves less to be done, by {} s", s(by)),
@@ -62,7 +77,7 @@ pub fn reason(table: &CellTable, reason: &HoldReason) -> String {
         HoldReason::LostTo(LostDecision { to, with, own: _, by }) => {
             format!("{} goes first: {}", named(table, *to, *with), ground(by))
         }
-        HoldReason::NotYet(until) => format!("scheduled not before {until}"),
+        HoldReason::NotYet(until) => format!("scheduled not before {}", moment(*until)),
         HoldReason::ReservedFor { part, mode } => {
             format!(
                 "resources reserved for {}: {} waited longer than patience_s",
@@ -120,13 +135,13 @@ pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &
 
 impl fmt::Display for Measure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let seconds = self.value as f64 / 1e6;
+        let seconds = tenths(self.value as f64 / 1e6);
         let when = |f: &mut fmt::Formatter<'_>, what: &str| match self.value {
             0.. => write!(f, "{what} in {seconds} s"),
             _ => write!(f, "{what} {} s ago", -seconds),
         };
         match (self.rule, self.class) {
-            (DispatchRule::Fifo, 0) => write!(f, "waited {} s", 0.0 - seconds),
+            (DispatchRule::Fifo, 0) => write!(f, "waited {} s", tenths(-seconds)),
             (DispatchRule::Fifo, _) => f.write_str("not in the cell yet"),
             (DispatchRule::ShortestProcessingTime, _) => write!(f, "takes {seconds} s"),
             (DispatchRule::EarliestDueDate, 0) => when(f, "due"),
@@ -168,7 +183,11 @@ impl RevisionReason {
             RevisionReason::Down(resource) => format!("{} out of service", table.handling().resource_name(*resource)),
             RevisionReason::Restored => "an exception was closed, or a resource returned to service".to_owned(),
             RevisionReason::Late { mode, part, by } => {
-                format!("{} later than tolerated, by {} s", named(table, *mode, *part), by.as_secs_f64())
+                let by = match tenths(by.as_secs_f64()) {
+                    0.0 => "less than 0.1 s".to_owned(),
+                    seconds => format!("{seconds} s"),
+                };
+                format!("{} later than tolerated, by {by}", named(table, *mode, *part))
             }
             RevisionReason::Over => "all scheduled activities started".to_owned(),
             RevisionReason::Stray(mode, part) => format!("{} started unscheduled", named(table, *mode, *part)),

@@ -2,14 +2,15 @@
 
 use std::fmt;
 
+use linewright_orders::TaskFailure;
+
 use crate::record::{ActivityFailure, OrderFailure};
 
 /// Without the station.
 impl fmt::Display for OrderFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            OrderFailure::Code(code) if self.is_expiry() => write!(f, "awaited input not on in time (code {code})"),
-            OrderFailure::Code(code) => write!(f, "ended with code {code}"),
+            OrderFailure::Code(code) => f.write_str(&TaskFailure::from_code(*code).text()),
             OrderFailure::Refused(refusal) => f.write_str(refusal.text()),
             OrderFailure::TimedOut => f.write_str("time limit exceeded"),
             OrderFailure::Forgotten => f.write_str("order lost, order store of the station was reset"),

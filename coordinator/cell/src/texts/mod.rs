@@ -6,7 +6,7 @@
 
 pub mod alarm;
 mod answer;
-mod decision;
+pub(crate) mod decision;
 mod failure;
 mod production;
 mod service;

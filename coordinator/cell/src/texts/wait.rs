@@ -1,9 +1,11 @@
 //! Why a part does not go on, and where the tokens it lacks are.
 
-use linewright_line::Tick;
+use linewright_line::{StationId, Tick};
 
-use crate::exception::ExceptionStage;
-use crate::ids::PartId;
+use crate::exception::{AlarmAnswerRefusal, ExceptionStage, ResourceRequest};
+use crate::ids::{AlarmId, PartId};
+use crate::table::CellTable;
+use crate::texts::decision::moment;
 
 /// Why a part, or an activity with it, does not go on; with the names that the text contains.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +35,6 @@ pub enum CellWait<'a> {
 }
 
 impl CellWait<'_> {
-    /// The text.
     pub fn text(self) -> String {
         match self {
             CellWait::NotInCell(part) => format!("{part} is not in the cell."),
@@ -43,7 +44,9 @@ impl CellWait<'_> {
             CellWait::Activity { activity, why } => format!("{activity}: {why}."),
             CellWait::First(part) => format!("{part} has to be taken first"),
             CellWait::Tokens { owners, held: None } => owners.to_owned(),
-            CellWait::Tokens { owners, held: Some((at, why)) } => format!("{owners}; at {at} it was held: {why}"),
+            CellWait::Tokens { owners, held: Some((at, why)) } => {
+                format!("{owners}; at {} it was held: {why}", moment(at))
+            }
             CellWait::InProgress => "maximum number in progress".to_owned(),
             CellWait::Ready => "ready; starts in auto, when states of all its stations are received".to_owned(),
             CellWait::OutOfService { resource, seconds, why } => {
@@ -68,7 +71,6 @@ pub enum TokenOwner<'a> {
 }
 
 impl TokenOwner<'_> {
-    /// The text.
     pub fn text(self) -> String {
         match self {
             TokenOwner::InUse { name, by } => format!("`{name}` in use by {}", by.join(", and by ")),
@@ -84,6 +86,19 @@ impl TokenOwner<'_> {
 /// What an activity in progress still takes.
 pub(crate) fn remaining(activity: &str, seconds: f64) -> String {
     if seconds > 0.0 { format!("{activity}, {seconds} s left") } else { format!("{activity}, longer than planned") }
+}
+
+/// The station that keeps an activity from starting, and why.
+pub(crate) fn unready(table: &CellTable, why: AlarmAnswerRefusal) -> String {
+    let name = |station: StationId| {
+        let known = table.handling().stations.iter().find(|(id, _)| *id == station);
+        known.map_or_else(|| format!("station {}", station.0), |(_, name)| name.to_string())
+    };
+    match why {
+        AlarmAnswerRefusal::Moves(station) => format!("{}: still at another task order", name(station)),
+        // Its other reasons are about resources and answers; none of them keeps a station from an order.
+        _ => why.text(ResourceRequest::Answer(AlarmId(0)), name, |_| String::new(), |_| String::new()),
+    }
 }
 
 /// A failed activity, and what it waits for.

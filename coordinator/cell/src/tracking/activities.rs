@@ -7,12 +7,10 @@ use linewright_line::Tick;
 use super::super::ids::{FiringId, ModeId, PartId};
 use super::super::record::{ActivityStep, Record};
 
-/// An activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FinishedActivity {
     /// Number of the activity.
     pub firing: FiringId,
-    /// Net mode (transition with its colours).
     pub mode: ModeId,
     /// With which part; none if it takes none.
     pub part: Option<PartId>,

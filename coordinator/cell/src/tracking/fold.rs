@@ -64,7 +64,8 @@ struct ResourceTally {
     taken: u32,
     room: Duration,
     most: u32,
-    /// Of what was worked on here and has ended: how long it should have taken, and how long it did.
+    /// Of what was worked on here and has ended: how long it should have taken, at most as long as it did, and how long
+    /// it did.
     nominal: Duration,
     actual: Duration,
     worked: u64,
@@ -76,7 +77,6 @@ pub struct PartHistory {
     pub part: PartId,
     /// What it is to become, as a position in [`ReportMetadata::products`]; none if nobody knows.
     pub product: Option<usize>,
-    /// When it entered.
     pub entered: Tick,
     /// When it left; none while it is inside.
     pub left: Option<Tick>,
@@ -363,7 +363,8 @@ impl Tracking {
         if let Some(worker) = worker.filter(|_| counts) {
             let tally = &mut self.resources[worker];
             tally.worked += 1;
-            tally.nominal += *nominal;
+            // Each part for itself: one that was faster makes up for no other.
+            tally.nominal += took.min(*nominal);
             tally.actual += took;
         }
         if let Some(passage) = open.part.and_then(|part| self.parts.get_mut(&part)) {

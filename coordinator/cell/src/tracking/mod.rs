@@ -32,7 +32,6 @@ use super::ids::ModeId;
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReportMetadata {
-    /// Who takes part in activities.
     pub resources: Vec<ResourceEntry>,
     /// What is made, by what people call it.
     pub products: Vec<String>,
@@ -40,11 +39,9 @@ pub struct ReportMetadata {
     pub modes: Vec<ModeEntry>,
 }
 
-/// A resource.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResourceEntry {
-    /// What people call it.
     pub name: String,
     /// What it is: a machine, a robot, a store.
     pub prototype: String,
@@ -62,15 +59,15 @@ pub struct ModeEntry {
     pub activity: String,
     /// What its part is to become, as a position in [`ReportMetadata::products`]; none if there is no part.
     pub product: Option<usize>,
-    /// Who takes part in it, as positions in [`ReportMetadata::resources`].
+    /// Resources of the activity, as positions in [`ReportMetadata::resources`].
     pub resources: Vec<usize>,
-    /// Who of them works on the part; none if it is only moved.
+    /// The one that works on the part; none if it is only moved.
     pub worker: Option<usize>,
-    /// Who of them carries it.
+    /// The one that carries it.
     pub carrier: Option<usize>,
-    /// Who of them has held it before, and holds it no longer afterwards.
+    /// The one that holds the part before, and not afterwards.
     pub source: Option<usize>,
-    /// Who of them holds it afterwards; its room is taken from the start on.
+    /// The one that holds it afterwards; its room is taken from the start on.
     pub target: Option<usize>,
     /// How long it should take.
     pub nominal: Duration,

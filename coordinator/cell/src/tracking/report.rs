@@ -1,7 +1,8 @@
 //! What is reported of a cell, as numbers and as text.
 //!
-//! Availability, performance and quality as OEE has them (ISO 22400-2): the part of the time in which a resource was not
-//! down; how long its work should have taken beside how long it took; the part of what left that was good.
+//! Availability, performance and quality as factors of OEE (ISO 22400-2), each from 0 to 1: the part of the time in which a
+//! resource was not down; how long its work should have taken beside how long it took; the part of what left that was good.
+//! A part that took less time than described counts as described: the planned run time per item is the shorter of the two.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,7 +11,7 @@ use std::time::Duration;
 use super::orders::OrdersReport;
 use super::spread::Spread;
 
-/// For what causes somebody was down: how often, and for how long.
+/// Causes of down time: how often, and for how long.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Causes(BTreeMap<String, (u64, Duration)>);
 
@@ -59,7 +60,7 @@ pub struct ResourceReport {
     pub causes: Causes,
     /// How many parts it has worked on.
     pub worked: u64,
-    /// How long that should have taken.
+    /// How long that should have taken, each part at most as long as it took.
     pub nominal: Duration,
     /// How long it took.
     pub actual: Duration,
@@ -146,7 +147,7 @@ impl Effectiveness {
 }
 
 impl CellSummary {
-    /// Of all together who have worked on parts; none if nobody has, or nothing has left.
+    /// Of all resources that have worked on parts; none if none has, or nothing has left.
     pub fn effectiveness(&self) -> Option<Effectiveness> {
         let workers = || self.resources.iter().filter(|resource| resource.worked > 0);
         let count = u32::try_from(workers().count()).ok()?;

@@ -29,7 +29,7 @@ fn a_person_can_give_alarm_of_a_machine() {
     // It was stopped where it was: a person leads it to a rest.
     let now = bench.sim.now;
     bench.at("m1").bring_to_rest(now);
-    bench.until(now.as_micros() as f64 / 1e6 + 2.0);
+    bench.seconds_later(2.0);
     bench.say(PlayerInput::Resource { resource: m1, up: true });
     bench.all_leave(2);
 }

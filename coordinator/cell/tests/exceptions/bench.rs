@@ -71,6 +71,11 @@ impl Bench {
         self.sim.run(&mut Fifo, Tick::from_micros((seconds * 1e6) as u64));
     }
 
+    pub fn seconds_later(&mut self, seconds: f64) {
+        let now = self.sim.now.as_micros() as f64 / 1e6;
+        self.until(now + seconds);
+    }
+
     /// Plays until a part rests in M1 after an activity, because a station is moved by hand, and takes it away; the
     /// difference is found when M1 is to be counted on again. Gives the part, and the marking before.
     pub fn taken_away(&mut self, activity: &str, idle: &str, at: &str) -> (PartId, Vec<u64>) {
@@ -89,7 +94,7 @@ impl Bench {
     /// A station is moved by hand no longer, and says so.
     pub fn works(&mut self, idle: &str) {
         self.at(idle).unable = None;
-        self.until(self.sim.now.as_micros() as f64 / 1e6 + 2.0);
+        self.seconds_later(2.0);
     }
 
     /// Step by step until something holds; for an hour at most.

@@ -26,11 +26,6 @@ impl Bench {
         self.at("m1").is_stuck = true;
         self.until_that(|bench| bench.firing(LOAD).is_some_and(|of| of.phase != ActivityPhase::Running));
     }
-
-    fn seconds_later(&mut self, seconds: f64) {
-        let now = self.sim.now.as_micros() as f64 / 1e6;
-        self.until(now + seconds);
-    }
 }
 
 #[test]

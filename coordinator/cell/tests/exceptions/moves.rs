@@ -29,7 +29,7 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     let moves = TaskReport { slot: Some(key), ..stands.clone() };
     for _ in 0..20 {
         bench.say(PlayerInput::Station(robot, &moves));
-        bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 0.1);
+        bench.seconds_later(0.1);
     }
     let failure = OrderFailure::Code(1001);
     assert_eq!(bench.firing(LOAD).unwrap().phase, ActivityPhase::Failed(ActivityFailure::Order { key, failure }));

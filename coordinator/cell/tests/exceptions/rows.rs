@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::why_out;
+use linewright_coordinator_cell::dispatch::{Reasons, why_not, why_out};
 use linewright_coordinator_cell::exception::{
     AlarmAnswerRefusal, AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, ResourceRequest, SecuredState,
     Strategy,
 };
 use linewright_coordinator_cell::{
-    ActivityFailure, ActivityPhase, CellEvent, FiringId, OngoingActivity, OrderFailure, PartId, PlayerInput,
+    ActivityFailure, ActivityPhase, CellEvent, Fifo, FiringId, OngoingActivity, OrderFailure, PartId, PlayerInput,
     PlayerState, Presence, Record, RecordKind, StationUnavailable,
 };
 
@@ -101,7 +101,7 @@ fn where_it_was_to_go_all_is_as_if_it_were_done() {
     let mut bench = Bench::c1(&[1, 0]);
     let firing = bench.load_fails();
     bench.sim.truth.put(PART, Some(bench.resource("M1")));
-    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.seconds_later(1.0);
     bench.answer("in-machine");
     bench.closed(firing.id);
     let expected = [
@@ -161,7 +161,7 @@ fn a_part_that_breaks_while_it_is_worked_on_is_gone() {
          after "
     ));
     bench.sim.truth.put(PART, None);
-    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.seconds_later(1.0);
     bench.answer("gone");
     bench.closed(firing.id);
     bench.until_that(|bench| bench.state().left() == 2);
@@ -178,7 +178,7 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     let (robot, alarm) = (bench.resource("R"), bench.alarm().id);
     assert_eq!(bench.objections(), [(ResourceRequest::Answer(alarm), AlarmAnswerRefusal::HasNoPart(robot))]);
     bench.sim.truth.put(PART, Some(robot));
-    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.seconds_later(1.0);
     for word in ["in-store", "in-machine"] {
         bench.answer(word);
         assert_eq!(
@@ -194,7 +194,7 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     assert_eq!(bench.firing(LOAD).map(|firing| firing.id), Some(firing.id));
     // Somebody brings it, and leaves the robot where it stands.
     bench.sim.truth.put(PART, Some(bench.resource("M1")));
-    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.seconds_later(1.0);
     bench.answer("as-done");
     bench.closed(firing.id);
     assert!(
@@ -208,7 +208,7 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     let now = bench.sim.now;
     bench.at("robot").bring_to_rest(now);
     bench.at("robot").holds = false;
-    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.seconds_later(1.0);
     bench.say(PlayerInput::Resource { resource: robot, up: true });
     assert_eq!(bench.down(), []);
     bench.all_leave(1);
@@ -332,7 +332,7 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
         [(ResourceRequest::Up(robot), AlarmAnswerRefusal::NotHeard(bench.station("robot")))]
     );
     bench.at("robot").is_away = false;
-    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 2.0);
+    bench.seconds_later(2.0);
     bench.say(PlayerInput::Resource { resource: robot, up: true });
     bench.all_leave(1);
 }
@@ -370,7 +370,7 @@ fn a_station_without_its_memory_and_one_without_its_devices_are_told_of() {
     let why = AlarmAnswerRefusal::CannotWork(bench.station("robot"), StationUnavailable::Devices);
     assert_eq!(bench.objections(), [(ResourceRequest::Up(robot), why)]);
     bench.at("robot").unable = None;
-    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 2.0);
+    bench.seconds_later(2.0);
     bench.say(PlayerInput::Resource { resource: robot, up: true });
     bench.all_leave(1);
 }
@@ -403,7 +403,7 @@ fn after_a_restart_a_part_too_many_is_found() {
     bench.answer("up");
     assert!(bench.alarm().id > first, "it has not been put right");
     bench.sim.truth.put(foreign, None);
-    bench.until(bench.sim.now.as_micros() as f64 / 1e6 + 1.0);
+    bench.seconds_later(1.0);
     bench.answer("up");
     assert_eq!((bench.down(), bench.state().exceptions().alarms().len()), (vec![], 0));
     bench.all_leave(1);
@@ -487,4 +487,26 @@ fn a_resource_taken_out_by_hand_with_a_text_is_no_alarm() {
     let fact = RecordKind::Exception(ExceptionStep::Down { resource: m1, why });
     state.apply(&Record { at, fact }).expect("it fits");
     assert_eq!(why_out(&state, at, m1), ["M1 out of service for 0 s: taken out by hand: new tool."]);
+}
+
+/// Led away by hand it is heard, has its devices and no order, and cannot be given one.
+#[test]
+fn a_station_between_two_rests_is_named_by_whoever_waits_for_it() {
+    let mut bench = Bench::c1(&[1, 0]);
+    for name in ["robot", "m1", "m2", "m3"] {
+        bench.at(name).is_held = true;
+    }
+    bench.seconds_later(60.0);
+    assert_eq!((bench.state().firings().len(), bench.state().exceptions().alarms().len()), (0, 0));
+    let held: Vec<_> = bench.sim.coordination.held_stations().collect();
+    assert_eq!(held.len(), 4);
+    let ways = linewright_coordinator_cell::dispatch::ShortestRoutes::new(&bench.table);
+    let why = why_not(&ways, &Reasons::default(), &bench.sim.coordination, bench.sim.now, PART);
+    assert_eq!(why[1], "`load M1`: robot: between two rests; lead it to a rest in manual.");
+    let now = bench.sim.now;
+    for name in ["robot", "m1", "m2", "m3"] {
+        bench.at(name).bring_to_rest(now);
+    }
+    bench.sim.run_on(&mut Fifo, now + Duration::from_secs(2));
+    bench.all_leave(1);
 }

@@ -88,9 +88,9 @@ fn looking_ahead_over_all_of_it_is_never_worse_than_its_rules() {
     assert!(better >= 10, "better in {better} of 48");
 }
 
-/// What is imagined is what then happens, record for record, in a cell that is as it should be.
+/// What is simulated is what then happens, record for record, in a cell that is as it should be.
 #[test]
-fn a_cell_goes_as_imagined() {
+fn a_cell_goes_as_simulated() {
     for (text, orders) in [(ASSEMBLY, vec![("1", 3, None), ("3", 3, None)]), (C1, vec![("A", 5, None), ("B", 4, None)])]
     {
         let made = Made::new(text);
@@ -99,26 +99,26 @@ fn a_cell_goes_as_imagined() {
         shop.run(&mut desk.clone(), Tick::from_millis(20_000));
         // In the middle of it, with activities in progress.
         assert!(shop.state().firings().len() > 0);
-        let mut thought = desk.clone();
-        shop.log.iter().for_each(|record| thought.note(record));
-        let mut real = thought.clone();
-        let thought_of = SimulationBasis::new(&made.table);
-        let mut imagined = ForwardSimulation::new(shop.state(), thought_of.table(), shop.now);
-        assert_eq!(imagined.play(&mut thought, Tick::NEVER, 100_000), Ending::Still);
+        let mut simulated = desk.clone();
+        shop.log.iter().for_each(|record| simulated.note(record));
+        let mut real = simulated.clone();
+        let basis = SimulationBasis::new(&made.table);
+        let mut simulation = ForwardSimulation::new(shop.state(), basis.table(), shop.now);
+        assert_eq!(simulation.play(&mut simulated, Tick::NEVER, 100_000), Ending::Still);
         let before = shop.starts().len();
         shop.run(&mut real, LONG);
         let name = |mode| made.table.mode_name(mode);
-        let expected: Vec<_> = imagined.acts().iter().filter(|act| !act.was_running).collect();
+        let expected: Vec<_> = simulation.acts().iter().filter(|act| !act.was_running).collect();
         let expected: Vec<_> =
             expected.iter().map(|act| (act.from.as_micros() / 1000, name(act.mode), act.part)).collect();
         assert_eq!(shop.starts()[before..], expected);
-        let score = Score::of(&imagined, &thought, &thought_of, Ending::Still);
+        let score = Score::of(&simulation, &simulated, &basis, Ending::Still);
         assert_eq!((score.work, score.tardiness), (0, 0));
-        assert_eq!(shop.makespan(), imagined.began() + Duration::from_micros(score.makespan));
+        assert_eq!(shop.makespan(), simulation.began() + Duration::from_micros(score.makespan));
     }
 }
 
-/// Bounded work: with too little of it the rules decide, and it is counted; nothing is imagined beyond it.
+/// Bounded work: with too little of it the rules decide, and it is counted; nothing is simulated beyond it.
 #[test]
 fn with_too_little_effort_the_rules_decide() {
     let made = Made::new(C1);

@@ -84,7 +84,7 @@ fn when_something_is_late_what_follows_is_planned_anew() {
     let (late, as_planned, said) = on_m2(40);
     assert_eq!((late, &said[..]), (None, &["no schedule yet".to_owned()][..]));
     let (late, instead, said) = on_m2(79);
-    assert!(said[1].contains("later than tolerated, by 0.000001 s"), "{said:?}");
+    assert!(said[1].contains("later than tolerated, by less than 0.1 s"), "{said:?}");
     assert!((44..79).contains(&late.unwrap().as_secs()), "{late:?}");
     // It is late again and again, and is believed to take as long again as it is late; M2 never becomes better by that.
     assert!((3..8).contains(&said.len()) && (as_planned, instead) == (0, 0), "{said:?}");

@@ -103,9 +103,9 @@ fn orders(counts: &[u32]) -> Vec<(&'static str, u32, Option<u64>)> {
 }
 
 fn planned(made: &Made, desk: &DispatchConfiguration, scheduler: &mut dyn Scheduler) -> Schedule {
-    let thought = SimulationBasis::new(&made.table);
+    let basis = SimulationBasis::new(&made.table);
     let state = PlayerState::new(made.table.clone());
-    scheduler.plan(&PlanningSituation { now: Tick::ZERO, state: &state, desk, thought: &thought, previous: None })
+    scheduler.plan(&PlanningSituation { now: Tick::ZERO, state: &state, desk, basis: &basis, previous: None })
 }
 
 fn desk(made: &Made, production: Production) -> DispatchConfiguration {

@@ -72,6 +72,22 @@ fn work_that_takes_longer_than_it_should_is_performance_lost() {
     assert_eq!(robot.performance(), Some(0.75));
 }
 
+/// One that is fast makes up for no slow one, and none is more than all.
+#[test]
+fn work_that_takes_less_than_it_should_is_no_more_than_full_performance() {
+    let made = Made::new(ASSEMBLY);
+    let named = |name: &str| made.table.modes().find(|&mode| made.table.mode_name(mode) == name).unwrap();
+    let (fast, slow) = (named("human.process<2.new>"), named("human.process<3.new>"));
+    let orders = [("2", 1, None), ("3", 1, None)];
+    let only_fast = played(&made, &orders, |shop| _ = shop.really.insert(fast, seconds(1.0)));
+    let of = report(&made, &only_fast.log, only_fast.makespan()).effectiveness().unwrap();
+    assert_eq!((of.performance, of.product()), (1.0, 1.0));
+    let both = played(&made, &orders, |shop| shop.really.extend([(fast, seconds(1.0)), (slow, seconds(9.0))]));
+    let report = report(&made, &both.log, both.makespan());
+    let human = report.resources.iter().find(|resource| &*resource.name == "human").unwrap();
+    assert_eq!((human.nominal, human.actual), (seconds(5.0), seconds(10.0)), "1 of 1, and 4 of 9");
+}
+
 /// Millisecond by millisecond, from lists of what began and ended when.
 fn recounted(made: &Made, log: &[Record], now: Tick) -> BTreeMap<String, (u64, u64)> {
     let sheet = sheet(&made.cell, &made.made);

@@ -8,7 +8,7 @@ mod exceptions;
 mod ledger;
 mod picks;
 pub mod plans;
-mod printed;
+pub mod printed;
 mod records;
 mod snapshot;
 mod workcell;

@@ -91,10 +91,10 @@ pub fn compiled(variant: &Variant) -> Compiled {
 /// Starts what is on its list, one after the other, and holds everything else; keeps the last question.
 #[derive(Default)]
 pub struct Script {
-    starts: Vec<&'static str>,
-    asked: Vec<String>,
-    groups: Vec<Vec<usize>>,
-    contested: Vec<String>,
+    pub starts: Vec<&'static str>,
+    pub asked: Vec<String>,
+    pub groups: Vec<Vec<usize>>,
+    pub contested: Vec<String>,
 }
 
 impl Dispatcher for Script {

@@ -9,6 +9,7 @@ use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
 use super::{Coordinator, StationEntry, StationView};
+use crate::refusal::ModeRefusal;
 use crate::texts::ModeText;
 
 impl Coordinator {
@@ -20,6 +21,14 @@ impl Coordinator {
             let isolated = station.on_order && stations(id, self.now < station.known_until);
             self.changed |= station.isolated != isolated;
             station.isolated = isolated;
+        }
+    }
+
+    /// These stations stand between two rests, at no order, and no others: auto would have nothing to go on with there, and
+    /// is refused. Call it whenever that changes.
+    pub fn hold(&mut self, stations: impl Fn(StationId) -> bool) {
+        for (id, station) in self.line.station_ids().zip(&mut self.stations) {
+            station.held = station.on_order && stations(id);
         }
     }
 
@@ -87,13 +96,15 @@ impl Coordinator {
     pub fn text(&self) -> String {
         let name = |id| self.line.station(id).name.as_str();
         let stations = || self.line.station_ids().zip(&self.stations);
+        let texts = |reasons: &[ModeRefusal]| reasons.iter().map(|reason| reason.text(&self.line)).collect();
         let text = ModeText {
             stopping: self.stopping,
             reset: !self.estop,
             waiting: self.waiting_for().into_iter().map(name).collect(),
             without: stations().filter(|(_, station)| station.isolated).map(|(id, _)| name(id)).collect(),
             stopped: stations().filter(|(_, station)| station.stopped).map(|(id, _)| name(id)).collect(),
-            troubles: self.troubles().iter().map(|reason| reason.text(&self.line)).collect(),
+            troubles: texts(&self.troubles()),
+            ended: self.ended.as_ref().map(|(mode, reasons)| (*mode, texts(reasons))),
         };
         text.text(self.mode)
     }

@@ -1,5 +1,6 @@
 //! What each command does in each mode, and why it is refused where it is.
 
+use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
 use super::Coordinator;
@@ -9,8 +10,10 @@ use crate::refusal::{ModeRefusal, RefusedCommand};
 impl Coordinator {
     pub(super) fn command(&mut self, command: ModeCommand) {
         self.changed = true;
+        let ended = self.ended.take();
         let reasons = self.obey(command);
         if !reasons.is_empty() {
+            self.ended = ended;
             self.refusals.push(RefusedCommand { command, mode: self.mode, reasons });
         }
     }
@@ -48,13 +51,15 @@ impl Coordinator {
                 let behind = stations.filter(|(_, s)| s.heard.at_home && s.is_behind(latest));
                 reasons.extend(behind.map(|(id, _)| ModeRefusal::Behind(id)));
                 reasons.extend(self.which(|h| !h.at_home, ModeRefusal::NotAtHome));
+                reasons.extend(self.left_out_away());
                 reasons.extend(self.against_rest());
                 reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
                 self.ask(command, reasons)
             }
             (M::StandBy | M::Hand, C::Auto) => {
                 self.found();
-                self.ask(command, self.against_motion())
+                let between = self.between_rests();
+                if between.is_empty() { self.ask(command, self.against_motion()) } else { between }
             }
             (M::StandBy, C::Hand) => {
                 self.found();
@@ -100,6 +105,13 @@ impl Coordinator {
         let mut reasons = self.troubles();
         reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
         reasons
+    }
+
+    /// Stations that auto would leave where they stand.
+    fn between_rests(&self) -> Vec<ModeRefusal> {
+        let is_out = |id: StationId| self.stations[id.index()].isolated || self.stations[id.index()].stopped;
+        let held = self.line.station_ids().filter(|id| self.stations[id.index()].held && !is_out(*id));
+        held.map(ModeRefusal::BetweenRests).collect()
     }
 
     fn against_rest(&self) -> Vec<ModeRefusal> {
@@ -149,7 +161,10 @@ impl Coordinator {
         }
         if matches!(command, ModeCommand::Auto | ModeCommand::Hand) {
             self.found();
-            let reasons = self.against_motion();
+            let mut reasons = self.against_motion();
+            if command == ModeCommand::Auto {
+                reasons.extend(self.between_rests());
+            }
             if !reasons.is_empty() {
                 return reasons;
             }
@@ -160,8 +175,9 @@ impl Coordinator {
     }
 
     fn acknowledge_restarts(&mut self) -> Vec<ModeRefusal> {
+        let was_unstarted = std::mem::take(&mut self.is_unstarted);
         if !self.stations.iter().any(|s| s.restarted) {
-            return vec![ModeRefusal::Already];
+            return if was_unstarted { Vec::new() } else { vec![ModeRefusal::Already] };
         }
         for station in &mut self.stations {
             station.restarted = false;

@@ -17,6 +17,8 @@ pub struct ModeText<'a> {
     pub stopped: Vec<&'a str>,
     /// What prevents other modes.
     pub troubles: Vec<String>,
+    /// The mode that ended by itself last, and why; until the next command.
+    pub ended: Option<(ControlMode, Vec<String>)>,
 }
 
 impl ModeText<'_> {
@@ -37,6 +39,11 @@ impl ModeText<'_> {
         }
         if !self.stopped.is_empty() {
             text.push_str(&format!(", {} in emergency stop", self.stopped.join(" and ")));
+        }
+        if let Some((mode, reasons)) = &self.ended
+            && reasons.iter().any(|reason| !self.troubles.contains(reason))
+        {
+            text.push_str(&format!(", {mode} ended ({})", reasons.join("; ")));
         }
         if !self.troubles.is_empty() {
             text.push_str(&format!(": {}", self.troubles.join("; ")));

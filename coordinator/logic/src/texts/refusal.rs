@@ -65,6 +65,10 @@ impl ModeRefusal {
             ModeRefusal::Moving(station) => (station, "motion in progress"),
             ModeRefusal::Unaware(station) => (station, "stand-by not acknowledged yet"),
             ModeRefusal::NotAtHome(station) => (station, "not at home"),
+            ModeRefusal::BetweenRests(station) => (
+                station,
+                "between two rests, with no task order; lead it to a rest in manual, or take its resource out of service",
+            ),
             ModeRefusal::Behind(station) => (station, "at home one cycle behind the others; give auto, then stop"),
         };
         format!("{}: {text}", line.station(*station).name)

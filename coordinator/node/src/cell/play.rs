@@ -358,7 +358,7 @@ impl CellLoop {
                 self.told.push(PlayerMessage::Withdraw(ticket, name));
             }
             CellInbound::Why(about, reply) => {
-                let lines = why(&self.ways, &self.reasons, self.coordination.state(), self.now(), &about);
+                let lines = why(&self.ways, &self.reasons, &self.coordination, self.now(), &about);
                 let known = lines.is_ok();
                 reply.send(WhyNotResponse { known, lines: lines.unwrap_or_else(|unknown| vec![unknown]) });
             }
@@ -409,9 +409,7 @@ impl CellLoop {
             }
         }
         self.people.reply(&self.line, self.coordination.state(), &mut out);
-        if !out.records.is_empty() {
-            self.tell_apart(false);
-        }
+        self.tell_apart(false);
         for event in out.events {
             self.event(event)?;
         }
@@ -428,7 +426,7 @@ impl CellLoop {
     /// Says which stations are the cell's affair alone. It follows from the state, which only records change. Before they are
     /// on disk it is only said which ones stop as well.
     fn tell_apart(&self, only_stops: bool) {
-        let apart = IsolatedStations::of(self.coordination.state());
+        let apart = IsolatedStations::of(&self.coordination);
         self.apart.send_if_modified(|now| {
             let before = now.clone();
             if !only_stops {

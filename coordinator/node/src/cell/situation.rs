@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use linewright_coordinator_cell::PlayerState;
+use linewright_coordinator_cell::Coordination;
 use linewright_coordinator_cell::exception::isolated;
 use linewright_history::Note;
 use linewright_line::StationId;
@@ -29,12 +29,16 @@ pub struct IsolatedStations {
     pub isolated: BTreeSet<StationId>,
     /// They are in emergency stop by themselves.
     pub stopped: BTreeSet<StationId>,
+    /// They stand between two rests, at no order.
+    pub held: BTreeSet<StationId>,
 }
 
 impl IsolatedStations {
     /// As it follows from what is known of the cell.
-    pub fn of(state: &PlayerState) -> Self {
-        IsolatedStations { isolated: isolated(state), stopped: state.exceptions().stopped().collect() }
+    pub fn of(coordination: &Coordination) -> Self {
+        let state = coordination.state();
+        let stopped = state.exceptions().stopped().collect();
+        IsolatedStations { isolated: isolated(state), stopped, held: coordination.held_stations().collect() }
     }
 }
 

@@ -92,7 +92,7 @@ pub fn open(
     ];
     let mut says =
         CellPublishers { state: node.publisher("~/cell_state", qos::latched_state())?, stations: Vec::new() };
-    for id in line.station_ids().filter(|&id| line.station(id).works_on_order()) {
+    for id in line.station_ids().filter(|&id| line.station(id).is_task_driven()) {
         let name = &line.station(id).name;
         let state = node.subscription(&format!("{name}/order"), qos::latched_state())?;
         tasks.push(forward(state, to.clone(), move |message, _| Some(CellInbound::Heard(id, Box::new(message)))));

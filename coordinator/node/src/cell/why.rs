@@ -3,7 +3,7 @@
 use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::{ShortestRoutes, why_not, why_out};
 use linewright_coordinator_cell::production::ProductionStatus;
-use linewright_coordinator_cell::{PartId, PlayerState};
+use linewright_coordinator_cell::{Coordination, PartId};
 use linewright_line::{Tick, suggestion};
 
 use super::words::{names, parts};
@@ -16,11 +16,11 @@ const PARTS_MAX: usize = 5;
 pub fn why(
     ways: &ShortestRoutes,
     reasons: &Reasons,
-    state: &PlayerState,
+    coordination: &Coordination,
     now: Tick,
     about: &str,
 ) -> Result<Vec<String>, String> {
-    let about = about.trim();
+    let (about, state) = (about.trim(), coordination.state());
     let production = state.production();
     if let Some(order) = production.named(about) {
         let mut lines = vec![match production.status(order, now) {
@@ -48,7 +48,7 @@ pub fn why(
         }];
         let counts = |part: &PartId| production.order_of(*part).is_some_and(|of| of.id == order.id);
         let parts: Vec<PartId> = state.parts().map(|part| part.id).filter(counts).take(PARTS_MAX).collect();
-        lines.extend(parts.into_iter().flat_map(|part| why_not(ways, reasons, state, now, part)));
+        lines.extend(parts.into_iter().flat_map(|part| why_not(ways, reasons, coordination, now, part)));
         return Ok(lines);
     }
     let handling = state.table().handling();
@@ -57,7 +57,7 @@ pub fn why(
     }
     let number = about.strip_prefix("part").unwrap_or(about).trim().parse().ok();
     match number.map(PartId).filter(|&part| state.part(part).is_some()) {
-        Some(part) => Ok(why_not(ways, reasons, state, now, part)),
+        Some(part) => Ok(why_not(ways, reasons, coordination, now, part)),
         None => {
             let orders = production.orders().map(|order| order.request.name.as_str());
             let resources = handling.resources.iter().map(|resource| resource.name.as_ref());

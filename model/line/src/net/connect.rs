@@ -106,7 +106,7 @@ pub(super) fn transitions_of(station: &Station) -> Vec<StationTransition> {
     }
     // Step 2: the normal cycle. Step 3: the reverse sequences.
     for step in 0..station.steps.len() {
-        if station.works_on_order() {
+        if station.is_task_driven() {
             builder.next_on_order(step);
             builder.back_on_order(step);
         } else {
@@ -193,7 +193,7 @@ impl StationNetBuilder<'_> {
         let settled = self.neighbours(op);
         let back_by_itself = self.secured(op);
         let back_by_hand = self.reversed_at_rest(op).unwrap_or_else(|| hand.reverse(next));
-        let on_order = self.station.works_on_order();
+        let on_order = self.station.is_task_driven();
         let held_at_home = self.unless_stopped(self.preceding(step));
         let (p1, p2, p3) = (StationPlace::operating(op), StationPlace::incomplete(op), StationPlace::completed(op));
         let (p4, p5, p6) = (StationPlace::undoing(op), StationPlace::undo_incomplete(op), StationPlace::undone(op));

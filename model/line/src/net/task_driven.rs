@@ -2,7 +2,7 @@
 //!
 //! Its tasks are stretches of the list, and a rest is the place p3 of the last operation of any task that ends there:
 //! one physical position, so the net has no place that operations do not have. From a rest t11 leads to the first step of
-//! each task that begins there. Four rules make the rest:
+//! each task that begins there. Five rules make the rest:
 //!
 //! 1. In auto t11 waits for the order: for its own task's alone.
 //! 2. A station that is to go back ([`Var::Secure`]) takes back what is complete, operation by operation, by t4 and t12,
@@ -11,6 +11,8 @@
 //!    place that stands for that rest ([`TransitionKind::GiveUp`]), so that any task can begin there, and the net stays strongly
 //!    connected.
 //! 4. What a fault has stopped, t2, t5, t7, t10 and recovery paths are for, waits for a person, as everywhere.
+//! 5. In manual t11 does not lead out of a rest: a task is chosen, by its order or by its button in hand mode. The panel's
+//!    one button for advance, held once too often, would begin any.
 //!
 //! t12 is there between any two reversible operations of a task, and the panel's return leads over it: going back needs
 //! it, and in manual there is no reason to go back less far. In hand mode it is what the hand type says.
@@ -24,7 +26,7 @@ impl StationNetBuilder<'_> {
     /// t4 in auto: what the station takes back by itself when it is to go back.
     pub(super) fn secured(&self, op: OpId) -> Option<Conjunction> {
         let station = self.station;
-        let within = station.works_on_order() && station.rest_after(op).is_none();
+        let within = station.is_task_driven() && station.rest_after(op).is_none();
         within.then(|| vec![on(Var::Secure)])
     }
 
@@ -56,14 +58,13 @@ impl StationNetBuilder<'_> {
             return self.lead(step, step + 1, on(Var::Ordered(task)), by_hand, true);
         };
         let mut earlier: Vec<Literal> = Vec::new();
-        for (nth, task) in station.tasks_from(rest).enumerate() {
+        for task in station.tasks_from(rest) {
             let (to, first) = (station.task(task).steps.start, station.first_of(task));
             let forward = station.operations[first.index()].hand.forward();
             let mut by_hand = vec![on(Var::Pressed(forward)), on(Var::Causal(to))];
             by_hand.extend(&earlier);
             earlier.push(off(Var::Pressed(forward)));
-            // The panel has one button for advance: it begins the first task listed.
-            self.lead(step, to, on(Var::Ordered(task)), by_hand, nth == 0);
+            self.lead(step, to, on(Var::Ordered(task)), by_hand, false);
         }
     }
 

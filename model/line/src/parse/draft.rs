@@ -246,7 +246,7 @@ impl DraftStation<'_> {
     }
 
     /// Whether it works on order, and not round a cycle.
-    pub fn works_on_order(&self) -> bool {
+    pub fn is_task_driven(&self) -> bool {
         !self.tasks.is_empty()
     }
 

@@ -247,7 +247,7 @@ fn span(
     let station = names.stations.find(raw.station.as_ref()?, "station", report)?;
     let described = &stations[station];
     if let Some(task) = &raw.task {
-        if !described.works_on_order() {
+        if !described.is_task_driven() {
             report.add(
                 Problem::error(task.at.clone(), format!("station `{}` has no tasks", described.name))
                     .hint("it goes round a cycle: name the stretch by `from` and `until`"),
@@ -260,7 +260,7 @@ fn span(
             crate::StateSpan { station: StationId::at(station), from: OpId::at(ops.start), until: OpId::at(last) };
         return Some(Located::new(span, raw.at.clone()));
     }
-    if described.works_on_order() {
+    if described.is_task_driven() {
         if raw.from.is_some() && raw.until.is_some() {
             report.add(
                 Problem::error(

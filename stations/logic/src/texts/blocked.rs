@@ -44,6 +44,8 @@ pub enum StationWait<'a> {
     TaskButton { choices: &'a [String] },
     /// A command of the station's panel.
     Panel,
+    /// At a rest in manual: what begins a task, and the panel's return where it leads back.
+    PanelAtRest { is_reversible: bool },
     /// The station's selector.
     Selector,
     /// A mode in which stations move.
@@ -134,6 +136,10 @@ impl StationWait<'_> {
             },
             StationWait::TaskButton { choices } => format!("a button: {}", choices.join(", ")),
             StationWait::Panel => "advance or return at its panel".to_owned(),
+            StationWait::PanelAtRest { is_reversible } => {
+                let back = if is_reversible { ", or return at its panel" } else { "" };
+                format!("a task: its order in auto, or its button in hand mode{back}")
+            }
             StationWait::Selector => "its selector at manual".to_owned(),
             StationWait::Mode(mode) => format!("a mode that allows motion (now {mode})"),
             StationWait::EStop => "the reset of the emergency stop".to_owned(),

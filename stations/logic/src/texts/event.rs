@@ -23,7 +23,7 @@ impl StationHappening {
             }
             HappeningKind::Withdrawn(0) => "withdrew no count".to_owned(),
             HappeningKind::Withdrawn(ops) => format!("withdrew the count of {}", op_names(line, station, ops)),
-            HappeningKind::HomeAgain if line.station(station).works_on_order() => {
+            HappeningKind::HomeAgain if line.station(station).is_task_driven() => {
                 "returned to the rest where the task began".to_owned()
             }
             HappeningKind::HomeAgain => "returned home by recovery; the cycle will be repeated".to_owned(),

@@ -10,5 +10,5 @@ mod hostile;
 mod interlock;
 mod recovery;
 mod restart;
-mod rig;
+pub mod rig;
 mod undo;

@@ -8,7 +8,7 @@ use std::time::Duration;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
-    Controller, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
+    Controller, ModeOrder, NO_DELAY, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
 };
 
 use crate::build::{actuator_bit, complete_bit};
@@ -23,11 +23,11 @@ pub struct Rig {
     pub now: Tick,
     pub order: ModeOrder,
     pub outputs: u128,
-    image: u128,
+    pub image: u128,
     valid: bool,
     held: [Option<PanelCommand>; 2],
     peers: Vec<(StationId, StationReport)>,
-    out: StationOutbox,
+    pub out: StationOutbox,
     events: Vec<String>,
 }
 
@@ -38,12 +38,16 @@ impl Rig {
     }
 
     pub fn of(line: Line, station: StationId, restore: Restore) -> Self {
-        let controller = Controller::new(&line, station, 1, restore).expect("a built station compiles");
+        let home = line.operation((station, line.station(station).home)).normal.complete;
+        Rig::standing(line, station, 1, restore, 1 << home.0)
+    }
+
+    /// With this image, by a process of this boot id.
+    pub fn standing(line: Line, station: StationId, boot_id: u64, restore: Restore, image: u128) -> Self {
+        let controller = Controller::new(&line, station, boot_id, restore).expect("a built station compiles");
         // Its images say nothing of where mechanisms stand, and its peers were never at home with it.
         let controller = controller.with_rules(Rules::COUNTS);
         let order = ModeOrder { manual_all: true, ..ModeOrder::of(7, 1, ControlMode::StandBy, line.timing.lease) };
-        let home = line.station(station).home;
-        let home_switch = 1 << line.operation((station, home)).normal.complete.0;
         let mut rig = Rig {
             line,
             station,
@@ -51,7 +55,7 @@ impl Rig {
             now: Tick::from_millis(1000),
             order,
             outputs: 0,
-            image: home_switch,
+            image,
             valid: true,
             held: [None; 2],
             peers: Vec::new(),
@@ -72,17 +76,12 @@ impl Rig {
     }
 
     fn send_image(&mut self) {
-        let input = StationInput::Inputs {
-            bits: self.image,
-            valid: self.valid,
-            until: Tick::NEVER,
-            under: linewright_station_logic::NO_DELAY,
-        };
-        self.controller.handle(self.now, input);
+        let (bits, valid) = (self.image, self.valid);
+        self.controller.handle(self.now, StationInput::Inputs { bits, valid, until: Tick::NEVER, under: NO_DELAY });
     }
 
     /// Everything that is sent over and over, once more.
-    fn refresh(&mut self) {
+    pub fn refresh(&mut self) {
         self.send_image();
         self.controller.handle(self.now, StationInput::Order(self.order));
         for command in self.held.into_iter().flatten() {

@@ -100,8 +100,7 @@ fn of_an_order_it_no_longer_knows_it_says_that_it_has_had_it() {
 
 #[test]
 fn a_task_or_a_number_that_is_not_there_is_refused_and_none_is_guessed() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
+    let mut m1 = Bench::clamped();
     let with = |id, parameters: &[(&str, i32)]| TaskOrder {
         parameters: parameters.iter().map(|(name, value)| ((*name).into(), *value)).collect(),
         ..order(id, "machine")
@@ -132,9 +131,7 @@ fn an_order_heard_when_its_time_is_over_is_not_begun() {
 
 #[test]
 fn after_a_fault_it_takes_nothing_on_until_somebody_has_been_there() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.arrive();
     m1.set("F_mill", true);
     assert_eq!(m1.result(key(1, 2)), Some(TaskOutcome::Failed(TaskFailure::Fault)));

@@ -103,7 +103,7 @@ fn a_motion_of_it_stops_when_the_other_one_is_measured_in_the_way() {
     assert_eq!(arm.drives(), ["Y_50"]);
     arm.hears(&["C_60"]);
     assert_eq!(arm.drives(), [] as [&str; 0]);
-    let results = arm.robot.report().order.expect("it works on order").results;
+    let results = arm.robot.report().order.expect("it is task-driven").results;
     assert_eq!(results.last().map(|(_, end)| *end), Some(TaskOutcome::Failed(TaskFailure::Fault)));
 }
 

@@ -2,23 +2,15 @@
 
 use std::time::Duration;
 
+use linewright_line::StationId;
 use linewright_line::net::ControlMode;
-use linewright_line::{StationId, Tick};
-use linewright_station_logic::{
-    Controller, ModeOrder, NO_DELAY, Restore, Rules, StationInput, StationOutbox, TaskCommand, TaskFailure, TaskOrder,
-    TaskOutcome, TaskRefusal, TaskReply,
-};
+use linewright_station_logic::{Restore, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
 
-use super::bench::{Bench, key, order};
-
-fn ended(failure: TaskFailure) -> TaskReply {
-    TaskReply::Ended(TaskOutcome::Failed(failure))
-}
+use super::bench::{Bench, MEMORY, ended, key, order};
 
 #[test]
 fn told_to_go_back_it_ends_the_motion_and_takes_the_task_back() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
+    let mut m1 = Bench::clamped();
     m1.events();
     m1.run(&order(2, "machine"));
     assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
@@ -36,9 +28,7 @@ fn told_to_go_back_it_ends_the_motion_and_takes_the_task_back() {
 
 #[test]
 fn what_cannot_be_taken_back_it_stays_with() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.arrive();
     assert_eq!(m1.secure(key(1, 2)), TaskReply::Running);
     m1.arrive();
@@ -85,8 +75,7 @@ fn told_before_the_order_itself_it_does_not_take_it_on_when_it_comes() {
 
 #[test]
 fn when_its_time_is_over_it_goes_back_and_the_order_ends_when_it_stands() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
+    let mut m1 = Bench::clamped();
     let short = TaskOrder { limit: Duration::from_millis(500), ..order(2, "machine") };
     m1.run(&short);
     m1.wait(Duration::from_millis(500));
@@ -120,9 +109,7 @@ fn given_up_by_its_own_clock_or_by_another_it_fails_with_what_it_waited_for() {
 
 #[test]
 fn it_goes_back_in_auto_alone_and_not_without_its_devices() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.mode(ControlMode::StandBy);
     m1.arrive();
     m1.secure(key(1, 2));
@@ -136,9 +123,7 @@ fn it_goes_back_in_auto_alone_and_not_without_its_devices() {
 
 #[test]
 fn a_fault_on_the_way_back_ends_it() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.secure(key(1, 2));
     m1.arrive();
     m1.wait(Duration::from_secs(3));
@@ -151,53 +136,24 @@ fn a_fault_on_the_way_back_ends_it() {
 /// The robot of the same description: a task of five operations, all of which can be taken back.
 #[test]
 fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin() {
-    let text = include_str!("../../../../model/line/tests/descriptions/on_order.toml");
-    let line = linewright_line::parse("on_order.toml", text).expect("sound").line;
-    let (station, now) = (StationId(1), Tick::from_millis(1));
-    let robot = Controller::new(&line, station, 1, Restore::Fresh).expect("compiles");
-    let mut robot = robot.with_rules(Rules::COUNTS);
-    let described = line.station(station);
-    let input = |name: &str| 1u128 << described.inputs.iter().position(|input| input == name).expect("it is there");
-    let mut out = StationOutbox::default();
-    let image = |robot: &mut Controller, bits: u128, out: &mut StationOutbox| {
-        robot.handle(now, StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY });
-        robot.step(now, out);
-    };
-    image(&mut robot, input("A_0") | input("G_0"), &mut out);
-    robot.handle(now, StationInput::Order(ModeOrder::of(1, 1, ControlMode::Auto, Duration::from_secs(3600))));
-    let load = |id| TaskOrder {
-        key: key(1, id),
-        memory: 1,
-        task: "load m1".into(),
-        parameters: vec![("slot".into(), 3)],
-        limit: Duration::from_secs(60),
-    };
-    robot.handle(now, StationInput::Task(TaskCommand::Run(&load(1))));
-    robot.step(now, &mut out);
-    // To the store, grasp, carry to m1. The machine never says that it has clamped.
-    for switches in [["A_50", "G_0"], ["A_50", "G_1"], ["A_100", "G_1"]] {
-        image(&mut robot, 0, &mut out);
-        image(&mut robot, input(switches[0]) | input(switches[1]), &mut out);
+    let mut robot = Bench::standing(StationId(1), Restore::Fresh, MEMORY, &["A_0", "G_0"]);
+    robot.mode(ControlMode::Auto);
+    robot.run(&order(1, "load m1"));
+    // To the store, grasp, carry to m1. The machine never reports that it has clamped.
+    for _ in 0..3 {
+        robot.arrive();
     }
-    assert_eq!(robot.operation_text(&line), "carry to m1 (done)");
-    assert_eq!(robot.blocked_by(&line, now), ["m1_closed (robot io, node 03h, 6000h:01 bit 5), for let go"]);
-    robot.handle(now, StationInput::Task(TaskCommand::Secure(key(1, 1))));
-    robot.step(now, &mut out);
-    for (doing, switches) in [
-        ("undoing carry to m1", ["A_50", "G_1"]),
-        ("undoing grasp", ["A_50", "G_0"]),
-        ("undoing to the store", ["A_0", "G_0"]),
-    ] {
-        assert_eq!(robot.operation_text(&line), doing);
-        image(&mut robot, 0, &mut out);
-        image(&mut robot, input(switches[0]) | input(switches[1]), &mut out);
+    assert_eq!(robot.doing(), "carry to m1 (done)");
+    assert_eq!(robot.blocked_by(), ["m1_closed (robot io, node 03h, 6000h:01 bit 5), for let go"]);
+    robot.secure(key(1, 1));
+    for doing in ["undoing carry to m1", "undoing grasp", "undoing to the store"] {
+        assert_eq!(robot.doing(), doing);
+        robot.arrive();
     }
-    assert_eq!(robot.operation_text(&line), "home from m1 (done)", "the place that stands for home");
+    assert_eq!(robot.doing(), "home from m1 (done)", "the place that stands for home");
+    assert_eq!(robot.orders().results, [(key(1, 1), TaskOutcome::Failed(TaskFailure::Waiting(21)))]);
     let report = robot.report();
-    let orders = report.order.expect("it works on order");
-    assert_eq!(orders.results, [(key(1, 1), TaskOutcome::Failed(TaskFailure::Waiting(21)))], "what it waited for");
     assert_eq!((report.done, report.started, report.cycle), (vec![0; 10], vec![0; 10], 1));
-    robot.handle(now, StationInput::Task(TaskCommand::Run(&load(2))));
-    robot.step(now, &mut out);
-    assert_eq!(robot.operation_text(&line), "to the store");
+    robot.run(&order(2, "load m1"));
+    assert_eq!(robot.doing(), "to the store");
 }

@@ -26,9 +26,7 @@ fn a_task_is_done_from_rest_to_rest_and_then_nothing_more_happens() {
 
 #[test]
 fn the_parameters_are_on_while_the_task_is_done_and_not_longer() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     for motion in ["Y_in", "Y_mill", "Y_out"] {
         assert_eq!(m1.on(), [motion, "prog_1", "prog_4"]);
         m1.arrive();
@@ -38,8 +36,7 @@ fn the_parameters_are_on_while_the_task_is_done_and_not_longer() {
 
 #[test]
 fn a_task_that_ends_where_it_begins_is_done_once_for_each_order() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
+    let mut m1 = Bench::clamped();
     for id in 2..5 {
         m1.done(&order(id, "machine"));
         assert_eq!(m1.outputs, 0, "it does not begin again");
@@ -88,9 +85,7 @@ fn the_time_of_the_description_counts_where_the_order_leaves_more() {
 
 #[test]
 fn in_stand_by_the_motion_ends_and_the_task_goes_on_in_auto() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.mode(ControlMode::StandBy);
     m1.arrive();
     assert_eq!((m1.doing(), m1.on()), ("slide in (done)".to_owned(), vec!["prog_1", "prog_4"]));

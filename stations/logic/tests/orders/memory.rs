@@ -3,7 +3,7 @@
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{Controller, PanelCommand, Restore, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
-use super::bench::{Bench, MEMORY, key, order};
+use super::bench::{Bench, MEMORY, ended, key, order};
 
 #[test]
 fn killed_in_a_motion_it_has_ended_the_order_and_says_so() {
@@ -13,7 +13,7 @@ fn killed_in_a_motion_it_has_ended_the_order_and_says_so() {
     assert_eq!((again.doing().as_str(), again.outputs), ("clamp close (stopped)", 0));
     again.mode(ControlMode::Auto);
     assert_eq!(again.orders().memory, MEMORY, "another life, the same memory");
-    assert_eq!(again.run(&order(1, "clamp")), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Restarted)));
+    assert_eq!(again.run(&order(1, "clamp")), ended(TaskFailure::Restarted));
     assert_eq!(again.run(&order(2, "clamp")), TaskReply::Refused(TaskRefusal::Incomplete));
 }
 
@@ -26,15 +26,13 @@ fn killed_before_it_has_begun_it_does_not_begin() {
     again.mode(ControlMode::Auto);
     again.set("part_present", true);
     assert_eq!(again.outputs, 0);
-    assert_eq!(again.run(&order(1, "clamp")), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Restarted)));
+    assert_eq!(again.run(&order(1, "clamp")), ended(TaskFailure::Restarted));
     again.done(&order(2, "clamp"));
 }
 
 #[test]
 fn killed_after_its_last_motion_it_keeps_what_it_has_said() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.wait(std::time::Duration::from_millis(2_500));
     m1.arrive();
     m1.arrive();
@@ -76,17 +74,14 @@ fn without_its_memory_it_takes_no_order_that_was_meant_for_it() {
 fn a_snapshot_of_any_length_is_taken_and_no_longer_than_it_may_be_afterwards() {
     let m1 = Bench::new();
     let mut snapshot = m1.controller.snapshot();
-    let orders = snapshot.order.as_mut().expect("it works on order");
+    let orders = snapshot.order.as_mut().expect("it is task-driven");
     orders.results = (1..100).map(|id| (key(1, id), TaskReply::Ended(TaskOutcome::Done))).collect();
     orders.slot = Some(key(1, 100));
     orders.last = 100;
     let again = Controller::new(&m1.line, m1.station, 8, Restore::From(snapshot)).expect("it fits");
-    let kept = again.snapshot().order.expect("it works on order");
+    let kept = again.snapshot().order.expect("it is task-driven");
     assert_eq!((kept.results.len(), kept.slot), (16, None));
-    assert_eq!(
-        kept.results.last(),
-        Some(&(key(1, 100), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Restarted))))
-    );
+    assert_eq!(kept.results.last(), Some(&(key(1, 100), ended(TaskFailure::Restarted))));
 }
 
 /// A coordinator that has lost its records begins a later life, and counts from 1.
@@ -111,22 +106,20 @@ fn numbers_begin_anew_with_a_later_epoch() {
 #[test]
 fn a_message_to_leave_an_order_of_any_epoch_keeps_no_other_order_out() {
     for epoch in [2, 1 << 29, u64::MAX] {
-        let mut m1 = Bench::new();
-        m1.done(&order(1, "clamp"));
+        let mut m1 = Bench::clamped();
         m1.secure(key(epoch, 7));
         assert_eq!(m1.is_taken, epoch != u64::MAX, "what is of no coordinator's life is ignored, and told");
         assert_eq!(m1.orders().epoch, 1);
         m1.done(&order(2, "release"));
         // The order that it names is left all the same.
         let named = linewright_station_logic::TaskOrder { key: key(epoch, 7), ..order(7, "clamp") };
-        assert_eq!(m1.run(&named), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Cancelled)));
+        assert_eq!(m1.run(&named), ended(TaskFailure::Cancelled));
     }
 }
 
 #[test]
 fn an_order_of_an_epoch_far_ahead_is_not_taken_on() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
+    let mut m1 = Bench::clamped();
     let far = linewright_station_logic::TaskOrder { key: key(u64::MAX, 1), ..order(1, "release") };
     assert_eq!(m1.run(&far), TaskReply::Refused(TaskRefusal::OtherMemory));
     assert!(!m1.is_taken);
@@ -135,15 +128,13 @@ fn an_order_of_an_epoch_far_ahead_is_not_taken_on() {
 
 #[test]
 fn killed_after_it_was_told_to_leave_an_order_it_does_not_go_back_on_a_late_copy_of_that() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(PanelCommand::Advance(true));
     m1.secure(key(1, 2));
     let mut again = m1.killed(8);
     again.mode(ControlMode::Auto);
     assert_eq!((again.doing().as_str(), again.rest()), ("slide in (done)", None));
-    assert_eq!(again.secure(key(1, 2)), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted)));
+    assert_eq!(again.secure(key(1, 2)), ended(TaskFailure::Interrupted));
     assert_eq!((again.outputs, again.slot()), (0, None));
 }

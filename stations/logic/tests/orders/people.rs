@@ -6,7 +6,7 @@ use linewright_line::net::StationPlace;
 use linewright_station_logic::PanelCommand::{Advance, Retract};
 use linewright_station_logic::{TaskFailure, TaskOutcome, TaskReply};
 
-use super::bench::{Bench, key, order};
+use super::bench::{Bench, ended, key, order};
 
 #[test]
 fn a_fault_ends_the_order_with_its_code_and_leaves_the_station_where_it_is() {
@@ -16,16 +16,14 @@ fn a_fault_ends_the_order_with_its_code_and_leaves_the_station_where_it_is() {
     assert_eq!(m1.doing(), "clamp close (stopped)");
     assert_eq!(m1.result(key(1, 1)), Some(TaskOutcome::Failed(TaskFailure::Fault)));
     assert_eq!(TaskFailure::Fault.code(), 1001);
-    assert_eq!(m1.secure(key(1, 1)), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Fault)));
+    assert_eq!(m1.secure(key(1, 1)), ended(TaskFailure::Fault));
     assert_eq!(m1.outputs, 0, "it waits for a person, as every station does");
 }
 
 #[test]
 fn in_every_mode_in_which_people_move_it_an_order_is_over() {
     for mode in [ControlMode::Hand, ControlMode::Manual, ControlMode::EStop] {
-        let mut m1 = Bench::new();
-        m1.done(&order(1, "clamp"));
-        m1.run(&order(2, "machine"));
+        let mut m1 = Bench::machining();
         m1.mode(mode);
         assert_eq!(m1.result(key(1, 2)), Some(TaskOutcome::Failed(TaskFailure::Interrupted)), "{mode}");
         assert!(m1.on().iter().all(|output| !output.starts_with("prog")), "{mode}");
@@ -42,15 +40,13 @@ fn led_to_the_end_by_hand_the_order_has_failed_all_the_same() {
     m1.through(Advance(true));
     assert_eq!(m1.rest().as_deref(), Some("clamped"));
     m1.mode(ControlMode::Auto);
-    assert_eq!(m1.run(&order(1, "clamp")), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted)));
+    assert_eq!(m1.run(&order(1, "clamp")), ended(TaskFailure::Interrupted));
     m1.done(&order(2, "machine"));
 }
 
 #[test]
 fn taken_back_at_the_panel_it_stands_where_the_task_began_and_any_task_can_begin() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.mode(ControlMode::Manual);
     m1.hold(&[Retract(true)]);
     m1.hold(&[]);
@@ -66,9 +62,7 @@ fn taken_back_at_the_panel_it_stands_where_the_task_began_and_any_task_can_begin
 
 #[test]
 fn where_it_was_left_between_two_operations_it_can_be_told_to_go_back() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
     assert_eq!(m1.doing(), "slide in (done)");
@@ -83,12 +77,10 @@ fn where_it_was_left_between_two_operations_it_can_be_told_to_go_back() {
 
 #[test]
 fn told_to_go_back_while_people_move_it_it_does_not_go_back_later_on_a_copy_of_that() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
-    let interrupted = TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted));
+    let interrupted = ended(TaskFailure::Interrupted);
     assert_eq!(m1.secure(key(1, 2)), interrupted, "not while people move it");
     m1.mode(ControlMode::Auto);
     assert_eq!(m1.secure(key(1, 2)), interrupted, "whoever told it knows that it stands");
@@ -97,9 +89,7 @@ fn told_to_go_back_while_people_move_it_it_does_not_go_back_later_on_a_copy_of_t
 
 #[test]
 fn once_it_has_rested_after_its_order_it_does_not_go_back_from_where_people_lead_it_since() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.mode(ControlMode::Manual);
     m1.hold(&[Retract(true)]);
     m1.hold(&[]);
@@ -107,19 +97,21 @@ fn once_it_has_rested_after_its_order_it_does_not_go_back_from_where_people_lead
     m1.through(Advance(true));
     m1.mode(ControlMode::Auto);
     assert_eq!((m1.slot(), m1.rest()), (None, None));
-    assert_eq!(m1.secure(key(1, 2)), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted)));
+    assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Interrupted));
     assert_eq!((m1.outputs, m1.slot()), (0, None));
 }
 
 #[test]
 fn from_an_order_that_it_never_had_it_does_not_go_back() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
+    let mut m1 = Bench::clamped();
+    m1.mode(ControlMode::Hand);
+    m1.press("PB_run");
+    m1.release();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
     m1.mode(ControlMode::Auto);
     assert_eq!(m1.rest(), None, "a person has left it there");
-    let cancelled = TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Cancelled));
+    let cancelled = ended(TaskFailure::Cancelled);
     assert_eq!(m1.secure(key(1, 2)), cancelled);
     assert_eq!(m1.secure(key(1, 2)), cancelled, "a copy");
     assert_eq!((m1.outputs, m1.slot()), (0, None));
@@ -127,23 +119,19 @@ fn from_an_order_that_it_never_had_it_does_not_go_back() {
 
 #[test]
 fn left_on_a_recovery_path_it_has_nothing_to_go_back_by_and_is_not_at_its_order_for_ever() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.arrive();
     m1.mode(ControlMode::Manual);
     m1.through(Retract(true));
     assert_eq!((m1.doing().as_str(), m1.rest()), ("slide in (undone)", None), "the end of the task would follow");
     m1.mode(ControlMode::Auto);
-    assert_eq!(m1.secure(key(1, 2)), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Interrupted)));
+    assert_eq!(m1.secure(key(1, 2)), ended(TaskFailure::Interrupted));
     assert_eq!((m1.outputs, m1.slot()), (0, None));
 }
 
 #[test]
 fn a_fault_of_an_irreversible_operation_is_left_along_its_path_to_the_rest_of_its_task() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
+    let mut m1 = Bench::machining();
     m1.arrive();
     m1.set("F_mill", true);
     m1.set("F_mill", false);
@@ -199,10 +187,31 @@ fn in_hand_mode_nothing_starts_before_what_it_waits_for_is_there() {
     assert_eq!(m1.on(), ["Y_close"]);
 }
 
+/// Advance is held once too often easily: it ends what was begun, and out of a rest a task is chosen.
 #[test]
-fn the_panel_begins_the_first_task_listed_and_takes_back_through_a_rest() {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
+fn the_panel_leads_a_task_to_its_rest_and_begins_none() {
+    let mut m1 = Bench::machining();
+    m1.mode(ControlMode::Manual);
+    for doing in ["slide in", "mill", "slide out"] {
+        m1.hold(&[Advance(true)]);
+        assert_eq!(m1.doing(), doing);
+        m1.arrive();
+        m1.hold(&[]);
+    }
+    assert_eq!(m1.rest().as_deref(), Some("clamped"));
+    m1.events();
+    for _ in 0..3 {
+        m1.hold(&[Advance(true)]);
+        assert_eq!((m1.doing().as_str(), m1.outputs), ("slide out (done)", 0));
+        m1.hold(&[]);
+    }
+    assert_eq!(m1.events()[0], "rejected the command");
+    assert_eq!(m1.blocked_by(), ["a task: its order in auto, or its button in hand mode, or return at its panel"]);
+}
+
+#[test]
+fn the_panel_takes_back_through_a_rest() {
+    let mut m1 = Bench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
     assert_eq!(m1.doing(), "slide in (done)");

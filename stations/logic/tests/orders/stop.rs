@@ -5,18 +5,11 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{OrderRules, PanelCommand, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply};
 
-use super::bench::{Bench, key, order};
-
-fn ended(failure: TaskFailure) -> TaskReply {
-    TaskReply::Ended(TaskOutcome::Failed(failure))
-}
+use super::bench::{Bench, ended, key, order};
 
 /// On its way in with the part, by order 2.
 fn sliding() -> Bench {
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
-    m1.run(&order(2, "machine"));
-    assert_eq!(m1.on(), ["Y_in", "prog_1", "prog_4"]);
+    let mut m1 = Bench::machining();
     m1.set("L_0", false);
     m1.events();
     m1
@@ -71,8 +64,7 @@ fn told_to_stop_on_its_way_back_it_stands_there() {
     assert_eq!((m1.outputs, m1.doing().as_str()), (0, "undoing slide in (stopped)"));
 
     // Its own time was over before: that is still why.
-    let mut m1 = Bench::new();
-    m1.done(&order(1, "clamp"));
+    let mut m1 = Bench::clamped();
     m1.run(&TaskOrder { limit: Duration::from_millis(500), ..order(2, "machine") });
     m1.wait(Duration::from_millis(500));
     assert_eq!(m1.stop(key(1, 2)), ended(TaskFailure::TimedOut));

@@ -63,50 +63,35 @@ fn order(rules: &[DispatchRule]) -> String {
     order
 }
 
-/// By arrival: 1, 2, 3, 4. So does whoever has no rule.
 #[test]
-fn first_come_first_served() {
-    assert_eq!(order(&[DispatchRule::Fifo]), "abcd");
-    assert_eq!(order(&[]), "abcd");
-}
-
-/// By p: 2, 4, 5, 7.
-#[test]
-fn shortest_processing_time() {
-    assert_eq!(order(&[DispatchRule::ShortestProcessingTime]), "badc");
-}
-
-/// By due date: 21, 30, 50, 74.
-#[test]
-fn earliest_due_date() {
-    assert_eq!(order(&[DispatchRule::EarliestDueDate]), "cbad");
-}
-
-/// By due − work, which stay in the same order whenever one looks: 12, 13, 40, 50.
-#[test]
-fn least_slack() {
-    assert_eq!(order(&[DispatchRule::LeastSlack]), "bcad");
-}
-
-/// At 10 s: a 40/10, b 20/18, c 11/8, d 64/24, so b, until 12 s. Then c 9/8 is first, a 38/10, d 62/24; until 19 s. Then
-/// d 55/24 = 2.3 before a 31/10 = 3.1: another order than by slack.
-#[test]
-fn critical_ratio() {
-    assert_eq!(order(&[DispatchRule::CriticalRatio]), "bcda");
-}
-
-/// d has 9, b and c have 5, a has 0; the next rule decides between b and c.
-#[test]
-fn priority_and_what_breaks_its_ties() {
-    assert_eq!(order(&[DispatchRule::Priority]), "dbca");
-    assert_eq!(order(&[DispatchRule::Priority, DispatchRule::Fifo]), "dbca");
-    assert_eq!(order(&[DispatchRule::Priority, DispatchRule::EarliestDueDate]), "dcba");
-    assert_eq!(
-        order(&[DispatchRule::Priority, DispatchRule::ShortestProcessingTime, DispatchRule::EarliestDueDate]),
-        "dbca"
-    );
-    // At 15 s, when d is over: c 6/8 before b 15/18.
-    assert_eq!(order(&[DispatchRule::Priority, DispatchRule::CriticalRatio]), "dcba");
+fn each_rule_gives_the_order_that_was_worked_out_by_hand() {
+    use DispatchRule::{
+        CriticalRatio, EarliestDueDate, Fifo, LeastSlack, Priority, ShortestProcessingTime as Shortest,
+    };
+    let rows: [(&[DispatchRule], &str); 11] = [
+        // By arrival: 1, 2, 3, 4.
+        (&[Fifo], "abcd"),
+        (&[], "abcd"),
+        // By p: 2, 4, 5, 7.
+        (&[Shortest], "badc"),
+        // By due date: 21, 30, 50, 74.
+        (&[EarliestDueDate], "cbad"),
+        // By due − work, which stay in the same order at any time: 12, 13, 40, 50.
+        (&[LeastSlack], "bcad"),
+        // At 10 s: a 40/10, b 20/18, c 11/8, d 64/24, so b, until 12 s. Then c 9/8 is first, a 38/10, d 62/24; until
+        // 19 s. Then d 55/24 = 2.3 before a 31/10 = 3.1: another order than by slack.
+        (&[CriticalRatio], "bcda"),
+        // d has 9, b and c have 5, a has 0; the next rule decides between b and c.
+        (&[Priority], "dbca"),
+        (&[Priority, Fifo], "dbca"),
+        (&[Priority, EarliestDueDate], "dcba"),
+        (&[Priority, Shortest, EarliestDueDate], "dbca"),
+        // At 15 s, when d is over: c 6/8 before b 15/18.
+        (&[Priority, CriticalRatio], "dcba"),
+    ];
+    for (rules, expected) in rows {
+        assert_eq!(order(rules), expected, "{rules:?}");
+    }
 }
 
 /// At 10 s, b due at 7 s is at −3/18 = −0.17; a is at −5/10, −2/10 or −1/10 when it is due at 5, 8 or 9 s. Both are late, c

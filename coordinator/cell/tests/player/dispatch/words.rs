@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::{DispatchRule, RuleDispatcher, ShortestRoutes, why_not};
 use linewright_coordinator_cell::texts;
-use linewright_coordinator_cell::{PartId, PlayerState, Record, RecordKind};
+use linewright_coordinator_cell::{Coordination, PartId, Record, RecordKind};
 use linewright_line::Tick;
 
 use super::rules::{job, machine, run};
@@ -74,13 +74,13 @@ fn a_decision_says_by_which_rule_and_with_which_numbers() {
 fn asked(it: &Compiled, dispatcher: RuleDispatcher, at: u64, part: u64) -> Vec<String> {
     let until = Tick::from_millis(at);
     let (records, player) = play(it, &mut ByName { inner: dispatcher.clone(), job }, until, |_, _| true);
-    answered(dispatcher.ways(), &records, player.state(), until, part)
+    answered(dispatcher.ways(), &records, &player, until, part)
 }
 
-fn answered(ways: &ShortestRoutes, records: &[Record], state: &PlayerState, now: Tick, part: u64) -> Vec<String> {
+fn answered(ways: &ShortestRoutes, records: &[Record], player: &Coordination, now: Tick, part: u64) -> Vec<String> {
     let mut reasons = Reasons::default();
     records.iter().for_each(|record| reasons.note(record));
-    why_not(ways, &reasons, state, now, PartId(part))
+    why_not(ways, &reasons, player, now, PartId(part))
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn whoever_asks_about_a_part_is_told_what_it_waits_for() {
         asked(12_000, 1),
         [
             "part 1 has been on `waiting.a` for 11 s.",
-            "`work_a`: `machine` in use by `work_c` with part 3, 5 s left; at 10.000000 s it was held: `work_c` with part 3 \
+            "`work_a`: `machine` in use by `work_c` with part 3, 5 s left; at 10 s it was held: `work_c` with part 3 \
              goes first: by earliest-due-date (due in 11 s; the other due in 40 s).",
         ]
     );
@@ -121,7 +121,7 @@ fn what_rests_somewhere_is_named_with_whom_it_waits_for() {
     let (records, player) = play(&it, &mut rules, Tick::from_millis(20_000), |_, _| true);
     let [one, two] = ["stored.a", "on.b"].map(|name| {
         let part = player.state().marking().parts(it.cell(name)).next().unwrap();
-        (part.0, answered(rules.ways(), &records, player.state(), Tick::from_millis(15_000), part.0))
+        (part.0, answered(rules.ways(), &records, &player, Tick::from_millis(15_000), part.0))
     });
     assert_eq!(
         one.1,

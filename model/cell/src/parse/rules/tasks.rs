@@ -26,7 +26,7 @@ fn task_of<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>, report: &mut Repor
     let line = draft.line?;
     let (station, task) = (order.raw.station.as_ref()?, order.raw.task.as_ref()?);
     let of = line.station(line.station_named(&station.value)?);
-    if !of.works_on_order() {
+    if !of.is_task_driven() {
         report.add(
             Problem::error(station.at.clone(), format!("station `{}` does not work on order", station.value))
                 .hint("give it tasks in the line's description, instead of `home`"),
@@ -119,7 +119,7 @@ fn stations_have_something_to_do(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
     let orders = || draft.activities.iter().flat_map(|activity| &activity.orders);
     let is_told = |name: &str| orders().any(|order| order.raw.station.as_ref().is_some_and(|s| s.value == name));
-    for station in line.stations.iter().filter(|station| station.works_on_order() && !is_told(&station.name)) {
+    for station in line.stations.iter().filter(|station| station.is_task_driven() && !is_told(&station.name)) {
         report.add(
             Problem::warning(0..0, format!("nothing is ordered of station `{}`", station.name))
                 .hint("an `[[action]]` or a `[[sync]]` orders its tasks"),

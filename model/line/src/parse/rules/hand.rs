@@ -19,7 +19,7 @@ fn neighbours<'s>(
     let task = |index: usize| station.operation(*station.steps[index].first()?).task.as_ref().map(|task| task.value);
     // Sequences stay within a task; in a cycle they go round.
     let follows =
-        move |index: &usize| !station.works_on_order() || (index + 1 < count && task(*index) == task(index + 1));
+        move |index: &usize| !station.is_task_driven() || (index + 1 < count && task(*index) == task(index + 1));
     (0..count).filter(follows).filter_map(move |index| {
         let this = station.operation(*station.steps[index].first()?);
         let next = station.operation(*station.steps[(index + 1) % count].first()?);
@@ -188,7 +188,7 @@ pub(super) fn buttons_tell_tasks_apart(station: &DraftStation<'_>, report: &mut 
             );
         }
     }
-    for (this, hand, next, _) in neighbours(station).filter(|_| station.works_on_order()) {
+    for (this, hand, next, _) in neighbours(station).filter(|_| station.is_task_driven()) {
         if hand.value.next().is_some() && hand.value.next() == hand.value.back() {
             let message = format!("one button takes `{}` back and leads on to `{}`", this.name, next.name);
             report.add(

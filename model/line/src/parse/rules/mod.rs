@@ -54,7 +54,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
             operations::watchdog_outlasts_duration(operation, report);
             operations::module_has_its_recovery(operation, report);
         }
-        if station.works_on_order() {
+        if station.is_task_driven() {
             tasks::check(station, report);
             hand::sequences_stay_in_their_task(station, report);
             hand::buttons_tell_tasks_apart(station, report);

@@ -37,7 +37,7 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
                     problem(format!(
                         "the recovery path of `{}` names {}",
                         operation.name,
-                        if station.works_on_order() { "the last operation of its task" } else { "the home operation" }
+                        if station.is_task_driven() { "the last operation of its task" } else { "the home operation" }
                     ))
                     .hint("leave it out: it always follows at the end of the path"),
                 );
@@ -53,7 +53,7 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
                     problem(format!("`{}` runs side by side with others", other.name))
                         .hint("a recovery path moves one operation at a time; take a group back in manual instead"),
                 );
-            } else if station.works_on_order() {
+            } else if station.is_task_driven() {
                 if !earlier_in_task(station, op).is_some_and(|earlier| earlier.contains(&step.value.index())) {
                     report.add(
                         problem(format!("`{}` does not come before `{}` in its task", other.name, operation.name))
@@ -78,7 +78,7 @@ pub(super) fn paths_are_reversible_and_earlier(station: &DraftStation<'_>, repor
 
 /// The operation at the end of a recovery path: that at the end of the task, or the home operation.
 fn end_of_path(station: &DraftStation<'_>, op: OpId) -> Option<OpId> {
-    if !station.works_on_order() {
+    if !station.is_task_driven() {
         return station.home.as_ref().map(|home| home.value);
     }
     let task = &station.tasks[station.operation(op).task.as_ref()?.value.index()];
@@ -87,7 +87,7 @@ fn end_of_path(station: &DraftStation<'_>, op: OpId) -> Option<OpId> {
 
 /// Where the axes stand when a recovery path has been gone.
 fn positions_at_end(station: &DraftStation<'_>, op: OpId) -> Option<Vec<f64>> {
-    if !station.works_on_order() {
+    if !station.is_task_driven() {
         return Some(station.axes.iter().map(|axis| axis.home).collect());
     }
     let task = &station.tasks[station.operation(op).task.as_ref()?.value.index()];
@@ -96,7 +96,7 @@ fn positions_at_end(station: &DraftStation<'_>, op: OpId) -> Option<Vec<f64>> {
 
 /// What has been done since the station left home, or began the task, and the operation itself.
 fn done_before(station: &DraftStation<'_>, op: OpId) -> Vec<OpId> {
-    if station.works_on_order() {
+    if station.is_task_driven() {
         let earlier = earlier_in_task(station, op).map_or(0..0, |earlier| earlier.start..earlier.end + 1);
         return earlier.map(OpId::at).collect();
     }
@@ -134,7 +134,7 @@ pub(super) fn paths_lead_home(station: &DraftStation<'_>, report: &mut Report) {
                 (None, None) => None,
             };
             let wanted = positions[index];
-            let at_its_end = if station.works_on_order() { "where the task ends" } else { "at home" };
+            let at_its_end = if station.is_task_driven() { "where the task ends" } else { "at home" };
             if end.is_some_and(|end| same_place(end, wanted)) {
                 continue;
             }

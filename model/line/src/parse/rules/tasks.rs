@@ -61,7 +61,7 @@ pub(super) fn nothing_of_tasks(station: &DraftStation<'_>, report: &mut Report) 
 
 /// No arrows: a station on order waits for its orders.
 pub(super) fn stations_on_order_are_not_joined(draft: &DraftLine<'_>, report: &mut Report) {
-    let on_order = |station: crate::StationId| draft.stations[station.index()].works_on_order();
+    let on_order = |station: crate::StationId| draft.stations[station.index()].is_task_driven();
     for arrow in &draft.arrows {
         let ends = [&arrow.from, &arrow.to].into_iter().flatten();
         if let Some(end) = ends.into_iter().find(|end| on_order(end.value.0)) {
@@ -75,7 +75,7 @@ pub(super) fn stations_on_order_are_not_joined(draft: &DraftLine<'_>, report: &m
 
 /// Two tasks are kept apart by orders, two stretches by arrows; nothing keeps one of each apart.
 pub(super) fn tasks_are_in_conflict_with_tasks(draft: &DraftLine<'_>, report: &mut Report) {
-    let on_order = |station: crate::StationId| draft.stations[station.index()].works_on_order();
+    let on_order = |station: crate::StationId| draft.stations[station.index()].is_task_driven();
     for conflict in &draft.conflicts {
         let (Some(a), Some(b)) = (&conflict.a, &conflict.b) else { continue };
         let (task, stretch) = match (on_order(a.value.station), on_order(b.value.station)) {

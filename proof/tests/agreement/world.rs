@@ -2,11 +2,11 @@
 
 use std::rc::Rc;
 
-use linewright_line::net::{ControlMode, StationPlace};
+use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
-    Controller, Founding, ModeOrder, PanelCommand, Restore, Rules, StationHappening, StationInput, StationOutbox,
-    StationReport, WithdrawalAnswer,
+    Controller, Founding, ModeOrder, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
+    WithdrawalAnswer,
 };
 
 /// The one moment at which everything happens.
@@ -22,8 +22,6 @@ pub struct Setting {
     /// Reports on their way to one reader; what comes on top pushes the oldest out, for every one may be lost.
     pub reports_max: usize,
     pub restarts: bool,
-    /// One station loses its memory, once.
-    pub forgets: bool,
     /// Operators let go of their panels before the mode changes. Fewer states; what a held button may do is tested
     /// elsewhere.
     pub tidy_hands: bool,
@@ -61,8 +59,6 @@ pub struct World {
     pub nodes: Vec<Rc<Node>>,
     /// For each link, what the reader holds and what is on its way, oldest first.
     mail: Vec<(Rc<StationReport>, Vec<Rc<StationReport>>)>,
-    /// The station that has lost its memory, and where it stands until it is home again; its marking does not say so.
-    pub astray: Option<(usize, Vec<StationPlace>)>,
 }
 
 impl Setting {
@@ -84,7 +80,6 @@ impl Setting {
             modes: vec![ControlMode::Auto, ControlMode::Manual],
             reports_max: 1,
             restarts: false,
-            forgets: false,
             tidy_hands: true,
             links,
         }
@@ -103,11 +98,11 @@ impl Setting {
         let nodes: Vec<Rc<Node>> = self.line.station_ids().map(|station| Rc::new(self.node(station))).collect();
         let mail =
             self.links.iter().map(|link| (Rc::new(nodes[link.writer].controller.report()), Vec::new())).collect();
-        let mut world = World { nodes, mail, astray: None };
+        let mut world = World { nodes, mail };
         for link in 0..self.links.len() {
             let report = Rc::clone(&world.mail[link].0);
             let (writer, reader) = self.ends_of(link);
-            world.tell(reader, &mut Vec::new(), |c| {
+            world.tell(reader, |c| {
                 c.handle(NOW, StationInput::View(StationId::at(writer), &report));
             });
         }
@@ -122,9 +117,9 @@ impl Setting {
         let home = self.line.station(station).home;
         let at_home = 1u128 << self.line.operation((station, home)).normal.complete.0;
         for bits in [at_home, 0] {
-            node.act(&mut Vec::new(), |c| image(c, bits, true));
+            node.act(|c| image(c, bits, true));
         }
-        node.hear_order(&self.line, &mut Vec::new());
+        node.hear_order(&self.line);
         assert!(node.controller.generation() != 0 || !self.rules.generations, "founded at home");
         node
     }
@@ -138,15 +133,14 @@ fn image(controller: &mut Controller, bits: u128, valid: bool) {
 }
 
 impl Node {
-    fn act(&mut self, events: &mut Vec<StationHappening>, what: impl FnOnce(&mut Controller)) {
+    fn act(&mut self, what: impl FnOnce(&mut Controller)) {
         let mut out = StationOutbox::default();
         what(&mut self.controller);
         self.controller.step(NOW, &mut out);
         self.outputs = out.outputs;
-        events.append(&mut out.events);
     }
 
-    fn hear_order(&mut self, line: &Line, events: &mut Vec<StationHappening>) {
+    fn hear_order(&mut self, line: &Line) {
         self.epoch += 1;
         let order = ModeOrder {
             manual_all: true,
@@ -155,7 +149,7 @@ impl Node {
             found: Some(Founding { generation: 1, boot_id: 1 }),
             ..ModeOrder::of(1, self.epoch, self.mode, line.timing.lease)
         };
-        self.act(events, |c| {
+        self.act(|c| {
             c.handle(NOW, StationInput::Order(order));
         });
     }
@@ -163,8 +157,8 @@ impl Node {
 
 impl World {
     /// Lets something happen to one station, and one step follow. The caller posts the report.
-    fn tell(&mut self, station: usize, events: &mut Vec<StationHappening>, what: impl FnOnce(&mut Controller)) {
-        Rc::make_mut(&mut self.nodes[station]).act(events, what);
+    fn tell(&mut self, station: usize, what: impl FnOnce(&mut Controller)) {
+        Rc::make_mut(&mut self.nodes[station]).act(what);
     }
 
     /// The station's new report goes on its way to every reader for whom it says something new.
@@ -190,69 +184,55 @@ impl World {
         self.mail[link].1.len()
     }
 
-    pub fn set_mode(
-        &mut self,
-        setting: &Setting,
-        station: usize,
-        mode: ControlMode,
-        events: &mut Vec<StationHappening>,
-    ) {
+    pub fn set_mode(&mut self, setting: &Setting, station: usize, mode: ControlMode) {
         let node = Rc::make_mut(&mut self.nodes[station]);
         node.mode = mode;
-        node.hear_order(&setting.line, events);
+        node.hear_order(&setting.line);
         self.post(setting, station);
     }
 
-    pub fn set_key(&mut self, setting: &Setting, station: usize, key: Option<Key>, events: &mut Vec<StationHappening>) {
+    pub fn set_key(&mut self, setting: &Setting, station: usize, key: Option<Key>) {
         let node = Rc::make_mut(&mut self.nodes[station]);
         node.key = key;
-        for (this, command) in [
-            (Key::Advance, PanelCommand::Advance(key == Some(Key::Advance))),
-            (Key::Return, PanelCommand::Retract(key == Some(Key::Return))),
-        ] {
-            let _ = this;
+        for command in
+            [PanelCommand::Advance(key == Some(Key::Advance)), PanelCommand::Retract(key == Some(Key::Return))]
+        {
             node.controller.handle(NOW, StationInput::Panel(command));
         }
-        node.act(events, |_| {});
+        node.act(|_| {});
         self.post(setting, station);
     }
 
-    pub fn set_button(
-        &mut self,
-        setting: &Setting,
-        station: usize,
-        button: Option<u16>,
-        events: &mut Vec<StationHappening>,
-    ) {
+    pub fn set_button(&mut self, setting: &Setting, station: usize, button: Option<u16>) {
         let node = Rc::make_mut(&mut self.nodes[station]);
         node.button = button;
-        node.hear_order(&setting.line, events);
+        node.hear_order(&setting.line);
         self.post(setting, station);
     }
 
     /// A step without anything new.
-    pub fn step(&mut self, setting: &Setting, station: usize, events: &mut Vec<StationHappening>) {
-        self.tell(station, events, |_| {});
+    pub fn step(&mut self, setting: &Setting, station: usize) {
+        self.tell(station, |_| {});
         self.post(setting, station);
     }
 
     /// An input comes on and, in the next image, goes off. Without a bit the devices are lost and come back.
-    pub fn pulse(&mut self, setting: &Setting, station: usize, bit: Option<u128>, events: &mut Vec<StationHappening>) {
+    pub fn pulse(&mut self, setting: &Setting, station: usize, bit: Option<u128>) {
         let first = (bit.unwrap_or(0), bit.is_some());
         for (bits, valid) in [first, (0, true)] {
-            self.tell(station, events, |c| image(c, bits, valid));
+            self.tell(station, |c| image(c, bits, valid));
             self.post(setting, station);
         }
     }
 
     /// A reader takes the `nth` report on its way to it; the ones before are lost.
-    pub fn deliver(&mut self, setting: &Setting, link: usize, nth: usize, events: &mut Vec<StationHappening>) {
+    pub fn deliver(&mut self, setting: &Setting, link: usize, nth: usize) {
         let (held, waiting) = &mut self.mail[link];
         let taken: Vec<_> = waiting.drain(..=nth).collect();
         *held = Rc::clone(&taken[nth]);
         let report = Rc::clone(held);
         let (writer, reader) = setting.ends_of(link);
-        self.tell(reader, events, |c| {
+        self.tell(reader, |c| {
             c.handle(NOW, StationInput::View(StationId::at(writer), &report));
         });
         self.post(setting, reader);
@@ -260,7 +240,7 @@ impl World {
 
     /// A station ends and comes up from its snapshot. Its middleware gives it the newest report of each writer that it
     /// had before, then later ones; its commands start anew.
-    pub fn restart(&mut self, setting: &Setting, station: usize, events: &mut Vec<StationHappening>) {
+    pub fn restart(&mut self, setting: &Setting, station: usize) {
         let id = StationId::at(station);
         let node = Rc::make_mut(&mut self.nodes[station]);
         let (snapshot, boot) = (node.controller.snapshot(), node.controller.writer().boot_id + 1);
@@ -268,48 +248,15 @@ impl World {
             .expect("its own snapshot fits")
             .with_rules(setting.rules);
         (node.key, node.button) = (None, None);
-        node.act(events, |c| image(c, 0, true));
-        node.hear_order(&setting.line, events);
+        node.act(|c| image(c, 0, true));
+        node.hear_order(&setting.line);
         for (link, (held, _)) in setting.links.iter().zip(&self.mail).filter(|(link, _)| link.reader == station) {
             let (writer, report) = (StationId::at(link.writer), Rc::clone(held));
-            Rc::make_mut(&mut self.nodes[station]).act(events, |c| {
+            Rc::make_mut(&mut self.nodes[station]).act(|c| {
                 c.handle(NOW, StationInput::View(writer, &report));
             });
         }
         self.post(setting, station);
-    }
-
-    /// A station ends and comes up without its snapshot. Its switches say whether it is at home.
-    pub fn forget(&mut self, setting: &Setting, station: usize, events: &mut Vec<StationHappening>) {
-        let id = StationId::at(station);
-        let node = Rc::make_mut(&mut self.nodes[station]);
-        let (stood, is_home) = (node.controller.marking().collect(), node.controller.is_at_home());
-        let boot = node.controller.writer().boot_id + 1;
-        node.controller =
-            Controller::new(&setting.line, id, boot, Restore::Fresh).expect("it compiles").with_rules(setting.rules);
-        (node.key, node.button) = (None, None);
-        let home = setting.line.operation((id, setting.line.station(id).home)).normal.complete;
-        for bits in [if is_home { 1 << home.0 } else { 0 }, 0] {
-            node.act(events, |c| image(c, bits, true));
-        }
-        node.hear_order(&setting.line, events);
-        for (link, (held, _)) in setting.links.iter().zip(&self.mail).filter(|(link, _)| link.reader == station) {
-            let (writer, report) = (StationId::at(link.writer), Rc::clone(held));
-            Rc::make_mut(&mut self.nodes[station]).act(events, |c| {
-                c.handle(NOW, StationInput::View(writer, &report));
-            });
-        }
-        self.astray = Some((station, stood));
-        self.post(setting, station);
-    }
-
-    /// Once home by its switches, the marking is true again.
-    pub fn settle_astray(&mut self) {
-        if let Some((station, stood)) = &mut self.astray
-            && self.nodes[*station].controller.is_at_home()
-        {
-            stood.clear();
-        }
     }
 
     /// The same number for states that cannot be told apart: counts are relative to the first station's cycle.
@@ -326,10 +273,6 @@ impl World {
                 self.write_report(setting, link, report, origin, scratch);
             }
             scratch.push(i64::MIN);
-        }
-        if let Some((station, stood)) = &self.astray {
-            scratch.push(*station as i64);
-            scratch.extend(stood.iter().map(|place| i64::from(place.op.0) * 16 + i64::from(place.number())));
         }
         hash(scratch)
     }

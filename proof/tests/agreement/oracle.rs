@@ -1,4 +1,4 @@
-//! What must hold in every state, told from the description alone.
+//! What must hold in every state, judged from the description alone.
 
 use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{OpId, StateSpan, StationId};
@@ -13,19 +13,8 @@ const CYCLES_APART_MAX: i32 = 2;
 pub fn violation(setting: &Setting, world: &World) -> Option<String> {
     let line = &setting.line;
     let is_in = |span: &StateSpan| {
-        let station = span.station.index();
-        let marking = world.nodes[station].controller.marking();
-        match &world.astray {
-            // Its marking says nothing of where it stands, but it says what moves.
-            Some((astray, stood)) if *astray == station && !stood.is_empty() => {
-                let moves = marking.filter(|place| place.is_operating());
-                moves.chain(stood.iter().copied()).any(|place| covers(setting, span, place))
-            }
-            _ => {
-                let mut marking = marking;
-                marking.any(|place| covers(setting, span, place))
-            }
-        }
+        let mut marking = world.nodes[span.station.index()].controller.marking();
+        marking.any(|place| covers(setting, span, place))
     };
     if let Some(conflict) = line.conflicts.iter().find(|c| is_in(&c.a) && is_in(&c.b)) {
         return Some(conflict.why.clone());
@@ -34,9 +23,6 @@ pub fn violation(setting: &Setting, world: &World) -> Option<String> {
         if let Some(what) = station_violation(setting, world, station) {
             return Some(format!("{}: {what}", line.station(station).name));
         }
-    }
-    if world.astray.is_some() {
-        return None;
     }
     let (least, most) = (world.cycles().min()?, world.cycles().max()?);
     let neighbours = line.stations.len() as i32 - 1;

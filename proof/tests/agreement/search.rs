@@ -1,27 +1,20 @@
-//! Looking: breadth first as far as a limit, or a long random walk; and telling what was found.
+//! The plain search: breadth first as far as a limit, or a long random walk.
 
 use std::collections::{HashSet, VecDeque};
 
 use linewright_random::Random;
 
-use super::actions::{Action, apply, possible, text};
+use super::actions::{Action, apply, possible};
 use super::oracle::violation;
-use super::world::{Setting, World};
+use super::world::Setting;
 
 /// What a search came to.
 pub struct Found {
     pub states: usize,
-    /// Every state was seen: there are no others.
-    pub exhausted: bool,
-    /// How to get to a state that must not be, in words.
-    pub counterexample: Option<String>,
+    /// What is wrong with the first wrong state, and the actions that lead there.
+    pub counterexample: Option<(String, Vec<Action>)>,
     /// From every state home can be reached; known only of an exhausted search.
     pub home_from_everywhere: Option<bool>,
-}
-
-/// The environment's number, or the default.
-pub fn limit(variable: &str, default: usize) -> usize {
-    std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
 }
 
 /// Breadth first: the counterexample found is one of the shortest.
@@ -48,8 +41,8 @@ pub fn breadth_first(setting: &Setting, states_max: usize) -> Found {
             }
             came_by.push((from, Some(action)));
             if let Some(what) = violation(setting, &next) {
-                let counterexample = Some(story(setting, &way_to(&came_by, number), &what));
-                return Found { states: came_by.len(), exhausted: false, counterexample, home_from_everywhere: None };
+                let counterexample = Some((what, way_to(&came_by, number)));
+                return Found { states: came_by.len(), counterexample, home_from_everywhere: None };
             }
             if next.all_at_home() {
                 homes.push(number);
@@ -65,7 +58,7 @@ pub fn breadth_first(setting: &Setting, states_max: usize) -> Found {
         }
     }
     let home_from_everywhere = exhausted.then(|| reaches_all(came_by.len(), edges, homes));
-    Found { states: came_by.len(), exhausted, counterexample: None, home_from_everywhere }
+    Found { states: came_by.len(), counterexample: None, home_from_everywhere }
 }
 
 /// Whether the arcs, taken backwards, lead from `goals` to every state.
@@ -94,22 +87,19 @@ fn way_to(came_by: &[(u32, Option<Action>)], mut state: u32) -> Vec<Action> {
     way
 }
 
-/// A long walk without a map. It sees deep states that breadth first never comes to.
-pub fn random_walk(setting: &Setting, seed: u64, steps: usize) -> Found {
+/// A long walk, which comes to deep states that breadth first does not; gives what is wrong, and the actions to it.
+pub fn random_walk(setting: &Setting, seed: u64, steps: usize) -> Option<(String, Vec<Action>)> {
     let mut world = setting.start();
     let mut random = Random::new(seed);
     let mut way = Vec::new();
     let mut actions = Vec::new();
     for step in 0..steps {
         possible(setting, &world, &mut actions);
-        let Some(action) = pick(&actions, &mut random) else {
-            return Found { states: step, exhausted: false, counterexample: None, home_from_everywhere: None };
-        };
+        let action = pick(&actions, &mut random)?;
         apply(setting, &mut world, action);
         way.push(action);
         if let Some(what) = violation(setting, &world) {
-            let counterexample = Some(story(setting, &way, &what));
-            return Found { states: step, exhausted: false, counterexample, home_from_everywhere: None };
+            return Some((what, way));
         }
         // What began long ago explains nothing any more: go on from a fresh line now and then.
         if step % 20_000 == 19_999 {
@@ -117,7 +107,7 @@ pub fn random_walk(setting: &Setting, seed: u64, steps: usize) -> Found {
             way.clear();
         }
     }
-    Found { states: steps, exhausted: false, counterexample: None, home_from_everywhere: None }
+    None
 }
 
 /// Faults and restarts are rarer than work: a line that only breaks goes nowhere.
@@ -126,7 +116,7 @@ fn pick(actions: &[Action], random: &mut Random) -> Option<Action> {
         Action::Arrive(..) | Action::Deliver { .. } => 24,
         Action::Key(..) | Action::Button(..) => 6,
         Action::Mode(..) | Action::Step(_) => 2,
-        Action::Fail(..) | Action::Restart(_) | Action::Forget(_) => 1,
+        Action::Fail(..) | Action::Restart(_) => 1,
     };
     let mut left = random.below(actions.iter().map(weight).sum());
     actions.iter().copied().find(|action| {
@@ -135,20 +125,4 @@ fn pick(actions: &[Action], random: &mut Random) -> Option<Action> {
         left = left.saturating_sub(weight);
         here
     })
-}
-
-/// The way as numbered steps in words, each with what the station says about it.
-pub fn story(setting: &Setting, way: &[Action], end: &str) -> String {
-    let mut world: World = setting.start();
-    let mut lines = Vec::new();
-    for (number, &action) in way.iter().enumerate() {
-        let (station, events) = apply(setting, &mut world, action);
-        let id = linewright_line::StationId::at(station);
-        let said: Vec<String> = events.iter().map(|event| event.text(&setting.line, id)).collect();
-        let name = &setting.line.station(id).name;
-        let said = if said.is_empty() { String::new() } else { format!(" — {name} {}", said.join(", ")) };
-        lines.push(format!("{:3}. {}{said}", number + 1, text(setting, action)));
-    }
-    lines.push(format!("     and so {end}"));
-    lines.join("\n")
 }

@@ -1,0 +1,71 @@
+//! Requests of operators about alarms and resources, and why one is refused.
+
+use linewright_line::StationId;
+
+use super::super::ids::{AlarmId, ResourceId};
+
+/// Whether a part is there, as a sensor says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Presence {
+    /// Not known: no sensor, or its image is not valid.
+    #[default]
+    Unknown,
+    /// There is one.
+    On,
+    /// There is none.
+    Off,
+}
+
+/// Why a station could not do anything now. The mode of the line is none of these.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StationUnavailable {
+    /// Its devices are not there.
+    Devices,
+    /// An operation was stopped before its end.
+    Incomplete,
+    /// People move it.
+    ByHand,
+}
+
+/// What a person has asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResourceRequest {
+    /// To take an answer.
+    Answer(AlarmId),
+    /// To take an alarm of a resource.
+    Alarm(ResourceId),
+    /// To leave a resource out.
+    Down(ResourceId),
+    /// To count on a resource again.
+    Up(ResourceId),
+    /// To reset a station that is in emergency stop by itself.
+    Reset(StationId),
+}
+
+/// Why it was not done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AlarmAnswerRefusal {
+    /// There is no such alarm, or not any more.
+    NoSuchAlarm,
+    /// It cannot be answered with this word.
+    NoSuchWord,
+    /// There is no such resource.
+    NoSuchResource,
+    /// It is as it was asked to be already.
+    AlreadySo,
+    /// A station is still at it.
+    Moves(StationId),
+    /// The resource has a part by its sensor, and by the answer it has none.
+    HasPart(ResourceId),
+    /// The resource has no part by its sensor, and by the answer it has one.
+    HasNoPart(ResourceId),
+    NotHeard(StationId),
+    /// The station stands between two rests.
+    NotAtRest(StationId),
+    /// The station could not do anything.
+    CannotWork(StationId, StationUnavailable),
+    /// The resource's activity is open: its alarm has to be answered first.
+    Open(ResourceId),
+    /// The station is in emergency stop, and has to be reset first.
+    EmergencyStop(StationId),
+}
