@@ -8,9 +8,9 @@
 use libfuzzer_sys::fuzz_target;
 use linewright_cell::net::Detail;
 use linewright_cell::{Cell, parse};
+use linewright_fuzz::draw_description;
 use linewright_proof::cell::{CellExploration, ExplorationLimits, Verdict, check};
 use linewright_text::Problems;
-use miette::{GraphicalReportHandler, GraphicalTheme};
 
 /// Larger cells take long, and are not different.
 const RESOURCES_MAX: usize = 24;
@@ -22,12 +22,12 @@ fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     match parse("any.toml", text, None) {
         Ok(parsed) => {
-            draw(text, &Problems::new("any.toml", text, parsed.warnings));
+            draw_description(text, &Problems::new("any.toml", text, parsed.warnings));
             explore(&parsed.cell);
         }
         Err(problems) => {
             assert!(problems.errors() > 0, "no cell and no error");
-            draw(text, &problems);
+            draw_description(text, &problems);
         }
     }
 });
@@ -52,20 +52,4 @@ fn explore(cell: &Cell) {
             assert_eq!(*known.get_or_insert(found.holds()), found.holds(), "the details disagree");
         }
     }
-}
-
-/// What is said can be shown, and points into the text.
-fn draw(text: &str, problems: &Problems) {
-    for problem in problems.iter() {
-        assert!(text.get(problem.span.clone()).is_some(), "{problem} points out of the text");
-        assert!(problem.line >= 1 && problem.column >= 1);
-        assert!(problem.line <= text.lines().count().max(1) + 1, "{problem} is behind the last line");
-        for (span, _) in &problem.also {
-            assert!(text.get(span.clone()).is_some(), "{problem} also points out of the text");
-        }
-    }
-    let mut drawn = String::new();
-    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
-        .render_report(&mut drawn, problems)
-        .expect("every report can be drawn");
 }

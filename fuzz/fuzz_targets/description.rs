@@ -6,10 +6,10 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use linewright_fuzz::draw_description;
 use linewright_line::net::StationNet;
 use linewright_line::{Line, Problems, parse};
 use linewright_station_logic::{Controller, Restore};
-use miette::{GraphicalReportHandler, GraphicalTheme};
 
 fuzz_target!(|bytes: &[u8]| {
     // A file is read as UTF-8 before the parser sees it.
@@ -17,11 +17,11 @@ fuzz_target!(|bytes: &[u8]| {
     match parse("any.toml", text) {
         Ok(parsed) => {
             compile(&parsed.line);
-            draw(text, &Problems::new("any.toml", text, parsed.warnings));
+            draw_description(text, &Problems::new("any.toml", text, parsed.warnings));
         }
         Err(problems) => {
             assert!(problems.errors() > 0, "no line and no error");
-            draw(text, &problems);
+            draw_description(text, &problems);
         }
     }
 });
@@ -35,20 +35,4 @@ fn compile(line: &Line) {
             assert!(!refusal.to_string().is_empty());
         }
     }
-}
-
-/// What is said can be shown, and points into the text.
-fn draw(text: &str, problems: &Problems) {
-    for problem in problems.iter() {
-        assert!(text.get(problem.span.clone()).is_some(), "{problem} points out of the text");
-        assert!(problem.line >= 1 && problem.column >= 1);
-        assert!(problem.line <= text.lines().count().max(1) + 1, "{problem} is behind the last line");
-        for (span, _) in &problem.also {
-            assert!(text.get(span.clone()).is_some(), "{problem} also points out of the text");
-        }
-    }
-    let mut drawn = String::new();
-    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
-        .render_report(&mut drawn, problems)
-        .expect("every report can be drawn");
 }

@@ -5,7 +5,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use linewright_eds::{Configuration, DataType, DownloadContent, Eds, NodeId, ObjectValue, Problems, limits, read};
-use miette::{GraphicalReportHandler, GraphicalTheme};
+use linewright_fuzz::draw_foreign;
 
 /// No drawing of a few dozen problems is longer, whatever the lines of the file are.
 const DRAWN_MAX: usize = 400_000;
@@ -68,16 +68,5 @@ fn use_it(eds: &Eds) {
 
 fn draw(bytes: &[u8], problems: &Problems) {
     assert!(problems.errors() <= limits::PROBLEMS_MAX && problems.warnings() <= limits::PROBLEMS_MAX);
-    let lines = bytes.iter().filter(|&&byte| byte == b'\n').count() + 1;
-    for problem in problems.iter() {
-        assert!((1..=lines).contains(&problem.line) && problem.column >= 1, "{problem}");
-        assert!(problem.message.len() < 1000, "{problem}");
-        // ISO-8859-1 becomes longer as text, twice at most.
-        assert!(problem.span.start <= problem.span.end && problem.span.end <= 2 * bytes.len(), "{problem}");
-    }
-    let mut drawn = String::new();
-    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
-        .render_report(&mut drawn, problems)
-        .expect("every report can be drawn");
-    assert!(drawn.len() < DRAWN_MAX, "a drawing of {} bytes", drawn.len());
+    draw_foreign(bytes, problems, DRAWN_MAX);
 }

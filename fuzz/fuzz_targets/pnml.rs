@@ -4,8 +4,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use linewright_fuzz::draw_foreign;
 use linewright_pnml::{Problems, limits, read, write};
-use miette::{GraphicalReportHandler, GraphicalTheme};
 
 /// No drawing of a few dozen problems is longer, whatever the lines of the file are.
 const DRAWN_MAX: usize = 200_000;
@@ -28,16 +28,5 @@ fuzz_target!(|bytes: &[u8]| {
 
 fn draw(bytes: &[u8], problems: &Problems) {
     assert!((1..=limits::PROBLEMS_MAX).contains(&problems.errors()));
-    let lines = bytes.iter().filter(|&&byte| byte == b'\n').count() + 1;
-    for problem in problems.iter() {
-        assert!((1..=lines).contains(&problem.line) && problem.column >= 1, "{problem}");
-        assert!(problem.message.len() < 1000, "{problem}");
-        // ISO-8859-1 becomes longer as text, twice at most.
-        assert!(problem.span.start <= problem.span.end && problem.span.end <= 2 * bytes.len(), "{problem}");
-    }
-    let mut drawn = String::new();
-    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
-        .render_report(&mut drawn, problems)
-        .expect("every report can be drawn");
-    assert!(drawn.len() < DRAWN_MAX, "a drawing of {} bytes", drawn.len());
+    draw_foreign(bytes, problems, DRAWN_MAX);
 }

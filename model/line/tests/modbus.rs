@@ -78,11 +78,16 @@ fn a_device_in_modbus_has_its_table() {
     assert!(said.contains(&"a device of kind `modbus` needs a `modbus` table"), "{said:?}");
 }
 
+/// A second device at the same server, of another station.
+fn other_device() -> String {
+    let other = DEVICE.replace("clamp 1 io", "other").replace("clamp_1", "mill_1");
+    let other = other.replace("inputs = [", "inputs = []\n# [");
+    other.replace("outputs = [\"open\", \"close\", \"lamp_clamp\"]", "outputs = [\"extra\"]")
+}
+
 #[test]
 fn two_devices_do_not_write_the_same_outputs() {
-    let other =
-        DEVICE.replace("clamp 1 io", "other").replace("clamp_1", "mill_1").replace("inputs = [", "inputs = []\n# [");
-    let other = other.replace("outputs = [\"open\", \"close\", \"lamp_clamp\"]", "outputs = [\"extra\"]");
+    let other = other_device();
     let text = line(&format!("{DEVICE}\n{other}"));
     let problems = parse("line.toml", &text).expect_err("they overlap");
     let said: Vec<&str> = problems.iter().map(|problem| problem.message.as_str()).collect();
@@ -95,9 +100,7 @@ fn two_devices_do_not_write_the_same_outputs() {
 
 #[test]
 fn a_watchdog_register_is_written_by_one_device_alone() {
-    let other =
-        DEVICE.replace("clamp 1 io", "other").replace("clamp_1", "mill_1").replace("inputs = [", "inputs = []\n# [");
-    let other = other.replace("outputs = [\"open\", \"close\", \"lamp_clamp\"]", "outputs = [\"extra\"]");
+    let other = other_device();
     let other = other.replace("first = 30", "first = 31");
     let said = |other: &str| {
         let problems = parse("line.toml", &line(&format!("{DEVICE}\n{other}"))).expect_err("they overlap");

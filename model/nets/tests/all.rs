@@ -10,7 +10,6 @@ mod explicit_ring;
 #[path = "semiflows/ring.rs"]
 mod ring;
 mod semiflows;
-mod semiflows_linear;
 mod siphons;
 mod tnces_errors;
 mod tnces_examples;
@@ -18,3 +17,4 @@ mod tnces_fastorium;
 mod tnces_random;
 mod token_game;
 mod verdicts;
+mod wider_classes;

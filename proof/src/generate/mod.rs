@@ -16,7 +16,10 @@ mod text;
 
 use std::ops::RangeInclusive;
 
-use linewright_line::{Console, Device, DeviceBus, DeviceKind, Line, MaterialFlow, Owner, Station, StationId, Timing};
+use linewright_line::{
+    Axis, Console, Device, DeviceBus, DeviceKind, InputId, Line, MaterialFlow, OpId, Owner, Panel, Rest, Station,
+    StationId, Timing,
+};
 
 pub use breakage::{Breakage, break_it, breakages, without_literal};
 pub use cell::{CellShape, cell};
@@ -95,21 +98,43 @@ pub fn line(shape: &LineShape, seed: u64) -> Line {
     let mut buttons = Vec::new();
     let stations: Vec<Station> =
         (0..count).map(|number| station::random(shape, number, &mut buttons, &mut random)).collect();
-    let devices = stations.iter().enumerate().flat_map(|(number, station)| devices(number, station)).collect();
-    let mut line = Line {
+    let mut line = unjoined(format!("Generated line {seed}"), stations, buttons);
+    arrows::draw(&mut line, shape, &mut random);
+    line
+}
+
+/// A line of these stations with nothing between them.
+fn unjoined(title: String, stations: Vec<Station>, buttons: Vec<String>) -> Line {
+    Line {
         name: "generated".to_owned(),
-        title: format!("Generated line {seed}"),
-        stations,
+        title,
         arrows: Vec::new(),
         conflicts: Vec::new(),
-        devices,
+        devices: stations.iter().enumerate().flat_map(|(number, station)| devices(number, station)).collect(),
+        stations,
         console: Console { buttons: vec![None; buttons.len()], ..Console::default() },
         buttons,
         timing: Timing::default(),
         handling: MaterialFlow::default(),
-    };
-    arrows::draw(&mut line, shape, &mut random);
-    line
+    }
+}
+
+/// A station with the usual panel and nothing else.
+fn empty_station(number: usize, axes: Vec<Axis>, rests: Vec<Rest>) -> Station {
+    Station {
+        name: format!("s{number}"),
+        title: format!("Station {number}"),
+        operations: Vec::new(),
+        home: OpId(0),
+        steps: Vec::new(),
+        rests,
+        tasks: Vec::new(),
+        axes,
+        inputs: ["manual", "advance", "return"].map(|key| format!("P_{key}")).to_vec(),
+        outputs: Vec::new(),
+        panel: Panel { manual: Some(InputId(0)), advance: Some(InputId(1)), retract: Some(InputId(2)) },
+        bus: bus(number),
+    }
 }
 
 /// Bits of one device, each way.
@@ -126,7 +151,7 @@ fn devices(number: usize, station: &Station) -> impl Iterator<Item = Device> + u
         bus: bus.clone(),
         kind: DeviceKind::io(
             nth as u8 + 1,
-            bits(nth, inputs).map(|bit| Some(linewright_line::InputId::at(bit))).collect(),
+            bits(nth, inputs).map(|bit| Some(InputId::at(bit))).collect(),
             bits(nth, outputs).map(|bit| Some(linewright_line::OutputId::at(bit))).collect(),
         ),
     })

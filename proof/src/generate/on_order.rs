@@ -7,12 +7,11 @@
 use std::time::Duration;
 
 use linewright_line::{
-    Axis, AxisId, Console, HandMode, InputId, Line, MaterialFlow, Motion, OpId, OutputId, Panel, Parameter, Rest,
-    RestId, Station, Task, Timing,
+    Axis, AxisId, HandMode, InputId, Line, Motion, OpId, OutputId, Parameter, Rest, RestId, Station, Task,
 };
 
 use super::station::{button, operation};
-use super::{LineShape, Random, bus, devices};
+use super::{LineShape, Random, empty_station, unjoined};
 
 /// Rests of one station.
 const RESTS: std::ops::RangeInclusive<usize> = 1..=3;
@@ -29,19 +28,7 @@ pub fn on_order(shape: &LineShape, stations: usize, seed: u64) -> Line {
     let mut buttons = Vec::new();
     let stations: Vec<Station> =
         (0..stations).map(|number| station(shape, number, &mut buttons, &mut random)).collect();
-    let devices = stations.iter().enumerate().flat_map(|(number, station)| devices(number, station)).collect();
-    Line {
-        name: "generated".to_owned(),
-        title: format!("Generated stations on order {seed}"),
-        stations,
-        arrows: Vec::new(),
-        conflicts: Vec::new(),
-        devices,
-        console: Console { buttons: vec![None; buttons.len()], ..Console::default() },
-        buttons,
-        timing: Timing::default(),
-        handling: MaterialFlow::default(),
-    }
+    unjoined(format!("Generated stations on order {seed}"), stations, buttons)
 }
 
 fn station(shape: &LineShape, number: usize, buttons: &mut Vec<String>, random: &mut Random) -> Station {
@@ -50,20 +37,8 @@ fn station(shape: &LineShape, number: usize, buttons: &mut Vec<String>, random: 
     for _ in 0..random.within(&MORE_TASKS) {
         ways.push((random.below(rests), random.below(rests)));
     }
-    let mut station = Station {
-        name: format!("s{number}"),
-        title: format!("Station {number}"),
-        operations: Vec::new(),
-        home: OpId(0),
-        steps: Vec::new(),
-        rests: (0..rests).map(|n| Rest { name: format!("rest {n}"), at: vec![position(n)] }).collect(),
-        tasks: Vec::new(),
-        axes: vec![Axis { name: "axis_0".to_owned(), home: 0.0 }],
-        inputs: ["manual", "advance", "return"].map(|key| format!("P_{key}")).to_vec(),
-        outputs: Vec::new(),
-        panel: Panel { manual: Some(InputId(0)), advance: Some(InputId(1)), retract: Some(InputId(2)) },
-        bus: bus(number),
-    };
+    let stands = (0..rests).map(|n| Rest { name: format!("rest {n}"), at: vec![position(n)] }).collect();
+    let mut station = empty_station(number, vec![Axis { name: "axis_0".to_owned(), home: 0.0 }], stands);
     for (nth, &(from, to)) in ways.iter().enumerate() {
         task(&mut station, nth, (from, to), shape, buttons, random);
     }

@@ -9,10 +9,10 @@ use std::time::Duration;
 
 use linewright_line::{
     Axis, AxisId, BRANCHES_MAX, BUTTONS_MAX, ButtonId, HandMode, InputId, Motion, MotionSignals, OpId, Operation,
-    OperationModule, OutputId, Panel, Station,
+    OperationModule, OutputId, Station,
 };
 
-use super::{LineShape, Random, bus};
+use super::{LineShape, Random, empty_station};
 
 /// Operations of one station, at least and at most: two, so that something can come back; and few enough for the bits
 /// of one process image.
@@ -198,20 +198,8 @@ fn build(
     shape: &LineShape,
     random: &mut Random,
 ) -> Station {
-    let mut station = Station {
-        name: format!("s{number}"),
-        title: format!("Station {number}"),
-        operations: Vec::new(),
-        home: OpId(0),
-        steps: Vec::new(),
-        rests: Vec::new(),
-        tasks: Vec::new(),
-        axes: (0..plan.axes).map(|axis| Axis { name: format!("axis_{axis}"), home: 0.0 }).collect(),
-        inputs: ["manual", "advance", "return"].map(|key| format!("P_{key}")).to_vec(),
-        outputs: Vec::new(),
-        panel: Panel { manual: Some(InputId(0)), advance: Some(InputId(1)), retract: Some(InputId(2)) },
-        bus: bus(number),
-    };
+    let axes = (0..plan.axes).map(|axis| Axis { name: format!("axis_{axis}"), home: 0.0 }).collect();
+    let mut station = empty_station(number, axes, Vec::new());
     let places: Vec<usize> =
         plan.steps.iter().scan(0, |place, step| Some(std::mem::replace(place, *place + step.len()))).collect();
     let id = |place: usize| OpId::at((place + plan.count() - places[listed]) % plan.count());

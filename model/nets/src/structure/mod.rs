@@ -10,14 +10,12 @@
 //!   [`crate::Net::is_choice_free`]
 //! - connection: [`crate::Net::is_strongly_connected`]
 //! - conserved sums: [`crate::Net::is_conservative`], [`crate::Net::incidence`]
-//! - linear inequalities: [`crate::Net::linear_properties`]; these need a search for semiflows, which has limits
 //! - and all of it put to use: [`state_machine_verdict`].
 
 mod choice;
 mod classes;
 mod connected;
 mod incidence;
-mod linear;
 mod state_machine;
 #[cfg(test)]
 mod testnets;
@@ -26,5 +24,4 @@ pub use choice::{ChoicePlace, NotAsymmetricChoice, NotExtendedFreeChoice};
 pub use classes::{HeavyArc, NotFreeChoice, NotMarkedGraph, NotStateMachine};
 pub use connected::NotConnected;
 pub use incidence::{Incidence, NotConservative, NotPlaceInvariant, NotTransitionInvariant};
-pub use linear::{LinearProperties, Positive};
 pub use state_machine::{NotLive, NotReversible, NotSafe, StateMachineVerdict, state_machine_verdict};
