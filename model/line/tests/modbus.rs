@@ -91,6 +91,7 @@ fn each_rule_says_what_is_wrong() {
         ("unit = 7", "unit = 256", "`unit` is 256"),
         ("cycle_ms = 10", "cycle_ms = 0", "`cycle_ms` is 0"),
         ("timeout_ms = 80", "timeout_ms = 190", "this device turns its outputs off before the next write comes"),
+        ("timeout_ms = 80\n", "timeout_ms = 251\n", "`timeout_ms` is 251 ms, but `stale_ms` is 250 ms"),
         ("first = 20", "first = 65536", "`first` is 65536"),
         (
             "table = \"input_registers\", first = 20",
