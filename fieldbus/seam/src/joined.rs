@@ -17,8 +17,8 @@ struct OwnerKnowledge {
     owner: Owner,
     /// How often its image had become invalid when that was last reported.
     reported: u32,
-    /// The inputs that its outputs are decided by.
-    decides_by: InputImage,
+    /// The same when its inputs were last taken: its outputs are decided by those.
+    taken: u32,
 }
 
 /// Several buses as one.
@@ -38,7 +38,7 @@ impl Joined {
         let mut known: Vec<OwnerKnowledge> = Vec::new();
         for owner in owners {
             if !known.iter().any(|known| known.owner == owner) {
-                known.push(OwnerKnowledge { owner, reported: 0, decides_by: InputImage::NEVER });
+                known.push(OwnerKnowledge { owner, reported: 0, taken: 0 });
             }
         }
         Joined { buses, owners: known, turn: 0, unknown: 0, answers: Vec::new() }
@@ -105,7 +105,7 @@ impl Joined {
     pub fn take_inputs(&mut self, owner: Owner) -> InputImage {
         let image = self.inputs(owner);
         if let Some(known) = self.owners.iter_mut().find(|known| known.owner == owner) {
-            known.decides_by = image;
+            known.taken = image.losses;
         }
         image
     }
@@ -117,13 +117,10 @@ impl Joined {
         self.buses.iter_mut().for_each(|bus| bus.set_outputs(owner, image));
     }
 
-    /// Whether the inputs that an owner's outputs are decided by hold no more.
+    /// Whether a device was lost since the inputs were taken by which an owner's outputs are decided.
     fn is_overtaken(&self, owner: Owner) -> bool {
-        let now = self.inputs(owner);
-        self.owners
-            .iter()
-            .filter(|known| known.owner == owner)
-            .any(|OwnerKnowledge { decides_by, .. }| now.losses != decides_by.losses || decides_by.valid && !now.valid)
+        let losses = self.inputs(owner).losses;
+        self.owners.iter().any(|known| known.owner == owner && known.taken != losses)
     }
 
     /// Lets go of every output, for an orderly end.
