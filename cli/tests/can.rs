@@ -1,5 +1,6 @@
 //! `linewright can` as a technician meets it: simulated devices on a virtual bus of the test's own, and no manager.
 
+use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::RwLockReadGuard;
 use std::time::{Duration, Instant};
@@ -16,10 +17,14 @@ struct Devices {
 
 impl Devices {
     fn new() -> Self {
+        Devices::of(&shipped())
+    }
+
+    fn of(line: &Path) -> Self {
         let (scratch, no_rig) = (Scratch::new(), beside_no_rig());
         let plant = Command::new(env!("CARGO_BIN_EXE_linewright"))
             .args(["plant", "--bus", "test0", "--virtual-bus", "--end-with-stdin"])
-            .arg(shipped())
+            .arg(line)
             .env("LINEWRIGHT_BUS_DIR", scratch.path("bus"))
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
@@ -36,7 +41,8 @@ impl Devices {
 
     fn can(&self, args: &[&str]) -> Output {
         let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
-        command.args(["can", "--bus", "test0"]).args(args).env("LINEWRIGHT_BUS_DIR", self.scratch.path("bus"));
+        let bus: &[&str] = if args.contains(&"--bus") { &[] } else { &["--bus", "test0"] };
+        command.arg("can").args(bus).args(args).env("LINEWRIGHT_BUS_DIR", self.scratch.path("bus"));
         command.output().expect("the command starts")
     }
 
@@ -93,6 +99,24 @@ fn status_says_how_each_device_of_the_line_is() {
     devices.says(&["nmt", "start", "all"]);
     let after = devices.can(&["status", &line, "--json"]);
     assert_eq!(json(&after)["ok"], true, "{after:?}");
+}
+
+/// A line of which one station has a bus of its own.
+#[test]
+fn status_asks_the_devices_on_every_bus_of_the_line() {
+    let line = Path::new(env!("CARGO_MANIFEST_DIR")).join("../model/line/tests/descriptions/cell.toml");
+    let devices = Devices::of(&line);
+    let status = || devices.can(&["status", line.to_str().expect("a plain path"), "--json"]);
+    let told = json(&status());
+    let of_bus = |bus: &str| told["nodes"].as_array().expect("a list").iter().filter(|node| node["bus"] == bus).count();
+    assert!(of_bus("test0") > 0 && of_bus("can1") > 0, "{told}");
+    // All of the line's bus are operational, none of the other.
+    devices.says(&["nmt", "start", "all"]);
+    let output = status();
+    assert_eq!((output.status.code(), &json(&output)["ok"]), (Some(1), &false.into()), "{output:?}");
+    devices.says(&["--bus", "can1", "nmt", "start", "all"]);
+    let output = status();
+    assert_eq!((output.status.code(), &json(&output)["ok"]), (Some(0), &true.into()), "{output:?}");
 }
 
 #[test]

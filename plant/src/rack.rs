@@ -4,7 +4,7 @@
 //! shown to the others, which have no use for it.
 
 use linewright_canopen::{Frame, NodeId};
-use linewright_line::{AxisId, Device, DeviceBus, DeviceKind, Drive, DriveMode, Line, Owner, StationId, Tick};
+use linewright_line::{Device, DeviceBus, DeviceKind, Drive, DriveMode, Line, OutputId, Owner, StationId, Tick};
 
 use crate::device::{
     CanDevice, DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse,
@@ -217,21 +217,21 @@ impl Rack {
         })
     }
 
-    /// Makes the axis of a drive fail, or work again (`None`). `false`: no drive moves this axis.
-    pub fn fail_axis(
+    /// Makes the motion of a drive by this output fail, or work again (`None`). `false`: no drive obeys it.
+    pub fn fail_motion(
         &mut self,
         now: Tick,
-        station: StationId,
-        axis: AxisId,
+        owner: Owner,
+        output: OutputId,
         fault: Option<MotionFault>,
         out: &mut Vec<Frame>,
     ) -> bool {
         let mut found = false;
-        for slot in &mut self.slots {
-            let RackNode::Drive(node, of) = &mut slot.node else { continue };
-            if *of == station && slot.device.drive().is_some_and(|drive| drive.axis == axis) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.device.owner == owner) {
+            let motion = slot.device.drive().and_then(|drive| drive.outputs().position(|own| own == output));
+            if let (RackNode::Drive(node, _), Some(motion)) = (&mut slot.node, motion) {
                 let mut outbox = DeviceOutbox::default();
-                node.fail(now, fault, &mut outbox);
+                node.fail(now, motion, fault, &mut outbox);
                 slot.send(&mut outbox.frames, out);
                 found = true;
             }

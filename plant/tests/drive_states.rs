@@ -147,7 +147,7 @@ fn disabling_waits_for_the_ramp_where_its_option_says_so() {
 fn a_fault_reacts_fails_and_is_reset_by_an_edge() {
     let mut bench = moving();
     let mut out = DeviceOutbox::default();
-    bench.device.fail(bench.now, Some(MotionFault::Break), &mut out);
+    bench.device.fail(bench.now, 0, Some(MotionFault::Break), &mut out);
     assert!(out.frames.iter().any(|frame| frame.to_string() == "085#0573210000000000"), "{:?}", out.frames);
     assert_eq!(bench.state(), "reaction", "13");
     assert_eq!(bench.word(0x80), "reaction", "not to be reset yet");
@@ -157,6 +157,9 @@ fn a_fault_reacts_fails_and_is_reset_by_an_edge() {
     for word in [0x06, 0x07, 0x0F, 0x00] {
         assert_eq!(bench.word(word), "fault");
     }
+    assert_eq!(bench.word(0x80), "fault", "its cause lasts");
+    bench.device.fail(bench.now, 0, None, &mut out);
+    bench.word(0x00);
     assert_eq!(bench.word(0x80), "disabled", "15");
 }
 
@@ -271,6 +274,8 @@ fn a_mapping_is_changed_only_while_it_is_off_and_empty() {
             ("1800", 3, 2, 10, STATE, "an inhibit time while it is on"),
             ("6060", 0, 1, 4, VALUE, "no such mode"),
             ("5F00", 1, 1, 2, VALUE, "a drive does not slip"),
+            ("5F00", 4, 1, 1, 0, "its last target sticks"),
+            ("5F00", 5, 1, 1, Abort::NO_SUBINDEX.0, "it has four targets and no homing"),
         ] {
             let answer = bench.write(&format!("{object}:{sub}"), &value.to_le_bytes()[..len]);
             let expected = if code == 0 { Ok(()) } else { refused(Abort(code)) };

@@ -112,6 +112,42 @@ fn a_stuck_axis_trips_and_is_reset_only_when_its_output_is_off() {
 }
 
 #[test]
+fn a_motion_that_sticks_leaves_the_others_alone() {
+    let mut pair = Pair::new(absolute(), 0.0, 1);
+    pair.fail_motion(1, Some(MotionFault::Stick));
+    pair.set(0b0010);
+    pair.run(millis(500), |_| {});
+    assert_eq!((pair.place(), pair.inputs()), (0.0, FAULT | 0b001));
+    pair.set(0);
+    pair.run(millis(500), |_| {});
+    pair.set(0b1000);
+    pair.run(millis(1000), |_| {});
+    assert_eq!((pair.place(), pair.inputs()), (100.0, 0b100));
+    // Back to where it sticks, it stays.
+    pair.set(0);
+    pair.run(millis(50), |_| {});
+    pair.set(0b0010);
+    pair.run(millis(500), |_| {});
+    assert_eq!((pair.place(), pair.inputs()), (100.0, FAULT | 0b100));
+}
+
+#[test]
+fn an_encoder_that_breaks_at_rest_is_a_fault_until_it_is_mended() {
+    let mut pair = Pair::new(absolute(), 0.0, 1);
+    pair.fail_motion(0, Some(MotionFault::Break));
+    pair.run(millis(100), |_| {});
+    assert_eq!((pair.node.state(), pair.inputs() & FAULT), (DriveState::Fault, FAULT));
+    assert_eq!(pair.emergencies, [0x7305]);
+    pair.run(millis(3000), |pair| assert_eq!(pair.node.state(), DriveState::Fault, "it is not reset"));
+    pair.fail_motion(0, None);
+    pair.run(millis(1500), |_| {});
+    assert_eq!(pair.inputs(), 0b001);
+    pair.set(0b0010);
+    pair.run(millis(1000), |_| {});
+    assert_eq!(pair.inputs(), 0b010);
+}
+
+#[test]
 fn the_output_of_a_target_may_home_first() {
     let mut described = described(AtRest::Off, true);
     if let Some(homing) = &mut described.homing {

@@ -195,10 +195,44 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
         if let Some(bit) = device.output_bits().iter().position(|bound| *bound == Some(output)) {
             return Ok((device, u8::try_from(bit + 1).into_diagnostic()?));
         }
-        // A drive has one axis, whichever target it is sent to.
-        if device.drive().is_some() && device.carried_outputs().contains(&output) {
-            return Ok((device, 1));
+        // The motions of a drive are counted as its outputs.
+        if let Some(motion) = device.drive().and_then(|drive| drive.outputs().position(|own| own == output)) {
+            return Ok((device, u8::try_from(motion + 1).into_diagnostic()?));
         }
     }
     Err(miette!("no device of {} drives {name}", args.station))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives.toml");
+
+    #[test]
+    fn each_motion_of_a_drive_has_a_fault_of_its_own() {
+        let line = linewright_line::parse("drives.toml", DRIVES).expect("it parses").line;
+        let station = line.stations[0].name.clone();
+        let drive = line.devices.iter().find(|device| device.drive().is_some()).expect("a drive");
+        let outputs: Vec<_> = drive.drive().expect("a drive").outputs().collect();
+        let driven = line.stations[0].operations.iter().filter(|op| outputs.contains(&op.normal.actuator));
+        let mut subs = Vec::new();
+        for operation in driven {
+            let args = FailArgs {
+                line: PathBuf::new(),
+                station: station.clone(),
+                what: InjectedFault::Stick,
+                operation: Some(operation.name.clone()),
+                recovery: false,
+                device: None,
+                bus: String::new(),
+            };
+            let (device, orders) = orders(&line, &args).expect("it can stick");
+            let [((FAULT_INDEX, sub), 1)] = orders[..] else { panic!("{orders:X?}") };
+            assert_eq!((&device.name, outputs[usize::from(sub) - 1]), (&drive.name, operation.normal.actuator));
+            subs.push(sub);
+        }
+        subs.dedup();
+        assert!(subs.len() > 1, "{subs:?}");
+    }
 }

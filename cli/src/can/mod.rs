@@ -60,7 +60,7 @@ pub async fn run(args: CanArgs) -> miette::Result<ExitCode> {
     let mut bus = open(&args.bus)?;
     match args.command {
         CanCommand::Scan(args) => scan::run(&mut bus, &args).await,
-        CanCommand::Status(status) => status::run(&mut bus, &args.bus, &status).await,
+        CanCommand::Status(status) => status::run(bus, &args.bus, &status).await,
         CanCommand::Nmt(args) => nmt::run(&mut bus, &args).await,
         CanCommand::Sdo(command) => sdo::run(&mut bus, &command).await,
         CanCommand::Monitor(monitor) => log::monitor(&mut bus, &args.bus, &monitor).await,

@@ -9,7 +9,7 @@ use linewright_canopen::bus_scan::BusScan;
 use linewright_canopen::codec::NmtState;
 use linewright_canopen::{BusOutbox, MANAGER_NODE, Manager, NodeId};
 use linewright_fieldbus::{Bus, Clock};
-use linewright_line::{Device, Line, Tick};
+use linewright_line::{Device, DeviceBus, Line, Tick};
 use miette::IntoDiagnostic as _;
 use serde::Serialize;
 use tokio::time::{Instant, timeout_at};
@@ -31,6 +31,8 @@ pub struct StatusArgs {
 
 #[derive(Debug, Serialize)]
 struct StatusNode {
+    /// The interface of its bus; `None` for a device that is not on CAN.
+    bus: Option<String>,
     /// `None` for a device that speaks no CANopen.
     node: Option<u8>,
     name: Option<String>,
@@ -39,44 +41,112 @@ struct StatusNode {
     is: String,
 }
 
-pub async fn run(bus: &mut Bus, interface: &str, args: &StatusArgs) -> miette::Result<ExitCode> {
-    let line = load::line(&args.line, true)?;
-    let plain: Vec<&Device> = line.devices_on(interface).filter(|device| device.frames().is_some()).collect();
-    let mut plain = Manager::new(plain, line.timing).into_diagnostic()?;
-    let listen = args.listen.map_or_else(|| long_enough(&line, interface), Duration::from_millis);
-    let clock = Clock::start();
-    let mut survey = BusScan::default();
-    let until = Instant::now() + listen;
-    while let Ok(frame) = timeout_at(until, bus.recv()).await {
-        let frame = frame.into_diagnostic()?;
-        survey.hear(clock.now(), &frame);
-        // It takes what it hears as the line's own manager does; what it would send is not sent.
-        plain.handle(clock.now(), &frame, &mut BusOutbox::default());
+/// What was heard on one bus.
+struct ListenedBus {
+    interface: String,
+    bus: Bus,
+    survey: BusScan,
+    /// Devices that speak no CANopen.
+    plain: Manager,
+}
+
+impl ListenedBus {
+    fn new(interface: &str, bus: Bus, line: &Line) -> miette::Result<Self> {
+        let plain: Vec<&Device> = line.devices_on(interface).filter(|device| device.frames().is_some()).collect();
+        let plain = Manager::new(plain, line.timing).into_diagnostic()?;
+        Ok(ListenedBus { interface: interface.to_owned(), bus, survey: BusScan::default(), plain })
     }
-    let mut nodes = nodes(&line, interface, &survey, clock.now(), listen);
-    nodes.extend(plain.plain_statuses(clock.now()).map(|status| StatusNode {
-        node: None,
-        name: Some(status.name.to_owned()),
-        owner: Some(line.owner_name(status.owner).to_owned()),
-        operational: status.live,
-        is: status.is,
+
+    async fn listen(&mut self, until: Instant, clock: Clock) -> miette::Result<()> {
+        while let Ok(frame) = timeout_at(until, self.bus.recv()).await {
+            let frame = frame.into_diagnostic()?;
+            self.survey.hear(clock.now(), &frame);
+            // It takes what it hears as the line's own manager does; what it would send is not sent.
+            self.plain.handle(clock.now(), &frame, &mut BusOutbox::default());
+        }
+        Ok(())
+    }
+
+    fn nodes(&self, line: &Line, now: Tick, listened: Duration) -> Vec<StatusNode> {
+        let plain = self.plain.plain_statuses(now).map(|status| StatusNode {
+            bus: Some(self.interface.clone()),
+            node: None,
+            name: Some(status.name.to_owned()),
+            owner: Some(line.owner_name(status.owner).to_owned()),
+            operational: status.live,
+            is: status.is,
+        });
+        nodes(line, &self.interface, &self.survey, now, listened).into_iter().chain(plain).collect()
+    }
+}
+
+/// `bus` is the line's; stations' own buses are opened by their names.
+pub async fn run(bus: Bus, interface: &str, args: &StatusArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.line, true)?;
+    let mut buses = vec![ListenedBus::new(interface, bus, &line)?];
+    let mut nodes = Vec::new();
+    for own in own_buses(&line, interface) {
+        match super::open(own) {
+            Ok(bus) => buses.push(ListenedBus::new(own, bus, &line)?),
+            Err(error) => nodes.extend(line.devices_on(own).map(|device| not_asked(&line, device, &error.to_string()))),
+        }
+    }
+    let listen = args.listen.map_or_else(|| long_enough(&line), Duration::from_millis);
+    let (clock, until) = (Clock::start(), Instant::now() + listen);
+    futures::future::try_join_all(buses.iter_mut().map(|bus| bus.listen(until, clock))).await?;
+    let heard = buses.iter().flat_map(|bus| bus.nodes(&line, clock.now(), listen));
+    let mut nodes: Vec<StatusNode> = heard.chain(nodes).collect();
+    let is_asked = |device: &&Device| line.devices_on(interface).any(|asked| asked.name == device.name);
+    nodes.extend(line.devices.iter().filter(|device| !is_asked(device)).filter_map(|device| match &device.bus {
+        _ if !device.is_on_can() => Some(not_asked(&line, device, "it is not on CAN: see /diagnostics")),
+        // `--bus` names a station's own.
+        DeviceBus::Line => Some(not_asked(&line, device, "it is on the line's bus; name that by --bus")),
+        DeviceBus::Own(_) => None,
     }));
     let all_well = nodes.iter().all(|node| node.operational || node.name.is_none());
+    let bus_errors: u64 = buses.iter().map(|bus| bus.survey.bus_errors).sum();
     if args.json {
-        let BusScan { other, bus_errors, .. } = survey;
+        let other: u64 = buses.iter().map(|bus| bus.survey.other).sum();
+        let describe: Vec<String> = buses.iter().map(|bus| bus.bus.describe()).collect();
         let told = serde_json::json!({
-            "bus": bus.describe(), "nodes": nodes, "frames_of_no_node": other, "bus_errors": bus_errors, "ok": all_well,
+            "bus": describe.join(", "), "nodes": nodes, "frames_of_no_node": other, "bus_errors": bus_errors,
+            "ok": all_well,
         });
         crate::out::say!("{told}");
     } else {
-        table(&nodes, &survey);
+        table(&nodes, buses.iter().map(|bus| bus.interface.as_str()), bus_errors);
     }
     Ok(if all_well { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
+/// The buses of stations other than this one, each once.
+fn own_buses<'a>(line: &'a Line, interface: &str) -> Vec<&'a str> {
+    let mut names = Vec::new();
+    for device in line.devices.iter().filter(|device| device.is_on_can()) {
+        if let DeviceBus::Own(name) = &device.bus
+            && name != interface
+            && !names.contains(&name.as_str())
+        {
+            names.push(name);
+        }
+    }
+    names
+}
+
+fn not_asked(line: &Line, device: &Device, why: &str) -> StatusNode {
+    StatusNode {
+        bus: None,
+        node: device.node_id(),
+        name: Some(device.name.clone()),
+        owner: Some(line.owner_name(device.owner).to_owned()),
+        operational: false,
+        is: format!("not asked: {why}"),
+    }
+}
+
 /// Four heartbeats; where devices speak no CANopen, as long as the slowest of their messages may stay away.
-fn long_enough(line: &Line, interface: &str) -> Duration {
-    let heard = line.devices_on(interface).filter_map(|device| device.frames()?.bound.as_ref());
+fn long_enough(line: &Line) -> Duration {
+    let heard = line.devices.iter().filter_map(|device| device.frames()?.bound.as_ref());
     let slowest = heard.flat_map(|bound| bound.heard.iter().map(|heard| heard.timeout)).max().unwrap_or_default();
     (line.timing.heartbeat * 4).max(slowest) + Duration::from_millis(50)
 }
@@ -87,6 +157,7 @@ fn nodes(line: &Line, interface: &str, survey: &BusScan, now: Tick, listened: Du
     let described = canopen.map(|(device, node)| {
         let heard = NodeId::new(node).and_then(|node| survey.node(node));
         StatusNode {
+            bus: Some(interface.to_owned()),
             node: Some(node),
             name: Some(device.name.clone()),
             owner: Some(line.owner_name(device.owner).to_owned()),
@@ -99,6 +170,7 @@ fn nodes(line: &Line, interface: &str, survey: &BusScan, now: Tick, listened: Du
     });
     let known = |node: NodeId| line.devices_on(interface).any(|device| device.node_id() == Some(node.get()));
     let others = survey.heard().filter(|(node, _)| !known(*node)).map(|(node, heard)| StatusNode {
+        bus: Some(interface.to_owned()),
         node: Some(node.get()),
         name: None,
         owner: (node == MANAGER_NODE).then(|| "the manager".to_owned()),
@@ -108,13 +180,16 @@ fn nodes(line: &Line, interface: &str, survey: &BusScan, now: Tick, listened: Du
     described.chain(others).collect()
 }
 
-fn table(nodes: &[StatusNode], survey: &BusScan) {
+fn table<'a>(nodes: &[StatusNode], buses: impl Iterator<Item = &'a str>, bus_errors: u64) {
     let name = |node: &StatusNode| match (&node.name, &node.owner) {
         (Some(name), Some(owner)) => format!("{name} ({owner})"),
         (None, Some(owner)) => owner.clone(),
         _ => "not in the description".to_owned(),
     };
-    let width = nodes.iter().map(|node| name(node).chars().count()).max().unwrap_or(0);
+    let bus = |node: &StatusNode| node.bus.clone().unwrap_or_else(|| "-".to_owned());
+    let widest =
+        |text: &dyn Fn(&StatusNode) -> String| nodes.iter().map(|node| text(node).chars().count()).max().unwrap_or(0);
+    let (width, bus_width) = (widest(&name), widest(&bus));
     for node in nodes {
         let mark = if node.operational {
             "✓"
@@ -124,12 +199,16 @@ fn table(nodes: &[StatusNode], survey: &BusScan) {
             "·"
         };
         let number = node.node.map_or_else(|| "-".to_owned(), |number| number.to_string());
-        crate::out::say!("{mark} {number:>3}  {:width$}  {}", name(node), node.is);
+        crate::out::say!("{mark} {:bus_width$} {number:>3}  {:width$}  {}", bus(node), name(node), node.is);
     }
-    if !nodes.iter().any(|node| node.node == Some(MANAGER_NODE.get())) {
-        crate::out::say!("no manager on the bus (node {MANAGER_NODE}): devices are not started");
+    for interface in buses {
+        let is_here =
+            |node: &StatusNode| node.bus.as_deref() == Some(interface) && node.node == Some(MANAGER_NODE.get());
+        if !nodes.iter().any(is_here) {
+            crate::out::say!("no manager on the bus {interface} (node {MANAGER_NODE}): devices are not started");
+        }
     }
-    if survey.bus_errors > 0 {
-        crate::out::say!("the kernel reports {} errors of the bus", survey.bus_errors);
+    if bus_errors > 0 {
+        crate::out::say!("the kernel reports {bus_errors} errors of the bus");
     }
 }

@@ -327,11 +327,11 @@ impl CoordinatorLoop {
 
     /// What the buses know of inputs now.
     fn look(&mut self) {
-        let image = self.buses.inputs(Owner::Console);
+        let image = self.buses.take_inputs(Owner::Console);
         self.handle(CoordinatorArrival::Console { bits: image.bits, valid: image.valid });
         for at in 0..self.behind.len() {
             let station = self.behind[at].station;
-            let image = self.buses.inputs(Owner::Station(station));
+            let image = self.buses.take_inputs(Owner::Station(station));
             let (bits, valid, losses) = (image.bits, image.valid, u64::from(image.losses));
             self.handle(CoordinatorArrival::Devices { station, bits, valid, losses });
         }

@@ -5,7 +5,7 @@ use std::net::TcpStream;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use linewright_modbus::ModbusRequest;
+use linewright_modbus::{ModbusRequest, exception_text};
 
 /// The transaction of a last order: one that the connection itself reaches after an hour at the earliest, and by which the
 /// answer is known.
@@ -13,19 +13,24 @@ const TRANSACTION: u16 = 0xFFFF;
 /// How often, and how far apart, it is looked whether last orders are answered: a tenth of a second in all.
 const TRIES: u32 = 100;
 const PAUSE: Duration = Duration::from_millis(1);
+/// After so many of these pauses an order that was refused is sent again.
+const AGAIN: u32 = 10;
 
 /// What is left to do for a device when nothing else can be done.
 #[derive(Clone)]
 pub struct LastOrder {
+    /// The device, in words.
+    device: Arc<str>,
     order: Arc<Vec<u8>>,
     socket: Arc<Mutex<Option<TcpStream>>>,
 }
 
 impl LastOrder {
-    /// For a device with this unit, whose outputs this request turns off.
-    pub fn new(unit: u8, request: Option<ModbusRequest>) -> Self {
+    /// For the device at this address and unit, whose outputs this request turns off.
+    pub fn new((address, unit): (&str, u8), request: Option<ModbusRequest>) -> Self {
         let order = request.map(|request| request.adu(TRANSACTION, unit)).unwrap_or_default();
-        LastOrder { order: Arc::new(order), socket: Arc::default() }
+        let device = format!("{address} unit {unit}").into();
+        LastOrder { device, order: Arc::new(order), socket: Arc::default() }
     }
 
     /// Its connection is this one, which does not block.
@@ -48,42 +53,153 @@ impl LastOrder {
         matches!(socket.write(&self.order), Ok(written) if written == self.order.len())
     }
 
-    /// Reads what has come; true when the order is answered, or nothing will come any more.
-    fn is_answered(&self, heard: &mut Vec<u8>) -> bool {
-        let Ok(own) = self.socket.try_lock() else { return true };
-        let Some(mut socket) = own.as_ref() else { return true };
+    /// Reads what has come: what has become of the order, if that is known.
+    fn look(&self, heard: &mut Vec<u8>) -> Option<LastOutcome> {
+        let Ok(own) = self.socket.try_lock() else { return Some(LastOutcome::Gone) };
+        let Some(mut socket) = own.as_ref() else { return Some(LastOutcome::Gone) };
         let mut bytes = [0; 64];
         loop {
             match socket.read(&mut bytes) {
-                Ok(0) => return true,
+                Ok(0) => return Some(answer(&self.order, heard).unwrap_or(LastOutcome::Gone)),
                 Ok(read) => heard.extend(&bytes[..read]),
-                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
-                Err(_) => return true,
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return answer(&self.order, heard),
+                Err(_) => return Some(LastOutcome::Gone),
             }
         }
-        // Transaction and protocol of the answer; an answer to what was asked before may come first.
-        let [high, low] = TRANSACTION.to_be_bytes();
-        heard.windows(4).any(|part| part == [high, low, 0, 0])
     }
 }
 
-/// Sends all last orders, and waits until they are answered, for a tenth of a second at most. A socket that is closed with an
-/// unread answer resets the connection, and the device may never read the order.
-pub fn send_all(lasts: &[LastOrder]) {
-    let sent: Vec<&LastOrder> = lasts.iter().filter(|last| last.send()).collect();
-    wait_for(&sent);
+/// What has become of a last order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LastOutcome {
+    Taken,
+    /// Refused with this exception code.
+    Refused(u8),
+    /// The connection has ended.
+    Gone,
+    /// Not answered in time.
+    Unanswered,
 }
 
-fn wait_for(lasts: &[&LastOrder]) {
+/// The answer to an order among the bytes that have come; an answer to what was asked before may come first.
+fn answer(order: &[u8], heard: &[u8]) -> Option<LastOutcome> {
+    let [high, low] = TRANSACTION.to_be_bytes();
+    let function = *order.get(7)?;
+    // MBAP header (transaction, protocol, length, unit), function, and of an exception its code (§7).
+    heard.windows(9).find_map(|part| match *part {
+        [a, b, 0, 0, 0, 6, _, of, _] if (a, b, of) == (high, low, function) => Some(LastOutcome::Taken),
+        [a, b, 0, 0, 0, 3, _, of, code] if (a, b, of) == (high, low, function | 0x80) => {
+            Some(LastOutcome::Refused(code))
+        }
+        _ => None,
+    })
+}
+
+/// Sends all last orders, and waits until they are taken, for a tenth of a second at most; what is refused is sent again
+/// meanwhile. A socket that is closed with an unread answer resets the connection, and the device may never read the order.
+pub fn send_all(lasts: &[LastOrder]) -> Vec<LastOutcome> {
+    let sent: Vec<&LastOrder> = lasts.iter().filter(|last| last.send()).collect();
+    let outcomes = wait_for(&sent);
+    for (last, outcome) in sent.iter().zip(&outcomes) {
+        let device = &last.device;
+        match outcome {
+            LastOutcome::Taken | LastOutcome::Gone => {}
+            LastOutcome::Refused(code) => tracing::error!(
+                "Modbus device {device} refuses the order to turn its outputs off: {} (exception {code}); they may be on",
+                exception_text(*code)
+            ),
+            LastOutcome::Unanswered => {
+                tracing::error!(
+                    "Modbus device {device} has not answered the order to turn its outputs off; they may be on"
+                );
+            }
+        }
+    }
+    outcomes
+}
+
+fn wait_for(lasts: &[&LastOrder]) -> Vec<LastOutcome> {
     let mut heard = vec![Vec::new(); lasts.len()];
-    for _ in 0..TRIES {
-        let answered = lasts.iter().zip(&mut heard).map(|(last, heard)| last.is_answered(heard));
-        // Each is looked at, whatever the others say.
-        let answered = answered.filter(|is_answered| *is_answered).count();
-        if answered == lasts.len() {
-            return;
+    let mut outcomes = vec![LastOutcome::Unanswered; lasts.len()];
+    for nth in 1..=TRIES {
+        for ((last, heard), outcome) in lasts.iter().zip(&mut heard).zip(&mut outcomes) {
+            match outcome {
+                LastOutcome::Taken | LastOutcome::Gone => {}
+                LastOutcome::Refused(_) if nth % AGAIN == 0 && nth < TRIES && last.send() => {
+                    *outcome = LastOutcome::Unanswered
+                }
+                LastOutcome::Refused(_) => {}
+                LastOutcome::Unanswered => {
+                    if let Some(come) = last.look(heard) {
+                        *outcome = come;
+                        heard.clear();
+                    }
+                }
+            }
+        }
+        if outcomes.iter().all(|outcome| matches!(outcome, LastOutcome::Taken | LastOutcome::Gone)) {
+            break;
         }
         std::thread::sleep(PAUSE);
     }
-    tracing::warn!("a Modbus device has not answered the order to let go");
+    outcomes
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::TcpListener;
+
+    use linewright_line::Table;
+
+    use super::*;
+
+    const OFF: ModbusRequest = ModbusRequest::WriteCoils { first: 0, count: 2, bits: 0 };
+
+    /// What a device answers to each order that comes, with a last order to it.
+    fn told(answers: &'static [&'static [u8]]) -> (LastOutcome, usize) {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let socket = TcpStream::connect(listener.local_addr().expect("its address")).expect("a connection");
+        socket.set_nonblocking(true).expect("it need not wait");
+        let (mut device, _) = listener.accept().expect("the connection");
+        let serves = std::thread::spawn(move || {
+            let mut orders = 0;
+            let mut order = vec![0; OFF.adu(TRANSACTION, 1).len()];
+            while device.read_exact(&mut order).is_ok() {
+                let answer = answers.get(orders).copied().unwrap_or_default();
+                orders += 1;
+                device.write_all(answer).expect("somebody reads");
+            }
+            orders
+        });
+        let last = LastOrder::new(("a device", 1), Some(OFF));
+        last.set(socket);
+        let outcome = send_all(std::slice::from_ref(&last))[0];
+        last.forget();
+        (outcome, serves.join().expect("it ends"))
+    }
+
+    const TAKEN: &[u8] = &[0xFF, 0xFF, 0, 0, 0, 6, 1, 0x0F, 0, 0, 0, 2];
+    const BUSY: &[u8] = &[0xFF, 0xFF, 0, 0, 0, 3, 1, 0x8F, 6];
+
+    #[test]
+    fn an_order_that_is_refused_is_sent_again_and_never_counts_as_taken() {
+        assert_eq!(told(&[TAKEN]), (LastOutcome::Taken, 1));
+        // An answer to what was asked before comes first.
+        assert_eq!(
+            told(&[&[0, 7, 0, 0, 0, 4, 1, 2, 1, 3, 0xFF, 0xFF, 0, 0, 0, 6, 1, 0x0F, 0, 0, 0, 2]]).0,
+            LastOutcome::Taken
+        );
+        assert_eq!(told(&[BUSY, BUSY, TAKEN]), (LastOutcome::Taken, 3));
+        let (outcome, orders) = told(&[BUSY; 20]);
+        assert_eq!(outcome, LastOutcome::Refused(6));
+        assert!((5..=11).contains(&orders), "{orders}");
+        assert_eq!(told(&[]), (LastOutcome::Unanswered, 1));
+    }
+
+    #[test]
+    fn the_function_of_an_answer_is_that_of_the_order() {
+        let registers = ModbusRequest::write_bits((Table::HoldingRegisters, 0), 2, 0).adu(TRANSACTION, 1);
+        assert_eq!(answer(&registers, TAKEN), None);
+        assert_eq!(answer(&registers, &[0xFF, 0xFF, 0, 0, 0, 3, 1, 0x90, 4]), Some(LastOutcome::Refused(4)));
+    }
 }

@@ -39,8 +39,9 @@ impl ModbusTcp {
     /// a tokio runtime.
     pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>, clock: Clock) -> Self {
         let manager = ModbusManager::new(devices);
-        let lasts: Vec<LastOrder> =
-            manager.last_requests().map(|(unit, request)| LastOrder::new(unit, request)).collect();
+        let addresses = manager.addresses().map(|(address, unit, _)| (address, unit));
+        let lasts = addresses.zip(manager.last_requests()).map(|(at, request)| LastOrder::new(at, request));
+        let lasts: Vec<LastOrder> = lasts.collect();
         let (to, from) = mpsc::unbounded_channel();
         let links = lasts.iter().map(|_| None).collect();
         ModbusTcp { manager, clock, out: ModbusOutbox::default(), links, lasts, to, from }
@@ -122,7 +123,7 @@ impl Fieldbus for ModbusTcp {
 
     fn last_orders(&self) -> LastOrders {
         let lasts = self.lasts.clone();
-        Box::new(move || last::send_all(&lasts))
+        Box::new(move || _ = last::send_all(&lasts))
     }
 
     fn trouble(&self, owner: Owner) -> Vec<String> {

@@ -94,6 +94,7 @@ fn device(port: u16, change: impl Fn(&mut Modbus)) -> Device {
         inputs_at: (Table::DiscreteInputs, 0),
         outputs: (0..3).map(|bit| Some(OutputId(bit))).collect(),
         outputs_at: (Table::Coils, 0),
+        reads_back: true,
         watchdog: Some(WatchdogRegister { register: 16, timeout: Duration::from_secs(2) }),
         without_watchdog: None,
         expect: vec![RegisterValue { register: 0, value: 0x401 }],

@@ -12,11 +12,19 @@ use crate::{
     Answer, BusRefusal, BusRequest, BusTarget, Diagnosis, Fieldbus, InputImage, LastOrders, News, NextNews, abort,
 };
 
+/// What is known of an owner's images.
+struct OwnerKnowledge {
+    owner: Owner,
+    /// How often its image had become invalid when that was last reported.
+    reported: u32,
+    /// The same when its inputs were last taken: its outputs are decided by those.
+    taken: u32,
+}
+
 /// Several buses as one.
 pub struct Joined {
     buses: Vec<Box<dyn Fieldbus>>,
-    /// For each owner, how often its image had become invalid when that was last looked at.
-    losses: Vec<(Owner, u32)>,
+    owners: Vec<OwnerKnowledge>,
     /// Which bus is asked first next time: a busy one must not keep the others waiting.
     turn: usize,
     /// Requests to devices of no bus: the last one's number, and what is not taken yet.
@@ -27,13 +35,13 @@ pub struct Joined {
 impl Joined {
     /// These buses, which carry the images of these owners.
     pub fn new(buses: Vec<Box<dyn Fieldbus>>, owners: impl IntoIterator<Item = Owner>) -> Self {
-        let mut losses: Vec<(Owner, u32)> = Vec::new();
+        let mut known: Vec<OwnerKnowledge> = Vec::new();
         for owner in owners {
-            if !losses.iter().any(|(known, _)| *known == owner) {
-                losses.push((owner, 0));
+            if !known.iter().any(|known| known.owner == owner) {
+                known.push(OwnerKnowledge { owner, reported: 0, taken: 0 });
             }
         }
-        Joined { buses, losses, turn: 0, unknown: 0, answers: Vec::new() }
+        Joined { buses, owners: known, turn: 0, unknown: 0, answers: Vec::new() }
     }
 
     /// Which buses these are, for a person.
@@ -72,11 +80,11 @@ impl Joined {
 
     /// Of an owner whose image has become invalid every output is let go, on every bus.
     fn let_go_of_the_lost(&mut self, news: &mut Vec<News>) {
-        for at in 0..self.losses.len() {
-            let (owner, before) = self.losses[at];
+        for at in 0..self.owners.len() {
+            let OwnerKnowledge { owner, reported, .. } = self.owners[at];
             let losses = self.inputs(owner).losses;
-            if losses != before {
-                self.losses[at].1 = losses;
+            if losses != reported {
+                self.owners[at].reported = losses;
                 self.set_outputs(owner, 0);
                 // The image of the node that reads it is another one now, whichever bus it was that told of it.
                 let changed = News::InputsChanged { owner };
@@ -93,8 +101,26 @@ impl Joined {
         images.reduce(InputImage::joined).unwrap_or(InputImage::NEVER)
     }
 
+    /// The inputs of `owner` now, by which its outputs are decided from here on.
+    pub fn take_inputs(&mut self, owner: Owner) -> InputImage {
+        let image = self.inputs(owner);
+        if let Some(known) = self.owners.iter_mut().find(|known| known.owner == owner) {
+            known.taken = image.losses;
+        }
+        image
+    }
+
+    /// Sets the output image of `owner`; see [`Fieldbus::set_outputs`]. Everything is off instead where a device was lost after
+    /// [`Joined::take_inputs`]: the image was decided without knowing of it.
     pub fn set_outputs(&mut self, owner: Owner, image: u128) {
+        let image = if self.is_overtaken(owner) { 0 } else { image };
         self.buses.iter_mut().for_each(|bus| bus.set_outputs(owner, image));
+    }
+
+    /// Whether a device was lost since the inputs were taken by which an owner's outputs are decided.
+    fn is_overtaken(&self, owner: Owner) -> bool {
+        let losses = self.inputs(owner).losses;
+        self.owners.iter().any(|known| known.owner == owner && known.taken != losses)
     }
 
     /// Lets go of every output, for an orderly end.
@@ -227,8 +253,8 @@ mod tests {
     fn an_image_is_valid_if_each_part_is_and_a_loss_on_one_bus_lets_go_on_the_other() {
         let (mut joined, a, b) = pair();
         assert!(next(&mut joined).is_none());
+        assert!(joined.take_inputs(OWNER).valid);
         joined.set_outputs(OWNER, 3);
-        assert!(joined.inputs(OWNER).valid);
         {
             let mut a = a.lock().expect("whole");
             a.image = a.image.map(|image| image.followed_by(Tick::from_millis(2), 1, false, None));
@@ -239,6 +265,30 @@ mod tests {
         assert_eq!(b.lock().expect("whole").outputs, [3, 0]);
         let image = joined.inputs(OWNER);
         assert_eq!((image.valid, image.bits, image.losses), (false, 1, 1));
+    }
+
+    /// As while a record is written: the loss is reported, and what follows the record was decided before it.
+    #[test]
+    fn outputs_decided_before_a_loss_stay_off_until_the_inputs_are_taken_again() {
+        let (mut joined, a, b) = pair();
+        joined.take_inputs(OWNER);
+        {
+            let mut a = a.lock().expect("whole");
+            a.image = a.image.map(|image| image.followed_by(Tick::from_millis(2), 0, false, None));
+            a.news.push(News::Noted("lost".to_owned()));
+        }
+        next(&mut joined).expect("it is told");
+        joined.set_outputs(OWNER, 3);
+        assert_eq!(b.lock().expect("whole").outputs, [0, 0], "neither at the loss nor after it");
+        // The device is back before anything was decided anew: the loss still counts.
+        {
+            let mut a = a.lock().expect("whole");
+            a.image = a.image.map(|image| image.followed_by(Tick::from_millis(3), 0, true, None));
+        }
+        joined.set_outputs(OWNER, 3);
+        joined.take_inputs(OWNER);
+        joined.set_outputs(OWNER, 3);
+        assert_eq!(b.lock().expect("whole").outputs, [0, 0, 0, 3]);
     }
 
     #[test]

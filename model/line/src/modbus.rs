@@ -29,6 +29,8 @@ pub struct Modbus {
     pub outputs: Vec<Option<OutputId>>,
     /// Where they begin: coils or holding registers.
     pub outputs_at: (Table, u16),
+    /// Its outputs are read back and compared in each cycle.
+    pub reads_back: bool,
     /// What turns its outputs off when the manager is gone.
     pub watchdog: Option<WatchdogRegister>,
     /// Why it may be without a watchdog register.

@@ -20,6 +20,7 @@ cycle_ms = 10
 timeout_ms = 80
 inputs = { table = "input_registers", first = 20 }
 outputs = { table = "holding_registers", first = 30 }
+read_back = true
 watchdog = { register = 40, timeout_ms = 200 }
 expect = [{ register = 0, value = 1025 }]
 settings = [{ register = 41, value = 200 }]
@@ -51,6 +52,7 @@ fn a_device_in_modbus_is_read_with_all_it_says() {
         inputs_at: (Table::InputRegisters, 20),
         outputs: (0..3).map(|output| Some(OutputId(output))).collect(),
         outputs_at: (Table::HoldingRegisters, 30),
+        reads_back: true,
         watchdog: Some(WatchdogRegister { register: 40, timeout: Duration::from_millis(200) }),
         without_watchdog: None,
         expect: vec![RegisterValue { register: 0, value: 1025 }],

@@ -35,6 +35,7 @@ fn line_on(port: u16, registers: bool) -> Line {
         inputs_at: (table(Table::DiscreteInputs, Table::InputRegisters), 8),
         outputs: device.output_bits().to_vec(),
         outputs_at: (table(Table::Coils, Table::HoldingRegisters), 4),
+        reads_back: true,
         watchdog: Some(WatchdogRegister { register: 100, timeout: Duration::from_millis(1500) }),
         without_watchdog: None,
         expect: vec![RegisterValue { register: 0, value: 0x401 }],

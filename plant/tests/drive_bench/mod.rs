@@ -12,7 +12,7 @@ use linewright_canopen::{Frame, NodeId};
 use linewright_line::{
     AtRest, AxisId, Drive as Described, DriveMode, DriveTarget, Homing, InputId, OutputId, Tick, Timing,
 };
-use linewright_plant::{CanDevice, DeviceOutbox, DriveNode};
+use linewright_plant::{CanDevice, DeviceOutbox, DriveNode, MotionFault};
 
 /// How long a frame is under way.
 const LATENCY: Duration = Duration::from_micros(700);
@@ -131,9 +131,16 @@ impl Pair {
         self.post(out);
     }
 
-    pub fn fail(&mut self, fault: Option<linewright_plant::MotionFault>) {
+    /// Every motion fails, or works again.
+    pub fn fail(&mut self, fault: Option<MotionFault>) {
+        let motions = self.described.outputs().count();
+        (0..motions).for_each(|motion| self.fail_motion(motion, fault));
+    }
+
+    /// One does, counted as the outputs of the description.
+    pub fn fail_motion(&mut self, motion: usize, fault: Option<MotionFault>) {
         let mut out = DeviceOutbox::default();
-        self.node.fail(self.now, fault, &mut out);
+        self.node.fail(self.now, motion, fault, &mut out);
         self.post(out);
     }
 

@@ -4,7 +4,7 @@
 //! the manager there.
 
 use linewright_canopen::ManagerError;
-use linewright_line::{DeviceBus as BusName, InputId, Line, OpId, Owner, StationId, Tick};
+use linewright_line::{DeviceBus as BusName, InputId, Line, OpId, OperationModule, Owner, StationId, Tick};
 use linewright_plant::{DeviceFault, MotionFault, Plant, PlantOptions, Rack};
 
 use super::bus::{Played, SimulatedBus};
@@ -156,7 +156,6 @@ impl SimulatedBuses {
         self.unplugged[device]
     }
 
-    /// A drive fails with its axis, whichever motion it makes.
     pub(crate) fn fail(
         &mut self,
         line: &Line,
@@ -165,13 +164,15 @@ impl SimulatedBuses {
         normal: bool,
         fault: Option<MotionFault>,
     ) {
-        let axis = line.operation((station, op)).motion.axis;
-        self.bus_of(Owner::Station(station)).disturb(now, |rack, out| {
-            match (rack.fail_axis(now, station, axis, fault, out), normal) {
-                (true, _) => {}
-                (false, true) => rack.plant_mut().inject(now, station, op, fault),
-                (false, false) => rack.plant_mut().inject_recovery(now, station, op, fault),
-            }
+        let (owner, operation) = (Owner::Station(station), line.operation((station, op)));
+        let output = match &operation.module {
+            OperationModule::Reversible { recovery, .. } if !normal => recovery.actuator,
+            _ => operation.normal.actuator,
+        };
+        self.bus_of(owner).disturb(now, |rack, out| match (rack.fail_motion(now, owner, output, fault, out), normal) {
+            (true, _) => {}
+            (false, true) => rack.plant_mut().inject(now, station, op, fault),
+            (false, false) => rack.plant_mut().inject_recovery(now, station, op, fault),
         });
     }
 

@@ -336,8 +336,8 @@ impl StationLoop {
             devices.bus_news(news, buses);
         }
         self.tell_trouble(self.clock.now());
-        if let Some(buses) = &self.buses {
-            let image = buses.inputs(Owner::Station(self.station));
+        if let Some(buses) = &mut self.buses {
+            let image = buses.take_inputs(Owner::Station(self.station));
             let losses = u64::from(image.losses);
             self.handle(StationArrival::Devices { bits: image.bits, valid: image.valid, losses });
         }

@@ -149,5 +149,10 @@ fn own_uid() -> io::Result<u32> {
 
 /// Makes the directory, anew after somebody removed it.
 pub(super) fn prepare_again(dir: &Path) -> io::Result<()> {
-    fs::DirBuilder::new().recursive(true).mode(0o700).create(dir)
+    fs::DirBuilder::new().recursive(true).mode(0o700).create(dir).map_err(|error| at(dir, &error))
+}
+
+/// An error that names the path.
+pub(super) fn at(path: &Path, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("{}: {error}", path.display()))
 }

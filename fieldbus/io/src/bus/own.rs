@@ -10,7 +10,7 @@ use std::os::unix::fs::DirBuilderExt;
 use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
 
-use super::members::{checked_base, chosen_base, scan};
+use super::members::{at, checked_base, chosen_base, scan};
 
 /// How the directory of a run is called, before a number.
 const PREFIX: &str = "run-";
@@ -34,18 +34,22 @@ impl OwnBuses {
         if chosen_base().is_some() {
             return Ok(None);
         }
-        let base = checked_base()?;
-        sweep(&base);
+        OwnBuses::create_in(&checked_base()?, about).map(Some)
+    }
+
+    fn create_in(base: &Path, about: &str) -> io::Result<Self> {
+        sweep(base);
         for number in 0..TRIES {
             let dir = base.join(format!("{PREFIX}{:x}-{number}", std::process::id()));
             match fs::DirBuilder::new().mode(0o700).create(&dir) {
                 Ok(()) => {
                     let own = OwnBuses { dir };
-                    fs::write(own.dir.join(ABOUT), about)?;
-                    return Ok(Some(own));
+                    let file = own.dir.join(ABOUT);
+                    fs::write(&file, about).map_err(|error| at(&file, &error))?;
+                    return Ok(own);
                 }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(error),
+                Err(error) => return Err(at(&dir, &error)),
             }
         }
         Err(io::Error::new(io::ErrorKind::AlreadyExists, format!("no name is free in {}", base.display())))
@@ -147,6 +151,19 @@ mod tests {
         assert_eq!(find_in(base.path(), "vcan0", None), [of(&rotary, "rotary")], "a socket that was left behind");
         drop(other);
         assert_eq!(find_in(base.path(), "vcan0", None), []);
+    }
+
+    #[test]
+    fn a_directory_that_cannot_be_made_is_named() {
+        let base = tempfile::tempdir().expect("a directory");
+        let file = base.path().join("a file");
+        fs::write(&file, "").expect("a file");
+        for error in [
+            OwnBuses::create_in(&file, "mill").expect_err("a file has no directories"),
+            super::super::members::prepare("vcan0", Some(&file)).expect_err("nor buses"),
+        ] {
+            assert!(error.to_string().starts_with(&file.display().to_string()), "{error}");
+        }
     }
 
     #[test]

@@ -153,9 +153,9 @@ impl ModbusManager {
         }
     }
 
-    /// For each device, its unit and what turns its outputs off.
-    pub fn last_requests(&self) -> impl Iterator<Item = (u8, Option<ModbusRequest>)> {
-        self.peers.iter().map(|peer| (peer.modbus.unit, peer.rest()))
+    /// For each device, what turns its outputs off.
+    pub fn last_requests(&self) -> impl Iterator<Item = Option<ModbusRequest>> {
+        self.peers.iter().map(ModbusPeer::rest)
     }
 
     /// For each device, its address, its unit, and how long an answer may take.

@@ -55,6 +55,8 @@ enum Step {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReadPart {
     Outputs,
+    /// Its outputs are read back.
+    Check,
     Feed,
     Inputs,
 }
@@ -111,7 +113,9 @@ impl ModbusPeer {
             .chain(set)
             .chain(modbus.watchdog.map(|_| Step::Feed))
             .chain(has_inputs.then_some(Step::Inputs));
-        let parts = has_outputs.then_some(ReadPart::Outputs).into_iter();
+        // Before they are written again, which would hide that they were changed.
+        let parts = (has_outputs && modbus.reads_back).then_some(ReadPart::Check).into_iter();
+        let parts = parts.chain(has_outputs.then_some(ReadPart::Outputs));
         let parts = parts.chain(modbus.watchdog.map(|_| ReadPart::Feed)).chain(has_inputs.then_some(ReadPart::Inputs));
         ModbusPeer {
             at,
@@ -265,7 +269,10 @@ impl ModbusPeer {
         match self.phase {
             Phase::Preparing(step) => self.prepared(now, step, value, out),
             Phase::Operational => match (asked, value) {
-                (Some((ModbusRequest::Read { .. }, _)), Some(value)) => self.hear(now, value),
+                (Some((ModbusRequest::Read { .. }, _)), Some(value)) => match self.part_asked() {
+                    Some(ReadPart::Check) => self.compare(now, value, out),
+                    _ => self.hear(now, value),
+                },
                 _ => ModbusChange::Nothing,
             },
             Phase::Down { .. } | Phase::Connecting { .. } => ModbusChange::Nothing,
@@ -276,6 +283,24 @@ impl ModbusPeer {
         self.heard = kept_bits(value, self.modbus.inputs.len());
         self.updated = Some(now);
         ModbusChange::Inputs
+    }
+
+    /// The part of the cycle that was asked last.
+    fn part_asked(&self) -> Option<ReadPart> {
+        self.parts.get(self.part.checked_sub(1)?).copied()
+    }
+
+    /// Compares its outputs with what it was last written: another master may write them, or they have gone off.
+    fn compare(&mut self, now: Tick, value: u64, out: &mut ModbusOutbox) -> ModbusChange {
+        let (found, written) = (kept_bits(value, self.modbus.outputs.len()), self.sent.unwrap_or(0));
+        if found == written {
+            return ModbusChange::Nothing;
+        }
+        let text = format!(
+            "its outputs are {found:X}h, where {written:X}h was written: another master writes them, or the device has \
+             changed them by itself"
+        );
+        self.lose(now, Why { text, is_refusal: true }, out)
     }
 
     /// A step of its preparation is answered.
@@ -345,6 +370,9 @@ impl ModbusPeer {
         self.part += 1;
         match part {
             ReadPart::Outputs => self.send_outputs(now, out),
+            ReadPart::Check => {
+                self.ask(now, ModbusRequest::read_bits(self.modbus.outputs_at, self.modbus.outputs.len()), out);
+            }
             ReadPart::Feed => {
                 let request = self.next_feed(now);
                 self.ask(now, request, out);

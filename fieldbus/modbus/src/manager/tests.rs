@@ -20,6 +20,7 @@ fn modbus() -> Modbus {
         inputs_at: (Table::DiscreteInputs, 10),
         outputs: vec![Some(OutputId(0)), Some(OutputId(1))],
         outputs_at: (Table::Coils, 0),
+        reads_back: false,
         watchdog: Some(WatchdogRegister { register: 16, timeout: Duration::from_millis(300) }),
         without_watchdog: None,
         expect: vec![RegisterValue { register: 0, value: 0x401 }],
@@ -56,6 +57,7 @@ impl Station {
         }
         match request {
             ModbusRequest::Read { table: Table::DiscreteInputs, first: 10, count: 3 } => LinkOutcome::Read(self.inputs),
+            ModbusRequest::Read { table: Table::Coils, first: 0, count: 2 } => LinkOutcome::Read(self.coils),
             ModbusRequest::Read { table: Table::HoldingRegisters, first: 0, count: 1 } => LinkOutcome::Read(self.code),
             ModbusRequest::WriteCoils { first: 0, count: 2, bits } => {
                 self.coils = bits;
@@ -391,4 +393,26 @@ fn a_device_whose_watchdog_may_have_run_out_is_lost_before_it_is_written_again()
     bench.stations[0].takes = Duration::from_millis(45);
     bench.run(500);
     assert!(bench.noted("its watchdog was not written for") >= 1);
+}
+
+/// Another master on the same server, or a device that has turned its outputs off by itself.
+#[test]
+fn outputs_that_are_not_as_written_lose_a_device_that_is_read_back() {
+    for reads_back in [false, true] {
+        let mut bench = Bench::new(&[device("io", OWNER, Modbus { reads_back, ..modbus() })]);
+        bench.run(50);
+        for image in [0b01, 0b11, 0b10] {
+            bench.set(image);
+            bench.run(60);
+            assert_eq!((bench.inputs().valid, u128::from(bench.stations[0].coils)), (true, image));
+        }
+        bench.stations[0].coils = 0b11;
+        bench.run(30);
+        assert_eq!(bench.inputs().losses, u32::from(reads_back), "{}", bench.trouble());
+        if reads_back {
+            let said = "its outputs are 3h, where 2h was written";
+            assert_eq!(bench.noted(said), 1, "{:?}", bench.news);
+            assert_eq!(bench.stations[0].coils, 0, "let go");
+        }
+    }
 }

@@ -64,6 +64,7 @@ pub(super) fn finish(device: &DraftDevice, raw: &RawModbus) -> Option<Modbus> {
         inputs_at: inputs_at(raw)?,
         outputs: device.outputs.clone(),
         outputs_at: outputs_at(raw)?,
+        reads_back: raw.read_back.as_ref().is_some_and(|read_back| read_back.value),
         watchdog,
         without_watchdog: raw.without_watchdog.as_ref().map(|why| why.value.clone()),
         expect: raw.expect.iter().map(register_value).collect::<Option<_>>()?,

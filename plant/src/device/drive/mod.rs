@@ -15,8 +15,8 @@ use std::time::Duration;
 
 use linewright_canopen::Frame;
 use linewright_canopen::codec::{Abort, CanopenMessage, NmtState, NodeId, Payload};
-use linewright_canopen::profile::drive::word::{DISABLE_VOLTAGE, QUICK_STOP};
-use linewright_canopen::profile::drive::{DriveState, FOLLOWING_ERROR, SENSOR_1};
+use linewright_canopen::profile::drive::word::{DISABLE_VOLTAGE, HOMING, PROFILE_VELOCITY, QUICK_STOP};
+use linewright_canopen::profile::drive::{DriveBinding, DriveState, FOLLOWING_ERROR, SENSOR_1};
 use linewright_canopen::sdo::ObjectId;
 use linewright_line::{Drive, DriveMode, Tick, Timing};
 
@@ -36,6 +36,14 @@ const SERVO: Duration = Duration::from_millis(1);
 const PROFILE_ERROR: u8 = 0x21;
 /// Error code of a lost connection where option 6007h makes that a fault.
 const CONNECTION_LOST: u16 = 0x8130;
+
+/// What a motion is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum MotionGoal {
+    /// A set-point or a velocity, in the drive's own increments.
+    Value(i32),
+    Home,
+}
 
 #[derive(Debug)]
 pub struct DriveNode {
@@ -62,8 +70,12 @@ pub struct DriveNode {
     /// The velocity it was last told in velocity mode.
     running: i32,
     homing: HomingPhase,
+    /// By motion: its set-point, and whether the axis sticks in it.
+    motions: Vec<(MotionGoal, bool)>,
     /// Where it is stuck, in mechanical increments.
     blocked: Option<f64>,
+    /// Its encoder is broken.
+    broken: bool,
     /// Since when it lags too far behind.
     lagging: Option<Tick>,
     sent: Option<Payload>,
@@ -75,6 +87,8 @@ impl DriveNode {
     pub fn new(now: Tick, node: NodeId, drive: &Drive, place: f64, timing: &Timing) -> Self {
         let place = if drive.mode == DriveMode::Position { place * drive.units_per_mm } else { 0.0 };
         let absolute = drive.homing.is_none();
+        let binding = DriveBinding::of(drive);
+        let motions = binding.targets.iter().map(|target| (MotionGoal::Value(target.to), false));
         DriveNode {
             comm: Comm::new(now, node, timing),
             objects: DriveObjects::new(node),
@@ -92,7 +106,9 @@ impl DriveNode {
             halted: false,
             running: 0,
             homing: HomingPhase::Idle,
+            motions: motions.chain(drive.homing.map(|_| (MotionGoal::Home, false))).collect(),
             blocked: None,
+            broken: false,
             lagging: None,
             sent: None,
             sent_at: now,
@@ -123,18 +139,43 @@ impl DriveNode {
         self.state == DriveState::OperationEnabled && !self.halted && self.set_point.is_some()
     }
 
-    /// Makes its axis fail, or work again (`None`): stuck, until its following error trips, or with a broken encoder.
-    pub fn fail(&mut self, now: Tick, fault: Option<MotionFault>, out: &mut DeviceOutbox) {
-        match fault {
-            Some(MotionFault::Stick) => self.blocked = Some(self.place(now)),
-            Some(MotionFault::Break) => self.trip(now, SENSOR_1, out),
-            _ => {
-                if let Some(place) = self.blocked.take() {
-                    self.motion = DriveMotion::standing(now, place);
-                }
-            }
+    /// Makes a motion fail, or work again (`None`): stuck, until its following error trips, or with a broken encoder, which is
+    /// the axis's whatever the motion. They are counted as the outputs of its description.
+    pub fn fail(&mut self, now: Tick, motion: usize, fault: Option<MotionFault>, out: &mut DeviceOutbox) {
+        if let Some((_, sticks)) = self.motions.get_mut(motion) {
+            *sticks = fault == Some(MotionFault::Stick);
+        }
+        self.broken = fault == Some(MotionFault::Break) || self.broken && fault.is_some();
+        match self.goal() {
+            Some(goal) => self.aim(now, goal),
+            None => self.release(now),
         }
         self.settle(now, out);
+    }
+
+    /// What it moves for, if it does.
+    fn goal(&self) -> Option<MotionGoal> {
+        match self.mode {
+            HOMING => matches!(self.homing, HomingPhase::Seeking | HomingPhase::Returning).then_some(MotionGoal::Home),
+            PROFILE_VELOCITY => Some(MotionGoal::Value(self.running)),
+            _ => self.set_point.map(MotionGoal::Value),
+        }
+    }
+
+    /// From here on it moves for this: where it is stuck, or free.
+    fn aim(&mut self, now: Tick, goal: MotionGoal) {
+        let sticks = self.motions.iter().any(|(of, sticks)| *of == goal && *sticks);
+        if !sticks {
+            self.release(now);
+        } else if self.blocked.is_none() {
+            self.blocked = Some(self.place(now));
+        }
+    }
+
+    fn release(&mut self, now: Tick) {
+        if let Some(place) = self.blocked.take() {
+            self.motion = DriveMotion::standing(now, place);
+        }
     }
 
     /// Everything that follows from where it is now and what it was told.
@@ -142,6 +183,9 @@ impl DriveNode {
         self.now = now;
         if self.state == DriveState::NotReadyToSwitchOn && self.comm.nmt_state() != NmtState::BootUp {
             self.enter(now, 1, out);
+        }
+        if self.broken && !matches!(self.state, DriveState::NotReadyToSwitchOn) {
+            self.trip(now, SENSOR_1, out);
         }
         self.watch_lag(now, out);
         self.obey(now, out);
@@ -330,20 +374,19 @@ impl ObjectServer for DriveNode {
                 let fault = DeviceFault::from_code(number(data)?)?;
                 if fault.is_none() {
                     out.orders.push(PlantEffect::ClearAll);
-                    self.fail(now, None, out);
+                    (0..self.motions.len()).for_each(|motion| self.fail(now, motion, None, out));
                 }
                 self.inject(now, fault);
                 Ok(())
             }
-            (FAULT_INDEX, 1) => match MotionFault::from_code(number(data)?)? {
-                Some(MotionFault::Slip | MotionFault::SlipBack | MotionFault::Miss | MotionFault::Drop) => {
-                    Err(Abort::VALUE)
+            (FAULT_INDEX, sub) if usize::from(sub) <= self.motions.len() => {
+                let fault = MotionFault::from_code(number(data)?)?;
+                if !matches!(fault, None | Some(MotionFault::Stick | MotionFault::Break)) {
+                    return Err(Abort::VALUE);
                 }
-                fault => {
-                    self.fail(now, fault, out);
-                    Ok(())
-                }
-            },
+                self.fail(now, usize::from(sub) - 1, fault, out);
+                Ok(())
+            }
             (FAULT_INDEX, _) => Err(Abort::NO_SUBINDEX),
             _ => match self.comm.write(now, object, data) {
                 Some(answer) => answer,

@@ -8,7 +8,7 @@ use linewright_line::Tick;
 
 use super::machine::{leads_to, ordered};
 use super::motion::{DriveMotion, Ramp};
-use super::{DriveNode, PROFILE_ERROR};
+use super::{DriveNode, MotionGoal, PROFILE_ERROR};
 use crate::device::DeviceOutbox;
 
 /// How far a homing is.
@@ -33,6 +33,8 @@ impl DriveNode {
         for _ in 0..2 {
             let stays = matches!(self.objects.i16(0x605A), 5..=8);
             match ordered(self.state, word, before, stays) {
+                // A fault that lasts is not reset.
+                Some(15) if self.broken => {}
                 Some(transition) if self.pending != Some(transition) => self.order(now, transition, out),
                 None if self.state == DriveState::OperationEnabled => self.pending = None,
                 _ => {}
@@ -192,6 +194,7 @@ impl DriveNode {
         self.halted = halt;
         if let Some(target) = self.set_point.filter(|_| go && !halt) {
             let ramp = self.ramp();
+            self.aim(now, MotionGoal::Value(target));
             self.motion.go_to(now, self.origin + f64::from(target), ramp);
         }
     }
@@ -205,6 +208,7 @@ impl DriveNode {
             if self.halted {
                 ramp.deceleration = self.halt_ramp();
             }
+            self.aim(now, MotionGoal::Value(wanted));
             self.motion.run(now, wanted.into(), ramp);
         }
     }
@@ -224,6 +228,7 @@ impl DriveNode {
                 _ => return self.homing = HomingPhase::Failed,
             };
             let ramp = self.homing_ramp(1);
+            self.aim(now, MotionGoal::Home);
             let past = sign * ramp.velocity * ramp.velocity / (2.0 * ramp.deceleration);
             self.motion.go_to(now, past, ramp);
             self.homing = HomingPhase::Seeking;
@@ -258,6 +263,7 @@ impl DriveNode {
             self.set_point = Some(target);
             self.acknowledged = self.word & NEW_SET_POINT != 0;
             let ramp = self.ramp();
+            self.aim(now, MotionGoal::Value(target));
             self.motion.go_to(now, self.origin + f64::from(target), ramp);
         }
         self.change_mode(now);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_text::{KeyKind, Located, LocatedName, keys, millis, table, tables, text, whole, word};
+use linewright_text::{KeyKind, Located, LocatedName, flag, keys, millis, table, tables, text, whole, word};
 
 use crate::Table;
 
@@ -26,6 +26,8 @@ keys! {
         inputs: Option<RawInputRegisters> = table(),
         /// Where the bits of its `outputs` begin; coil 0 if left out.
         outputs: Option<RawOutputRegisters> = table(),
+        /// Whether its outputs are read back and compared in each cycle, so that another master shows; false if left out.
+        read_back: Option<Located<bool>> = flag(),
         /// The register that makes the device turn its outputs off when it is not written any more.
         watchdog: Option<RawWatchdog> = table(),
         /// The reason, in words, why a device with outputs may be without a watchdog register: what else turns them off.

@@ -1,13 +1,14 @@
 //! Devices in Modbus.
 
 use std::ops::Range;
+use std::time::Duration;
 
 use linewright_text::{Located, Problem, Report, TextRange, or};
 
-use crate::Table;
 use crate::parse::draft::{DraftDevice, DraftLine};
 use crate::parse::modbus::{CYCLE, TIMEOUT, host_and_port, inputs_at, outputs_at};
 use crate::parse::raw::{RawDevice, RawDeviceKind, RawModbus};
+use crate::{Table, Timing};
 
 pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
@@ -15,7 +16,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
         let Some(modbus) = &raw.modbus else { continue };
         nothing_of_can_is_said(raw, modbus, report);
         address_has_host_and_port(modbus, report);
-        times_are_in_order(modbus, report);
+        times_are_in_order(modbus, draft.raw.timing.stale.as_ref(), report);
         registers_exist(device, modbus, report);
         outputs_go_off_without_a_manager(raw, modbus, report);
     }
@@ -72,12 +73,23 @@ fn address_has_host_and_port(modbus: &RawModbus, report: &mut Report) {
 }
 
 /// What is lost must show, and what is written must come before the device turns its outputs off.
-fn times_are_in_order(modbus: &RawModbus, report: &mut Report) {
+fn times_are_in_order(modbus: &RawModbus, written_stale: Option<&Located<Duration>>, report: &mut Report) {
     let (cycle, timeout) = (or(&modbus.cycle, CYCLE), or(&modbus.timeout, TIMEOUT));
     for (key, time) in [("cycle_ms", &modbus.cycle), ("timeout_ms", &modbus.timeout)] {
         if let Some(time) = time.as_ref().filter(|time| time.value.is_zero()) {
             report.add(Problem::error(time.at.clone(), format!("`{key}` is 0")).hint("at least 1"));
         }
+    }
+    let stale = written_stale.map_or(Timing::default().stale, |stale| stale.value);
+    if let Some(at) = modbus.timeout.as_ref().or(written_stale).filter(|_| timeout > stale) {
+        let (timeout, stale) = (timeout.as_millis(), stale.as_millis());
+        report.add(
+            Problem::error(at.at.clone(), format!("`timeout_ms` is {timeout} ms, but `stale_ms` is {stale} ms"))
+                .also(&modbus.at, "of this device")
+                .hint(
+                    "`timeout_ms` of a device must not exceed `stale_ms` of the line: what is older counts as unknown",
+                ),
+        );
     }
     let Some(own) = modbus.watchdog.as_ref().and_then(|watchdog| watchdog.timeout.as_ref()) else { return };
     if own.value <= cycle + 2 * timeout {
