@@ -155,16 +155,6 @@ impl WatchedLine {
         self.act(if remembers { with(NodeProcess::Coordinator) } else { without(NodeProcess::Coordinator) });
     }
 
-    /// The coordinator's disk takes no record any more, or takes them again.
-    pub fn fill_disk(&mut self, is_full: bool) {
-        self.act(OperatorAction::FillDisk(is_full));
-    }
-
-    /// Another coordinator, which no station follows, orders the emergency stop once.
-    pub fn foreign_stop(&mut self) {
-        self.act(OperatorAction::ForeignStop);
-    }
-
     /// Cuts everything from one process to another.
     pub fn cut(&mut self, from: NodeProcess, to: NodeProcess) {
         self.act(OperatorAction::Cut(from, to));

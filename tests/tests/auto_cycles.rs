@@ -97,31 +97,6 @@ fn ten_cycles_follow_the_chart_to_the_millisecond() {
 }
 
 #[test]
-fn the_mill_machines_while_the_bar_returns_and_the_bar_lifts_only_under_an_open_clamp() {
-    let mut sim = WatchedLine::new(&transfer_line(1.0), 2);
-    sim.start_auto();
-    sim.run_until_done("transfer", "1st lift", 3);
-    let at = |station: &str, operation: &str, cycle: i32, start: bool| {
-        let (id, op) = sim.op(station, operation);
-        let what =
-            if start { HappeningKind::Started(op, Block::Normal) } else { HappeningKind::Completed(op, Block::Normal) };
-        let found = sim.log().of(id).find(|(_, e)| e.what == what && e.cycle == cycle);
-        found.unwrap_or_else(|| panic!("{operation} in cycle {cycle}")).0
-    };
-    for cycle in 1..=2 {
-        let machining = (
-            at("mill_1", "rapid advance positioning slide", cycle, true),
-            at("mill_1", "reset main slide", cycle, false),
-        );
-        let returning =
-            (at("transfer", "return transfer", cycle, true), at("transfer", "return transfer", cycle, false));
-        assert!(machining.0 < returning.1 && returning.0 < machining.1, "they overlap");
-        assert!(at("clamp_1", "return clamp", cycle + 1, true) > machining.1);
-        assert!(at("transfer", "1st lift", cycle + 1, true) > at("clamp_1", "return clamp", cycle + 1, false));
-    }
-}
-
-#[test]
 fn a_rough_network_costs_time_and_perhaps_an_operators_help() {
     let mut sim = WatchedLine::with(&transfer_line_with(2, 0.5), 3, ROUGH, 0.2);
     sim.start_auto();

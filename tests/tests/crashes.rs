@@ -9,7 +9,7 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::net::{Block, ControlMode};
+use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 use linewright_station_logic::HappeningKind;
 use linewright_tests::{NodeProcess, ROUGH, WatchedLine, transfer_line};
@@ -106,7 +106,7 @@ fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
 
 #[test]
 fn a_coordinator_killed_at_any_moment_and_replaced() {
-    for moment in (0..3560).step_by(80) {
+    for moment in (0..3560).step_by(150) {
         for (remembers, down) in [(true, 30), (false, 30), (true, 300), (false, 2000)] {
             let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let before = sim.epoch();
@@ -127,24 +127,8 @@ fn a_coordinator_killed_at_any_moment_and_replaced() {
 }
 
 #[test]
-fn without_a_coordinator_every_station_falls_to_stand_by_within_the_lease() {
-    for moment in [100, 700, 1500, 2300, 3300] {
-        let mut sim = WatchedLine::in_second_cycle(moment, moment);
-        let timing = sim.line().timing;
-        sim.kill_coordinator();
-        // What is on its way still arrives.
-        sim.run_for(timing.lease + Duration::from_millis(1));
-        for id in sim.line().station_ids() {
-            assert_eq!(sim.mode_of(id), Some(ControlMode::StandBy));
-        }
-        // The devices miss the gateway too and let go.
-        assert!(!sim.anything_energised());
-    }
-}
-
-#[test]
 fn a_station_cut_off_from_the_coordinator_but_not_from_its_neighbours() {
-    for moment in (0..3560).step_by(90) {
+    for moment in (0..3560).step_by(170) {
         for (station, back_too) in STATIONS.into_iter().flat_map(|s| [(s, false), (s, true)]) {
             let mut sim = WatchedLine::in_second_cycle(moment, moment);
             let id = sim.id(station);
@@ -197,19 +181,4 @@ fn on_a_rough_network_too() {
         sim.patiently_until_done("mill_1", "reset main slide", 4);
         two_more_cycles(&mut sim);
     }
-}
-
-#[test]
-fn a_motion_cut_short_by_a_crash_is_never_counted_twice() {
-    let mut sim = WatchedLine::in_second_cycle(2500, 9);
-    let (mill, feed) = sim.op("mill_1", "feed main slide");
-    sim.kill_station(mill);
-    sim.run_for(Duration::from_millis(50));
-    sim.restart_station(mill);
-    sim.bring_back();
-    two_more_cycles(&mut sim);
-    let done = |at: &(Tick, linewright_station_logic::StationHappening)| {
-        at.1.what == HappeningKind::Completed(feed, Block::Normal)
-    };
-    assert_eq!(sim.log().of(mill).filter(done).count() as i32, sim.done(mill, feed));
 }

@@ -89,60 +89,6 @@ fn a_bar_under_a_closed_clamp_does_not_go_back_up() {
     sim.run_until_done("mill_1", "reset main slide", 4);
 }
 
-#[test]
-fn a_held_button_whose_refresh_is_lost_stops_and_a_late_refresh_does_not_go_on() {
-    let mut sim = WatchedLine::new(&transfer_line(1.0), 3);
-    sim.start();
-    sim.order(ModeCommand::Manual);
-    sim.run_for(Duration::from_millis(100));
-    let transfer = sim.id("transfer");
-    for _ in 0..4 {
-        assert!(sim.jog("transfer", true), "up");
-    }
-    sim.press(transfer, true);
-    sim.run_for(Duration::from_millis(100));
-    assert_ne!(sim.energised(transfer), 0, "the bar advances");
-    sim.freeze_fingers(true);
-    sim.run_for(Duration::from_millis(310));
-    assert_eq!(sim.energised(transfer), 0, "it stops");
-    let stands = sim.positions();
-    sim.run_for(Duration::from_millis(200));
-    sim.freeze_fingers(false);
-    sim.run_for(Duration::from_millis(500));
-    assert_eq!(sim.positions(), stands, "the finger never left the button: nobody decided to go on");
-    sim.release(transfer, true);
-    sim.run_for(Duration::from_millis(100));
-    assert!(sim.jog("transfer", true), "a new press goes on");
-}
-
-/// Behind the gateway an input image is on its way for a while, and counts until it is stale: it may show a switch as
-/// it was before the motion that is now to be taken back. The clamp would believe it is open, say so, and the bar would
-/// lift under it.
-#[test]
-fn a_motion_taken_back_is_not_ended_by_an_image_from_before_it() {
-    let mut sim = WatchedLine::new(&transfer_line(1.0), 1);
-    sim.start_auto();
-    let (transfer, lower) = sim.op("transfer", "4th lower");
-    sim.run_until("the bar comes down", |s| s.marking(transfer) == [StationPlace::operating(lower)]);
-    sim.order(ModeCommand::EStop);
-    sim.run_for(Duration::from_millis(100));
-    sim.order(ModeCommand::Reset);
-    sim.go_manual();
-    sim.resume("transfer");
-    sim.networks(QUIET, network((190_000, 200_000), 0, 0));
-    sim.run_for(Duration::from_millis(500));
-    let clamp = sim.id("clamp_1");
-    sim.press(clamp, true);
-    // The output image takes 0.2 s to the gateway, the clamp 0.2 s to close.
-    sim.run_for(Duration::from_millis(360));
-    sim.release(clamp, true);
-    sim.run_for(Duration::from_millis(5));
-    sim.press(clamp, false);
-    sim.run_for(Duration::from_millis(20));
-    let advance = sim.op("clamp_1", "advance clamp").1;
-    assert_ne!(sim.marking(clamp), [StationPlace::undone(advance)], "the clamp has moved by now");
-}
-
 /// Presses and releases at random, one finger for each button, until `end`.
 fn fidget(sim: &mut WatchedLine, rng: &mut Rng, stations: &[StationId], presses: u32) {
     for _ in 0..presses {

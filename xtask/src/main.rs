@@ -18,7 +18,7 @@ const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
   test [--quick]     format, house rules, lints, all tests, documentation; ends with `N passed, N failed`
-                     --quick: of the tests only those that need no socket, process or clock; no documentation
+                     --quick: of the tests only short ones that need no socket, process or clock; no documentation
                      fetches first what tests need of the machine: CAN sockets, foreign stacks (see set-up)
   set-up             that alone: Debian packages, as root; Python packages, below the target directory
   tidy               the house rules alone

@@ -223,8 +223,9 @@ impl Session {
                     let (bus, frame) = frame.into_diagnostic()?;
                     let before = self.observer.conflicts().len();
                     self.observer.frame(&bus, &frame);
-                    for conflict in self.observer.conflicts()[before..].to_vec() {
-                        self.note(format!("CONFLICT {conflict}"));
+                    let reached = self.observer.conflicts()[before..].iter().map(|reached| format!("CONFLICT {reached}"));
+                    for line in reached.collect::<Vec<_>>() {
+                        self.note(line);
                     }
                 }
                 () = interrupts.next() => {

@@ -6,7 +6,7 @@
 //! ```
 
 use std::fs;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::RwLockWriteGuard;
@@ -14,7 +14,7 @@ use std::sync::RwLockWriteGuard;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::support::rig::{free_domain, line, send_signal};
+use crate::support::rig::{ended, free_domain, line, send_signal};
 use crate::support::{PATIENCE, alone, wait_for};
 
 /// A runtime directory of its own, as on another machine. LINEWRIGHT_BUS_DIR is not set.
@@ -35,17 +35,8 @@ impl Drop for Running {
 
 impl Running {
     /// Its exit code and its report.
-    fn ended(mut self) -> (Option<i32>, Value) {
-        let mut status = None;
-        let done = wait_for(PATIENCE * 2, || {
-            status = self.0.try_wait().expect("a child");
-            status.is_some()
-        });
-        assert!(done, "it has not ended");
-        let mut text = String::new();
-        self.0.stdout.take().expect("its output").read_to_string(&mut text).expect("text");
-        let report = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text:?}"));
-        (status.and_then(|status| status.code()), report)
+    fn ended(mut self) -> (i32, Value) {
+        ended(&mut self.0, PATIENCE * 2)
     }
 }
 
@@ -102,7 +93,7 @@ fn both_complete(first: Running, second: Running) {
         let (code, report) = run.ended();
         let faults = ["transfer", "clamp_1", "mill_1"].map(|name| report["stations"][name]["faults"].clone());
         // A node that its middleware blocks while topics open is started again; that is no matter of the other run.
-        assert_eq!((code, &report["cycles"]), (Some(0), &2.into()), "{report}");
+        assert_eq!((code, &report["cycles"]), (0, &2.into()), "{report}");
         assert_eq!(faults, [0, 0, 0], "{report}");
         assert_eq!(report["conflicts_seen"], Value::Array(Vec::new()));
     }
@@ -185,5 +176,5 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
     assert!(!log.is_empty() && !log.contains('\u{1b}'), "no colours in a file: {log}");
     let next = machine.run(domain, &line, &["--cycles", "1", "--json"]);
     let (code, report) = next.ended();
-    assert_eq!(code, Some(0), "{report}");
+    assert_eq!(code, 0, "{report}");
 }

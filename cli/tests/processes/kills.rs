@@ -35,11 +35,8 @@ fn a_station_and_the_coordinator_killed_come_back_and_no_count_is_lost() {
     a_station_whose_journal_is_gone(&rig, &operator);
     operator.cycles(1);
     operator.go_home();
-    rig.signal("INT");
-    let (_, report) = rig.ended();
-    assert_eq!(report["restarts"], 3, "{report}");
+    let report = rig.ends_well(3);
     assert!(report["cycles"].as_u64().is_some_and(|cycles| cycles >= 2), "{report}");
-    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
 }
 
 /// The middleware does not survive a stop and a continuation; a deaf node must not stay.
@@ -62,10 +59,7 @@ fn a_process_stopped_for_a_moment_is_started_again() {
     operator.recover();
     operator.cycles(1);
     operator.go_home();
-    rig.signal("INT");
-    let (code, report) = rig.ended();
-    assert_eq!((code, &report["restarts"]), (0, &2.into()), "{report}");
-    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
+    rig.ends_well(2);
 }
 
 fn a_moving_station(rig: &Rig, operator: &Operator) {

@@ -18,6 +18,5 @@ mod operated;
 mod other_devices;
 mod remaps;
 mod rubbish;
-mod rubbish_senders;
 mod slow_disk;
 mod two_coordinators;

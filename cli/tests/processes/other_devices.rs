@@ -3,10 +3,7 @@
 
 use std::process::Output;
 
-use linewright_msgs::StationState;
-
 use crate::support::bus::frame;
-use crate::support::operator::Operator;
 use crate::support::rig::{BUS, Rig, line};
 
 /// What the clamp's device is asked to measure, or 10000h: what there is. In hundredths of a bar.
@@ -65,10 +62,7 @@ fn status(rig: &Rig) -> Output {
 fn a_measured_pressure_and_a_probe_that_speaks_no_canopen() {
     let mut rig = Rig::new(&description());
     rig.file("probe.dbc", PROBE);
-    rig.start(&["--no-auto"]);
-    let operator = Operator::join(&rig);
-    operator.order("start", StationState::MODE_STANDBY);
-    operator.order("auto", StationState::MODE_AUTO);
+    let operator = rig.in_auto();
     operator.cycles(1);
     let output = status(&rig);
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{output:?}"));
@@ -94,9 +88,6 @@ fn a_measured_pressure_and_a_probe_that_speaks_no_canopen() {
     operator.recover();
     operator.cycles(1);
     operator.go_home();
-    rig.signal("INT");
-    let (code, report) = rig.ended();
-    assert_eq!(code, 0, "{report}");
+    let report = rig.ends_well(0);
     assert_eq!(report["stations"]["mill_1"]["faults"], 0, "{report}");
-    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
 }

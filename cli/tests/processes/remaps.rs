@@ -6,7 +6,7 @@ use std::process::Stdio;
 
 use linewright_msgs::StationState;
 
-use crate::support::operator::Operator;
+use crate::support::operator::{Operator, STATIONS};
 use crate::support::rig::{Rig, line};
 
 const REMAP: [&str; 3] = ["--ros-args", "-r", "__ns:=/hall_2/transfer_line"];
@@ -22,7 +22,7 @@ fn a_line_in_another_namespace_is_operated_there_and_runs_without_its_logs() {
     // What follows `--` is an option of the command again.
     options.extend(["--", "--no-auto"]);
     rig.start(&options);
-    let operator = Operator::join_as(&rig, "/hall_2/transfer_line");
+    let operator = Operator::join_line(&rig, "/hall_2/transfer_line", &STATIONS);
 
     let start = rig.command(&["mode"], &["start", REMAP[0], REMAP[1], REMAP[2]]).output().expect("the command starts");
     assert!(start.status.success(), "{start:?}");
@@ -35,8 +35,5 @@ fn a_line_in_another_namespace_is_operated_there_and_runs_without_its_logs() {
     operator.go_home();
     let nobody = elsewhere.wait_with_output().expect("a child");
     assert!(!nobody.status.success(), "nobody is in the line's own namespace: {nobody:?}");
-    rig.signal("INT");
-    let (code, report) = rig.ended();
-    assert_eq!((code, &report["restarts"]), (0, &0.into()), "{report}");
-    assert_eq!(rig.eye.seen().conflicts(), [""; 0]);
+    rig.ends_well(0);
 }

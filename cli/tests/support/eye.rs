@@ -34,6 +34,9 @@ pub struct Seen {
     /// By node id. An input is unknown until its device has spoken.
     inputs: HashMap<u8, u64>,
     outputs: HashMap<u8, u64>,
+    /// By node id: outputs that were on at any time since the station's last input frame. The frame that switches a motion off
+    /// may be received before the input frame that it follows from.
+    recent: HashMap<u8, u64>,
     holding: [bool; 2],
     conflicts: Vec<String>,
     starts: Vec<Start>,
@@ -116,6 +119,7 @@ impl Seen {
             plan,
             inputs: HashMap::new(),
             outputs: HashMap::new(),
+            recent: HashMap::new(),
             holding: [false; 2],
             conflicts: Vec::new(),
             starts: Vec::new(),
@@ -154,6 +158,12 @@ impl Seen {
     pub fn output(&self, station: &str, name: &str) -> bool {
         let (device, bit) = self.plan.with_output(station, name);
         self.outputs.get(&device.node).is_some_and(|bits| bits >> bit & 1 == 1)
+    }
+
+    /// Whether it was on at any time since the station's last input frame.
+    fn was_output(&self, station: &str, name: &str) -> bool {
+        let (device, bit) = self.plan.with_output(station, name);
+        self.recent.get(&device.node).is_some_and(|bits| bits >> bit & 1 == 1)
     }
 
     /// Every output that moves something and is on.
@@ -217,18 +227,22 @@ impl Seen {
                 .plan
                 .operations
                 .iter()
-                .filter(|o| o.station == station && o.complete == *input && self.output(&station, &o.actuator))
+                .filter(|o| o.station == station && o.complete == *input && self.was_output(&station, &o.actuator))
                 .map(|o| o.name.clone())
                 .collect();
             for operation in arrived {
                 *self.arrivals.entry((station.clone(), operation)).or_default() += 1;
             }
         }
+        for device in self.plan.devices.iter().filter(|device| device.station.as_ref() == Some(&station)) {
+            self.recent.insert(device.node, self.outputs.get(&device.node).copied().unwrap_or(0));
+        }
         self.judge();
     }
 
     fn heard_outputs(&mut self, node: u8, bits: u64) {
         let before = self.outputs.insert(node, 0).unwrap_or(0);
+        *self.recent.entry(node).or_default() |= bits;
         let Some(device) = self.plan.devices.iter().find(|device| device.node == node).cloned() else { return };
         let Some(station) = device.station else { return };
         let mut beside = self.energised();

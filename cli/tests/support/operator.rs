@@ -75,14 +75,9 @@ pub struct Operator {
 }
 
 impl Operator {
-    /// Joins the line of this rig, under its own namespace.
+    /// Joins the shipped line under its own namespace.
     pub fn join(rig: &Rig) -> Self {
-        Self::join_as(rig, "/transfer_line")
-    }
-
-    /// Likewise.
-    pub fn join_as(rig: &Rig, namespace: &str) -> Self {
-        Self::join_line(rig, namespace, &STATIONS)
+        Self::join_line(rig, "/transfer_line", &STATIONS)
     }
 
     /// Joins a line of these stations and waits until everybody is heard.

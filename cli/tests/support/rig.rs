@@ -141,6 +141,15 @@ impl Rig {
         operator
     }
 
+    /// Ctrl-C: the run ends well, after so many restarts of its processes and without a conflict; gives its report.
+    pub fn ends_well(&mut self, restarts: u32) -> Value {
+        self.signal("INT");
+        let (code, report) = self.ended();
+        assert_eq!((code, &report["restarts"]), (0, &restarts.into()), "{report}");
+        assert_eq!(self.eye.seen().conflicts(), [""; 0]);
+        report
+    }
+
     /// Waits for `linewright run` to end; gives its exit code and its report.
     pub fn ended(&mut self) -> (i32, Value) {
         self.ended_within(PATIENCE * 2)
@@ -148,18 +157,9 @@ impl Rig {
 
     /// The same, no longer than this.
     pub fn ended_within(&mut self, long: Duration) -> (i32, Value) {
-        let run = self.run.as_mut().expect("it runs");
-        let mut status = None;
-        let done = wait_for(long, || {
-            status = run.try_wait().expect("a child");
-            status.is_some()
-        });
-        assert!(done, "`linewright run` has not ended after {long:?}");
-        let mut text = String::new();
-        run.stdout.take().expect("its output").read_to_string(&mut text).expect("text");
+        let ended = ended(self.run.as_mut().expect("it runs"), long);
         self.run = None;
-        let report = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text:?}"));
-        (status.and_then(|status| status.code()).unwrap_or(-1), report)
+        ended
     }
 
     /// Sends a signal to `linewright run`.
@@ -278,6 +278,20 @@ impl Rig {
             eprintln!("--- {}\n{}", path.display(), last.join("\n"));
         }
     }
+}
+
+/// Waits for a `linewright run` to end; gives its exit code and its report.
+pub fn ended(run: &mut Child, long: Duration) -> (i32, Value) {
+    let mut status = None;
+    let done = wait_for(long, || {
+        status = run.try_wait().expect("a child");
+        status.is_some()
+    });
+    assert!(done, "`linewright run` has not ended after {long:?}");
+    let mut text = String::new();
+    run.stdout.take().expect("its output").read_to_string(&mut text).expect("text");
+    let report = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text:?}"));
+    (status.and_then(|status| status.code()).unwrap_or(-1), report)
 }
 
 /// An open pipe without a reader.
