@@ -156,7 +156,7 @@ fn a_part_of_a_cell_takes_as_long_as_its_activities() {
     for (resource, busy) in [("robot_2", "55.6 %"), ("robot_1", "44.4 %"), ("human", "0.0 %")] {
         assert!(shown.lines().any(|line| line.starts_with(resource) && line.contains(busy)), "{resource}: {shown}");
     }
-    assert!(shown.contains("3.000 s  `robot_2.process<1.new>` with part 1 starts: no competing candidate"), "{shown}");
+    assert!(shown.contains("3.000 s  `robot_2.process` with part 1 starts: no competing candidate"), "{shown}");
 }
 
 #[test]

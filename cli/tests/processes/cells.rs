@@ -167,7 +167,8 @@ fn to_auto(operator: &Operator) {
 fn put_right(rig: &Rig, operator: &Operator) {
     let said = until(rig, &["answer"], |said| said.starts_with("alarm ") && said.contains("robot_2.process"));
     if operator.heard().line.mode == StationState::MODE_AUTO {
-        operator.order("stop", StationState::MODE_HOME);
+        // It stands half-way: the line is not at home.
+        operator.order("stop", StationState::MODE_STANDBY);
     }
     if operator.heard().line.mode == StationState::MODE_HOME {
         operator.order("start", StationState::MODE_STANDBY);

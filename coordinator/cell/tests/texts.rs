@@ -208,7 +208,6 @@ fn answer_refused(why: AlarmAnswerRefusal, asked: ResourceRequest) -> String {
 }
 
 fn waits() -> Vec<CellWait<'static>> {
-    let at = Tick::from_millis(61_000);
     samples!(CellWait<'static> {
         CellWait::NotInCell(_) => CellWait::NotInCell(PART);
         CellWait::UnderWay { .. } => CellWait::UnderWay { part: PART, activity: "`load M1`, 3 s left" };
@@ -217,7 +216,7 @@ fn waits() -> Vec<CellWait<'static>> {
         CellWait::Activity { .. } => CellWait::Activity { activity: "`unload M1`", why: "no `slot` yet" };
         CellWait::First(_) => CellWait::First(PART);
         CellWait::Tokens { .. } => CellWait::Tokens { owners: "no `slot` yet", held: None },
-            CellWait::Tokens { owners: "no `slot` yet", held: Some((at, "scheduled next: `load M2`")) };
+            CellWait::Tokens { owners: "no `slot` yet", held: Some((61.0, "scheduled next: `load M2`")) };
         CellWait::InProgress => CellWait::InProgress;
         CellWait::Ready => CellWait::Ready;
         CellWait::OutOfService { .. } =>

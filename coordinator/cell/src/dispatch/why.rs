@@ -88,8 +88,8 @@ fn option(
         return left_out(state, now, resource);
     }
     if !lacked.is_empty() {
-        let held = last.map(|(at, why)| (at, reason(table, why)));
-        let held = held.as_ref().map(|(at, why)| (*at, why.as_str()));
+        let held = last.map(|(at, why)| (seconds(now.since(at)), reason(table, why)));
+        let held = held.as_ref().map(|(ago, why)| (*ago, why.as_str()));
         return CellWait::Tokens { owners: &lacked.join("; "), held }.text();
     }
     if state.room(mode) == 0 {

@@ -38,7 +38,7 @@ pub(crate) fn tenths(seconds: f64) -> f64 {
 }
 
 /// A time for operators, in tenths of a second.
-pub(crate) fn moment(at: Tick) -> String {
+fn moment(at: Tick) -> String {
     format!("{} s", tenths(at.as_micros() as f64 / 1e6))
 }
 

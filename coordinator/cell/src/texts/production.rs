@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::orders::ProductionCommandError;
 use crate::production::{NAME_MAX, ORDERS_MAX, ProductionRefusal, QUANTITY_MAX, RequestProblem};
+use crate::texts::decision::tenths;
 
 impl fmt::Display for RequestProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -28,7 +29,8 @@ impl fmt::Display for RequestProblem {
                 write!(f, "order `{name}`: quantity {quantity}, allowed 1 to {QUANTITY_MAX}")
             }
             RequestProblem::DueBeforeRelease { name, due, release } => {
-                write!(f, "order `{name}`: due at {due}, before its release at {release}")
+                let early = tenths(release.since(*due).as_secs_f64());
+                write!(f, "order `{name}`: due {early} s before its release")
             }
             RequestProblem::NoSuchOrder { name, after, hint } => {
                 write!(f, "order `{name}`: no predecessor `{after}`{}", advice(hint))

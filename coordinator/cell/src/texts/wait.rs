@@ -1,11 +1,10 @@
 //! Why a part does not go on, and where the tokens it lacks are.
 
-use linewright_line::{StationId, Tick};
+use linewright_line::StationId;
 
 use crate::exception::{AlarmAnswerRefusal, ExceptionStage, ResourceRequest};
 use crate::ids::{AlarmId, PartId};
 use crate::table::CellTable;
-use crate::texts::decision::moment;
 
 /// Why a part, or an activity with it, does not go on; with the names that the text contains.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,8 +21,8 @@ pub enum CellWait<'a> {
     Activity { activity: &'a str, why: &'a str },
     /// Another part is taken first.
     First(PartId),
-    /// Tokens are missing; where they are.
-    Tokens { owners: &'a str, held: Option<(Tick, &'a str)> },
+    /// Tokens are missing; where they are. Before, how many seconds ago, it was held for a reason.
+    Tokens { owners: &'a str, held: Option<(f64, &'a str)> },
     /// All servers are in use.
     InProgress,
     /// Nothing is missing.
@@ -44,8 +43,8 @@ impl CellWait<'_> {
             CellWait::Activity { activity, why } => format!("{activity}: {why}."),
             CellWait::First(part) => format!("{part} has to be taken first"),
             CellWait::Tokens { owners, held: None } => owners.to_owned(),
-            CellWait::Tokens { owners, held: Some((at, why)) } => {
-                format!("{owners}; at {} it was held: {why}", moment(at))
+            CellWait::Tokens { owners, held: Some((ago, why)) } => {
+                format!("{owners}; held {ago} s ago: {why}")
             }
             CellWait::InProgress => "maximum number in progress".to_owned(),
             CellWait::Ready => "ready; starts in auto, when states of all its stations are received".to_owned(),

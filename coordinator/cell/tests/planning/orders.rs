@@ -64,7 +64,7 @@ fn all_that_is_wrong_with_a_batch_is_said_at_once() {
         "order name `a\nb` not valid: 1 to 64 characters, one line",
         "order `a\nb`: no product `C`; did you mean `A`?",
         "order `a\nb`: quantity 0, allowed 1 to 1000000",
-        "order `a\nb`: due at 8.000000 s, before its release at 9.000000 s",
+        "order `a\nb`: due 1 s before its release",
         "order `a\nb`: no predecessor `frist`; did you mean `first`?",
         "order `a\nb`: predecessor `second` was withdrawn",
         "order name `first` in use; choose another, or wait until that order is finished",

@@ -98,7 +98,7 @@ fn whoever_asks_about_a_part_is_told_what_it_waits_for() {
         asked(12_000, 1),
         [
             "part 1 has been on `waiting.a` for 11 s.",
-            "`work_a`: `machine` in use by `work_c` with part 3, 5 s left; at 10 s it was held: `work_c` with part 3 \
+            "`work_a`: `machine` in use by `work_c` with part 3, 5 s left; held 2 s ago: `work_c` with part 3 \
              goes first: by earliest-due-date (due in 11 s; the other due in 40 s).",
         ]
     );
