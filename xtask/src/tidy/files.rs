@@ -6,12 +6,6 @@ use std::path::{Path, PathBuf};
 /// A file that is longer wants to be two.
 const LINES_MAX: usize = 500;
 
-/// Files that are longer, with the most lines they may have: a ratchet, to be turned down and never up. A file that
-/// has become short enough leaves the list.
-const LONG: [(&str, usize); 1] = [
-    // A table of tests, one for each rule of the description.
-];
-
 /// Never part of the product, whatever is in them.
 const NOT_OURS: [&str; 2] = ["target", ".git"];
 
@@ -36,8 +30,6 @@ pub fn check(root: &Path) -> Vec<String> {
             findings.extend(left_out(&name, &text, &path));
         }
     }
-    let gone = LONG.iter().filter(|(name, _)| !root.join(name).is_file());
-    findings.extend(gone.map(|(name, _)| format!("{name}: is gone; take it off the list of long files")));
     findings
 }
 
@@ -103,16 +95,7 @@ fn modules_in(dir: &Path) -> impl Iterator<Item = String> {
 }
 
 fn length(name: &str, lines: usize) -> Option<String> {
-    match LONG.iter().find(|(long, _)| *long == name) {
-        None if lines > LINES_MAX => {
-            Some(format!("{name}: {lines} lines, {LINES_MAX} at most; which half can stand alone?"))
-        }
-        Some((_, most)) if lines > *most => {
-            Some(format!("{name}: has grown to {lines} lines; it may only shrink ({most})"))
-        }
-        Some(_) if lines <= LINES_MAX => Some(format!("{name}: short enough now; take it off the list of long files")),
-        None | Some(_) => None,
-    }
+    (lines > LINES_MAX).then(|| format!("{name}: {lines} lines, {LINES_MAX} at most; which half can stand alone?"))
 }
 
 /// Where people's and machines' own directories begin. Put together here, so that this file does not contain them.
@@ -152,11 +135,9 @@ mod tests {
     }
 
     #[test]
-    fn the_list_of_long_files_is_a_ratchet() {
-        let (name, most) = LONG[0];
-        assert_eq!(length(name, most), None);
-        assert!(length(name, most + 1).is_some_and(|finding| finding.contains("only shrink")));
-        assert!(length(name, LINES_MAX).is_some_and(|finding| finding.contains("off the list")));
+    fn a_file_that_is_too_long_is_found() {
+        assert_eq!(length("a.rs", LINES_MAX), None);
+        assert!(length("a.rs", LINES_MAX + 1).is_some_and(|finding| finding.contains("501 lines")));
     }
 
     #[test]
