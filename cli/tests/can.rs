@@ -2,17 +2,16 @@
 
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
-use std::sync::RwLockReadGuard;
 use std::time::{Duration, Instant};
 
-use crate::support::beside_no_rig;
 use crate::support::command::{Scratch, json, shipped, text};
+use crate::support::turn::{Turn, beside_no_rig};
 
 /// The shipped line's devices, on a bus nobody else is on.
 struct Devices {
     plant: Child,
     scratch: Scratch,
-    _no_rig: RwLockReadGuard<'static, ()>,
+    _no_rig: Turn,
 }
 
 impl Devices {

@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-use super::beside_no_rig;
+use super::turn::beside_no_rig;
 
 /// Runs the command to its end.
 pub fn linewright(args: &[&str]) -> Output {

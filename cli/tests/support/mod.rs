@@ -20,26 +20,14 @@ pub mod gate;
 pub mod operator;
 pub mod plan;
 pub mod rig;
+pub mod turn;
 
-use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
 /// How long to wait for something that should happen: this machine may be busy with other things.
 pub const PATIENCE: Duration = Duration::from_secs(30);
-/// A rig has the machine for itself; any other command shares it with its like.
-static ALONE: RwLock<()> = RwLock::new(());
 /// How often to look while waiting.
 const LOOK_EVERY: Duration = Duration::from_millis(2);
-
-/// Neither a rig nor any other command is there as long as this is held.
-pub fn alone() -> RwLockWriteGuard<'static, ()> {
-    ALONE.write().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// No rig is there as long as this is held.
-pub fn beside_no_rig() -> RwLockReadGuard<'static, ()> {
-    ALONE.read().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// Waits until `holds`; gives whether it came true within `long`.
 pub fn wait_for(long: Duration, mut holds: impl FnMut() -> bool) -> bool {

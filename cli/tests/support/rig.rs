@@ -1,6 +1,5 @@
 //! One line on this machine, with a ROS domain, a bus and a directory that nobody else uses.
 //!
-//! One rig at a time, and no other command beside it: the machine's two or four cores are busy enough with one line.
 //! Whatever becomes of a test, no process of its rig outlives it.
 
 use std::fs::{self, File};
@@ -9,7 +8,7 @@ use std::net::UdpSocket;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::RwLockWriteGuard;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use linewright_msgs::StationState;
@@ -20,6 +19,7 @@ use super::bus::{self, Member};
 use super::eye::Eye;
 use super::operator::Operator;
 use super::plan::Plan;
+use super::turn::{self, Turn};
 use super::{PATIENCE, wait_for};
 
 /// No CAN interface has this name, so it is a virtual bus even where the kernel has `vcan0`, or a machine on `can0`.
@@ -44,13 +44,13 @@ pub struct Rig {
     domain: u16,
     directory: TempDir,
     environment: Vec<(&'static str, PathBuf)>,
-    _alone: RwLockWriteGuard<'static, ()>,
+    _turn: Turn,
 }
 
 impl Rig {
     /// A rig for this description; nothing runs yet.
     pub fn new(text: &str) -> Self {
-        let alone = super::alone();
+        let turn = turn::rig();
         let directory = tempfile::Builder::new().prefix("lw").tempdir().expect("a directory");
         fs::create_dir_all(directory.path().join("line")).expect("a directory");
         fs::create_dir_all(directory.path().join("state")).expect("a directory");
@@ -58,7 +58,7 @@ impl Rig {
         let plan = Plan::of(text);
         let buses = [BUS, OWN_BUS].map(|bus| directory.path().join("bus").join(bus));
         let eye = Eye::open(plan.clone(), buses.to_vec());
-        Rig { eye, plan, run: None, domain: free_domain(), directory, environment: Vec::new(), _alone: alone }
+        Rig { eye, plan, run: None, domain: free_domain(), directory, environment: Vec::new(), _turn: turn }
     }
 
     /// What its processes find in their environment.
@@ -305,11 +305,16 @@ pub fn send_signal(name: &str, id: u32) {
     assert!(status.is_ok(), "the kill command is there");
 }
 
-/// A domain in which no participant of this machine sits: the first one's port is free. Below 34 people work, above
-/// 101 Linux gives the ports to anybody.
+/// A domain in which no participant of this machine sits (the first one's port is free), and another one each time. Below 34
+/// people work, above 101 Linux gives the ports to anybody.
 pub fn free_domain() -> u16 {
+    static GIVEN: Mutex<Vec<u16>> = Mutex::new(Vec::new());
+    let mut given = GIVEN.lock().unwrap_or_else(PoisonError::into_inner);
     let first = (std::process::id() % 57) as u16;
-    let domains = (0..57).map(|step| 34 + (first + step) % 57);
-    let is_free = |domain: &u16| UdpSocket::bind(("0.0.0.0", 7400 + 250 * domain + 10)).is_ok();
-    domains.into_iter().find(is_free).expect("a ROS domain that nobody uses")
+    let mut domains = (0..57).map(|step| 34 + (first + step) % 57);
+    let is_free =
+        |domain: &u16| !given.contains(domain) && UdpSocket::bind(("0.0.0.0", 7400 + 250 * domain + 10)).is_ok();
+    let domain = domains.find(is_free).expect("a ROS domain that nobody uses");
+    given.push(domain);
+    domain
 }
