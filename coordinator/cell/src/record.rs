@@ -1,6 +1,6 @@
 //! What is written down of a cell: one record for each step of it.
 //!
-//! Records are the truth: a state is what [`super::State::apply`] makes of them, in life and after a restart alike. The
+//! Records are the truth: a state is what [`super::PlayerState::apply`] makes of them, in life and after a restart alike. The
 //! caller has to have them on disk, in order, before it tells anybody anything that follows from them (see
 //! [`super::player`]). A record says what has happened, never what was tried: that an order was *sent* is none, since
 //! written before it might be untrue, and written after it might be missing.
