@@ -294,6 +294,7 @@ impl CoordinatorShell {
             self.state_sequence += 1;
             effects.push(CoordinatorEffect::Tell { sequence: self.state_sequence });
         }
+        effects.extend(self.outbox.cycles.drain(..).map(CoordinatorEffect::Completed));
         if is_stopped {
             self.remember(now, effects);
         }

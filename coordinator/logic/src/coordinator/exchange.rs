@@ -5,6 +5,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 
+use super::cycle::CompletedCycle;
 use crate::decision::ModeCommand;
 use crate::refusal::RefusedCommand;
 
@@ -100,4 +101,6 @@ pub struct ModeOutbox {
     pub modes: Vec<ControlMode>,
     /// Commands refused, in order. The caller drains it.
     pub refusals: Vec<RefusedCommand>,
+    /// Cycles that the line has completed, in order. The caller drains it.
+    pub cycles: Vec<CompletedCycle>,
 }
