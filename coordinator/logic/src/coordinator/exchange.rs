@@ -20,7 +20,7 @@ pub struct StationView {
     pub follows: u64,
     /// At its home place.
     pub at_home: bool,
-    /// The round it is in, or at the end of which it stands at home.
+    /// The round it is in, or at the end of which it stands at home. Away from home it has completed one less.
     pub round: i32,
     /// Nothing moves.
     pub stopped: bool,
