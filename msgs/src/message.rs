@@ -54,7 +54,7 @@ macro_rules! without_length {
     )*};
 }
 
-without_length!(bool, i8, u8, i16, u16, i32, u32, i64, u64, crate::Byte);
+without_length!(bool, i8, u8, i16, u16, i32, u32, i64, u64, f64, crate::Byte);
 
 impl RosField for String {
     fn check_bounds(&self, path: &str) -> Result<(), Invalid> {

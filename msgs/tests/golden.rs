@@ -74,6 +74,7 @@ fn version_1() {
     holds("v1", feedback);
     holds("v1", samples::production_request());
     holds("v1", samples::cell_state());
+    holds("v1", samples::cycle_time());
 }
 
 /// A station reports which order it was to leave, its generation and its measured positions; images carry an epoch, and

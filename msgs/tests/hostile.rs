@@ -35,6 +35,7 @@ fn every_truncation_is_an_error() {
     all(&samples::process_image());
     all(&samples::mode_order());
     all(&samples::line_state());
+    all(&samples::cycle_time());
     all(&samples::text());
     all(&samples::flag());
     all(&samples::run_task().0);

@@ -32,6 +32,7 @@ fn a_line_is_operated_by_topics_through_fault_emergency_stop_and_hand_mode() {
     an_emergency_stop_switches_everything_off_and_only_manual_leads_out(&rig, &operator);
     operator.cycles(1);
     operator.go_home();
+    a_reader_that_comes_late_hears_the_last_cycle_time(&rig);
     counts_are_what_was_seen(&rig, &operator, &counted_before);
     a_held_button_runs_a_step_and_its_partner_runs_it_back(&rig, &operator);
     let report = rig.ends_well(0);
@@ -118,6 +119,15 @@ fn a_held_button_runs_a_step_and_its_partner_runs_it_back(rig: &Rig, operator: &
     let expected: Vec<String> = step.iter().chain(&back).map(|output| format!("transfer: {output}")).collect();
     assert_eq!(order, expected);
     assert_eq!(operator.station("transfer").done, done, "taken back, counts and all");
+}
+
+/// Latched: the line stands, and nothing more is sent.
+fn a_reader_that_comes_late_hears_the_last_cycle_time(rig: &Rig) {
+    let late = Operator::join(rig);
+    late.wait("the last cycle time", |heard| heard.cycle_time.is_some());
+    let cycle = late.heard().cycle_time.clone().expect("it was heard");
+    let rounds = late.station("mill_1").round;
+    assert!((1..=rounds).contains(&cycle.number) && cycle.duration_s > 0.0, "{cycle:?} at the end of round {rounds}");
 }
 
 /// Every count is how often the mechanism was seen to arrive, no less and no more.

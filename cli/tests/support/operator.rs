@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use linewright_line::Tick;
-use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
+use linewright_msgs::{CycleTime, Flag, LineState, StationEvent, StationState, Text};
 use linewright_node_shell::{Forward, Participant, Publisher, RosArgs, RosNode, forward, qos};
 use linewright_station_shell::NewestBySequence;
 use tokio::sync::{mpsc, oneshot};
@@ -31,6 +31,7 @@ pub struct Heard {
     pub line: LineState,
     pub stations: HashMap<String, StationState>,
     pub events: Vec<StationEvent>,
+    pub cycle_time: Option<CycleTime>,
 }
 
 impl Heard {
@@ -60,6 +61,7 @@ enum Said {
     Line(Box<LineState>),
     Station(Box<StationState>),
     Event(Box<StationEvent>),
+    Cycle(CycleTime),
 }
 
 /// An operator with a participant of his own.
@@ -90,6 +92,8 @@ impl Operator {
         let entered = runtime.enter();
         let state = node.subscription("state", qos::latched_state()).expect("a topic");
         let mut tasks: Vec<Forward> = vec![forward(state, to.clone(), |m, _| Some(Said::Line(Box::new(m))))];
+        let cycle_time = node.subscription("cycle_time", qos::latched_state()).expect("a topic");
+        tasks.push(forward(cycle_time, to.clone(), |m, _| Some(Said::Cycle(m))));
         let (mut panels, mut selectors) = (HashMap::new(), HashMap::new());
         for &station in names {
             let state = node.subscription(&format!("{station}/state"), qos::latched_state()).expect("a topic");
@@ -328,6 +332,7 @@ fn take(notes: &Mutex<Heard>, newest: &mut Newest, sizes: &[(&str, usize)], said
             heard.stations.insert(state.station.clone(), *state);
         }
         Said::Event(event) => heard.events.push(*event),
+        Said::Cycle(cycle) => heard.cycle_time = Some(cycle),
         Said::Line(_) | Said::Station(_) => {}
     }
 }

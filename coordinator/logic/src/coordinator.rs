@@ -7,10 +7,12 @@
 //! that is not heard is trouble, and a console that was heard and is no longer heard counts as a pressed emergency stop.
 
 mod alone;
+mod cycle;
 mod exchange;
 mod founding;
 mod obey;
 
+pub use cycle::CompletedCycle;
 pub use exchange::{ModeGrant, ModeInput, ModeOutbox, StationView};
 
 use linewright_line::net::ControlMode;
@@ -89,6 +91,8 @@ pub struct Coordinator {
     changed: bool,
     modes: Vec<ControlMode>,
     refusals: Vec<RefusedCommand>,
+    cycle: cycle::OpenCycle,
+    cycles: Vec<CompletedCycle>,
     /// The mode that ended by itself, and why; until the next command.
     ended: Option<(ControlMode, Vec<ModeRefusal>)>,
     /// Stand-by stands for home, where a station is away from it: start is still to be given.
@@ -124,6 +128,8 @@ impl Coordinator {
             changed: true,
             modes: Vec::new(),
             refusals: Vec::new(),
+            cycle: cycle::OpenCycle::default(),
+            cycles: Vec::new(),
             ended: None,
             is_unstarted: false,
         }
@@ -262,7 +268,7 @@ impl Coordinator {
     }
 
     fn hear_station(&mut self, id: StationId, heard: StationView) {
-        let now = self.now;
+        let (now, knew_rounds) = (self.now, self.knows_rounds());
         let Some(station) = self.stations.get_mut(id.index()) else { return };
         let rebooted = station.heard.boot_id != 0 && station.heard.boot_id != heard.boot_id;
         let news = station.heard != heard || now >= station.known_until;
@@ -273,6 +279,7 @@ impl Coordinator {
         station.known_until = now + self.line.timing.stale;
         self.changed |= news;
         self.follow_founding();
+        self.follow_cycle(knew_rounds);
         self.estop |= self.is_stopped_by_another(id, heard);
         // The stations have obeyed a later epoch than ours: somebody coordinated them before us. Go above it, and to
         // a mode in which nothing starts.
@@ -459,11 +466,13 @@ impl Coordinator {
         if enables && !self.enabled && self.all(|h| h.acknowledges(self.boot_id, self.epoch)) {
             self.enabled = true;
             self.changed = true;
+            self.begin_cycle();
         }
         out.lamps = self.lamps();
         out.changed = std::mem::take(&mut self.changed);
         out.modes.append(&mut self.modes);
         out.refusals.append(&mut self.refusals);
+        out.cycles.append(&mut self.cycles);
     }
 
     /// When to step again if nothing arrives before.

@@ -23,7 +23,7 @@ use tokio::sync::{mpsc, watch};
 use crate::cell::{CellError, CellNodeOptions, CellThread, LineSituation};
 use crate::gateway_topics::{GatewayTopics, inputs_message};
 use crate::remembered::remembered;
-use crate::topics::{CoordinatorInbound, CoordinatorPublishers, open};
+use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
 
 /// Why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -402,6 +402,7 @@ impl CoordinatorLoop {
             CoordinatorEffect::Inputs { station, sequence, image } => self.send_inputs(station, sequence, image),
             CoordinatorEffect::Order { sequence } => self.send_order(sequence),
             CoordinatorEffect::Tell { sequence } => self.tell(now, sequence),
+            CoordinatorEffect::Completed(cycle) => self.says.cycle_time.send(cycle_time_message(cycle)),
         }
     }
 

@@ -1,8 +1,9 @@
 //! What the coordinator says and hears over ROS 2.
 
+use linewright_coordinator_logic::CompletedCycle;
 use linewright_line::{DeviceBus, Line, StationId};
-use linewright_msgs::{LineState, ModeOrder, ProcessImage, StationState, Text};
-use linewright_node_shell::{Forward, Publisher, RosNode, TopicError, forward, qos, watch_middleware};
+use linewright_msgs::{CycleTime, LineState, ModeOrder, ProcessImage, StationState, Text};
+use linewright_node_shell::{Forward, Publisher, RosNode, TopicError, forward, qos, stamp, watch_middleware};
 use tokio::sync::mpsc;
 
 /// Something a subscription brought.
@@ -27,8 +28,14 @@ pub struct CoordinatorPublishers {
     pub order: Publisher<ModeOrder>,
     pub state: Publisher<LineState>,
     pub mode_text: Publisher<Text>,
+    pub cycle_time: Publisher<CycleTime>,
     /// Input images, for each station behind the gateway.
     pub inputs: Vec<Option<Publisher<ProcessImage>>>,
+}
+
+/// The message about a cycle that has just been completed.
+pub fn cycle_time_message(cycle: CompletedCycle) -> CycleTime {
+    CycleTime { header: stamp(), number: cycle.number, duration_s: cycle.took.as_secs_f64() }
 }
 
 /// Enough for a burst of every station's state while the node is busy; what does not fit waits in the middleware.
@@ -43,6 +50,7 @@ pub fn open(
         order: node.publisher("mode", qos::repeated())?,
         state: node.publisher("state", qos::latched_state())?,
         mode_text: node.publisher("mode_text", qos::latched_state())?,
+        cycle_time: node.publisher("cycle_time", qos::latched_state())?,
         inputs: Vec::with_capacity(line.stations.len()),
     };
     let (to, from) = mpsc::channel(QUEUE);

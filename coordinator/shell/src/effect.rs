@@ -1,6 +1,6 @@
 //! What arrives at the coordinator, and what follows from it.
 
-use linewright_coordinator_logic::{ModeCommand, OutputImage, RefusedCommand, StationView};
+use linewright_coordinator_logic::{CompletedCycle, ModeCommand, OutputImage, RefusedCommand, StationView};
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::StationReport;
@@ -96,6 +96,8 @@ pub enum CoordinatorEffect {
         /// Its number in this life of the coordinator.
         sequence: u64,
     },
+    /// The line has completed a cycle.
+    Completed(CompletedCycle),
 }
 
 /// What the coordinator looks at in a station's report.

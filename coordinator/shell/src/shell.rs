@@ -1,10 +1,11 @@
 //! The coordinator's shell: arrivals in, effects out.
 //!
-//! Order of effects: record, outputs, order, state. So no station obeys an epoch that the coordinator could forget. The
-//! emergency stop alone turns this round: outputs go off and the order goes out first, because a slow disk must not delay
-//! it. That is safe: who forgets an emergency stop finds the stations in it and adopts it, and an epoch that was used for
-//! nothing but a stop starts nothing when it is used again. Outputs of stations go off before the record as well. After a
-//! record that took longer than a period nothing is put out or ordered by what was decided before it: it is decided again.
+//! Order of effects: record, outputs, order, state, and last what is only told, as a completed cycle. So no station
+//! obeys an epoch that the coordinator could forget. The emergency stop alone turns this round: outputs go off and the
+//! order goes out first, because a slow disk must not delay it. That is safe: who forgets an emergency stop finds the
+//! stations in it and adopts it, and an epoch that was used for nothing but a stop starts nothing when it is used
+//! again. Outputs of stations go off before the record as well. After a record that took longer than a period nothing
+//! is put out or ordered by what was decided before it: it is decided again.
 //!
 //! A record that cannot be written is itself an emergency stop: the line would otherwise act on what a successor does not
 //! know. It stays in force, and writing is tried again, until it succeeds and an operator resets.
@@ -294,6 +295,7 @@ impl CoordinatorShell {
             self.state_sequence += 1;
             effects.push(CoordinatorEffect::Tell { sequence: self.state_sequence });
         }
+        effects.extend(self.outbox.cycles.drain(..).map(CoordinatorEffect::Completed));
         if is_stopped {
             self.remember(now, effects);
         }

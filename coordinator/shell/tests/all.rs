@@ -1,5 +1,6 @@
 //! All tests of this crate in one program.
 
+mod cycle_time;
 mod founding;
 mod records;
 mod rig;

@@ -39,7 +39,18 @@ pub enum FieldType {
     Sequence(Box<FieldType>, Option<usize>),
 }
 
-const PLAIN: [(&str, &str); 9] = [
+impl FieldType {
+    /// Whether values of it are compared as floating point numbers are: not all of them equal themselves.
+    pub fn has_float(&self) -> bool {
+        match self {
+            FieldType::Plain(rust) => *rust == "f64",
+            FieldType::Sequence(element, _) => element.has_float(),
+            FieldType::Byte | FieldType::Text | FieldType::Message(_) => false,
+        }
+    }
+}
+
+const PLAIN: [(&str, &str); 10] = [
     ("bool", "bool"),
     ("int8", "i8"),
     ("uint8", "u8"),
@@ -49,6 +60,7 @@ const PLAIN: [(&str, &str); 9] = [
     ("uint32", "u32"),
     ("int64", "i64"),
     ("uint64", "u64"),
+    ("float64", "f64"),
 ];
 
 /// The comment about the whole interface, and its sections.
@@ -90,8 +102,11 @@ fn item(section: &mut MessageSection, doc: Doc, line: &str) -> Result<(), String
             let name = named(name, |c| c.is_ascii_uppercase())?;
             let value = value.trim().parse().map_err(|_| format!("`{}` is no decimal number", value.trim()))?;
             match kind {
-                FieldType::Plain("bool") | FieldType::Text | FieldType::Message(_) | FieldType::Sequence(..) => {
-                    return Err(format!("the constant {name} is no number"));
+                FieldType::Plain("bool" | "f64")
+                | FieldType::Text
+                | FieldType::Message(_)
+                | FieldType::Sequence(..) => {
+                    return Err(format!("the constant {name} is no whole number"));
                 }
                 FieldType::Plain(_) | FieldType::Byte => {
                     section.constants.push(MessageConstant { doc, kind, name, value })

@@ -91,8 +91,10 @@ impl InterfaceText<'_> {
                       pub structure_needs_at_least_one_member: u8,\n"
                 .to_owned();
         }
+        // A message with a message of that kind inside does not compile: none needs it yet.
+        let eq = if section.fields.iter().any(|field| field.kind.has_float()) { "" } else { " Eq," };
         let mut text = format!(
-            "{about}#[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]\n\
+            "{about}#[derive(Debug, Clone, PartialEq,{eq} Default, serde::Serialize, serde::Deserialize)]\n\
              pub struct {rust} {{\n{fields}}}\n\n"
         );
         if !section.constants.is_empty() {

@@ -5,7 +5,7 @@
 //! One message of each kind with every field set, so that a swapped or dropped field shows.
 
 use linewright_msgs::{
-    ActivityState, AlarmState, Answer, Bounded, CellState, CoReadRequest, CoReadResponse, CoWriteIdRequest,
+    ActivityState, AlarmState, Answer, Bounded, CellState, CoReadRequest, CoReadResponse, CoWriteIdRequest, CycleTime,
     DiagnosticArray, DiagnosticStatus, Flag, Header, KeyValue, LineState, ModeOrder, OrderEnd, OrderState, PartState,
     ProcessImage, ProductionRequest, ProductionState, RunTaskFeedback, RunTaskGoal, RunTaskResult, SecureOrder,
     StationEvent, StationState, Text, Time, TriggerResponse,
@@ -119,6 +119,10 @@ pub fn line_state() -> LineState {
         station_heard: vec![LineState::HEARD_FRESH, LineState::HEARD_STALE],
         waiting_for: vec!["s2".into()],
     }
+}
+
+pub fn cycle_time() -> CycleTime {
+    CycleTime { header: header(), number: 12, duration_s: 3.558 }
 }
 
 pub fn text() -> Text {

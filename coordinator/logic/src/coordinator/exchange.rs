@@ -5,6 +5,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 
+use super::cycle::CompletedCycle;
 use crate::decision::ModeCommand;
 use crate::refusal::RefusedCommand;
 
@@ -19,7 +20,7 @@ pub struct StationView {
     pub follows: u64,
     /// At its home place.
     pub at_home: bool,
-    /// The round it is in, or at the end of which it stands at home.
+    /// The round it is in, or at the end of which it stands at home. Away from home it has completed one less.
     pub round: i32,
     /// Nothing moves.
     pub stopped: bool,
@@ -100,4 +101,6 @@ pub struct ModeOutbox {
     pub modes: Vec<ControlMode>,
     /// Commands refused, in order. The caller drains it.
     pub refusals: Vec<RefusedCommand>,
+    /// Cycles that the line has completed, in order. The caller drains it.
+    pub cycles: Vec<CompletedCycle>,
 }
