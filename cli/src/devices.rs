@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use linewright_eds::{DownloadContent, Eds, NodeId, limits, read};
-use linewright_line::{Canopen, Device, DeviceKind, Line, ObjectWrite, is_the_managers, keeps_an_output};
+use linewright_line::{Canopen, Device, DeviceKind, DriveMode, Line, ObjectWrite, is_the_managers, keeps_an_output};
 use miette::{WrapErr, miette};
 
 use crate::files;
@@ -70,7 +70,21 @@ fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
     // What the description says itself comes last, and so stays.
     settings.append(&mut setup.settings);
     setup.settings = settings;
+    moves(device, eds)?;
     lets_go(device, eds)
+}
+
+/// Checks that the EDS of a drive has the objects that it is ordered by (CiA 402).
+fn moves(device: &Device, eds: &Eds) -> Result<(), String> {
+    let Some(drive) = device.drive() else { return Ok(()) };
+    let by_mode = match drive.mode {
+        DriveMode::Position => [0x607A, 0x6064],
+        DriveMode::Velocity => [0x60FF, 0x606C],
+    };
+    let missing = [0x6040, 0x6041, 0x6060, 0x6061].into_iter().chain(by_mode).find(|&i| eds.entry(i, 0).is_none());
+    missing.map_or(Ok(()), |index| {
+        Err(format!("no object {index:04X}h, which a drive is ordered by: is it a drive's file?"))
+    })
 }
 
 /// Checks that the EDS has the objects by which the device turns its outputs off when its manager's heartbeat is missed
@@ -141,6 +155,17 @@ mod tests {
         apply(&mut device, &eds()).expect("an EDS alone sets nothing");
         assert_eq!(device.canopen_mut().expect("CANopen").setup.identity.device_type, eds().identity().device_type);
         assert!(device.canopen_mut().expect("CANopen").setup.settings.is_empty(), "an EDS has no parameter values");
+    }
+
+    #[test]
+    fn a_drive_has_the_file_of_a_drive() {
+        let text = include_str!("../../model/line/tests/descriptions/drives.toml");
+        let line = linewright_line::parse("drives.toml", text).expect("it is sound").line;
+        let mut drive = line.devices.into_iter().find(|device| device.drive().is_some()).expect("it has one");
+        let why = apply(&mut drive.clone(), &eds()).expect_err("this is an I/O device's");
+        assert_eq!(why, "no object 6040h, which a drive is ordered by: is it a drive's file?");
+        let own = include_bytes!("../../launch-config/devices/linewright-drive.eds");
+        apply(&mut drive, &read("drive.eds", own).expect("it is sound")).expect("this is a drive's");
     }
 
     #[test]

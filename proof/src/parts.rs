@@ -12,11 +12,39 @@
 //! the stations of a part can do within the line, they can do in the part; a conflict that the part never reaches, the
 //! line never reaches.
 //!
+//! # Stars
+//! A station that many others wait for would bring all of them along. Where that is more than a few, it gets **buttons of
+//! its own for each direction of each hand-mode sequence** instead ([`divide`]), and what it reads of stations outside is
+//! left out like any arrow. This too gives more freedom and never less. Let a button B of the line be `next` and `back`
+//! of an operation o; in the part it becomes N, which runs what follows, and K, which takes o back.
+//! * Conditions of hand mode ask for buttons in few places: held `forward` where an operation runs or leads on within its
+//!   sequence, held `back` where it runs back or leads back within its sequence, pressed `forward` where it is undone,
+//!   and pressed `back` or `next` where it is complete. `forward` and `back` of one sequence differ. So B is asked for in
+//!   one meaning at a time, but for the last place, where both of its meanings are possible.
+//! * There, pressing B leads on if all arrows into the next step hold. Then those of the part hold, which are some of
+//!   them, and pressing N leads on in the part. Otherwise B leads back; pressing K does so in the part, which does not
+//!   ask for arrows.
+//! * Everywhere else the part holds or presses whichever of N and K is meant. That may change while B stays held: then the
+//!   operator of the part lets go and presses the other one, which moves nothing where an operation runs or stands, and
+//!   fires what is meant where it is complete or undone.
+//! * Which buttons are pressed at one station has no bearing on another: in the exploration each hears of buttons by
+//!   itself. Auto and manual mode do not read them.
+//!
+//! The second point needs a station with one token where B has two meanings: of operations side by side one could be led
+//! back by K that B would leave alone. Such a station brings the others along, as does one with more sequences than there
+//! are buttons. `tests/parts.rs` holds generated lines and stars against their parts.
+//!
 //! The converse does not hold: a conflict reached in a part may be prevented by somebody outside it, and stations that
 //! run away from each other in a part may be held back.
 
 use linewright_line::net::{ControlMode, StationNet, Var};
-use linewright_line::{Arrow, Conflict, Console, Line, MaterialFlow, StateSpan, StationId};
+use linewright_line::{
+    Arrow, BUTTONS_MAX, ButtonId, Conflict, Console, DeviceBus, Line, MaterialFlow, OperationModule, StateSpan,
+    Station, StationId,
+};
+
+/// A part of more stations than this is divided further where it can be.
+const TOGETHER_MAX: usize = 3;
 
 /// Some stations of a line, as a line of their own.
 #[derive(Clone, Debug)]
@@ -30,13 +58,22 @@ pub struct SubLine {
 }
 
 impl SubLine {
+    /// The two stations of a conflict, with it alone.
+    pub fn of_conflict(line: &Line, conflict: &Conflict) -> Self {
+        let stations = vec![conflict.a.station, conflict.b.station];
+        let mut part = part_of(line, &stations);
+        let span = |span: StateSpan, station: u16| StateSpan { station: StationId(station), ..span };
+        part.conflicts = vec![Conflict { why: conflict.why.clone(), a: span(conflict.a, 0), b: span(conflict.b, 1) }];
+        SubLine { stations, conflicts: Vec::new(), line: part }
+    }
+
     /// The names of its stations.
     pub fn names(&self) -> String {
         let names: Vec<&str> = self.line.stations.iter().map(|station| station.name.as_str()).collect();
         names.join(", ")
     }
 
-    /// Whether the two differ in nothing but names: what is decided of one is decided of the other.
+    /// Whether the two differ in nothing but names and times: what is decided of one is decided of the other.
     pub fn is_like(&self, other: &SubLine) -> bool {
         nameless(&self.line) == nameless(&other.line)
     }
@@ -45,16 +82,86 @@ impl SubLine {
 /// Parts that decide every conflict of a line but for those of tasks, each part once, in the order of the conflicts.
 pub fn parts(line: &Line) -> Vec<SubLine> {
     let reads_absence = absence_read(line);
+    let divided: Vec<Option<Sequences>> = line.stations.iter().map(Sequences::of).collect();
+    let inseparable: Vec<Vec<StationId>> = std::iter::zip(&reads_absence, &divided)
+        .map(|(read, divided)| if divided.is_some() { Vec::new() } else { read.clone() })
+        .collect();
     let mut parts: Vec<SubLine> = Vec::new();
     let of_arrows = line.conflicts.iter().enumerate().filter(|(_, conflict)| !line.is_of_tasks(conflict));
     for (nth, conflict) in of_arrows {
-        let stations = closure(&reads_absence, [conflict.a.station, conflict.b.station]);
-        match parts.iter_mut().find(|part| part.stations == stations) {
-            Some(part) => part.conflicts.push(nth),
-            None => parts.push(SubLine { line: part_of(line, &stations), stations, conflicts: vec![nth] }),
+        let pair = [conflict.a.station, conflict.b.station];
+        let mut stations = closure(&reads_absence, pair);
+        if stations.len() > TOGETHER_MAX {
+            stations = closure(&inseparable, pair);
         }
+        if let Some(part) = parts.iter_mut().find(|part| part.stations == stations) {
+            part.conflicts.push(nth);
+            continue;
+        }
+        let mut part = part_of(line, &stations);
+        let all_here = |id: StationId| reads_absence[id.index()].iter().all(|read| stations.contains(read));
+        let outside: Vec<usize> = (0..stations.len()).filter(|&nth| !all_here(stations[nth])).collect();
+        outside.iter().for_each(|&nth| divide(&mut part, nth, &divided[stations[nth].index()]));
+        parts.push(SubLine { line: part, stations, conflicts: vec![nth] });
     }
     parts
+}
+
+/// The hand-mode sequences of a station in which one button has two meanings, and can be two.
+#[derive(Debug)]
+struct Sequences {
+    /// For each step, its sequence.
+    of_step: Vec<usize>,
+    count: usize,
+}
+
+impl Sequences {
+    /// `None` where one button means two things beside another operation, and where the buttons do not suffice.
+    fn of(station: &Station) -> Option<Self> {
+        let steps = station.steps.len();
+        let hand = |step: usize| station.operations[station.steps[step % steps][0].index()].hand;
+        // A sequence may go on beyond the end of the list: count from where one begins.
+        let begins = |step: usize| hand(step + steps - 1).next().is_some();
+        let first = (0..steps).find(|&step| begins(step))?;
+        let mut sequences = Sequences { of_step: vec![0; steps], count: 0 };
+        for step in first..first + steps {
+            sequences.count += usize::from(begins(step));
+            sequences.of_step[step % steps] = sequences.count - 1;
+        }
+        let leads_on = |step: usize| hand(step).next().is_none_or(|next| next == hand(step + 1).forward());
+        let one_meaning = |step: usize| hand(step).next().is_none() || hand(step).next() != hand(step).back();
+        let one_by_one = |step: usize| station.steps[step].len() == 1 || one_meaning(step);
+        let fits = 2 * sequences.count <= BUTTONS_MAX && !station.works_on_order();
+        (fits && (0..steps).all(|step| leads_on(step) && one_by_one(step))).then_some(sequences)
+    }
+}
+
+/// Gives a station of a part two buttons for each of its sequences, one for each direction. Those of other stations may be
+/// the same: each station hears of buttons by itself.
+fn divide(part: &mut Line, station: usize, sequences: &Option<Sequences>) {
+    let Some(Sequences { of_step, count }) = sequences else { return };
+    let others = part.stations.iter().enumerate().filter(|&(nth, _)| nth != station);
+    let hands = others.flat_map(|(_, other)| other.operations.iter().map(|operation| operation.hand));
+    let used: Vec<ButtonId> =
+        hands.flat_map(|hand| [Some(hand.forward()), hand.back(), hand.next()]).flatten().collect();
+    // Where there are not enough for names of their own, the names are those of two.
+    let free = (0..BUTTONS_MAX).map(ButtonId::at).filter(|button| !used.contains(button));
+    let buttons: Vec<ButtonId> = free.chain((0..BUTTONS_MAX).map(ButtonId::at)).take(2 * count).collect();
+    let names = part.buttons.clone();
+    part.buttons.resize(BUTTONS_MAX, String::new());
+    let station = &mut part.stations[station];
+    for (step, ops) in station.steps.iter().enumerate() {
+        let [forward, back] = [0, 1].map(|way| buttons[2 * of_step[step] + way]);
+        let next = buttons[2 * of_step[(step + 1) % of_step.len()]];
+        for op in ops {
+            let hand = &mut station.operations[op.index()].hand;
+            part.buttons[forward.index()] = names[hand.forward().index()].clone();
+            if let Some(named) = hand.back() {
+                part.buttons[back.index()] = format!("{} (back)", names[named.index()]);
+            }
+            *hand = hand.kind().with(forward, Some(back), Some(next)).unwrap_or(*hand);
+        }
+    }
 }
 
 /// Each station that works on order, alone: nothing joins it to another, and who gives it orders gives any.
@@ -130,17 +237,26 @@ fn part_of(line: &Line, stations: &[StationId]) -> Line {
     }
 }
 
-/// The line with every name taken away that no controller sees.
+/// The line with every name and time taken away that no exploration sees.
 fn nameless(line: &Line) -> Line {
     let mut line = line.clone();
     for station in &mut line.stations {
         station.name.clear();
         station.title.clear();
+        station.bus = DeviceBus::Line;
         let names = station.inputs.iter_mut().chain(&mut station.outputs);
         names.for_each(String::clear);
         station.axes.iter_mut().for_each(|axis| axis.name.clear());
-        station.operations.iter_mut().for_each(|operation| operation.name.clear());
+        for operation in &mut station.operations {
+            operation.name.clear();
+            // Time stands still in an exploration.
+            (operation.duration, operation.watchdog) = Default::default();
+            if let OperationModule::Reversible { recovery_duration, recovery_watchdog, .. } = &mut operation.module {
+                (*recovery_duration, *recovery_watchdog) = Default::default();
+            }
+        }
     }
+    line.buttons.clear();
     line.conflicts.iter_mut().for_each(|conflict| conflict.why.clear());
     line
 }

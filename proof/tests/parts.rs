@@ -43,3 +43,95 @@ fn a_conflict_that_the_whole_line_meets_is_met_in_its_part() {
     println!("{met} conflicts met by the whole line, {smaller} of them met by a part that is smaller");
     assert!(met > 20 && smaller > 10, "too few to tell: {met} met, {smaller} in smaller parts");
 }
+
+/// A belt and stations around it: every station begins when the belt stands, and the belt when all of them are back. One
+/// button of each station leads on and back. Each has one operation forth or two, as the bits of `longer` say.
+fn star(around: usize, longer: u32) -> Line {
+    let mut text = "name = \"star\"\nbuttons = [\"B0\", \"B1\", \"B2\", \"B3\", \"B4\", \"B5\"]\n".to_owned();
+    for station in 0..=around {
+        let ops = if longer >> (station % 32) & 1 == 1 { 3 } else { 2 };
+        let own = if station == 0 { 0 } else { 3 };
+        text += &format!(
+            "[[station]]\nname = \"s{station}\"\nhome = \"back\"\naxes = {{ x = 0.0 }}\nbus = \"can{station}\"\n"
+        );
+        for op in 0..ops {
+            let last = op + 1 == ops;
+            let (from, to) = if last { (op * 10, 0) } else { (op * 10, op * 10 + 10) };
+            let (forward, next) = (own + op, own + (op + 1) % ops);
+            let name = if last { "back".to_owned() } else { format!("forth {op}") };
+            text += &format!(
+                "[[station.operation]]\nname = \"{name}\"\nmodule = \"R\"\nmoves = {{ axis = \"x\", from = {from}, to = {to} }}\n\
+                 duration_s = 0.5\nwatchdog_s = 2.0\nnormal = {{ actuator = \"Y_{op}\", complete = \"X_{to}\" }}\n\
+                 recovery = {{ actuator = \"R_{op}\", complete = \"X_{from}\" }}\n\
+                 hand = {{ type = 6, forward = \"B{forward}\", back = \"B{next}\", next = \"B{next}\" }}\n"
+            );
+        }
+        let quoted = |names: Vec<String>| names.iter().map(|name| format!("{name:?}, ")).collect::<String>();
+        let inputs = quoted((0..ops).map(|op| format!("X_{}", op * 10)).collect());
+        let outputs = quoted((0..ops).flat_map(|op| [format!("Y_{op}"), format!("R_{op}")]).collect());
+        let mut joined = format!(
+            "[[device]]\nname = \"io {station}\"\nstation = \"s{station}\"\nnode = 1\ninputs = [{inputs}]\noutputs = [{outputs}]\n"
+        );
+        if station > 0 {
+            joined += &format!(
+                "[[arrow]]\nfrom = \"s0: back\"\nto = \"s{station}: forth 0\"\n\
+                 [[arrow]]\nfrom = \"s{station}: back\"\nto = \"s0: forth 0\"\nlag = 1\n\
+                 [[conflict]]\nwhy = \"s{station} is in the way\"\n\
+                 a = {{ station = \"s0\", from = \"forth 0\", until = \"back\" }}\n\
+                 b = {{ station = \"s{station}\", from = \"forth 0\", until = \"back\" }}\n"
+            );
+        }
+        text += &joined;
+    }
+    // Tables of the line may stand between its stations.
+    linewright_line::parse("star.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line
+}
+
+#[test]
+fn the_parts_of_a_star_are_pairs_and_meet_whatever_the_star_meets() {
+    let (mut met_in, mut stars) = (0, 0);
+    for longer in 0..lines(3) as u32 {
+        let whole = star(3, longer);
+        assert!(parts(&whole).iter().all(|part| part.stations.len() == 2), "{longer:b}: pairs");
+        for breakage in breakages(&whole).into_iter().step_by(2) {
+            let Some(broken) = break_it(&whole, breakage) else { continue };
+            for conflict in broken.conflicts.iter().filter(|_| begins_well(&broken)) {
+                stars += 1;
+                let what = format!("{longer:b}, {breakage:?}, {}", conflict.why);
+                met_in += u32::from(whole_and_part(&what, &with_conflict(&broken, conflict)).0);
+            }
+        }
+    }
+    println!("{stars} stars, {met_in} conflicts met");
+    assert!(met_in > 10, "too few to tell: {met_in} of {stars}");
+}
+
+/// Whatever the whole star does, a pair of it can do: what is switched off for all shows in the pair.
+#[test]
+fn a_rule_that_a_star_misses_is_missed_by_its_parts() {
+    let line = star(3, 0);
+    let pair = &parts(&line)[0];
+    let without = |line: &Line, change: fn(&mut LineExploration)| {
+        let mut setting = LineExploration::new(line);
+        change(&mut setting);
+        met(&explored(&setting, 60_000))
+    };
+    let rules: [fn(&mut LineExploration); 2] = [|s| s.rules.counted = false, |s| s.rules.ask = false];
+    for (nth, rule) in rules.into_iter().enumerate() {
+        let (whole, part) = (without(&line, rule), without(&pair.line, rule));
+        println!("rule {nth}: whole {whole}, part {part}");
+        assert!(part || !whole, "rule {nth}");
+    }
+}
+
+#[test]
+fn a_star_of_two_hundred_stations_is_decided_by_one_part() {
+    let line = star(199, 0);
+    let began = std::time::Instant::now();
+    let parts = parts(&line);
+    assert_eq!(parts.len(), 199);
+    assert!(parts.iter().all(|part| part.stations.len() == 2 && part.is_like(&parts[0])));
+    let found = explored(&LineExploration::new(&parts[0].line), 2_000_000);
+    println!("{} parts; one of them: {} states, {:?}", parts.len(), found.states, began.elapsed());
+    assert!(found.exhausted && found.holds(), "{:?}", found.properties);
+}

@@ -1,6 +1,7 @@
 //! The two barriers before the motions of each conflict: counts, which `check` explores, and measured positions.
 
 use linewright_line::{Conflict, Line, StateSpan};
+use linewright_proof::parts::SubLine;
 use linewright_proof::positions::{PositionRules, explore_positions};
 use linewright_station_logic::CompileError;
 use serde::Serialize;
@@ -25,7 +26,7 @@ pub struct Barriers {
 }
 
 /// What was found with any motion commanded at any moment, and measured positions alone against it.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct ByThemselves {
     /// How many states were seen.
     pub states: usize,
@@ -47,10 +48,19 @@ pub struct Clearance {
 /// # Errors
 /// When a station does not compile.
 pub fn of(line: &Line, rules: Option<PositionRules>) -> Result<Vec<Barriers>, CompileError> {
-    line.conflicts.iter().map(|conflict| of_conflict(line, conflict, rules)).collect()
+    let mut known = Vec::new();
+    line.conflicts.iter().map(|conflict| of_conflict(line, conflict, rules, &mut known)).collect()
 }
 
-fn of_conflict(line: &Line, conflict: &Conflict, rules: Option<PositionRules>) -> Result<Barriers, CompileError> {
+/// Conflicts of two stations that have been explored: the two alone, and what was found.
+type Known = Vec<(SubLine, ByThemselves)>;
+
+fn of_conflict(
+    line: &Line,
+    conflict: &Conflict,
+    rules: Option<PositionRules>,
+    known: &mut Known,
+) -> Result<Barriers, CompileError> {
     let mut barriers = Barriers {
         why: conflict.why.clone(),
         is_of_tasks: line.is_of_tasks(conflict),
@@ -68,6 +78,11 @@ fn of_conflict(line: &Line, conflict: &Conflict, rules: Option<PositionRules>) -
         }
     }
     if let Some(rules) = rules.filter(|_| barriers.not_measured.is_empty()) {
+        let alone = SubLine::of_conflict(line, conflict);
+        if let Some((_, found)) = known.iter().find(|(other, found)| found.verdict == "holds" && alone.is_like(other)) {
+            barriers.by_themselves = Some(found.clone());
+            return Ok(barriers);
+        }
         let found = explore_positions(line, conflict, rules, STATES_MAX)?;
         let verdict = match (&found.counterexample, found.exhausted) {
             (Some(_), _) => "fails",
@@ -75,7 +90,9 @@ fn of_conflict(line: &Line, conflict: &Conflict, rules: Option<PositionRules>) -
             (None, false) => "undecided",
         };
         let counterexample = found.counterexample.unwrap_or_default();
-        barriers.by_themselves = Some(ByThemselves { states: found.states, verdict, counterexample });
+        let found = ByThemselves { states: found.states, verdict, counterexample };
+        known.push((alone, found.clone()));
+        barriers.by_themselves = Some(found);
     }
     Ok(barriers)
 }

@@ -234,7 +234,13 @@ impl ExploreOptions {
                 found.push(Exploration::like(&part, what, &other, holds));
                 continue;
             }
-            let explored = each(self, &part.line, &format!("{what}: {}", part.names()))?;
+            let explored = match each(self, &part.line, &format!("{what}: {}", part.names())) {
+                // A part that is too large leaves its conflicts open, and the others are decided.
+                Err(why) if !matches!(why, LineNotExplorable::Compile(_)) => {
+                    vec![Exploration::unexplored(&part, what, "undecided", &why.to_string())]
+                }
+                explored => explored?,
+            };
             seen.push((part, explored.iter().all(Exploration::holds)));
             found.extend(explored);
         }
@@ -318,13 +324,18 @@ impl Exploration {
         Exploration { scope, states, kept, arcs, bytes, exhausted, properties }
     }
 
-    /// A part that differs in names alone from one that has been explored.
+    /// A part that differs in names and times alone from one that has been explored.
     fn like(part: &SubLine, what: &str, other: &str, holds: bool) -> Self {
         let verdict = if holds { "holds" } else { "undecided" };
+        Exploration::unexplored(part, what, verdict, &format!("differs from {other} in names and times alone"))
+    }
+
+    /// The conflicts of a part that is not explored itself.
+    fn unexplored(part: &SubLine, what: &str, verdict: &'static str, reason: &str) -> Self {
         let property = |conflict: &Conflict| LineFinding {
             name: format!("never: {}", conflict.why),
             verdict,
-            reason: format!("differs from {other} in names alone"),
+            reason: reason.to_owned(),
             counterexample: None,
         };
         Exploration {
@@ -333,7 +344,7 @@ impl Exploration {
             kept: 0,
             arcs: 0,
             bytes: 0,
-            exhausted: holds,
+            exhausted: verdict == "holds",
             properties: part.line.conflicts.iter().map(property).collect(),
         }
     }

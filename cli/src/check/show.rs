@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use linewright_proof::explore::counted;
 use linewright_proof::structure::{Check, StructureReport};
 
 use super::cell;
@@ -37,7 +38,9 @@ fn write(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     if let Some(cell) = &report.cell {
         cell::write(cell, out)?;
     }
-    writeln!(out, "\nnot decided here:")?;
+    if !report.not_decided.is_empty() {
+        writeln!(out, "\nnot decided here:")?;
+    }
     for open in &report.not_decided {
         writeln!(out, "- {open}")?;
     }
@@ -75,7 +78,8 @@ fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     let cell = report.cell.as_ref().and_then(|cell| cell.name.as_deref());
     let name = report.line.as_deref().or(cell).unwrap_or("the description");
     if problems > 0 {
-        return writeln!(out, "\n✗ {name}: {problems} problems of the text");
+        let s = if problems == 1 { "" } else { "s" };
+        return writeln!(out, "\n✗ {name}: {problems} problem{s} of the text");
     }
     match (failed, open) {
         (0, 0) => writeln!(out, "\n✓ {name}: {all} checks hold"),
@@ -91,7 +95,10 @@ fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
     let mebibytes = bytes.div_ceil(1 << 20);
     match states {
         0 => writeln!(out, "\n{scope}")?,
-        _ => writeln!(out, "\n{scope}\n  {states} states ({kept} kept), {arcs} arcs, {mebibytes} MiB")?,
+        _ => {
+            let (states, arcs) = (counted(*states), counted(*arcs));
+            writeln!(out, "\n{scope}\n  {states} states ({kept} kept), {arcs} arcs, {mebibytes} MiB")?;
+        }
     }
     for LineFinding { name, verdict, reason, counterexample } in &exploration.properties {
         writeln!(out, "{} {name}: {reason}", sign(verdict))?;

@@ -23,6 +23,12 @@ pub struct Problems {
     pub(crate) cut: Cut,
 }
 
+/// The longest line, in bytes, that is drawn whole in a text that is kept whole.
+const LINE_DRAWN_MAX: usize = 2000;
+
+/// The longest message, in characters; of a longer one the beginning is kept.
+const MESSAGE_MAX: usize = 1000;
+
 /// Of which kind there are more than are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Cut {
@@ -33,8 +39,12 @@ pub(crate) struct Cut {
 impl Problems {
     /// The problems of the text `text`, called `file_name`, which is kept whole.
     ///
-    /// Also of use for the warnings of a sound description, to have them drawn.
+    /// Also of use for the warnings of a sound description, to have them drawn. A text with very long lines is kept in
+    /// excerpts all the same: its drawing would be as long.
     pub fn new(file_name: &str, text: &str, mut problems: Vec<Problem>) -> Self {
+        if text.lines().any(|line| line.len() > LINE_DRAWN_MAX) {
+            return Problems::excerpts(file_name, text, problems);
+        }
         for problem in &mut problems {
             problem.span = within(text, &problem.span);
             problem.also.iter_mut().for_each(|(span, _)| *span = within(text, span));
@@ -71,6 +81,11 @@ impl Problems {
     }
 
     fn sorted(file_name: &str, source: Option<Box<NamedSource<String>>>, mut problems: Vec<Problem>) -> Self {
+        for problem in &mut problems {
+            if let Some((end, _)) = problem.message.char_indices().nth(MESSAGE_MAX) {
+                problem.message.replace_range(end.., "…");
+            }
+        }
         problems.sort_by_key(|problem| (problem.span.start, problem.is_warning));
         Problems { file_name: file_name.to_owned(), source, problems, cut: Cut::default() }
     }

@@ -53,6 +53,22 @@ fn far_too_many_problems_are_cut_and_said_to_be() {
 }
 
 #[test]
+fn of_a_very_long_line_a_part_is_drawn() {
+    let long = "x".repeat(500_000);
+    for (text, what) in [
+        (format!("name = \"{long}\"\n"), "a value"),
+        (format!("{long} = 1\n"), "a key"),
+        (format!("name = \"{long}\n"), "no TOML"),
+        ("#".repeat(2 << 20), "more than a description"),
+    ] {
+        let problems = parse("line.toml", &text).expect_err(what);
+        let drawn = drawn(&problems);
+        assert!(drawn.len() < 20_000, "{what}: {} bytes\n{}", drawn.len(), &drawn[..2000]);
+        assert!(format!("{problems:#}").len() < 20_000, "{what}");
+    }
+}
+
+#[test]
 fn text_that_is_not_toml_is_one_problem() {
     let problems = parse("line.toml", "name = \"a\"\ntitle \"b\"\n").expect_err("there is a sign missing");
     insta::assert_snapshot!("not_toml", drawn(&problems));

@@ -14,7 +14,7 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     let limit = (wanted.chars().count() / 3).clamp(1, 4);
     candidates
         .into_iter()
-        .filter(|candidate| (1..=NAME_MAX).contains(&candidate.len()))
+        .filter(|candidate| *candidate != name && (1..=NAME_MAX).contains(&candidate.len()))
         .map(|candidate| (distance(&wanted, &candidate.to_lowercase()), candidate))
         .filter(|&(distance, _)| distance <= limit)
         .min_by_key(|&(distance, _)| distance)
@@ -57,6 +57,7 @@ mod tests {
         assert_eq!(nearest("watchdgo_s", known), Some("watchdog_s"));
         assert_eq!(nearest("Module", known), Some("module"));
         assert_eq!(nearest("lamp", known), None);
+        assert_eq!(nearest("module", known), None, "it would be the same word");
         assert_eq!(suggestion("lamp", ["a", "b"]).as_deref(), Some("known here: `a`, `b`"));
         assert_eq!(suggestion("lamp", []), None);
     }

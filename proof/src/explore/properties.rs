@@ -126,3 +126,8 @@ impl System {
         (0..self.stations.len()).all(|station| self.class(state, station).at_home)
     }
 }
+
+/// A count in words. Counts end at what 64 bits hold; one that has is a lower bound.
+pub fn counted(count: u64) -> String {
+    if count == u64::MAX { format!("at least {count}") } else { count.to_string() }
+}

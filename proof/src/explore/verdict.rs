@@ -6,7 +6,7 @@ use linewright_line::net::{ControlMode, StationNet};
 use linewright_nets::TransitionId;
 
 use super::counterexample::LinePath;
-use super::properties::Violation;
+use super::properties::{Violation, counted};
 use super::search::{LineSearch, SearchEnd};
 use super::station::Situations;
 use super::system::FixedSituation;
@@ -116,7 +116,7 @@ fn never_wrong<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty> 
                 // What is wrong need not be said twice: a conflict's property is named by it.
                 (Some(story), _) if name.ends_with(&story.end) => format!("after {} steps", story.steps.len()),
                 (Some(story), _) => format!("{}, after {} steps", story.end, story.steps.len()),
-                (None, Verdict::Holds) => format!("in all {} states", search.tally.states),
+                (None, Verdict::Holds) => format!("in all {} states", counted(search.tally.states)),
                 (None, _) => undecided(search),
             };
             LineProperty { name, verdict, reason, counterexample: story }
@@ -133,7 +133,7 @@ fn is_kind(wrong: Violation, kind: Violation) -> bool {
 }
 
 fn undecided<const N: usize>(search: &LineSearch<N>) -> String {
-    let states = search.tally.states;
+    let states = counted(search.tally.states);
     match search.end {
         SearchEnd::Wrong(_) => format!("not met in {states} states; the search ended with the first thing wrong"),
         SearchEnd::Limit | SearchEnd::Exhausted => format!("undecided after {states} states: the limit was reached"),
@@ -215,7 +215,7 @@ fn cut_off<const N: usize>(search: &LineSearch<N>) -> (Option<u32>, Option<u32>)
 fn home<const N: usize>(search: &mut LineSearch<N>, stranded: Option<u32>) -> Occurrence {
     let by = if search.home_by_manual().is_some() { ", by manual mode alone" } else { "" };
     match stranded {
-        None => Ok(format!("from all {} states{by}", search.tally.states)),
+        None => Ok(format!("from all {} states{by}", counted(search.tally.states))),
         Some(number) => {
             let story = tell(search, number, format!("from here on there is no way home{by}"));
             Err((format!("not from the state after {} steps{by}", story.steps.len()), Some(story)))

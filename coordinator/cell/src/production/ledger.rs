@@ -175,7 +175,8 @@ impl Production {
     }
 
     fn open(&self, name: &str) -> Result<&ProductionOrder, ProductionRefusal> {
-        let known = self.orders.values().map(|order| order.request.name.as_str());
+        let standing = self.orders.values().filter(|order| !order.withdrawn);
+        let known = standing.map(|order| order.request.name.as_str());
         let unknown = || ProductionRefusal::Unknown { name: name.to_owned(), hint: suggestion(name, known) };
         let order = self.named(name).ok_or_else(unknown)?;
         if order.ended.is_some() { Err(ProductionRefusal::Over(name.to_owned())) } else { Ok(order) }

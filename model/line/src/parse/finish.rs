@@ -7,7 +7,7 @@ use linewright_text::{Located, or};
 
 use super::draft::{DraftConsole, DraftDevice, DraftLine, DraftOperation, DraftSignals, DraftStation};
 use super::raw::{ModuleKind, RawConsole, RawDevice, RawTiming};
-use super::rules::node_id;
+use super::rules::{node_id, same_motion};
 use super::setup;
 use super::{analogue, drive, frames, handling, modbus, task};
 use crate::{
@@ -58,7 +58,7 @@ fn station(draft: &DraftStation<'_>) -> Option<Station> {
     Some(Station {
         title: draft.raw.title.as_ref().map_or_else(|| name.clone(), |title| title.value.clone()),
         name,
-        operations: draft.operations.iter().map(operation).collect::<Option<_>>()?,
+        operations: draft.operations.iter().map(|op| operation(draft, op)).collect::<Option<_>>()?,
         home: draft.home.as_ref()?.value,
         steps: draft.steps.clone(),
         axes: draft.axes.clone(),
@@ -71,15 +71,17 @@ fn station(draft: &DraftStation<'_>) -> Option<Station> {
     })
 }
 
-fn operation(draft: &DraftOperation<'_>) -> Option<Operation> {
+fn operation(station: &DraftStation<'_>, draft: &DraftOperation<'_>) -> Option<Operation> {
     let raw = draft.raw;
     let (duration, watchdog) = (raw.duration.as_ref()?.value, raw.watchdog.as_ref()?.value);
     let module = match draft.kind()? {
         ModuleKind::Reversible => {
             let recovery = raw.recovery.as_ref()?;
+            let same = same_motion(station, draft).and_then(|other| other.raw.duration.as_ref());
+            let as_long = same.map_or(duration, |same| same.value);
             OperationModule::Reversible {
                 recovery: signals(draft.recovery.as_ref()?)?,
-                recovery_duration: or(&recovery.duration, duration),
+                recovery_duration: or(&recovery.duration, as_long),
                 recovery_watchdog: or(&recovery.watchdog, watchdog),
             }
         }

@@ -139,7 +139,8 @@ keys! {
     pub(in crate::parse) struct RawRecovery is "`recovery`" {
         /// Its signals.
         signals: RawSignals = part(),
-        /// What the motion back takes, in seconds, up to a day; as long as the motion if left out.
+        /// What the motion back takes, in seconds, up to a day; if left out, as long as the operation that is the same motion, or
+        /// else as the motion.
         duration as "duration_s": Option<Located<Duration>> = seconds(),
         /// After this many seconds it has failed; as for the motion if left out.
         watchdog as "watchdog_s": Option<Located<Duration>> = seconds(),

@@ -32,6 +32,29 @@ pub(super) fn conflict_spans_have_an_order(draft: &DraftLine<'_>, report: &mut R
     }
 }
 
+/// One held button runs every operation that names it: in two states that exclude each other it starts both.
+pub(super) fn conflicts_have_buttons_of_their_own(draft: &DraftLine<'_>, report: &mut Report) {
+    let begins = |span: crate::StateSpan| {
+        let operation = draft.stations[span.station.index()].operation(span.from);
+        let hand = operation.raw.hand.as_ref()?;
+        Some((operation, hand.forward.as_ref()?))
+    };
+    for conflict in &draft.conflicts {
+        let (Some(a), Some(b)) = (&conflict.a, &conflict.b) else { continue };
+        let (Some((one, here)), Some((other, there))) = (begins(a.value), begins(b.value)) else { continue };
+        if a.value.station != b.value.station && here.value == there.value {
+            let message =
+                format!("button `{}` starts `{}` and `{}`, which exclude each other", here.value, one.name, other.name);
+            report.add(
+                Problem::warning(there.at.clone(), message)
+                    .also(&here.at, "the other one")
+                    .also(&conflict.at, "excluded here")
+                    .hint("in hand mode it runs whichever may start: give each a button of its own"),
+            );
+        }
+    }
+}
+
 /// Whether the station is inside the stretch while it stands at home: its home operation lies in it, and the end of
 /// the stretch is still to come.
 fn holds_at_home(draft: &DraftLine<'_>, span: crate::StateSpan) -> Option<bool> {

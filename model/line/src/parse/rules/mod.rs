@@ -26,6 +26,7 @@ mod tasks;
 mod timing;
 
 pub(super) use devices::node_id;
+pub(super) use operations::same_motion;
 
 use linewright_text::Report;
 
@@ -53,6 +54,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
             operations::motion_goes_somewhere(operation, report);
             operations::watchdog_outlasts_duration(operation, report);
             operations::module_has_its_recovery(operation, report);
+            operations::duration_is_in_seconds(operation, report);
         }
         if station.is_task_driven() {
             tasks::check(station, report);
@@ -73,6 +75,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
         hand::sequences_continue(station, report);
         hand::sequences_begin(station, report);
         hand::next_is_the_following_forward(station, report);
+        operations::one_motion_takes_one_time(station, report);
         signals::inputs_mean_one_thing(station, report);
         signals::outputs_mean_one_thing(station, report);
     }
@@ -89,4 +92,5 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     tasks::tasks_are_in_conflict_with_tasks(draft, report);
     conflicts::conflict_spans_have_an_order(draft, report);
     conflicts::conflicts_do_not_hold_at_home(draft, report);
+    conflicts::conflicts_have_buttons_of_their_own(draft, report);
 }

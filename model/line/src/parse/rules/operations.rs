@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_text::{Located, Problem, Report};
 
-use crate::parse::draft::DraftOperation;
+use crate::parse::draft::{DraftOperation, DraftStation};
 use crate::parse::raw::ModuleKind;
 
 /// Coordinates nearer than this are the same place: a micrometre below anything a switch can tell apart.
@@ -24,6 +24,59 @@ pub(super) fn motion_goes_somewhere(operation: &DraftOperation<'_>, report: &mut
                 .hint("an operation that moves nothing has no switch to tell its beginning from its end"),
         );
     }
+}
+
+/// Motions that take longer are rare, and milliseconds written as seconds are not.
+const LONG: Duration = Duration::from_secs(300);
+
+pub(super) fn duration_is_in_seconds(operation: &DraftOperation<'_>, report: &mut Report) {
+    let recovery = operation.raw.recovery.as_ref().and_then(|recovery| recovery.duration.as_ref());
+    for duration in operation.raw.duration.iter().chain(recovery).filter(|duration| duration.value >= LONG) {
+        let takes = duration.value.as_secs_f64();
+        report.add(
+            Problem::warning(duration.at.clone(), format!("a motion of `{}` takes {takes} s", operation.name))
+                .label("in seconds")
+                .hint(format!("if these are milliseconds, write {}", takes / 1000.0)),
+        );
+    }
+}
+
+/// A recovery that another operation's normal motion is, by the same output from one end to the other, takes as long.
+pub(super) fn one_motion_takes_one_time(station: &DraftStation<'_>, report: &mut Report) {
+    for operation in &station.operations {
+        let Some(duration) = operation.raw.recovery.as_ref().and_then(|recovery| recovery.duration.as_ref()) else {
+            continue;
+        };
+        let Some(other) = same_motion(station, operation) else { continue };
+        let Some(normal) = other.raw.duration.as_ref().filter(|normal| normal.value != duration.value) else {
+            continue;
+        };
+        let (here, there) = (duration.value.as_secs_f64(), normal.value.as_secs_f64());
+        report.add(
+            Problem::error(
+                duration.at.clone(),
+                format!("the recovery of `{}` takes {here} s, but `{}` takes {there} s", operation.name, other.name),
+            )
+            .label("one motion")
+            .also(&normal.at, "the same motion")
+            .hint("one output moves the axis from one end to the other: give one time, or leave this one out"),
+        );
+    }
+}
+
+/// The operation whose normal motion is the recovery of this one.
+pub(in crate::parse) fn same_motion<'s, 'a>(
+    station: &'s DraftStation<'a>,
+    operation: &DraftOperation<'_>,
+) -> Option<&'s DraftOperation<'a>> {
+    let back = operation.motion.as_ref()?.value;
+    let actuator = operation.recovery.as_ref()?.actuator.as_ref()?.value;
+    station.operations.iter().find(|other| {
+        other.normal.actuator.as_ref().is_some_and(|normal| normal.value == actuator)
+            && other.motion.as_ref().is_some_and(|Located { value: on, .. }| {
+                on.axis == back.axis && same_place(on.from, back.to) && same_place(on.to, back.from)
+            })
+    })
 }
 
 pub(super) fn watchdog_outlasts_duration(operation: &DraftOperation<'_>, report: &mut Report) {
