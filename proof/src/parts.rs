@@ -131,7 +131,7 @@ impl Sequences {
         let leads_on = |step: usize| hand(step).next().is_none_or(|next| next == hand(step + 1).forward());
         let one_meaning = |step: usize| hand(step).next().is_none() || hand(step).next() != hand(step).back();
         let one_by_one = |step: usize| station.steps[step].len() == 1 || one_meaning(step);
-        let fits = 2 * sequences.count <= BUTTONS_MAX && !station.works_on_order();
+        let fits = 2 * sequences.count <= BUTTONS_MAX && !station.is_task_driven();
         (fits && (0..steps).all(|step| leads_on(step) && one_by_one(step))).then_some(sequences)
     }
 }
