@@ -123,18 +123,15 @@ fn wait_for(lasts: &[&LastOrder]) -> Vec<LastOutcome> {
     let mut outcomes = vec![LastOutcome::Unanswered; lasts.len()];
     for nth in 1..=TRIES {
         for ((last, heard), outcome) in lasts.iter().zip(&mut heard).zip(&mut outcomes) {
-            match outcome {
-                LastOutcome::Taken | LastOutcome::Gone => {}
-                LastOutcome::Refused(_) if nth % AGAIN == 0 && nth < TRIES && last.send() => {
-                    *outcome = LastOutcome::Unanswered
-                }
-                LastOutcome::Refused(_) => {}
-                LastOutcome::Unanswered => {
-                    if let Some(come) = last.look(heard) {
-                        *outcome = come;
-                        heard.clear();
-                    }
-                }
+            if matches!(outcome, LastOutcome::Taken | LastOutcome::Gone) {
+                continue;
+            }
+            if let Some(come) = last.look(heard) {
+                *outcome = come;
+                heard.clear();
+            }
+            if matches!(outcome, LastOutcome::Refused(_)) && nth % AGAIN == 0 {
+                last.send();
             }
         }
         if outcomes.iter().all(|outcome| matches!(outcome, LastOutcome::Taken | LastOutcome::Gone)) {

@@ -145,7 +145,12 @@ impl DriveNode {
         if let Some((_, sticks)) = self.motions.get_mut(motion) {
             *sticks = fault == Some(MotionFault::Stick);
         }
+        let was_broken = self.broken;
         self.broken = fault == Some(MotionFault::Break) || self.broken && fault.is_some();
+        if was_broken && !self.broken && self.state == DriveState::Fault {
+            // Mended, it has no fault left that would have to be reset.
+            self.enter(now, 15, out);
+        }
         match self.goal() {
             Some(goal) => self.aim(now, goal),
             None => self.release(now),
