@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
+use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes, why_not};
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, ResourceRequest};
 use linewright_coordinator_cell::{
-    ActivityFailure, ActivityPhase, OrderFailure, OrderProgress, PlayerInput, TaskOutcome, TaskReport,
+    ActivityFailure, ActivityPhase, Fifo, OrderFailure, OrderProgress, PartId, PlayerInput, TaskOutcome, TaskReport,
 };
 use linewright_orders::TaskFailure;
 
@@ -64,4 +65,26 @@ fn what_a_station_waited_for_is_why_it_failed_whoever_was_first() {
         assert_eq!(of.phase, ActivityPhase::Failed(cause), "the station first: {first}");
         assert_eq!(bench.alarm().words, ["in-store", "in-machine", "scrap"]);
     }
+}
+
+/// Led away by hand it is heard, has its devices and no order, and cannot be given one.
+#[test]
+fn a_station_between_two_rests_is_named_by_whoever_waits_for_it() {
+    let mut bench = Bench::c1(&[1, 0]);
+    for name in ["robot", "m1", "m2", "m3"] {
+        bench.at(name).is_held = true;
+    }
+    bench.seconds_later(60.0);
+    assert_eq!((bench.state().firings().len(), bench.state().exceptions().alarms().len()), (0, 0));
+    let held: Vec<_> = bench.sim.coordination.held_stations().collect();
+    assert_eq!(held.len(), 4);
+    let ways = ShortestRoutes::new(&bench.table);
+    let why = why_not(&ways, &Reasons::default(), &bench.sim.coordination, bench.sim.now, PartId(1));
+    assert_eq!(why[1], "`load M1`: robot: between two rests; lead it to a rest in manual.");
+    let now = bench.sim.now;
+    for name in ["robot", "m1", "m2", "m3"] {
+        bench.at(name).bring_to_rest(now);
+    }
+    bench.sim.run_on(&mut Fifo, now + Duration::from_secs(2));
+    bench.all_leave(1);
 }

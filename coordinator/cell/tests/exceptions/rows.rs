@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::{Reasons, why_not, why_out};
+use linewright_coordinator_cell::dispatch::why_out;
 use linewright_coordinator_cell::exception::{
     AlarmAnswerRefusal, AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, ResourceRequest, SecuredState,
     Strategy,
 };
 use linewright_coordinator_cell::{
-    ActivityFailure, ActivityPhase, CellEvent, Fifo, FiringId, OngoingActivity, OrderFailure, PartId, PlayerInput,
+    ActivityFailure, ActivityPhase, CellEvent, FiringId, OngoingActivity, OrderFailure, PartId, PlayerInput,
     PlayerState, Presence, Record, RecordKind, StationUnavailable,
 };
 
@@ -487,26 +487,4 @@ fn a_resource_taken_out_by_hand_with_a_text_is_no_alarm() {
     let fact = RecordKind::Exception(ExceptionStep::Down { resource: m1, why });
     state.apply(&Record { at, fact }).expect("it fits");
     assert_eq!(why_out(&state, at, m1), ["M1 out of service for 0 s: taken out by hand: new tool."]);
-}
-
-/// Led away by hand it is heard, has its devices and no order, and cannot be given one.
-#[test]
-fn a_station_between_two_rests_is_named_by_whoever_waits_for_it() {
-    let mut bench = Bench::c1(&[1, 0]);
-    for name in ["robot", "m1", "m2", "m3"] {
-        bench.at(name).is_held = true;
-    }
-    bench.seconds_later(60.0);
-    assert_eq!((bench.state().firings().len(), bench.state().exceptions().alarms().len()), (0, 0));
-    let held: Vec<_> = bench.sim.coordination.held_stations().collect();
-    assert_eq!(held.len(), 4);
-    let ways = linewright_coordinator_cell::dispatch::ShortestRoutes::new(&bench.table);
-    let why = why_not(&ways, &Reasons::default(), &bench.sim.coordination, bench.sim.now, PART);
-    assert_eq!(why[1], "`load M1`: robot: between two rests; lead it to a rest in manual.");
-    let now = bench.sim.now;
-    for name in ["robot", "m1", "m2", "m3"] {
-        bench.at(name).bring_to_rest(now);
-    }
-    bench.sim.run_on(&mut Fifo, now + Duration::from_secs(2));
-    bench.all_leave(1);
 }
