@@ -9,8 +9,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::support::beside_no_rig;
 use crate::support::command::Scratch;
+use crate::support::turn::beside_no_rig;
 
 /// Something that a reader of a document does, in this order.
 enum Step {

@@ -18,12 +18,14 @@ fn eds(name: &str) -> Eds {
     read(name, &text).unwrap_or_else(|problems| panic!("{problems:#}"))
 }
 
-fn boxed<D: CanDevice + 'static>(device: impl FnOnce(Tick, NodeId) -> D) -> Alone<Box<dyn CanDevice>> {
-    Alone::booted(NODE, |now, node| Box::new(device(now, node)) as Box<dyn CanDevice>)
+type AnyDevice = Box<dyn CanDevice>;
+
+fn boxed<D: CanDevice + 'static>(device: impl FnOnce(Tick, NodeId) -> D) -> Alone<AnyDevice> {
+    Alone::booted(NODE, |now, node| Box::new(device(now, node)) as AnyDevice)
 }
 
 /// Descriptions, their devices, and how many entries of each can be read.
-fn pairs() -> [(Eds, Alone<Box<dyn CanDevice>>, usize); 3] {
+fn pairs() -> [(Eds, Alone<AnyDevice>, usize); 3] {
     let drive = |now, node| DriveNode::new(now, node, &described_drive(AtRest::Off, false), 0.0, &Timing::default());
     [
         (eds("linewright-io.eds"), boxed(io), 78),
@@ -49,7 +51,7 @@ fn channels() -> Analogue {
 }
 
 /// Whether the device answers an upload request with data.
-fn answers(device: &mut Alone<Box<dyn CanDevice>>, index: u16, sub: u8) -> bool {
+fn answers(device: &mut Alone<AnyDevice>, index: u16, sub: u8) -> bool {
     let [low, high] = index.to_le_bytes();
     let answer = device.ask(&format!("604#40{low:02X}{high:02X}{sub:02X}00000000"));
     assert!(!answer.is_empty(), "{index:04X} {sub}");
