@@ -23,7 +23,7 @@ pub fn line(text: std::fmt::Arguments<'_>) -> bool {
     written(writeln!(io::stdout().lock(), "{text}"))
 }
 
-/// Writes bytes; errors as with [`line`].
+/// Writes bytes; errors as with [`line()`].
 pub fn bytes(bytes: &[u8]) {
     written(io::stdout().lock().write_all(bytes));
 }
