@@ -14,7 +14,7 @@
 //!
 //! # Stars
 //! A station that many others wait for would bring all of them along. Where that is more than a few, it gets **buttons of
-//! its own for each direction of each hand-mode sequence** instead ([`divide`]), and what it reads of stations outside is
+//! its own for each direction of each hand-mode sequence** instead (`divide`), and what it reads of stations outside is
 //! left out like any arrow. This too gives more freedom and never less. Let a button B of the line be `next` and `back`
 //! of an operation o; in the part it becomes N, which runs what follows, and K, which takes o back.
 //! * Conditions of hand mode ask for buttons in few places: held `forward` where an operation runs or leads on within its
