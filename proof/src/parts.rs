@@ -58,12 +58,16 @@ pub struct SubLine {
 }
 
 impl SubLine {
-    /// The two stations of a conflict, with it alone.
+    /// The two stations of a conflict, with all conflicts between them; this one first.
     pub fn of_conflict(line: &Line, conflict: &Conflict) -> Self {
         let stations = vec![conflict.a.station, conflict.b.station];
         let mut part = part_of(line, &stations);
         let span = |span: StateSpan, station: u16| StateSpan { station: StationId(station), ..span };
-        part.conflicts = vec![Conflict { why: conflict.why.clone(), a: span(conflict.a, 0), b: span(conflict.b, 1) }];
+        // First the one that is asked about. The others between the two stay: their guards stand as well, and two pairs are
+        // alike only if all of them are.
+        let asked = Conflict { why: conflict.why.clone(), a: span(conflict.a, 0), b: span(conflict.b, 1) };
+        part.conflicts.retain(|other| *other != asked);
+        part.conflicts.insert(0, asked);
         SubLine { stations, conflicts: Vec::new(), line: part }
     }
 
@@ -144,9 +148,12 @@ fn divide(part: &mut Line, station: usize, sequences: &Option<Sequences>) {
     let hands = others.flat_map(|(_, other)| other.operations.iter().map(|operation| operation.hand));
     let used: Vec<ButtonId> =
         hands.flat_map(|hand| [Some(hand.forward()), hand.back(), hand.next()]).flatten().collect();
-    // Where there are not enough for names of their own, the names are those of two.
-    let free = (0..BUTTONS_MAX).map(ButtonId::at).filter(|button| !used.contains(button));
-    let buttons: Vec<ButtonId> = free.chain((0..BUTTONS_MAX).map(ButtonId::at)).take(2 * count).collect();
+    // Where there are not enough for names of their own, the names are those of two stations; within a station no two are
+    // the same, since one that leads on and back again would need the arrows that were left out.
+    let is_used = |button: &ButtonId| used.contains(button);
+    let all = || (0..BUTTONS_MAX).map(ButtonId::at);
+    let buttons: Vec<ButtonId> =
+        all().filter(|button| !is_used(button)).chain(all().filter(is_used)).take(2 * count).collect();
     let names = part.buttons.clone();
     part.buttons.resize(BUTTONS_MAX, String::new());
     let station = &mut part.stations[station];

@@ -17,13 +17,13 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
-  test [--quick]     format, house rules, lints, all tests, documentation; ends with `N passed, N failed`
+  test [--quick]     format, house rules, spelling, lints, all tests, documentation; ends with `N passed, N failed`
                      --quick: of the tests only short ones that need no socket, process or clock; no documentation
                      fetches first what tests need of the machine: CAN sockets, foreign stacks (see set-up)
   set-up             that alone: Debian packages, as root; Python packages, below the target directory
   tidy               the house rules alone
   bench [FILTER]...  every benchmark; what follows goes to the benchmarks
-  fuzz TARGET SECS   description or pnml: inputs that nobody would write (nightly toolchain, cargo install cargo-fuzz)";
+  fuzz TARGET SECS   a target of fuzz/README.md: inputs that nobody would write (nightly toolchain, cargo install cargo-fuzz)";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();

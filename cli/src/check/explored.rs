@@ -1,8 +1,8 @@
 //! The exploration of a line as part of a check: what is explored, and what it found as data.
 
 use clap::{Args, ValueEnum};
+use linewright_line::Line;
 use linewright_line::net::ControlMode;
-use linewright_line::{Conflict, Line};
 use linewright_proof::explore::{
     Grants, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits, Verdict, explore,
 };
@@ -330,14 +330,11 @@ impl Exploration {
         Exploration::unexplored(part, what, verdict, &format!("differs from {other} in names and times alone"))
     }
 
-    /// The conflicts of a part that is not explored itself.
+    /// The conflicts of a part that is not explored itself; of one without conflicts, that it is not.
     fn unexplored(part: &SubLine, what: &str, verdict: &'static str, reason: &str) -> Self {
-        let property = |conflict: &Conflict| LineFinding {
-            name: format!("never: {}", conflict.why),
-            verdict,
-            reason: reason.to_owned(),
-            counterexample: None,
-        };
+        let property = |name: String| LineFinding { name, verdict, reason: reason.to_owned(), counterexample: None };
+        let conflicts = part.line.conflicts.iter().map(|conflict| format!("never: {}", conflict.why));
+        let whole = part.line.conflicts.is_empty().then(|| "explored".to_owned());
         Exploration {
             scope: format!("{what}: {}", part.names()),
             states: 0,
@@ -345,7 +342,7 @@ impl Exploration {
             arcs: 0,
             bytes: 0,
             exhausted: verdict == "holds",
-            properties: part.line.conflicts.iter().map(property).collect(),
+            properties: conflicts.chain(whole).map(property).collect(),
         }
     }
 

@@ -299,10 +299,11 @@ impl Session {
         self.view.say(line);
     }
 
-    /// Prints a line of progress where no picture is shown, with the seconds since the run began.
+    /// Prints a line of progress where no picture is shown, with the seconds since the run began. On standard error, which
+    /// does not wait for its reader: a run whose output is not read still ends at Ctrl-C, and still revives its nodes.
     fn print(&self, line: &str) {
         if !self.live && !self.json {
-            crate::out::say!("{:8.1} s  {line}", self.began.elapsed().as_secs_f64());
+            crate::out::complain!("{:8.1} s  {line}", self.began.elapsed().as_secs_f64());
         }
     }
 
@@ -317,7 +318,7 @@ impl Session {
     /// Why it cannot come home by itself, or has not within the time limit.
     fn stop(&mut self, since: Instant) -> miette::Result<bool> {
         let state = self.client.coordinator();
-        let stations = self.line.station_ids().filter_map(|id| self.client.station(id));
+        let stations = self.line.station_ids().map(|id| self.client.station(id));
         match next_step(state, stations) {
             StopStep::Home => return Ok(true),
             StopStep::Stands => {

@@ -18,18 +18,33 @@ pub enum StopStep {
     Stands,
 }
 
-/// The next step, from the coordinator's state and those of the stations that are heard.
-pub fn next_step<'s>(line: Option<&LineState>, mut stations: impl Iterator<Item = &'s StationState>) -> StopStep {
+/// The next step, from the coordinator's state and those of all stations; `None` of one that is not heard.
+pub fn next_step<'s>(
+    line: Option<&LineState>,
+    mut stations: impl Iterator<Item = Option<&'s StationState>>,
+) -> StopStep {
     let Some(line) = line else { return StopStep::Wait };
     match line.mode {
         StationState::MODE_AUTO if line.master_stop => StopStep::Wait,
         StationState::MODE_AUTO | StationState::MODE_HAND => StopStep::Command,
         // The coordinator may be heard before the states that it has decided by.
-        StationState::MODE_HOME if stations.all(|state| state.mode == StationState::MODE_HOME) => StopStep::Home,
+        StationState::MODE_HOME
+            if stations.all(|state| state.is_some_and(|state| state.mode == StationState::MODE_HOME)) =>
+        {
+            StopStep::Home
+        }
         StationState::MODE_HOME => StopStep::Wait,
-        _ if stations.all(|state| state.stopped) => StopStep::Stands,
+        // One that has not heard of the mode may still start something.
+        mode if stations.all(|state| state.is_some_and(|state| state.stopped && obeys(state.mode, mode))) => {
+            StopStep::Stands
+        }
         _ => StopStep::Wait,
     }
+}
+
+/// A station may be in an emergency stop of its own.
+fn obeys(station: u8, line: u8) -> bool {
+    station == line || station == StationState::MODE_ESTOP
 }
 
 #[cfg(test)]
@@ -49,13 +64,17 @@ mod tests {
             (home, true, home, true, StopStep::Home),
             (stand_by, false, stand_by, false, StopStep::Wait),
             (stand_by, false, stand_by, true, StopStep::Stands),
+            (stand_by, false, auto, true, StopStep::Wait),
+            (stand_by, false, stop, true, StopStep::Stands),
             (stop, false, stop, true, StopStep::Stands),
             (StationState::MODE_MANUAL, false, StationState::MODE_MANUAL, true, StopStep::Stands),
         ] {
             let line = LineState { mode, master_stop, ..LineState::default() };
             let station = StationState { mode: of_station, stopped: stands, ..StationState::default() };
-            assert_eq!(next_step(Some(&line), [&station].into_iter()), expected, "{mode} {master_stop} {stands}");
+            assert_eq!(next_step(Some(&line), [Some(&station)].into_iter()), expected, "{mode} {master_stop} {stands}");
         }
+        let line = LineState { mode: stand_by, ..LineState::default() };
+        assert_eq!(next_step(Some(&line), [None].into_iter()), StopStep::Wait, "not heard");
         assert_eq!(next_step(None, std::iter::empty()), StopStep::Wait);
     }
 }

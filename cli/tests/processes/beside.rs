@@ -73,7 +73,7 @@ impl Machine {
     /// No CAN interface has that name, so the bus is a virtual one on any machine.
     fn run(&self, domain: u16, line: &Path, more: &[&str]) -> Running {
         let mut command = self.command(domain, &["run", "--bus", "rig-line"], line, more);
-        Running(command.stdout(Stdio::piped()).spawn().expect("the command starts"))
+        Running(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the command starts"))
     }
 
     fn ends(&self, domain: u16, words: &[&str], line: &Path, more: &[&str]) -> Output {
@@ -166,7 +166,7 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
     let told = machine.ends(domain, &["fail"], &line, &stuck);
     assert!(told.status.success(), "{told:?}");
 
-    let mut lines = said.lines().map_while(Result::ok);
+    let mut lines = BufReader::new(first.0.stderr.take().expect("its errors")).lines().map_while(Result::ok);
     assert!(lines.any(|line| line.contains(" s  mode: home")), "without a terminal, a line for each change");
     send_signal("INT", first.0.id());
     assert_eq!(first.0.wait().expect("a child").code(), Some(0));

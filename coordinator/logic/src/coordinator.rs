@@ -309,7 +309,7 @@ impl Coordinator {
     }
 
     fn facts(&self, command: Option<ModeCommand>) -> ModeFacts {
-        let counted_home = self.all(|h| self.is_at_rest(h) && h.at_home) && self.all_in(self.latest_round());
+        let counted_home = self.is_counted_home();
         let all_home = counted_home && self.left_out_away().is_empty();
         ModeFacts {
             command,

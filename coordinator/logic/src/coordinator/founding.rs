@@ -60,11 +60,16 @@ impl Coordinator {
         apart.map(|(id, _)| ModeRefusal::NoCommonStart(id)).collect()
     }
 
+    /// Whether every station that is not left out stands at home, all in one cycle.
+    pub(super) fn is_counted_home(&self) -> bool {
+        self.all(|h| self.is_at_rest(h) && h.at_home) && self.all_in(self.latest_round())
+    }
+
     /// Draws a generation if the line needs one and all stations stand at home, measured there. Called for a command that leads
     /// towards motion: with it an operator confirms what the switches say. Gives whether one is founded.
     pub(super) fn found(&mut self) -> bool {
         let measured = self.comparing().all(|(_, heard)| heard.devices_valid && !heard.position_lost);
-        if self.is_of_one_generation() || !measured || !self.facts(None).all_home {
+        if self.is_of_one_generation() || !measured || !self.is_counted_home() {
             return false;
         }
         if self.founding.is_some() {
