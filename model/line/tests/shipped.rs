@@ -127,6 +127,23 @@ fn an_operation_has_its_signals_times_and_motion() {
 }
 
 #[test]
+fn a_recovery_without_times_has_those_of_the_operation_that_is_the_same_motion() {
+    let at = SHIPPED.find("name = \"return transfer\"").expect("it is there");
+    let slow = SHIPPED[at..].replacen("duration_s = 0.5", "duration_s = 6", 1).replacen(
+        "watchdog_s = 1.5",
+        "watchdog_s = 9",
+        1,
+    );
+    let line = sound(&format!("{}{slow}", &SHIPPED[..at]));
+    let advance = line.stations[0].operations.iter().find(|op| op.name == "advance transfer").expect("it is there");
+    let OperationModule::Reversible { recovery_duration, recovery_watchdog, .. } = advance.module else {
+        panic!("it is reversible")
+    };
+    assert_eq!((recovery_duration, recovery_watchdog), (Duration::from_secs(6), Duration::from_secs(9)));
+    assert_eq!(advance.duration, Duration::from_millis(500));
+}
+
+#[test]
 fn arrows_conflicts_devices_and_console_are_resolved() {
     let line = sound(SHIPPED);
     let end = |station, op| (StationId(station), OpId(op));

@@ -77,12 +77,11 @@ fn operation(station: &DraftStation<'_>, draft: &DraftOperation<'_>) -> Option<O
     let module = match draft.kind()? {
         ModuleKind::Reversible => {
             let recovery = raw.recovery.as_ref()?;
-            let same = same_motion(station, draft).and_then(|other| other.raw.duration.as_ref());
-            let as_long = same.map_or(duration, |same| same.value);
+            let same = same_motion(station, draft).map_or(raw, |other| other.raw);
             OperationModule::Reversible {
                 recovery: signals(draft.recovery.as_ref()?)?,
-                recovery_duration: or(&recovery.duration, as_long),
-                recovery_watchdog: or(&recovery.watchdog, watchdog),
+                recovery_duration: or(&recovery.duration, same.duration.as_ref()?.value),
+                recovery_watchdog: or(&recovery.watchdog, same.watchdog.as_ref()?.value),
             }
         }
         ModuleKind::Irreversible => {

@@ -52,7 +52,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
         stations::bus_is_an_interface(station, report);
         for operation in &station.operations {
             operations::motion_goes_somewhere(operation, report);
-            operations::watchdog_outlasts_duration(operation, report);
+            operations::watchdog_outlasts_duration(station, operation, report);
             operations::module_has_its_recovery(operation, report);
             operations::duration_is_in_seconds(operation, report);
         }

@@ -79,7 +79,11 @@ pub(in crate::parse) fn same_motion<'s, 'a>(
     })
 }
 
-pub(super) fn watchdog_outlasts_duration(operation: &DraftOperation<'_>, report: &mut Report) {
+pub(super) fn watchdog_outlasts_duration(
+    station: &DraftStation<'_>,
+    operation: &DraftOperation<'_>,
+    report: &mut Report,
+) {
     let raw = operation.raw;
     let what = format!("`{}`", operation.name);
     if let (Some(duration), Some(watchdog)) = (&raw.duration, &raw.watchdog) {
@@ -89,8 +93,10 @@ pub(super) fn watchdog_outlasts_duration(operation: &DraftOperation<'_>, report:
     if recovery.duration.is_none() && recovery.watchdog.is_none() {
         return;
     }
-    let duration = recovery.duration.as_ref().or(raw.duration.as_ref());
-    let watchdog = recovery.watchdog.as_ref().or(raw.watchdog.as_ref());
+    // What is not given is that of the same motion, or of the operation's own.
+    let same = same_motion(station, operation).map_or(raw, |other| other.raw);
+    let duration = recovery.duration.as_ref().or(same.duration.as_ref());
+    let watchdog = recovery.watchdog.as_ref().or(same.watchdog.as_ref());
     if let (Some(duration), Some(watchdog)) = (duration, watchdog) {
         outlasts(&format!("the recovery of {what}"), duration, watchdog, report);
     }
