@@ -3,7 +3,7 @@
 //! A description that parses must also go all the way: to nets, and to a check that ends at its limits. What the parser
 //! lets through, nothing behind it may trip over.
 
-#![no_main]
+#![cfg_attr(feature = "engine", no_main)]
 
 use libfuzzer_sys::fuzz_target;
 use linewright_cell::net::Detail;
@@ -53,3 +53,7 @@ fn explore(cell: &Cell) {
         }
     }
 }
+
+/// Without the engine a target only links.
+#[cfg(not(feature = "engine"))]
+fn main() {}

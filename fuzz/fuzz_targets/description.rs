@@ -3,7 +3,7 @@
 //! A description that parses must also go all the way to controllers: what the parser lets through, nothing behind it
 //! may trip over.
 
-#![no_main]
+#![cfg_attr(feature = "engine", no_main)]
 
 use libfuzzer_sys::fuzz_target;
 use linewright_fuzz::draw_description;
@@ -36,3 +36,7 @@ fn compile(line: &Line) {
         }
     }
 }
+
+/// Without the engine a target only links.
+#[cfg(not(feature = "engine"))]
+fn main() {}

@@ -1,7 +1,7 @@
 //! Any bytes as a device description: it or problems with their places, never a panic. What is read is written byte for
 //! byte; what is configured is read back, twice the same; every value is one of its type.
 
-#![no_main]
+#![cfg_attr(feature = "engine", no_main)]
 
 use libfuzzer_sys::fuzz_target;
 use linewright_eds::{Configuration, DataType, DownloadContent, Eds, NodeId, ObjectValue, Problems, limits, read};
@@ -70,3 +70,7 @@ fn draw(bytes: &[u8], problems: &Problems) {
     assert!(problems.errors() <= limits::PROBLEMS_MAX && problems.warnings() <= limits::PROBLEMS_MAX);
     draw_foreign(bytes, problems, DRAWN_MAX);
 }
+
+/// Without the engine a target only links.
+#[cfg(not(feature = "engine"))]
+fn main() {}

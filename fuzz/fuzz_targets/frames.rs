@@ -4,7 +4,7 @@
 //! The benches, shared with the property tests of `linewright_plant` and `linewright_canopen`, describe how a script of
 //! bytes is played and what is checked.
 
-#![no_main]
+#![cfg_attr(feature = "engine", no_main)]
 
 use libfuzzer_sys::fuzz_target;
 
@@ -21,3 +21,7 @@ fuzz_target!(|input: &[u8]| {
         devices::Bench::new().play(script);
     }
 });
+
+/// Without the engine a target only links.
+#[cfg(not(feature = "engine"))]
+fn main() {}

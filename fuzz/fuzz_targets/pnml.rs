@@ -1,7 +1,7 @@
 //! Any bytes as PNML: a net or problems with their places, never a panic; and a net that is read is written and read
 //! again as the same one.
 
-#![no_main]
+#![cfg_attr(feature = "engine", no_main)]
 
 use libfuzzer_sys::fuzz_target;
 use linewright_fuzz::draw_foreign;
@@ -30,3 +30,7 @@ fn draw(bytes: &[u8], problems: &Problems) {
     assert!((1..=limits::PROBLEMS_MAX).contains(&problems.errors()));
     draw_foreign(bytes, problems, DRAWN_MAX);
 }
+
+/// Without the engine a target only links.
+#[cfg(not(feature = "engine"))]
+fn main() {}

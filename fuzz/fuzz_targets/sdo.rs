@@ -2,7 +2,7 @@
 //! sides. No panic, bounded answers, an end; what a client reads through losses alone is what the server has; and an
 //! object is written only with bytes that a whole and proper transfer carried.
 
-#![no_main]
+#![cfg_attr(feature = "engine", no_main)]
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -261,3 +261,7 @@ fuzz_target!(|input: &[u8]| {
     }
     bench.finish();
 });
+
+/// Without the engine a target only links.
+#[cfg(not(feature = "engine"))]
+fn main() {}

@@ -42,7 +42,8 @@ pub type ObjectWrites = Vec<((u16, u8), u32)>;
 pub const CLEAR: ((u16, u8), u32) = ((FAULT_INDEX, 0), 0);
 
 impl MotionFault {
-    const ALL: [MotionFault; 6] = [
+    /// All of them, by their numbers.
+    pub const ALL: [MotionFault; 6] = [
         MotionFault::Stick,
         MotionFault::Slip,
         MotionFault::Break,

@@ -120,7 +120,7 @@ fn a_rule_that_a_star_misses_is_missed_by_its_parts() {
     for (nth, rule) in rules.into_iter().enumerate() {
         let (whole, part) = (without(&line, rule), without(&pair.line, rule));
         println!("rule {nth}: whole {whole}, part {part}");
-        assert!(part || !whole, "rule {nth}");
+        assert!(part, "rule {nth}");
     }
 }
 

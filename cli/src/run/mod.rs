@@ -87,7 +87,7 @@ enum RunPhase {
     Stopping(Instant),
 }
 
-/// How often it is said what a stop waits for.
+/// Interval of the messages that name what a stop waits for.
 const STOP_SAID_EVERY: Duration = Duration::from_secs(5);
 /// How often a command is repeated until its effect is seen: it is not latched, and discovery takes a moment.
 const REPEAT: Duration = Duration::from_millis(300);
@@ -144,7 +144,7 @@ struct Session {
     /// The mode, as it was printed last.
     mode_text: String,
     said: Option<Instant>,
-    /// When it is said again what a stop waits for.
+    /// Time of the next message that names what a stop waits for.
     stop_said_at: Instant,
     progress: (usize, Instant),
     patience: Duration,
@@ -290,7 +290,7 @@ impl Session {
         }
     }
 
-    /// A line for whoever watches the run: in the picture, or printed where there is none.
+    /// Shows a line of progress: among the messages of the picture, or printed where no picture is shown.
     fn note(&mut self, line: String) {
         if self.json {
             crate::out::complain!("{line}");

@@ -1,7 +1,7 @@
 //! How a run ends: the line is stopped at home if it can be.
 //!
-//! In auto and hand a master stop leads home. After a fault, in manual and in an emergency stop nothing does without an
-//! operator: the run ends as soon as everything stands. A time limit holds for all of it.
+//! In auto and hand a master stop leads home. After a fault, in manual and in an emergency stop only an operator
+//! can lead home: the run ends as soon as everything stands. A time limit holds for all of it.
 
 use linewright_msgs::{LineState, StationState};
 

@@ -132,12 +132,14 @@ fn assembles(rig: &Rig, name: &str) {
 /// An alarm is given of robot 2 while it assembles, and the rule for that puts it into emergency stop: it stands at once,
 /// the others stay in auto, and only a reset leads out.
 fn an_alarm_stops_a_station_by_itself_until_it_is_reset(rig: &Rig, operator: &Operator) {
+    let arrived = rig.eye.seen().arrivals("robot_2", "assemble");
     rig.said(&["resource"], &["robot_2", "alarm", "smoke"]).expect("it is taken");
     let is_stopped = |heard: &crate::support::operator::Heard| {
         heard.station("robot_2").mode == StationState::MODE_ESTOP && !heard.station("robot_2").incomplete.is_empty()
     };
     operator.wait("robot 2 is in emergency stop", is_stopped);
     rig.eye.within(LONG, "its outputs are off", |seen| !seen.output("robot_2", "assemble"));
+    assert_eq!(rig.eye.seen().arrivals("robot_2", "assemble"), arrived, "it has not gone on");
     assert_eq!(operator.heard().line.mode, StationState::MODE_AUTO);
     assert_eq!(operator.station("robot_1").mode, StationState::MODE_AUTO);
     operator.wait("the line's text names it", |heard| heard.line.text.contains("robot_2 in emergency stop"));

@@ -1,8 +1,8 @@
 //! Whatever is sent on ROS topics and on the bus while the line runs, it keeps to its chart.
 //!
-//! Malformed (bytes that are no message; a publisher announces a type, and only the reader checks it), meaningless (modes,
-//! stations, words that do not exist), too long, and late (a true state of a minute ago). All that a reader can refuse is
-//! listed in the tests of `msgs`, `stations/shell` and `canopen`.
+//! Malformed (bytes that do not decode: DDS compares type names, not contents), meaningless (unknown modes, stations and
+//! commands), too long, and late (a state that was true when the run began). The complete lists of what readers reject are in
+//! the tests of `msgs`, `stations/shell` and `canopen`.
 
 use std::marker::PhantomData;
 use std::time::{Duration, Instant};
@@ -102,7 +102,8 @@ fn senders(node: &mut RosNode, late: &[StationState]) -> Vec<Sender> {
     all
 }
 
-/// States that cannot be, newer than any true one; and what the station said at home, before the first cycle.
+/// Impossible station states with a higher sequence number than any genuine one; and the state that the station published
+/// at home, before the first cycle, once more.
 fn states(late: &StationState, round: u32) -> Vec<StationState> {
     let newer = StationState { boot_id: 77, sequence: u64::from(round) + 1, ..late.clone() };
     let mut longer = newer.clone();

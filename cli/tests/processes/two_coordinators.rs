@@ -96,7 +96,7 @@ fn a_second_coordinator_ends_and_one_that_does_not_stops_the_line() {
 
 fn a_second_coordinator_ends_and_names_the_first(rig: &Rig, operator: &Operator) {
     let first = operator.heard().line.boot_id;
-    // A name and a bus of its own: all that this machine keeps it from being twice is got round.
+    // Another node name and another bus, so that the claims on this machine do not refuse it.
     let more = ["--bus", "rig-second", "--virtual-bus", "--ros-args", "-r", "__node:=second"];
     let mut command = rig.command(&["coordinator"], &more);
     let mut second = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("starts");

@@ -62,7 +62,7 @@ pub enum PlanError {
         /// How many there may be.
         most: u64,
     },
-    /// No station could be ordered, since what is immediate has ended when it starts.
+    /// An immediate activity takes no time, so it cannot have orders.
     #[error("activity `{activity}` is immediate and has orders; make it a decided one")]
     ImmediateOrders { activity: String },
     /// It would happen for ever.

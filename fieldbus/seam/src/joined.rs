@@ -117,7 +117,7 @@ impl Joined {
         self.buses.iter_mut().for_each(|bus| bus.set_outputs(owner, image));
     }
 
-    /// Whether a device was lost since the inputs were taken by which an owner's outputs are decided.
+    /// Whether a device was lost after `take_inputs`.
     fn is_overtaken(&self, owner: Owner) -> bool {
         let losses = self.inputs(owner).losses;
         self.owners.iter().any(|known| known.owner == owner && known.taken != losses)

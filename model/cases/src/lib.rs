@@ -68,10 +68,16 @@ fn edit(text: &str, old: &str, new: &str) -> Option<String> {
     (edited != text).then_some(edited)
 }
 
-/// The problems of a text that `known` has not, one a line.
+/// The problems of a text but for those of `known`, one a line. Places move with an edit, so a known warning hides one
+/// warning of the same message.
 fn listed(text: &str, problems: &[Problem], known: &[Problem]) -> String {
     let mut list = String::new();
-    for p in problems.iter().filter(|p| !known.iter().any(|k| k.message == p.message)) {
+    let mut known: Vec<&Problem> = known.iter().collect();
+    for p in problems {
+        if let Some(at) = known.iter().position(|k| p.is_warning && k.message == p.message) {
+            known.swap_remove(at);
+            continue;
+        }
         let marked = text.get(p.span.clone()).unwrap_or_else(|| panic!("{p} points out of the text"));
         let marked = marked.lines().next().unwrap_or_default();
         let kind = if p.is_warning { "warning: " } else { "" };

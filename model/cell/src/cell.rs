@@ -310,10 +310,6 @@ impl Cell {
         self.part_types.iter().position(|part| part.name == name).map(PartTypeId::at)
     }
 
-    pub fn stage_named(&self, name: &str) -> Option<StageId> {
-        self.stages.iter().position(|stage| stage.name == name).map(StageId::at)
-    }
-
     /// How long an order may take; none where neither a limit nor a time is known.
     pub fn limit(&self, order: &OrderTemplate, of: &StageMove) -> Option<Duration> {
         order.limit.or_else(|| of.time.map(|time| time.mul_f64(self.limits.safety)))
@@ -341,11 +337,6 @@ impl PartType {
     /// Nothing has been done.
     pub fn new_stage(&self) -> StageId {
         StageId(self.stages.start)
-    }
-
-    /// All has been done.
-    pub fn done_stage(&self) -> StageId {
-        StageId(self.stages.end.saturating_sub(1))
     }
 }
 

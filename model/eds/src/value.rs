@@ -137,11 +137,6 @@ impl ValueSetting {
     pub fn constant(&self) -> Option<&ObjectValue> {
         (!self.plus_node_id).then_some(&self.value)
     }
-
-    /// Whether the node id is added.
-    pub fn depends_on_node_id(&self) -> bool {
-        self.plus_node_id
-    }
 }
 
 /// Why a text is no value of a type.

@@ -181,14 +181,7 @@ mod tests {
         let faults = FrameFaults { lost_to: 1, lost_from: 20, doubled: 300, seed: 4000 };
         let out = obey(&mut new(), faults.orders());
         assert!(matches!(out.orders.last(), Some(PlantEffect::Disturb(ordered)) if *ordered == faults));
-        for fault in [
-            MotionFault::Stick,
-            MotionFault::Slip,
-            MotionFault::Break,
-            MotionFault::SlipBack,
-            MotionFault::Miss,
-            MotionFault::Drop,
-        ] {
+        for fault in MotionFault::ALL {
             assert_eq!(MotionFault::from_code(fault.code()), Ok(Some(fault)));
         }
     }

@@ -17,7 +17,6 @@ use linewright_line::Line;
 use linewright_line::net::ControlMode;
 use linewright_proof::explore::{Grants, LineExplored, Verdict};
 use linewright_proof::generate::{self, Breakage, LineShape, Random, break_it, breakages};
-use linewright_station_logic::Rules;
 
 use crate::common::{self, HOME, auto_and_manual, explored, verdict};
 
@@ -40,7 +39,7 @@ enum Said {
 }
 
 fn older(line: &Line, freedom: Freedom, states: usize) -> Said {
-    let mut setting = world::Setting::new(lines::without_haste(line.clone()), Rules::COUNTS);
+    let mut setting = world::Setting::new(lines::without_haste(line.clone()));
     (setting.reports_max, setting.tidy_hands) = (freedom.lag, freedom.tidy);
     if freedom.hand {
         setting.modes = vec![ControlMode::Auto, ControlMode::Hand];
@@ -73,23 +72,23 @@ fn newer(line: &Line, freedom: Freedom, states: usize) -> (Said, LineExplored) {
     (said, explored)
 }
 
-/// Both are asked, and the answers compared; whether both saw every state.
-fn agree(what: &str, line: &Line, freedom: Freedom, states: usize) -> bool {
+/// The verdict of both, which must be the same; `None` if one of them came to no end.
+fn agree(what: &str, line: &Line, freedom: Freedom, states: usize) -> Option<Said> {
     let (new, explored) = newer(line, freedom, states);
     let old = match (&new, freedom.hand) {
         // The slow one is not made to look where the fast one has not come to the end.
-        (Said::Open, _) => return false,
-        (Said::All { states: all, .. }, _) if *all > states as u64 => return false,
+        (Said::Open, _) => return None,
+        (Said::All { states: all, .. }, _) if *all > states as u64 => return None,
         (Said::Wrong, _) => older(line, freedom, 4 * states.max(explored.states as usize)),
         (Said::All { .. }, _) => older(line, freedom, states),
     };
     if freedom.hand {
         // Which buttons may be held when the mode changes is decided otherwise there, so only verdicts are compared.
         assert_eq!(old == Said::Wrong, new == Said::Wrong, "{what}, {freedom:?}\n{}", generate::text(line));
-        return old != Said::Open;
+        return (old != Said::Open).then_some(new);
     }
     assert_eq!(old, new, "{what}, {freedom:?}\n{}", generate::text(line));
-    true
+    Some(new)
 }
 
 #[test]
@@ -101,9 +100,8 @@ fn small_lines_are_sound_and_both_see_equally_many_states() {
         ("home in the way", lines::home_in_the_way()),
     ];
     let sound = |name: &str, line: &Line, freedom| {
-        assert!(agree(name, line, freedom, 60_000), "{name} was not seen to the end");
-        let (said, _) = newer(line, freedom, 60_000);
-        assert!(matches!(said, Said::All { home: true, .. }), "{name}, {freedom:?}: {said:?}");
+        let said = agree(name, line, freedom, 60_000);
+        assert!(matches!(said, Some(Said::All { home: true, .. })), "{name}, {freedom:?}: {said:?}");
     };
     for (name, line) in &fixed {
         sound(name, line, PLAIN);
@@ -121,7 +119,7 @@ fn long_walks_with_every_mode_restarts_and_careless_hands_meet_nothing_wrong() {
     let generated = (0..common::lines(20)).map(|seed| generate::line(&LineShape::small(), seed));
     let walks = fixed.into_iter().map(|line| (line, 100_000)).chain(generated.map(|line| (line, 5_000)));
     for (seed, (line, steps)) in walks.enumerate() {
-        let mut setting = world::Setting::new(lines::without_haste(line), Rules::COUNTS);
+        let mut setting = world::Setting::new(lines::without_haste(line));
         setting.modes = ControlMode::ALL.into_iter().filter(|mode| *mode != ControlMode::Home).collect();
         (setting.reports_max, setting.restarts, setting.tidy_hands) = (4, true, false);
         assert_eq!(search::random_walk(&setting, seed as u64, steps), None, "walk {seed}");
@@ -131,7 +129,7 @@ fn long_walks_with_every_mode_restarts_and_careless_hands_meet_nothing_wrong() {
 #[test]
 #[ignore = "takes the older one some minutes, even optimised"]
 fn of_the_small_line_both_see_equally_many_states() {
-    assert!(agree("small", &lines::small(), PLAIN, 600_000));
+    assert!(agree("small", &lines::small(), PLAIN, 600_000).is_some());
 }
 
 /// Two stations of two operations each: few enough states for the older one.
@@ -144,7 +142,7 @@ fn generated_lines_agree(freedom: Freedom, wanted: u64, states: usize) {
     let (wanted, mut compared, mut seed) = (common::lines(wanted), 0, 0);
     while compared < wanted && seed < 20 * wanted {
         let line = generate::line(&tiny(), seed);
-        compared += u64::from(agree(&format!("line {seed}"), &line, freedom, states));
+        compared += u64::from(agree(&format!("line {seed}"), &line, freedom, states).is_some());
         seed += 1;
     }
     println!("{compared} of {seed} lines compared with {freedom:?}");
@@ -181,9 +179,9 @@ fn of_broken_lines_both_say_the_same() {
         let breakage = *random.pick(&all);
         let Some(broken) = break_it(&line, breakage) else { continue };
         let what = format!("line {seed} with {breakage:?}");
-        if agree(&what, &broken, PLAIN, 6_000) {
+        if let Some(said) = agree(&what, &broken, PLAIN, 6_000) {
             compared += 1;
-            wrong += u64::from(newer(&broken, PLAIN, 6_000).0 == Said::Wrong);
+            wrong += u64::from(said == Said::Wrong);
         }
     }
     println!("{compared} broken lines compared, {wrong} of them wrong");

@@ -16,7 +16,6 @@ const NOW: Tick = Tick::from_millis(1);
 #[derive(Clone, Debug)]
 pub struct Setting {
     pub line: Line,
-    pub rules: Rules,
     /// Modes a station may hear, in any order.
     pub modes: Vec<ControlMode>,
     /// Reports on their way to one reader; what comes on top pushes the oldest out, for every one may be lost.
@@ -62,7 +61,7 @@ pub struct World {
 }
 
 impl Setting {
-    pub fn new(line: Line, rules: Rules) -> Self {
+    pub fn new(line: Line) -> Self {
         let mut links = Vec::new();
         for writer in line.station_ids() {
             for reader in line.station_ids() {
@@ -76,7 +75,6 @@ impl Setting {
         }
         Setting {
             line,
-            rules,
             modes: vec![ControlMode::Auto, ControlMode::Manual],
             reports_max: 1,
             restarts: false,
@@ -112,7 +110,7 @@ impl Setting {
     fn node(&self, station: StationId) -> Node {
         let controller = Controller::new(&self.line, station, 1, Restore::Fresh)
             .expect("explored lines compile")
-            .with_rules(self.rules);
+            .with_rules(Rules::COUNTS);
         let mut node = Node { controller, key: None, button: None, mode: ControlMode::StandBy, epoch: 0, outputs: 0 };
         let home = self.line.station(station).home;
         let at_home = 1u128 << self.line.operation((station, home)).normal.complete.0;
@@ -120,7 +118,6 @@ impl Setting {
             node.act(|c| image(c, bits, true));
         }
         node.hear_order(&self.line);
-        assert!(node.controller.generation() != 0 || !self.rules.generations, "founded at home");
         node
     }
 }
@@ -171,7 +168,7 @@ impl World {
             let report = report.get_or_insert_with(|| Rc::new(self.nodes[writer].controller.report()));
             let newest = waiting.last().unwrap_or(held);
             let reader = &self.nodes[link.reader].controller;
-            if !link.says_the_same(newest, report, reader, setting.rules.counted) {
+            if !link.says_the_same(newest, report, reader) {
                 waiting.push(Rc::clone(report));
                 if waiting.len() > setting.reports_max {
                     waiting.remove(0);
@@ -246,7 +243,7 @@ impl World {
         let (snapshot, boot) = (node.controller.snapshot(), node.controller.writer().boot_id + 1);
         node.controller = Controller::new(&setting.line, id, boot, Restore::From(snapshot))
             .expect("its own snapshot fits")
-            .with_rules(setting.rules);
+            .with_rules(Rules::COUNTS);
         (node.key, node.button) = (None, None);
         node.act(|c| image(c, 0, true));
         node.hear_order(&setting.line);
@@ -270,19 +267,17 @@ impl World {
         }
         for (link, (_, waiting)) in setting.links.iter().zip(&self.mail) {
             for report in waiting {
-                self.write_report(setting, link, report, origin, scratch);
+                self.write_report(link, report, origin, scratch);
             }
             scratch.push(i64::MIN);
         }
         hash(scratch)
     }
 
-    fn write_report(&self, setting: &Setting, link: &Link, report: &StationReport, origin: i32, out: &mut Vec<i64>) {
+    fn write_report(&self, link: &Link, report: &StationReport, origin: i32, out: &mut Vec<i64>) {
         let writer = self.nodes[link.writer].controller.writer();
         let reader = &self.nodes[link.reader].controller;
         out.push(i64::from(writer.boot_id == report.boot_id));
-        out.push(if setting.rules.generations { report.generation as i64 } else { 0 });
-        out.push(if setting.rules.counted { 0 } else { i64::from(report.cycle - origin) });
         out.extend(link.counts.iter().map(|&op| i64::from(report.done[op] - origin)));
         match report.request {
             None => out.push(-1),
@@ -307,14 +302,12 @@ impl World {
 }
 
 impl Link {
-    fn says_the_same(&self, a: &StationReport, b: &StationReport, reader: &Controller, counted: bool) -> bool {
+    fn says_the_same(&self, a: &StationReport, b: &StationReport, reader: &Controller) -> bool {
         // That an answer nobody waits for any more is gone is no news.
         let awaited = |x: &&WithdrawalAnswer| x.to.index() == self.reader && reader.awaits(x.number);
         let to_reader = |report: &StationReport| report.answers.iter().find(awaited).copied();
         a.boot_id == b.boot_id
             && a.generation == b.generation
-            // Only the rule that reads flags looks at the writer's cycle.
-            && (counted || a.cycle == b.cycle)
             && a.request == b.request
             && to_reader(a) == to_reader(b)
             && self.counts.iter().all(|&op| a.done[op] == b.done[op])

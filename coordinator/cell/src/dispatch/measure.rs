@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::serial;
 
-/// What a rule says of a candidate, at the time of the decision. Of two by one rule the smaller comes first. Two that the
+/// Value that a dispatching rule assigns to a candidate at the time of the decision; the smaller one goes first. Two that the
 /// rule leaves equal have the same class and value, so nothing is in here that is only to be shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

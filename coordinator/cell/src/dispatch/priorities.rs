@@ -1,4 +1,4 @@
-//! What dispatching knows of parts beside the net: due dates, priorities, who may enter, and what is planned.
+//! Inputs of the dispatching rules that are not in the net: due dates, priorities, parts that may enter, and the schedule.
 
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -25,7 +25,7 @@ pub struct CompletedCycle {
 /// The cycle that the line is in.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct OpenCycle {
-    /// The one before it, as of when all stations were heard last.
+    /// Number of the last completed cycle, as of the last time all rounds were known.
     completed: i32,
     /// When it began; `None` if that was not heard.
     began: Option<Tick>,

@@ -10,7 +10,7 @@ use crate::codec::NmtCommand;
 
 /// So often in a row SYNC may be lost.
 const LOSSES: u32 = 3;
-/// It has not been lost in a row when inputs came for so many times what they may stay away.
+/// Losses are no longer consecutive after inputs have come for this many times their time-out.
 const CLEAR: u32 = 10;
 
 impl Peer {
