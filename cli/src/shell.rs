@@ -44,5 +44,6 @@ pub fn man(args: &ManArgs) -> miette::Result<ExitCode> {
     clap_mangen::generate_to(Cli::command().disable_help_subcommand(true), dir)
         .into_diagnostic()
         .wrap_err_with(|| format!("cannot write to {}", dir.display()))?;
+    crate::out::say!("wrote the manual pages into {}", dir.display());
     Ok(ExitCode::SUCCESS)
 }

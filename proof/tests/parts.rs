@@ -4,6 +4,7 @@ use linewright_line::Line;
 use linewright_proof::explore::{LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, break_it, breakages, text};
 use linewright_proof::parts::parts;
+use linewright_station_logic::Program;
 
 use crate::common::{APART, begins_well, explored, lines, met, verdict, with_conflict};
 
@@ -133,5 +134,9 @@ fn a_star_of_two_hundred_stations_is_decided_by_one_part() {
     assert!(parts.iter().all(|part| part.stations.len() == 2 && part.is_like(&parts[0])));
     let found = explored(&LineExploration::new(&parts[0].line), 2_000_000);
     println!("{} parts; one of them: {} states, {:?}", parts.len(), found.states, began.elapsed());
+    for station in line.station_ids() {
+        let program = Program::compile(&line, station);
+        assert!(program.is_ok(), "{}: {program:?}", line.station(station).name);
+    }
     assert!(found.exhausted && found.holds(), "{:?}", found.properties);
 }

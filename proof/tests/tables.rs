@@ -33,6 +33,9 @@ fn tables(of: &str, line: &Line, out: &mut Vec<String>) {
             ("ConditionRow {", "Row {"),
             ("CompiledTransition {", "Action {"),
             ("StationPlace {", "Place {"),
+            // Sets of peers were a number.
+            ("PeerSet([", ""),
+            (", 0, 0, 0])", ""),
         ];
         let words = renamed.iter().fold(words, |words, (now, then)| words.replace(now, then));
         let words = without(without(words, ", starts: ", ", withdraws"), ", rest: ", ", hold");

@@ -15,6 +15,14 @@ pub fn linewright(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_linewright")).args(args).output().expect("the command starts")
 }
 
+/// Runs the command to its end in a directory, where it may leave files, with nothing to read.
+pub fn linewright_in(directory: &str, args: &[&str]) -> Output {
+    let _no_rig = beside_no_rig();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
+    let command = command.current_dir(directory).args(args).stdin(std::process::Stdio::null());
+    command.output().expect("the command starts")
+}
+
 /// Runs the command with a reader that has gone, as `| head` has once it has enough.
 pub fn unread(args: &[&str]) -> Output {
     let _no_rig = beside_no_rig();

@@ -8,6 +8,7 @@ use linewright_line::{Line, OpId, Tick};
 
 use crate::controller::Controller;
 use crate::event::{StationHappening, StopCause};
+use crate::peer_set::PeerSet;
 use crate::program::IncomingArrow as Arrow;
 use crate::texts::place::{op_names, place_text};
 use crate::texts::{PositionDoubt, RejoinAdvice, StationWait};
@@ -182,11 +183,14 @@ impl Controller {
         }
     }
 
-    /// Whether the panel's return has a motion from this place, at rest at the end of a motion.
+    /// Whether the panel's return leads on from this place, at rest at the end of a motion.
     fn leads_back(&self, place: StationPlace, step: usize) -> bool {
         self.program.actions.iter().any(|action| match (place.block, action.kind) {
             (Block::Normal, TransitionKind::Undo(op)) => op == place.op,
             (Block::Recovery, TransitionKind::Back { from, .. }) => from == step,
+            (Block::Recovery, TransitionKind::GiveUp(task)) => {
+                self.program.on_order.as_ref().is_some_and(|tasks| tasks.task(task).first == place.op)
+            }
             _ => false,
         })
     }
@@ -266,8 +270,8 @@ impl Controller {
         wait.text()
     }
 
-    fn explain_request(&self, line: &Line, ops: u64, needs: u64, now: Tick, reasons: &mut Vec<String>) {
-        for (index, view) in self.views.peers.iter().enumerate().filter(|&(i, _)| needs & (1 << i) != 0) {
+    fn explain_request(&self, line: &Line, ops: u64, needs: PeerSet, now: Tick, reasons: &mut Vec<String>) {
+        for (index, view) in self.views.peers.iter().enumerate().filter(|&(i, _)| needs.contains(i)) {
             let is_heard = now < view.known_until;
             let agreed = matches!(view.verdict, Some((_, number, None)) if Some(number) == self.agreement.pending.map(|p| p.request.number));
             if !agreed {

@@ -64,6 +64,7 @@ mod interlock;
 mod order;
 mod panel;
 mod parts;
+mod peer_set;
 mod position_guard;
 mod program;
 mod report;

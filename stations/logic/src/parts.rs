@@ -6,6 +6,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{BRANCHES_MAX, InputId, OpId, Panel, StationId, Tick};
 
 use crate::event::StopCause;
+use crate::peer_set::PeerSet;
 use crate::report::WithdrawalRequest;
 
 /// Transitions looked at in one step before the next image is asked for. An operation that completes leads on to the
@@ -116,8 +117,8 @@ pub(crate) struct PendingWithdrawal {
     /// Levels the command must keep holding.
     pub hold: u128,
     pub mode: ControlMode,
-    /// Peers that must agree, a bit per entry of the program's peers.
-    pub needs: u64,
+    /// Peers that must agree.
+    pub needs: PeerSet,
 }
 
 impl PendingWithdrawal {

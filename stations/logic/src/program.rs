@@ -10,6 +10,7 @@ use std::time::Duration;
 use linewright_line::net::{Block, Conjunction, ControlMode, Literal, StationNet, StationPlace, TransitionKind, Var};
 use linewright_line::{ButtonId, Line, MotionSignals, OpId, OperationModule, StationId, TaskId};
 
+use crate::peer_set::{PEERS_MAX, PeerSet};
 use crate::position_guard::{Interlocks, partners};
 use crate::tasks::StationTasks;
 
@@ -149,9 +150,6 @@ pub enum CompileError {
 
 impl std::error::Error for CompileError {}
 
-/// Stations that one exchanges counts or positions with: sets of them are a bit each of a `u64`.
-pub(crate) const PEERS_MAX: usize = 64;
-
 /// The compiled controller of one station. Immutable; a [`crate::Controller`] plays it.
 #[derive(Clone, Debug)]
 pub struct Program {
@@ -161,8 +159,8 @@ pub struct Program {
     pub(crate) actions: Vec<CompiledTransition>,
     /// Arrows into the operations of each step.
     pub(crate) causes: Vec<Vec<IncomingArrow>>,
-    /// For each operation, the peers with an arrow from it, a bit per entry of `peers`.
-    pub(crate) dependents: Vec<u64>,
+    /// For each operation, the peers with an arrow from it.
+    pub(crate) dependents: Vec<PeerSet>,
     /// Stations this one reads or is read by, in chart order.
     pub(crate) peers: Vec<StationId>,
     /// Irreversible operations, in chart order: path `i` is that of `paths[i]`.
@@ -325,9 +323,9 @@ fn causes_of(line: &Line, station: StationId, step: &[OpId], peers: &[StationId]
     .collect()
 }
 
-fn dependents_of(line: &Line, from: (StationId, OpId), peers: &[StationId]) -> u64 {
+fn dependents_of(line: &Line, from: (StationId, OpId), peers: &[StationId]) -> PeerSet {
     let out = line.arrows.iter().filter(|a| a.from == from);
-    out.fold(0, |bits, arrow| bits | 1 << peer_index(peers, arrow.to.0))
+    out.map(|arrow| usize::from(peer_index(peers, arrow.to.0))).collect()
 }
 
 fn compile_place(

@@ -9,6 +9,7 @@ use linewright_line::{BRANCHES_MAX, Tick};
 use crate::controller::{Controller, NO_DELAY, StationOutbox};
 use crate::event::{HappeningKind, StopCause};
 use crate::parts::{PASSES_MAX, PendingWithdrawal, RunCommand};
+use crate::peer_set::PeerSet;
 use crate::program::{Causal, ConditionRow, bit};
 use crate::withdraw::WithdrawalState;
 
@@ -325,37 +326,36 @@ impl Controller {
     /// one request: none of them moves before all may.
     fn act(&mut self, rows: &[u16], mode: ControlMode) -> bool {
         let asks = self.rules.ask && self.rules.arrows;
-        let needs = if asks { self.to_be_asked(rows, mode) } else { 0 };
+        let needs = if asks { self.to_be_asked(rows, mode) } else { PeerSet::EMPTY };
         let mut fired = false;
         for &row in rows {
             let row = self.program.rows[row as usize];
-            if !(needs != 0 && row.withdraws) {
+            if needs.is_empty() || !row.withdraws {
                 self.fire(row.transition);
                 fired = true;
             }
         }
         // One request at a time: a command given while another waits is given too early.
-        if needs != 0 && self.agreement.pending.is_none() && self.can_agree(needs) {
+        if !needs.is_empty() && self.agreement.pending.is_none() && self.can_agree(needs) {
             self.ask(rows, mode);
         }
         fired
     }
 
-    /// The peers whose agreement these rows need, a bit each.
-    fn to_be_asked(&self, rows: &[u16], mode: ControlMode) -> u64 {
+    /// The peers whose agreement these rows need.
+    fn to_be_asked(&self, rows: &[u16], mode: ControlMode) -> PeerSet {
         let rows = rows.iter().map(|&row| &self.program.rows[row as usize]).filter(|row| row.withdraws);
-        rows.fold(0, |needs, row| {
+        rows.fold(PeerSet::EMPTY, |needs, row| {
             needs | self.dependents(self.taken_back(self.program.actions[row.transition as usize].kind), mode)
         })
     }
 
     /// Whether this station and these peers could compare counts: without a common generation none agrees, or ever will.
-    fn can_agree(&self, needs: u64) -> bool {
+    fn can_agree(&self, needs: PeerSet) -> bool {
         if self.rules.generations && self.views.generation == 0 {
             return false;
         }
-        let mut peers = (0..self.views.peers.len()).filter(|&peer| needs & (1 << peer) != 0);
-        peers.all(|peer| {
+        needs.iter().all(|peer| {
             self.views.standing(peer, self.counts.cycle, self.now) != crate::views::Comparability::OtherGeneration
         })
     }

@@ -14,6 +14,7 @@ use linewright_line::net::ControlMode;
 use crate::controller::Controller;
 use crate::event::HappeningKind;
 use crate::parts::PendingWithdrawal;
+use crate::peer_set::PeerSet;
 use crate::report::WithdrawalRequest;
 
 /// State of a withdrawal request.
@@ -30,16 +31,10 @@ pub(crate) enum WithdrawalState {
 impl Controller {
     /// The peers that could build on one of these operations. A peer of another generation builds on none of them; where the
     /// second barrier stands between the two, it is not asked.
-    pub(crate) fn dependents(&self, ops: u64, mode: ControlMode) -> u64 {
-        let program = &self.program;
-        let apart = (0..self.views.peers.len()).filter(|&peer| self.views.positions_stand_in(peer, mode, self.now));
-        let apart = apart.fold(0u64, |bits, peer| bits | 1 << peer);
-        let all = program
-            .dependents
-            .iter()
-            .enumerate()
-            .fold(0, |all, (op, &peers)| if ops & (1 << op) != 0 { all | peers } else { all });
-        all & !apart
+    pub(crate) fn dependents(&self, ops: u64, mode: ControlMode) -> PeerSet {
+        let built_on = self.program.dependents.iter().enumerate().filter(|&(op, _)| ops & (1 << op) != 0);
+        let all = built_on.fold(PeerSet::EMPTY, |all, (_, &peers)| all | peers);
+        all.filtered(|peer| !self.views.positions_stand_in(peer, mode, self.now))
     }
 
     /// Opens a request for the rows that take counts back. Those of one step (concurrent neighbours) are one request.
@@ -54,7 +49,7 @@ impl Controller {
             count: 0,
             hold: 0,
             mode,
-            needs: 0,
+            needs: PeerSet::EMPTY,
         };
         for &number in rows {
             let row = self.program.rows[usize::from(number)];
@@ -78,7 +73,7 @@ impl Controller {
         }
         let mut missing = false;
         for (index, view) in self.views.peers.iter().enumerate() {
-            if pending.needs & (1 << index) == 0 {
+            if !pending.needs.contains(index) {
                 continue;
             }
             match view.verdict {

@@ -184,7 +184,7 @@ fn compile_errors() -> Vec<CompileError> {
     let station = || "clamp_1".to_owned();
     samples!(CompileError {
         CompileError::TooManyPaths { .. } => CompileError::TooManyPaths { station: station(), has: 40, most: 32 };
-        CompileError::TooManyPeers { .. } => CompileError::TooManyPeers { station: station(), has: 70 };
+        CompileError::TooManyPeers { .. } => CompileError::TooManyPeers { station: station(), has: 300 };
         CompileError::SnapshotDoesNotFit { .. } => CompileError::SnapshotDoesNotFit { why: "no marked place" };
     })
 }

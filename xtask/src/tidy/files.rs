@@ -10,8 +10,10 @@ const LINES_MAX: usize = 500;
 const NOT_OURS: [&str; 2] = ["target", ".git"];
 
 /// Kinds of files that are text and written by people.
-const TEXT: [&str; 13] =
-    ["rs", "toml", "md", "sh", "py", "xml", "msg", "service", "target", "yml", "yaml", "txt", "conf"];
+const TEXT: [&str; 17] = [
+    "rs", "toml", "md", "sh", "py", "xml", "msg", "service", "target", "yml", "yaml", "txt", "conf", "cases", "snap",
+    "dbc", "hex",
+];
 
 /// Checks every file of the project.
 pub fn check(root: &Path) -> Vec<String> {

@@ -74,12 +74,12 @@ impl RuleDispatcher {
         RuleInputs { now, state, ways: &self.ways, jobs: &self.jobs, timetable }
     }
 
-    /// Whether anybody has waited too long: then it is decided for them, and nothing else counts.
+    /// Whether a part has waited longer than `patience`: then urgency alone decides.
     pub fn is_pressed(&self, now: Tick, state: &PlayerState) -> bool {
         self.fairness.patience.is_some_and(|patience| !urgent(&self.facts(now, state), patience).is_empty())
     }
 
-    /// Everybody who could start, the first first; and of each candidate that is held whatever the others do, why.
+    /// The queue of candidates, the next to start first; and for each candidate held independently of the others, the reason.
     fn line(
         &self,
         question: &Question<'_>,
@@ -91,7 +91,7 @@ impl RuleDispatcher {
         let (mut line, mut asleep) = (Vec::new(), BTreeMap::new());
         for (candidate, of) in question.candidates.iter().enumerate() {
             let mode = of.mode;
-            // If anybody helps, it is one of them, and with the first of its parts.
+            // A helper is always one of the candidates, with the first of its parts.
             let mut helps = helper.filter(|(helper, _)| *helper == mode).map(|(_, of)| Rank::Helper(of));
             let outside = (!question.takes_part(of)).then_some(None);
             for part in question.parts(of).map(Some).chain(outside) {

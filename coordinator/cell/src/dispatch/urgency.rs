@@ -54,7 +54,7 @@ use super::ways::ShortestRoutes;
 /// What is done against waiting for ever.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fairness {
-    /// A part that has waited so long is urgent; none if none ever is.
+    /// Waiting time after which a part is urgent. `None`: parts never become urgent.
     pub patience: Option<Duration>,
     /// What an urgent part needs is kept for it. Without this, parts can wait for ever.
     pub reserves: bool,

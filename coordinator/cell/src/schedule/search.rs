@@ -1,11 +1,11 @@
-//! All that can be decided, looked through until nothing better can exist: branch and bound, depth first.
+//! Optimal schedules by branch and bound, depth first.
 //!
-//! A node is a forward simulation at a moment at which something can be decided. Its branches are the single starts, and to wait
-//! for what happens next; every schedule can be moved to the left until each of its starts is at such a moment, so nothing
-//! better is between them. What cannot be wrong is done at once: to take on a part that no other mode takes, with nothing but
-//! the part. A node is left when its bound is not below the best that was found, or when the same cell was seen no later and
-//! with no more tardiness. It is looked for least tardiness and then for the shortest makespan; what is told of flow is what
-//! came with these.
+//! A node is a forward simulation at an instant at which a decision is possible. Its branches are the single starts, and
+//! waiting for the next event. Every schedule can be shifted left until each of its starts is at such an instant
+//! (semi-active schedules), so no better schedule lies between them. A start without alternative is made at once: taking on a
+//! part that only one mode takes and that needs no resource. A node is pruned when its bound is not below the best schedule
+//! found, or when the same state was reached no later and with no more tardiness. Tardiness is minimised first, then the
+//! makespan; the mean flow time reported is that of the schedule found.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;

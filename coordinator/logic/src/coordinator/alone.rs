@@ -24,8 +24,8 @@ impl Coordinator {
         }
     }
 
-    /// These stations stand between two rests, at no order, and no others: auto would have nothing to go on with there, and
-    /// is refused. Call it whenever that changes.
+    /// Sets the task-driven stations that stand between two rests without a task. Auto has nothing to continue there, so it
+    /// is refused while there is one. To be called whenever that set changes.
     pub fn hold(&mut self, stations: impl Fn(StationId) -> bool) {
         for (id, station) in self.line.station_ids().zip(&mut self.stations) {
             station.held = station.on_order && stations(id);

@@ -27,7 +27,7 @@ pub enum AnsweringOperator {
     Resource(ServiceReply<SetResource>),
 }
 
-/// Everybody who waits.
+/// Requesters that wait for a reply.
 #[derive(Default)]
 pub struct PendingReplies {
     tickets: RequestId,

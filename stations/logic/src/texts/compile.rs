@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use crate::program::{CompileError, PEERS_MAX};
+use crate::peer_set::PEERS_MAX;
+use crate::program::CompileError;
 
 impl fmt::Display for CompileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

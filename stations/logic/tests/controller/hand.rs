@@ -139,7 +139,7 @@ fn a_sequence_that_is_never_reversed_goes_one_way() {
 }
 
 #[test]
-fn a_button_that_means_nothing_here_is_refused_and_anothers_is_ignored() {
+fn a_button_that_means_nothing_here_is_refused_and_one_of_another_station_is_ignored() {
     let mut rig = in_hand_mode(2, &[6, 6, 6]);
     let later = hand_of(&rig, 1).forward().0;
     rig.hold(later);

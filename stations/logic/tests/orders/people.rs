@@ -217,6 +217,7 @@ fn the_panel_takes_back_through_a_rest() {
     assert_eq!(m1.doing(), "slide in (done)");
     m1.through(Retract(true));
     assert_eq!(m1.doing(), "slide in (undone)");
+    assert_eq!(m1.blocked_by(), ["advance or return at its panel"]);
     m1.hold(&[Retract(true)]);
     assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (done)", 0), "a rest is a stop");
     m1.hold(&[]);

@@ -20,7 +20,7 @@ impl Peer {
         self.inputs_within.map_or(Tick::NEVER, |within| last + within)
     }
 
-    /// Inputs have come: after a while, what was before is no row any more.
+    /// Inputs have come. A peer that has sent them long enough since it came up has no losses of SYNC in a row.
     pub(in crate::manager) fn hears_sync(&mut self, now: Tick) {
         if self.sync_losses > 0
             && self.is_operational()
