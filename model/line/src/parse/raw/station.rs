@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_text::{
-    Located, LocatedName, Problem, Report, Shape, coordinate, coordinates, integer, keys, lists, part, seconds, table,
+    Located, LocatedName, Problem, Report, Shape, coordinate, coordinates, integer, keys, lists, part, positive, seconds, table,
     tables, text, texts, whole,
 };
 
@@ -88,7 +88,7 @@ keys! {
         /// `"R"`: reversible, after a fault it is resumed or taken back; `"I"`: irreversible, it is resumed or the station
         /// goes home along `recovery_path`.
         kind as "module": Option<Located<ModuleKind>> = text().required().then(kind).like(|| Shape::Word(vec!["R", "I"])),
-        /// The motion: `{ axis = "vertical", from = 0, to = 50 }`.
+        /// The motion: `{ axis = "vertical", from = 0, to = 50 }`; the index of an endless axis: `{ axis = "table", by = 90 }`.
         moves: Option<RawMoves> = table().required(),
         /// What the motion takes when nothing is wrong, in seconds, up to a day.
         duration as "duration_s": Option<Located<Duration>> = seconds().required(),
@@ -118,9 +118,12 @@ keys! {
         /// The axis that moves.
         axis: Option<LocatedName> = text().required(),
         /// Where it starts, in mm or degrees.
-        from: Option<Located<f64>> = coordinate().required(),
+        from: Option<Located<f64>> = coordinate().required_unless(&["by"]),
         /// Where it ends, in mm or degrees.
-        to: Option<Located<f64>> = coordinate().required(),
+        to: Option<Located<f64>> = coordinate().required_unless(&["by"]),
+        /// Instead of both, of an axis that turns endlessly and one way: how far it goes on with one index, in mm or degrees,
+        /// above zero. It begins and ends at the switch `complete`.
+        by: Option<Located<f64>> = positive(),
     }
 
     /// The signals of a motion.

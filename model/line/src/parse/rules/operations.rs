@@ -138,7 +138,7 @@ pub(super) fn module_has_its_recovery(operation: &DraftOperation<'_>, report: &m
                         .hint("it is never run backwards; say how to get home from it with `recovery_path = […]`"),
                 );
             }
-            if raw.recovery_path.as_ref().is_none_or(|path| path.value.is_empty()) {
+            if operation.by().is_none() && raw.recovery_path.as_ref().is_none_or(|path| path.value.is_empty()) {
                 let at = raw.recovery_path.as_ref().map_or_else(|| operation.place(), |path| path.at.clone());
                 report.add(
                     Problem::error(at, format!("irreversible operation `{name}` has no recovery path")).hint(
