@@ -319,6 +319,30 @@ mod tests {
         assert_eq!(names(mill, inputs), ["LS_positioning_0", "LS_main_0"]);
     }
 
+    #[test]
+    fn a_table_is_told_from_under_way_by_the_switch_it_begins_and_ends_at() {
+        let text = include_str!("../../../examples/rotary-table.toml");
+        let line = parse("rotary-table.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        let table = &line.stations[0];
+        let told = line.clearance(&line.conflicts[0].a).expect("its switch is off under way");
+        assert_eq!(names(table, told), ["LS_in_place"]);
+        let index = table.home;
+        let at = |place| names(table, table.rest_inputs(place));
+        assert_eq!(at(StationPlace::completed(index)), ["LS_in_place"]);
+        assert_eq!((at(StationPlace::operating(index)), at(StationPlace::incomplete(index))), (vec![], vec![]));
+        assert_eq!(table.measured_after(0), Some(told));
+        assert_eq!(table.measured_within(index), Some(0));
+        // In a longer state it would be on at the end of the index as well, which is inside.
+        let mut line = line;
+        let mut drill = line.stations[2].operations[1].clone();
+        drill.motion.axis = AxisId(1);
+        line.stations[0].axes.push(crate::Axis { name: "spindle".to_owned(), home: 0.0, index: None });
+        line.stations[0].operations.push(drill);
+        line.stations[0].steps.push(vec![OpId(1)]);
+        let span = StateSpan { station: StationId(0), from: OpId(0), until: OpId(1) };
+        assert!(line.clearance(&span).is_err());
+    }
+
     /// Inside the state the one slide comes back to where it stands outside, and the other one, at the same time, leaves it.
     #[test]
     fn two_axes_that_change_over_in_one_step_do_not_tell_the_state() {

@@ -92,7 +92,8 @@ impl Controller {
             (false, true) => PositionDoubt::NoJournal,
             (false, false) => PositionDoubt::AxisOff,
         };
-        let ends: Vec<&str> = self.steps_read_off().flat_map(|step| self.ops_of_step(step)).map(|op| self.op_name(line, op)).collect();
+        let ends: Vec<&str> =
+            self.steps_read_off().flat_map(|step| self.ops_of_step(step)).map(|op| self.op_name(line, op)).collect();
         reasons.push(match self.read_off() {
             Some(step) if is_lost || self.marking().any(not_home) => {
                 let ops = self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0));

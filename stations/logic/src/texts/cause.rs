@@ -77,7 +77,9 @@ impl StopCause {
             (StopCause::SwitchStuck, _) => {
                 format!("watchdog: {} was on before the motion started; check the switch", input(signals.complete))
             }
-            (StopCause::Interlock { .. } | StopCause::PositionLost { .. } | StopCause::IndexDoubtful { .. }, _) => self.detail(line, station),
+            (StopCause::Interlock { .. } | StopCause::PositionLost { .. } | StopCause::IndexDoubtful { .. }, _) => {
+                self.detail(line, station)
+            }
             (StopCause::Signal, Some(fault)) => format!("{}: {} is on", self.text(), input(fault)),
             _ => self.text().to_owned(),
         }

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use linewright_text::{
-    Located, LocatedName, Problem, Report, Shape, coordinate, coordinates, integer, keys, lists, part, positive, seconds, table,
-    tables, text, texts, whole,
+    Located, LocatedName, Problem, Report, Shape, coordinate, coordinates, integer, keys, lists, part, positive,
+    seconds, table, tables, text, texts, whole,
 };
 
 use super::{RawHolder, RawReach};
@@ -100,8 +100,8 @@ keys! {
         recovery: Option<RawRecovery> = table(),
         /// Hand-mode type and buttons: `{ type = 3, forward = "PB_2", back = "PB_4" }`.
         hand: Option<RawHand> = table().required(),
-        /// The way home after a fault, of an irreversible operation: reversible operations that are taken back in this
-        /// order, then the home operation follows by itself.
+        /// The way home after a fault, of an irreversible operation that is no index: reversible operations that are taken back
+        /// in this order, then the home operation follows by itself.
         recovery_path: Option<Located<Vec<LocatedName>>> = texts(OPERATIONS_MAX),
         /// The operation listed directly before, to run side by side with it.
         with: Option<LocatedName> = text(),

@@ -19,8 +19,9 @@ pub(super) fn check(station: &DraftStation<'_>, report: &mut Report) {
     if station.is_task_driven() {
         let at = first.by().map_or_else(|| first.place(), |by| by.at.clone());
         report.add(
-            Problem::error(at, format!("an endless axis in station `{}`, which works on order", station.name))
-                .hint("where an order ends in the midst of an index nothing leads back: let the station go round a cycle"),
+            Problem::error(at, format!("an endless axis in station `{}`, which works on order", station.name)).hint(
+                "where an order ends in the midst of an index nothing leads back: let the station go round a cycle",
+            ),
         );
     }
     for other in station.operations.iter().filter(|op| op.by().is_none()) {
