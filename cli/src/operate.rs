@@ -236,7 +236,7 @@ pub struct RejoinArgs {
     line: PathBuf,
     /// The station.
     station: String,
-    /// The operation it was stopped in.
+    /// The operation it was stopped in; where its switches fit the ends of several, the one that was done last.
     #[arg(long, value_name = "OPERATION")]
     within: Option<String>,
 }

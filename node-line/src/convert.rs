@@ -181,7 +181,9 @@ pub fn kind_of(event: &StationHappening) -> (u8, Option<OpId>) {
         HappeningKind::Founded | HappeningKind::Rejoined | HappeningKind::PositionFound => {
             (StationEvent::KIND_COMPLETED, None)
         }
-        HappeningKind::PositionLost(op, _) => (StationEvent::KIND_FAULT, Some(op)),
+        HappeningKind::PositionLost(op, _) | HappeningKind::IndexDoubtful(op, _) => {
+            (StationEvent::KIND_FAULT, Some(op))
+        }
         HappeningKind::Mode(_) => (StationEvent::KIND_MODE, None),
         HappeningKind::Devices(_) => (StationEvent::KIND_DEVICES, None),
         HappeningKind::Ordered(_) | HappeningKind::Securing(_) => (StationEvent::KIND_STARTED, None),

@@ -45,11 +45,25 @@ struct Switch {
     reach: f64,
 }
 
+/// The places of an endless axis. They are one to whoever looks: it stands at `home` in each of them.
+///
+/// Its gear goes from one to the next and rests there, however long its output stays on; the next index begins when the output
+/// comes on again. It turns one way, whatever pulls at it.
+#[derive(Clone, Copy)]
+struct Index {
+    home: f64,
+    by: f64,
+    /// It has come to the next place under the output that is on.
+    rests: bool,
+}
+
 /// One axis with everything that acts on it.
 pub(crate) struct Mechanism {
     pub(crate) drives: Vec<Actuator>,
     switches: Vec<Switch>,
     state: AxisState,
+    /// Of an endless axis: how far it goes on with one index, and where it begins.
+    index: Option<Index>,
     /// What moves it now: the drive's place in `drives`, its fault, and the factor its duration was given.
     moving: Option<(usize, Option<MotionFault>, f64)>,
     /// Drives both ways are on; it stands.
@@ -74,6 +88,7 @@ impl Mechanism {
             drives: Vec::new(),
             switches: Vec::new(),
             state: AxisState::standing(station.axes[axis].home),
+            index: station.axes[axis].index.map(|by| Index { home: station.axes[axis].home, by, rests: false }),
             moving: None,
             opposed: false,
             begun: 0,
@@ -85,7 +100,8 @@ impl Mechanism {
                 continue;
             }
             let op = OpId::at(at);
-            mechanism.add(op, Stroke::Normal, (motion.from, motion.to), operation.duration, operation.normal);
+            let end = motion.to + station.index_of(op).unwrap_or(0.0);
+            mechanism.add(op, Stroke::Normal, (motion.from, end), operation.duration, operation.normal);
             if let OperationModule::Reversible { recovery, recovery_duration, .. } = &operation.module {
                 mechanism.add(op, Stroke::Recovery, (motion.to, motion.from), *recovery_duration, *recovery);
             }
@@ -114,19 +130,37 @@ impl Mechanism {
     }
 
     pub(crate) fn position(&self, now: Tick) -> f64 {
-        self.state.position(now)
+        let at = self.state.position(now);
+        match self.index {
+            Some(index) if index.is_at_end(at) => at - index.by,
+            Some(_) | None => at,
+        }
     }
 
     /// Whether it stands at `at`, as a switch there sees it. What only passes does not stand.
     pub(crate) fn stands_at(&self, now: Tick, at: f64) -> bool {
         let switches = self.switches.iter().filter(|switch| same_place(switch.at, at));
         let reach = switches.map(|switch| switch.reach).reduce(f64::max);
+        if let Some(index) = self.index {
+            return self.moving.is_none() && same_place(at, index.home) && self.is_in_place(now);
+        }
         self.state.stands_at(now, at, reach.unwrap_or(SAME_PLACE))
+    }
+
+    /// Whether an endless axis is at one of its places.
+    fn is_in_place(&self, now: Tick) -> bool {
+        self.switches.iter().any(|switch| self.is_pressed(switch, self.state.position(now)))
+    }
+
+    /// Whether a switch is on where the axis is; that of an endless axis at both ends of an index.
+    fn is_pressed(&self, switch: &Switch, position: f64) -> bool {
+        switch.is_on(position) || self.index.is_some_and(|index| switch.is_on(position + index.by))
     }
 
     /// Whether what drives it to `at` suffers this.
     pub(crate) fn suffers_at(&self, at: f64, fault: MotionFault) -> bool {
-        self.drives.iter().any(|drive| same_place(drive.target, at) && drive.fault == Some(fault))
+        let end = |drive: &Actuator| drive.target - self.index.map_or(0.0, |index| index.by);
+        self.drives.iter().any(|drive| same_place(end(drive), at) && drive.fault == Some(fault))
     }
 
     /// Puts its axis where something else has moved it to, a drive.
@@ -137,8 +171,8 @@ impl Mechanism {
     }
 
     pub(crate) fn inputs(&self, now: Tick) -> u128 {
-        let at = self.position(now);
-        let switches = self.switches.iter().filter(|s| s.is_on(at)).map(|s| s.input);
+        let at = self.state.position(now);
+        let switches = self.switches.iter().filter(|s| self.is_pressed(s, at)).map(|s| s.input);
         let broken = self.drives.iter().filter(|d| d.fault == Some(MotionFault::Break)).filter_map(|d| d.fault_input);
         switches.chain(broken).fold(0, |image, input| image | input.bit())
     }
@@ -151,16 +185,21 @@ impl Mechanism {
     /// Works out [`Mechanism::changes`] anew: the arrival, and every tick at which a switch differs from the tick
     /// before.
     fn plan_changes(&mut self) {
-        let (state, switches) = (&self.state, &self.switches);
-        self.changes.clear();
-        self.changes.extend(state.arrival());
-        for switch in switches {
-            let is_on = |at: Tick| switch.is_on(state.position(at));
+        let state = &self.state;
+        let mut changes = std::mem::take(&mut self.changes);
+        changes.clear();
+        changes.extend(state.arrival());
+        for switch in &self.switches {
+            let is_on = |at: Tick| self.is_pressed(switch, state.position(at));
             let flips = |at: &Tick| is_on(*at) != is_on(*at - Duration::from_micros(1));
-            self.changes.extend(state.crossings(switch.at, switch.reach).filter(flips));
+            let begin = self.index.map(|index| switch.at - index.by);
+            for at in [Some(switch.at), begin].into_iter().flatten() {
+                changes.extend(state.crossings(at, switch.reach).filter(flips));
+            }
         }
-        self.changes.sort_unstable();
-        self.changes.dedup();
+        changes.sort_unstable();
+        changes.dedup();
+        self.changes = changes;
     }
 
     /// When its motion ends; whoever advances time looks here, as another drive may take over.
@@ -179,7 +218,13 @@ impl Mechanism {
         self.opposed = opposed;
         let jammed =
             self.drives.iter().filter(on).any(|d| matches!(d.fault, Some(MotionFault::Stick | MotionFault::Break)));
-        let chosen = if opposed || jammed { None } else { self.choose(now, image) };
+        let chosen = if opposed || jammed {
+            None
+        } else if self.index.is_some() {
+            self.turn_on(now, image)
+        } else {
+            self.choose(now, image)
+        };
         let fault = chosen.and_then(|at| self.drives[at].fault);
         if let Some((was, was_fault, _)) = self.moving
             && chosen == Some(was)
@@ -198,6 +243,23 @@ impl Mechanism {
         self.state.change(now, travel);
         self.plan_changes();
         change
+    }
+
+    /// Which of the drives that are on turns an endless axis on, if it is not to rest. A new index is reckoned from home.
+    fn turn_on(&mut self, now: Tick, image: u128) -> Option<usize> {
+        let on = |drive: &&Actuator| image & drive.output.bit() != 0;
+        let at = self.drives.iter().position(|drive| on(&drive));
+        // What drives back cannot.
+        let chosen = at.filter(|_| !self.drives.iter().filter(on).any(|d| d.fault == Some(MotionFault::SlipBack)));
+        let here = self.state.position(now);
+        let index = self.index.as_mut()?;
+        index.rests = at.is_some() && (index.rests || (self.moving.is_some() && here >= index.home + index.by));
+        let chosen = chosen.filter(|_| !index.rests)?;
+        if index.is_at_end(here) && self.moving.is_none() {
+            let from = here - index.by;
+            self.state.place(now, from);
+        }
+        Some(chosen)
     }
 
     /// Which way a drive pulls, as a number above or below zero. One that brings the axis to its target from both sides
@@ -254,6 +316,14 @@ impl Actuator {
 
 fn same_place(a: f64, b: f64) -> bool {
     (a - b).abs() < SAME_PLACE
+}
+
+impl Index {
+    /// Whether a position is that of the next place.
+    fn is_at_end(&self, position: f64) -> bool {
+        // A motion that its switch has stopped stands at the edge of the reach.
+        position >= self.home + self.by * (1.0 - 1.5 * REACH)
+    }
 }
 
 impl Switch {

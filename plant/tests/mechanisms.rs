@@ -39,6 +39,61 @@ fn a_motion_presses_its_switches_at_its_time() {
     assert_eq!((plant.position(PRESS, RAM), plant.inputs(OWNER)), (0.0, BACK));
 }
 
+/// Under way its switch is off, and at every place of the table it is at home.
+#[test]
+fn an_index_goes_from_its_switch_to_its_switch_and_rests_there_until_its_output_comes_on_again() {
+    let text = include_str!("../../examples/rotary-table.toml");
+    let line = linewright_line::parse("rotary-table.toml", text).expect("the example is sound").line;
+    let table = linewright_line::StationId(0);
+    let index = linewright_line::OpId(0);
+    const IN_PLACE: u128 = 1;
+    const FAILED: u128 = 2;
+    let mut plant = Plant::new(&line, PlantOptions::default());
+    let axis = linewright_line::AxisId(0);
+    assert_eq!(plant.inputs(OWNER), IN_PLACE);
+    for round in 0..3 {
+        let start = 3000 * round;
+        plant.set_outputs(at(start), OWNER, 1);
+        let left = plant.next_change().expect("it sets out");
+        plant.advance(left);
+        assert!(left <= at(start + 2), "{left}");
+        assert_eq!(plant.inputs(OWNER), 0);
+        plant.advance(at(start + 500));
+        assert!((plant.position(table, axis) - 45.0).abs() < 0.2, "{}", plant.position(table, axis));
+        let arrived = plant.next_change().expect("it arrives");
+        plant.advance(arrived);
+        assert!(arrived > at(start + 998) && arrived <= at(start + 1001), "{arrived}");
+        assert_eq!(plant.inputs(OWNER), IN_PLACE);
+        // Let go at its switch, or somewhat later: the gear holds it.
+        let let_go = if round == 1 { arrived } else { at(start + 1700) };
+        plant.set_outputs(let_go, OWNER, 0);
+        plant.advance(at(start + 2900));
+        assert_eq!((plant.inputs(OWNER), plant.next_change()), (IN_PLACE, None));
+        assert!(plant.position(table, axis).abs() < 0.2, "{}", plant.position(table, axis));
+    }
+    // Stopped half-way it stays there, and goes on.
+    for (fault, inputs) in [(MotionFault::Stick, 0), (MotionFault::SlipBack, 0), (MotionFault::Break, FAILED)] {
+        let mut plant = Plant::new(&line, PlantOptions::default());
+        plant.set_outputs(at(0), OWNER, 1);
+        plant.inject(at(500), table, index, Some(fault));
+        plant.advance(at(5000));
+        assert_eq!(plant.inputs(OWNER), inputs, "{fault:?}");
+        plant.set_outputs(at(5000), OWNER, 0);
+        plant.inject(at(5000), table, index, None);
+        plant.set_outputs(at(6000), OWNER, 1);
+        plant.advance(at(6400));
+        assert_eq!(plant.inputs(OWNER), 0, "{fault:?}");
+        plant.advance(at(6600));
+        assert_eq!(plant.inputs(OWNER), IN_PLACE, "{fault:?}");
+    }
+    // It does not set out at all.
+    let mut plant = Plant::new(&line, PlantOptions::default());
+    plant.inject(at(0), table, index, Some(MotionFault::Stick));
+    plant.set_outputs(at(0), OWNER, 1);
+    plant.advance(at(5000));
+    assert_eq!((plant.inputs(OWNER), plant.alarms()), (IN_PLACE, 0));
+}
+
 #[test]
 fn a_motion_goes_on_where_it_was_left() {
     let mut plant = plant();

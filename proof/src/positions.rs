@@ -12,6 +12,12 @@
 //!           LS_0        LS_50        LS_100
 //! ```
 //!
+//! An endless axis has one place, and the way round from it to itself, which it goes one way:
+//!
+//! ```text
+//!   0 ── under way ──▶ 0      its switch is on at 0; nothing tells before an index from after it
+//! ```
+//!
 //! **What is assumed.** A report is there before the other station decides: of two motions that start within the time a
 //! report takes, neither is seen by the other. And an image that is lost stops no motion under way. Against both stand the
 //! counts.
@@ -125,6 +131,8 @@ struct PositionSide {
     program: Program,
     /// For each axis its name and the coordinates of the chart, ascending.
     axes: Vec<(String, Vec<f64>)>,
+    /// For each axis, whether its last coordinate is its first one again.
+    endless: Vec<bool>,
     /// For each axis, the inputs that are on at each coordinate.
     switches: Vec<Vec<u128>>,
     commands: Vec<MotionCommand>,
@@ -143,6 +151,9 @@ impl PositionSide {
             let motion = operation.motion;
             axes[motion.axis.index()].1.extend([motion.from, motion.to]);
         }
+        for (axis, (_, at)) in station.axes.iter().zip(&mut axes) {
+            at.extend(axis.index.map(|by| axis.home + by));
+        }
         for (_, at) in &mut axes {
             at.sort_by(f64::total_cmp);
             at.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
@@ -151,6 +162,7 @@ impl PositionSide {
             name: station.name.clone(),
             other,
             program: Program::compile(line, span.station)?,
+            endless: station.axes.iter().map(|axis| axis.index.is_some()).collect(),
             switches: axes.iter().map(|(_, at)| vec![0; at.len()]).collect(),
             axes,
             commands: Vec::new(),
@@ -159,9 +171,10 @@ impl PositionSide {
             inside: HashSet::new(),
         };
         side.home = station.axes.iter().enumerate().map(|(axis, of)| side.point(axis, of.home)).collect();
-        for operation in &station.operations {
+        for (op, operation) in station.operations.iter().enumerate() {
             let motion = operation.motion;
-            if side.point(motion.axis.index(), motion.from) == side.point(motion.axis.index(), motion.to) {
+            let goes = side.point(motion.axis.index(), motion.from) != side.point(motion.axis.index(), motion.to);
+            if !goes && station.index_of(OpId::at(op)).is_none() {
                 continue;
             }
             side.switch(motion.axis.index(), motion.to, operation.normal.complete.bit());
@@ -178,6 +191,11 @@ impl PositionSide {
         let near = |coordinate: &f64| (coordinate - at).abs() < 1e-6;
         let index = self.axes[axis].1.iter().position(near).expect("all coordinates of the chart are in the list");
         2 * index as u16
+    }
+
+    /// The greatest coordinate of an axis.
+    fn last(&self, axis: usize) -> u16 {
+        2 * (self.axes[axis].1.len() as u16 - 1)
     }
 
     fn switch(&mut self, axis: usize, at: f64, bit: u128) {
@@ -210,7 +228,11 @@ impl PositionSide {
             let motion = operation.motion;
             let axis = motion.axis.index();
             let (from, to) = (self.point(axis, motion.from), self.point(axis, motion.to));
-            let (from, target) = if place.block == Block::Recovery { (to, from) } else { (from, to) };
+            let (from, target) = match place.block {
+                Block::Recovery => (to, from),
+                Block::Normal if self.endless[axis] => (from, self.last(axis)),
+                Block::Normal => (from, to),
+            };
             if from == target {
                 continue;
             }
@@ -231,7 +253,12 @@ impl PositionSide {
                 let motion = station.operations[op.index()].motion;
                 end[motion.axis.index()] = self.point(motion.axis.index(), motion.to);
             }
-            let all = between(&start, &end);
+            let mut all = between(&start, &end);
+            // Round to where it began, which it is at both ends.
+            let turns = station.steps[step].iter().map(|op| station.operations[op.index()].motion.axis.index());
+            for axis in turns.filter(|&axis| self.endless[axis]) {
+                all.push(start.iter().enumerate().map(|(at, &n)| if at == axis { n + 1 } else { n }).collect());
+            }
             if !stretch.contains(&step) {
                 self.outside.extend(all);
                 continue;
@@ -240,9 +267,11 @@ impl PositionSide {
             let begins = stretch.first() == Some(&step);
             let ends = stretch.last() == Some(&step);
             for at in all {
-                if (begins && at == start) || (ends && at == end) {
-                    self.outside.insert(at);
-                } else {
+                let outside = (begins && at == start) || (ends && at == end);
+                if outside {
+                    self.outside.insert(at.clone());
+                }
+                if !outside || (start == end && at == start && !(begins && ends)) {
                     self.inside.insert(at);
                 }
             }
@@ -334,12 +363,13 @@ fn follow(sides: &[PositionSide; 2], rules: PositionRules, state: &[u16], out: &
             push(axes + axis, 0, format!("{}: {} stops", side.name, side.axes[axis].0));
             let free = !rules.stops || side.is_free(command, images, other_stands);
             // A relay moves its axis one way, past its end if no switch stops it; a drive goes to its target from either side.
-            let (at, last) = (part[axis], 2 * (side.axes[axis].1.len() as u16 - 1));
+            let (at, last) = (part[axis], side.last(axis));
             let up = (command.up || at < command.target) && at < last;
             let down = (!command.up || at > command.target) && at > 0;
             for to in [up.then(|| at + 1), down.then(|| at - 1)].into_iter().flatten() {
                 if free && side.is_placed(command, images.0) {
-                    push(axis, to, side.where_text(axis, to));
+                    let is_round = side.endless[axis] && to == last;
+                    push(axis, if is_round { 0 } else { to }, side.where_text(axis, to));
                 }
             }
         }

@@ -33,6 +33,10 @@ fn the_shipped_line_can_be_written_too() {
     let shipped = parse("line.toml", &linewright_line::TransferLine::default().text()).expect("it is sound").line;
     let again = parse("again.toml", &text(&shipped)).unwrap_or_else(|problems| panic!("{problems}")).line;
     assert_eq!(again, shipped);
+    let table = include_str!("../../examples/rotary-table.toml");
+    let table = parse("rotary-table.toml", table).unwrap_or_else(|problems| panic!("{problems}")).line;
+    let again = parse("again.toml", &text(&table)).unwrap_or_else(|problems| panic!("{problems}")).line;
+    assert_eq!(again, table);
 }
 
 #[test]

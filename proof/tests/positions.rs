@@ -24,6 +24,26 @@ fn whatever_is_commanded_the_conflicts_of_the_shipped_line_are_excluded() {
     }
 }
 
+/// The table begins and ends at one switch, and is under way in between.
+#[test]
+fn a_table_turns_under_nothing_whatever_is_commanded_and_each_part_of_the_barrier_is_needed() {
+    let text = include_str!("../../examples/rotary-table.toml");
+    let line = parse("rotary-table.toml", text).expect("the example is sound").line;
+    for nth in 0..line.conflicts.len() {
+        let found = explored(&line, nth, PositionRules::ALL);
+        println!("{}: {} states", line.conflicts[nth].why, found.states);
+        assert_eq!(found.counterexample, None);
+        assert!(found.exhausted && found.states > 20, "{}", found.states);
+        for rules in
+            [PositionRules { starts: false, stops: false }, PositionRules { stops: false, ..PositionRules::ALL }]
+        {
+            let way = explored(&line, nth, rules).counterexample.expect("the table turns under it");
+            println!("{way:#?}");
+            assert!(way.iter().any(|step| step == "table started index"), "{way:?}");
+        }
+    }
+}
+
 #[test]
 fn without_measured_positions_both_stations_enter() {
     let line = shipped();

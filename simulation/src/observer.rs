@@ -164,7 +164,8 @@ fn slacks(line: &Line, station: StationId) -> Vec<f64> {
     let described = line.station(station);
     let way = |axis: usize| {
         let motions = described.operations.iter().map(|operation| operation.motion);
-        motions.filter(|m| m.axis.index() == axis).map(|m| (m.to - m.from).abs()).fold(0.0, f64::max)
+        let ways = motions.filter(|m| m.axis.index() == axis).map(|m| (m.to - m.from).abs());
+        ways.chain(described.axes[axis].index).fold(0.0, f64::max)
     };
     (0..described.axes.len()).map(|axis| way(axis) * TOLERANCE).collect()
 }

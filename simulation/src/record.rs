@@ -214,7 +214,7 @@ impl RunRecord {
                 self.idle[station.index()].enter(now, mode);
                 self.is_disturbed |= mode != ControlMode::Auto;
             }
-            HappeningKind::PositionLost(..) => self.is_disturbed = true,
+            HappeningKind::PositionLost(..) | HappeningKind::IndexDoubtful(..) => self.is_disturbed = true,
             HappeningKind::Founded => self.found(station),
             HappeningKind::Asked(_)
             | HappeningKind::NotAgreed { .. }

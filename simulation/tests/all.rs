@@ -8,3 +8,4 @@ mod on_buses;
 mod one_by_one;
 mod plan;
 mod scenario;
+mod table;

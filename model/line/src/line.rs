@@ -152,6 +152,9 @@ pub struct Axis {
     pub name: String,
     /// Where it stands when the station is at home.
     pub home: f64,
+    /// Of an axis that turns endlessly, one way: how far it goes with one index. Every index begins and ends at `home`, the
+    /// one place that its switch measures.
+    pub index: Option<f64>,
 }
 
 /// One operation of a station.
@@ -177,7 +180,8 @@ pub struct Operation {
     pub hand: HandMode,
 }
 
-/// The motion of an operation along one axis, for the simulated plant: from where to where.
+/// The motion of an operation along one axis, for the simulated plant: from where to where. From home to home is the index of
+/// an endless axis, and nothing else is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// The axis it moves.
@@ -203,7 +207,8 @@ pub enum OperationModule {
     /// I-module: a fault is recovered by resuming, or by going home along a path.
     Irreversible {
         /// The reversible operations whose recovery motions lead home, in the order they are run; the home
-        /// operation's normal motion follows (seed 002 §5.2.1 step 4). Never empty.
+        /// operation's normal motion follows (seed 002 §5.2.1 step 4). Empty for an index alone: the only way out of it is
+        /// onward.
         recovery_path: Vec<OpId>,
     },
 }
@@ -330,6 +335,11 @@ impl Station {
     /// All operation ids, in chart order.
     pub fn op_ids(&self) -> impl Iterator<Item = OpId> + use<> {
         (0..self.operations.len()).map(OpId::at)
+    }
+
+    /// How far an operation turns an endless axis; none where it moves from one place to another.
+    pub fn index_of(&self, op: OpId) -> Option<f64> {
+        self.axes[self.operations[op.index()].motion.axis.index()].index
     }
 
     /// The step an operation belongs to, as an index into [`Station::steps`].

@@ -7,7 +7,7 @@
 //! Nothing here remembers anything: the same answer follows from the image alone, whatever a controller believes.
 
 use crate::net::{Block, MotionStage, StationPlace};
-use crate::{AxisId, Line, OpId, OperationModule, StateSpan, Station};
+use crate::{AxisId, Line, Motion, OpId, OperationModule, StateSpan, Station};
 
 /// Coordinates nearer than this are one place, in millimetres or degrees.
 const SAME_PLACE: f64 = 1e-6;
@@ -58,10 +58,14 @@ impl Station {
         self.completions().fold(0, |bits, (_, _, input)| bits | input)
     }
 
+    /// Whether a motion has a way: to another place, or round to the same one.
+    fn goes(&self, motion: Motion) -> bool {
+        self.axes[motion.axis.index()].index.is_some() || !same_place(motion.from, motion.to)
+    }
+
     /// For each motion with a way, and for each way back: its axis, where it ends, and its completion input.
     fn completions(&self) -> impl Iterator<Item = (AxisId, f64, u128)> + '_ {
-        let moving = self.operations.iter().filter(|operation| !same_place(operation.motion.from, operation.motion.to));
-        moving.flat_map(|operation| {
+        self.operations.iter().filter(|operation| self.goes(operation.motion)).flat_map(|operation| {
             let motion = operation.motion;
             let back = match &operation.module {
                 OperationModule::Reversible { recovery, .. } => {
@@ -130,7 +134,7 @@ impl Station {
     fn moves_in_step(&self, step: usize, axis: usize) -> bool {
         self.steps[step].iter().any(|op| {
             let motion = self.operations[op.index()].motion;
-            motion.axis.index() == axis && !same_place(motion.from, motion.to)
+            motion.axis.index() == axis && self.goes(motion)
         })
     }
 
@@ -171,6 +175,8 @@ enum Meets {
     AtItsStart,
     OnItsWay,
     AtItsEnd,
+    /// It turns from the place round to it again.
+    AtBothEnds,
     Always,
 }
 
@@ -223,6 +229,9 @@ impl Line {
                 .iter()
                 .map(|&axis| {
                     let moves = station.moves_in_step(step, axis);
+                    if moves && station.axes[axis].index.is_some() {
+                        return Some(Meets::AtBothEnds);
+                    }
                     Meets::of(rest[axis], start[axis], if moves { end[axis] } else { start[axis] })
                 })
                 .collect();
@@ -232,8 +241,10 @@ impl Line {
                 meets.as_ref().is_some_and(of)
             };
             // Where the state begins and where it ends the station is outside it.
-            let at_the_border =
-                (nth == 0 && only(Meets::AtItsStart)) || (nth + 1 == inside.len() && only(Meets::AtItsEnd));
+            let (begins, ends) = (nth == 0, nth + 1 == inside.len());
+            let at_the_border = (begins && only(Meets::AtItsStart))
+                || (ends && only(Meets::AtItsEnd))
+                || (begins && ends && only(Meets::AtBothEnds));
             if meets.is_some() && !at_the_border {
                 return Err(NoClearance::NotSeen { op: station.steps[step][0] });
             }
@@ -308,6 +319,30 @@ mod tests {
         assert_eq!(names(mill, inputs), ["LS_positioning_0", "LS_main_0"]);
     }
 
+    #[test]
+    fn a_table_is_told_from_under_way_by_the_switch_it_begins_and_ends_at() {
+        let text = include_str!("../../../examples/rotary-table.toml");
+        let line = parse("rotary-table.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        let table = &line.stations[0];
+        let told = line.clearance(&line.conflicts[0].a).expect("its switch is off under way");
+        assert_eq!(names(table, told), ["LS_in_place"]);
+        let index = table.home;
+        let at = |place| names(table, table.rest_inputs(place));
+        assert_eq!(at(StationPlace::completed(index)), ["LS_in_place"]);
+        assert_eq!((at(StationPlace::operating(index)), at(StationPlace::incomplete(index))), (vec![], vec![]));
+        assert_eq!(table.measured_after(0), Some(told));
+        assert_eq!(table.measured_within(index), Some(0));
+        // In a longer state it would be on at the end of the index as well, which is inside.
+        let mut line = line;
+        let mut drill = line.stations[2].operations[1].clone();
+        drill.motion.axis = AxisId(1);
+        line.stations[0].axes.push(crate::Axis { name: "spindle".to_owned(), home: 0.0, index: None });
+        line.stations[0].operations.push(drill);
+        line.stations[0].steps.push(vec![OpId(1)]);
+        let span = StateSpan { station: StationId(0), from: OpId(0), until: OpId(1) };
+        assert!(line.clearance(&span).is_err());
+    }
+
     /// Inside the state the one slide comes back to where it stands outside, and the other one, at the same time, leaves it.
     #[test]
     fn two_axes_that_change_over_in_one_step_do_not_tell_the_state() {
@@ -322,7 +357,7 @@ mod tests {
         assert!(line.clearance(&span).is_ok());
         // Out; over to the other slide, both at once; back.
         let station = &mut line.stations[2];
-        let way = |axis: u16, from: f64, to: f64| crate::Motion { axis: AxisId(axis), from, to };
+        let way = |axis: u16, from: f64, to: f64| Motion { axis: AxisId(axis), from, to };
         let ways = [way(0, 0.0, 100.0), way(0, 100.0, 0.0), way(1, 0.0, 60.0), way(1, 60.0, 30.0), way(1, 30.0, 0.0)];
         // A switch for each place of each slide.
         let mut switches = Vec::new();

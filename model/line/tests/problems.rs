@@ -11,6 +11,7 @@ fn base(name: &str) -> String {
     match name {
         "cell" => CELL.to_owned(),
         "on_order" => include_str!("descriptions/on_order.toml").to_owned(),
+        "endless" => include_str!("../../../examples/rotary-table.toml").to_owned(),
         "drives" => include_str!("descriptions/drives.toml").to_owned(),
         "analogue" => analogue::with("", ""),
         "modbus" => modbus::line(modbus::DEVICE),
@@ -40,6 +41,11 @@ fn rules_of_a_line() {
 #[test]
 fn rules_of_tasks_and_material_flow() {
     check("on_order.cases");
+}
+
+#[test]
+fn rules_of_endless_axes() {
+    check("endless.cases");
 }
 
 #[test]

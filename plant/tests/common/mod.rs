@@ -63,7 +63,7 @@ fn station(name: &str, bus: DeviceBus) -> Station {
         steps: vec![vec![OpId(0)], vec![OpId(1)]],
         rests: Vec::new(),
         tasks: Vec::new(),
-        axes: vec![Axis { name: "ram".to_owned(), home: 0.0 }],
+        axes: vec![Axis { name: "ram".to_owned(), home: 0.0, index: None }],
         inputs: ["front", "back", "failed", "selector"].map(str::to_owned).to_vec(),
         outputs: ["forward", "return"].map(str::to_owned).to_vec(),
         panel: Panel { manual: Some(InputId(3)), advance: None, retract: None },

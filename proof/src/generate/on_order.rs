@@ -38,7 +38,7 @@ fn station(shape: &LineShape, number: usize, buttons: &mut Vec<String>, random: 
         ways.push((random.below(rests), random.below(rests)));
     }
     let stands = (0..rests).map(|n| Rest { name: format!("rest {n}"), at: vec![position(n)] }).collect();
-    let mut station = empty_station(number, vec![Axis { name: "axis_0".to_owned(), home: 0.0 }], stands);
+    let mut station = empty_station(number, vec![Axis { name: "axis_0".to_owned(), home: 0.0, index: None }], stands);
     for (nth, &(from, to)) in ways.iter().enumerate() {
         task(&mut station, nth, (from, to), shape, buttons, random);
     }

@@ -198,7 +198,7 @@ fn build(
     shape: &LineShape,
     random: &mut Random,
 ) -> Station {
-    let axes = (0..plan.axes).map(|axis| Axis { name: format!("axis_{axis}"), home: 0.0 }).collect();
+    let axes = (0..plan.axes).map(|axis| Axis { name: format!("axis_{axis}"), home: 0.0, index: None }).collect();
     let mut station = empty_station(number, axes, Vec::new());
     let places: Vec<usize> =
         plan.steps.iter().scan(0, |place, step| Some(std::mem::replace(place, *place + step.len()))).collect();

@@ -169,7 +169,10 @@ fn write_operation(out: &mut String, line: &Line, station: &Station, id: OpId) -
     }
     let motion = &operation.motion;
     let axis = quoted(&station.axes[motion.axis.index()].name);
-    writeln!(out, "moves = {{ axis = {axis}, from = {:?}, to = {:?} }}", motion.from, motion.to)?;
+    match station.index_of(id) {
+        Some(by) => writeln!(out, "moves = {{ axis = {axis}, by = {by:?} }}")?,
+        None => writeln!(out, "moves = {{ axis = {axis}, from = {:?}, to = {:?} }}", motion.from, motion.to)?,
+    }
     writeln!(out, "duration_s = {}", seconds(operation.duration))?;
     writeln!(out, "watchdog_s = {}", seconds(operation.watchdog))?;
     writeln!(out, "normal = {{ {} }}", signals(station, &operation.normal))?;
@@ -181,7 +184,10 @@ fn write_operation(out: &mut String, line: &Line, station: &Station, id: OpId) -
             writeln!(out, "recovery = {{ {signals}, duration_s = {duration}, watchdog_s = {watchdog} }}")?;
         }
         OperationModule::Irreversible { recovery_path } => {
-            writeln!(out, "module = \"I\"\nrecovery_path = {}", list(recovery_path.iter().map(|&id| op(id))))?;
+            writeln!(out, "module = \"I\"")?;
+            if !recovery_path.is_empty() {
+                writeln!(out, "recovery_path = {}", list(recovery_path.iter().map(|&id| op(id))))?;
+            }
         }
     }
     let button = |key: &str, id: Option<ButtonId>| {

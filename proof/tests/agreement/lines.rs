@@ -56,6 +56,17 @@ pub fn small() -> Line {
     line
 }
 
+/// A table that indexes (op 0, home), and a drill that goes down (op 0) and up (op 1, home).
+pub fn table_and_drill() -> Line {
+    let mut table = station("table", 0, &[i(2, &[])], 0, false);
+    table.axes[0].index = Some(1.0);
+    table.operations[0].motion.to = table.axes[0].home;
+    let drill = station("drill", 1, &[r(6), r(6)], 4, false);
+    let mut line = without_haste(line(vec![table, drill], vec![arrow((0, 0), (1, 0), 0), arrow((1, 1), (0, 0), 1)]));
+    line.conflicts = vec![conflict("the table turns under the drill", (0, 0, 0), (1, 0, 1))];
+    line
+}
+
 /// A bar, and a clamp of two jaws that close side by side (ops 1 and 2) and open one after the other.
 pub fn two_jaws() -> Line {
     let jaws = station("jaws", 0, &[r(6), r(6), beside(6)], 8, false);

@@ -40,6 +40,13 @@ pub enum StopCause {
         /// The switch that is off.
         input: InputId,
     },
+    /// Whether an index is done is not known: its switch is on, and was not seen all the time, or came on too soon.
+    IndexDoubtful {
+        /// The index.
+        op: OpId,
+        /// Its switch.
+        input: InputId,
+    },
     /// Two exclusive transitions were both allowed: a bug of the controller, stopped rather than guessed at.
     Ambiguous,
 }
@@ -69,6 +76,8 @@ pub enum HappeningKind {
     Rejoined,
     /// An axis that stands still by the chart is not measured there: the operation at whose place, and the switch.
     PositionLost(OpId, InputId),
+    /// Whether an index is done is not known: the operation, and its switch.
+    IndexDoubtful(OpId, InputId),
     /// All axes are measured where the chart has them again.
     PositionFound,
     /// Agreement to take counts back was asked for, under this number.

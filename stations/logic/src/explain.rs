@@ -31,10 +31,22 @@ impl Controller {
                 parts.push(format!("{}: {text}", self.op_name(line, place.op)));
             }
         }
-        if let Some((op, input)) = self.position_lost() {
-            parts.push(StopCause::PositionLost { op, input }.detail(line, self.program.station));
+        if let Some(lost) = self.loss() {
+            let detail = lost.detail(line, self.program.station);
+            if !parts.iter().any(|stopped| stopped.ends_with(&detail)) {
+                parts.push(detail);
+            }
         }
         parts.join("; ")
+    }
+
+    /// What of its position is lost.
+    fn loss(&self) -> Option<StopCause> {
+        let (op, input) = self.position_lost()?;
+        Some(match self.doubtful_index() {
+            Some(_) => StopCause::IndexDoubtful { op, input },
+            None => StopCause::PositionLost { op, input },
+        })
     }
 
     /// What the station waits for. Empty while something moves.
@@ -46,8 +58,8 @@ impl Controller {
         if !self.image.valid {
             reasons.push(StationWait::Devices.text());
         }
-        if let Some((op, input)) = self.position_lost() {
-            let detail = StopCause::PositionLost { op, input }.detail(line, self.program.station);
+        if let Some(lost) = self.loss() {
+            let detail = lost.detail(line, self.program.station);
             reasons.push(StationWait::PositionLost(&detail).text());
         }
         self.explain_generation(line, &mut reasons);
@@ -67,18 +79,29 @@ impl Controller {
 
     /// The way back of a station that has lost its memory, or an axis of which is not where its chart has it.
     fn explain_generation(&self, line: &Line, reasons: &mut Vec<String>) {
-        let compares = self.rules.generations && self.program.on_order.is_none() && !self.program.peers.is_empty();
+        let is_doubtful = self.position_lost().is_some() && self.doubtful_index().is_some();
+        let compares = self.rules.generations && self.program.on_order.is_none();
+        let compares = compares && (is_doubtful || !self.program.peers.is_empty());
         let is_lost = self.position_lost().is_some();
         let forgot = self.views.generation == 0;
         if !compares || !(is_lost || (forgot && !self.is_at_home())) {
             return;
         }
         let not_home = |place: StationPlace| self.marking.causes_of_stop[place.op.index()] == StopCause::NotAtHome;
-        let doubt = if forgot { PositionDoubt::NoJournal } else { PositionDoubt::AxisOff };
+        let doubt = match (is_doubtful, forgot) {
+            (true, _) => PositionDoubt::Index,
+            (false, true) => PositionDoubt::NoJournal,
+            (false, false) => PositionDoubt::AxisOff,
+        };
+        let ends: Vec<&str> =
+            self.steps_read_off().flat_map(|step| self.ops_of_step(step)).map(|op| self.op_name(line, op)).collect();
         reasons.push(match self.read_off() {
             Some(step) if is_lost || self.marking().any(not_home) => {
                 let ops = self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0));
                 StationWait::Rejoin(doubt, RejoinAdvice::Confirm { ops: &ops }).text()
+            }
+            None if ends.len() > 1 && (is_lost || self.marking().any(not_home)) => {
+                StationWait::Rejoin(doubt, RejoinAdvice::Several { ops: &ends }).text()
             }
             None if forgot && self.marking().any(not_home) => {
                 let may_be = self

@@ -26,7 +26,7 @@ use linewright_line::{OpId, Tick};
 
 use crate::controller::{Controller, NO_DELAY};
 use crate::event::{HappeningKind, StopCause};
-use crate::parts::{RunCommand, Token};
+use crate::parts::{RunCommand, Token, Turn};
 use crate::program::path_index;
 
 impl Controller {
@@ -108,6 +108,10 @@ impl Controller {
         // network no image may arrive but the one from its end.
         let just_seen = self.image.under != NO_DELAY && self.image.under >= self.output.number;
         let off = just_seen && self.image.bits & self.program.places[table as usize].complete == 0;
+        // An index that goes on is the one that was stopped.
+        let stopped = self.marking.tokens[index];
+        let goes_on = self.program.places[usize::from(stopped.place)].turns != 0;
+        let (turn, turned) = if goes_on { (stopped.turn, stopped.turned) } else { (Turn::AtStart, Duration::ZERO) };
         self.marking.tokens[index] = Token {
             place: table,
             run,
@@ -117,6 +121,8 @@ impl Controller {
             driven: false,
             deadline: Tick::NEVER,
             remaining: self.program.places[table as usize].watchdog,
+            turn,
+            turned,
         };
         self.note(HappeningKind::Started(place.op, place.block));
     }
@@ -250,6 +256,7 @@ impl Controller {
 
     pub(crate) fn stop(&mut self, index: usize, cause: StopCause) {
         let place = self.place(&self.marking.tokens[index]).stopped();
+        self.marking.tokens[index].turned = self.time_driven(&self.marking.tokens[index]);
         self.arrive(index, place);
         self.marking.causes_of_stop[place.op.index()] = cause;
         self.note(HappeningKind::Stopped(place.op, place.block, cause));
@@ -265,10 +272,16 @@ impl Controller {
             StopCause::Devices
         } else if self.image.bits & table.fault != 0 {
             StopCause::Signal
+        } else if let Some((op, input)) = self.doubtful_index() {
+            StopCause::IndexDoubtful { op, input }
         } else if let Some(cause) = self.unsafe_motion(index) {
             cause
         } else if token.driven && self.now >= token.deadline {
-            if token.left_start { StopCause::Watchdog } else { StopCause::SwitchStuck }
+            if if table.turns == 0 { token.left_start } else { token.turn != Turn::AtStart } {
+                StopCause::Watchdog
+            } else {
+                StopCause::SwitchStuck
+            }
         } else {
             StopCause::Released
         }

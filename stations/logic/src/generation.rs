@@ -18,7 +18,7 @@ use crate::controller::Controller;
 use crate::event::{HappeningKind, StopCause};
 use crate::ignored::Ignored;
 use crate::panel::Founding;
-use crate::parts::{RunCommand, Token};
+use crate::parts::{RunCommand, Token, Turn};
 
 impl Token {
     /// It stands in this place, and nothing of its motion has been driven.
@@ -32,6 +32,8 @@ impl Token {
             driven: false,
             deadline: Tick::NEVER,
             remaining: std::time::Duration::ZERO,
+            turn: Turn::Unseen,
+            turned: std::time::Duration::MAX,
         }
     }
 }
@@ -96,9 +98,14 @@ impl Controller {
     /// Where the switches say the station stands: the step whose operations are complete there. None where they fit no
     /// place of the chart, or more than one.
     pub fn read_off(&self) -> Option<usize> {
-        let mut steps = (0..self.program.causes.len()).filter(|&step| self.stands_after(step));
+        let mut steps = self.steps_read_off();
         let step = steps.next()?;
         steps.next().is_none().then_some(step)
+    }
+
+    /// All steps at whose end the switches would be as they are.
+    pub(crate) fn steps_read_off(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.program.causes.len()).filter(|&step| self.stands_after(step))
     }
 
     /// Whether every axis is measured where the chart has it after a step, and nowhere else.

@@ -103,6 +103,9 @@ impl Controller {
         if !self.rules.positions || !self.image.valid || self.marking.path.is_some() || self.marking.unconfirmed {
             return None;
         }
+        if let Some(doubtful) = self.doubtful_index() {
+            return Some(doubtful);
+        }
         // A station that is not at home claims nothing of its axes until it is led there.
         let claims = |place: StationPlace| {
             !place.is_incomplete() || self.marking.causes_of_stop[place.op.index()] != StopCause::NotAtHome
@@ -121,6 +124,9 @@ impl Controller {
     pub(crate) fn unsafe_start(&self, action: &CompiledTransition, mode: ControlMode) -> Option<StopCause> {
         if !self.rules.positions {
             return None;
+        }
+        if let Some(cause) = self.unsafe_index(action) {
+            return Some(cause);
         }
         let path = match action.kind {
             TransitionKind::EnterPath(failed) => Some(failed),

@@ -75,6 +75,7 @@ mod slot;
 mod step;
 mod tasks;
 mod texts;
+mod turn;
 mod views;
 mod withdraw;
 

@@ -41,6 +41,26 @@ pub(crate) struct Token {
     pub deadline: Tick,
     /// While not driven: what is left of the watchdog.
     pub remaining: Duration,
+    /// Of an index, what its switch has shown since it began, also while it is stopped.
+    pub turn: Turn,
+    /// Of an index, how long it was driven before it was stopped last.
+    pub turned: Duration,
+}
+
+/// What the switch of an index has shown since the index began. Where it begins and where it ends the switch is on, so what
+/// it shows at a moment says too little.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Turn {
+    /// It was not seen all the time: after a restart, or after the devices were lost where it had begun.
+    Unseen,
+    /// On ever since.
+    AtStart,
+    /// Off.
+    Away,
+    /// Off, and on again: at the next place.
+    Arrived,
+    /// On, and it may be either place; or it has left the next one. A person must look.
+    Doubtful,
 }
 
 /// Where the station stands.

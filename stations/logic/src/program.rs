@@ -7,7 +7,9 @@
 
 use std::time::Duration;
 
-use linewright_line::net::{Block, Conjunction, ControlMode, Literal, StationNet, StationPlace, TransitionKind, Var};
+use linewright_line::net::{
+    Block, Conjunction, ControlMode, Literal, MotionStage, StationNet, StationPlace, TransitionKind, Var,
+};
 use linewright_line::{ButtonId, Line, MotionSignals, OpId, OperationModule, StationId, TaskId};
 
 use crate::peer_set::{PEERS_MAX, PeerSet};
@@ -98,6 +100,10 @@ pub(crate) struct PlaceTable {
     pub fault: u128,
     /// How long the motion may take.
     pub watchdog: Duration,
+    /// The switch of an index, while it is under way: operating or stopped. 0 elsewhere.
+    pub turns: u128,
+    /// An index that is complete after less than this is not believed.
+    pub least: Duration,
     /// The switches that are on while this place is marked: the axes that stand still there.
     pub rest: u128,
     /// The hand-mode button that must be held for the actuator to be driven in hand mode; 0 where no type has one.
@@ -359,6 +365,8 @@ fn compile_place(
         (start, rows.len() as u16)
     });
     let operating = |bits: u128| if place.is_operating() { bits } else { 0 };
+    let is_index = line.station(station).index_of(place.op).is_some();
+    let under_way = is_index && place.stage != MotionStage::Completed;
     PlaceTable {
         place,
         rows: ranges,
@@ -367,6 +375,8 @@ fn compile_place(
         complete: operating(1 << signals.complete.0),
         fault: operating(signals.fault.map_or(0, |fault| 1 << fault.0)),
         watchdog,
+        turns: if under_way { signals.complete.bit() } else { 0 },
+        least: operation.duration / 2,
         rest: line.station(station).rest_inputs(place),
         hold: operating(hold.map_or(0, held)),
     }

@@ -29,11 +29,13 @@ pub struct Rules {
     /// Arrows are observed. Off, the second barrier stands alone: what an arrow waits for is not waited for, and a count is
     /// taken back without asking.
     pub arrows: bool,
+    /// An index that is complete in less than half its time is not believed. Off: for whoever keeps the clock still.
+    pub timely: bool,
 }
 
 impl Rules {
     /// The counts by themselves, within one generation: the first barrier without what keeps it from lost memories.
-    pub const COUNTS: Rules = Rules { generations: false, positions: false, ..Rules::ALL };
+    pub const COUNTS: Rules = Rules { generations: false, positions: false, timely: false, ..Rules::ALL };
 
     /// All rules in force; what a machine has.
     pub const ALL: Rules = Rules {
@@ -46,6 +48,7 @@ impl Rules {
         generations: true,
         positions: true,
         arrows: true,
+        timely: true,
     };
 }
 

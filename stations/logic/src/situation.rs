@@ -78,6 +78,9 @@ impl Controller {
             let flags = if moves { [token.left_start, token.driven, token.awaits_image] } else { [false; 3] };
             let run = if moves { token.run as i64 } else { 0 };
             out.extend([i64::from(token.place), run, i64::from(flags[0]), i64::from(flags[1]), i64::from(flags[2])]);
+            if place.turns != 0 {
+                out.push(token.turn as i64);
+            }
         }
         let relative = |count: i32| i64::from(count) - i64::from(origin);
         let cycle = self.orders.as_ref().map_or_else(|| relative(self.counts.cycle), |_| 0);

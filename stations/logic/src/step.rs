@@ -8,7 +8,7 @@ use linewright_line::{BRANCHES_MAX, Tick};
 
 use crate::controller::{Controller, NO_DELAY, StationOutbox};
 use crate::event::{HappeningKind, StopCause};
-use crate::parts::{PASSES_MAX, PendingWithdrawal, RunCommand};
+use crate::parts::{PASSES_MAX, PendingWithdrawal, RunCommand, Turn};
 use crate::peer_set::PeerSet;
 use crate::program::{Causal, ConditionRow, bit};
 use crate::withdraw::WithdrawalState;
@@ -63,7 +63,11 @@ impl Controller {
         if lost != self.marking.lost_position && (lost.is_some() || !moves) {
             self.marking.lost_position = lost;
             self.due.report = true;
-            self.note(lost.map_or(HappeningKind::PositionFound, |(op, input)| HappeningKind::PositionLost(op, input)));
+            self.note(match lost {
+                None => HappeningKind::PositionFound,
+                Some((op, input)) if self.doubtful_index().is_some() => HappeningKind::IndexDoubtful(op, input),
+                Some((op, input)) => HappeningKind::PositionLost(op, input),
+            });
         }
     }
 
@@ -201,6 +205,10 @@ impl Controller {
         let token = self.marking.tokens[index];
         let table = &self.program.places[token.place as usize];
         let mut word = word;
+        if table.turns != 0 {
+            self.follow_turn(index);
+        }
+        let table = &self.program.places[token.place as usize];
         if table.complete != 0 {
             word |= self.motion_bits(index);
         }
@@ -235,8 +243,13 @@ impl Controller {
             token.left_start |= !on || (token.awaits_image && token.driven);
             token.awaits_image &= !token.driven;
         }
-        let mut bits = if on && own && token.left_start { bit::ARRIVED } else { 0 };
+        let has_arrived = match table.turns {
+            0 => on && own && token.left_start,
+            _ => token.turn == Turn::Arrived,
+        };
+        let mut bits = if has_arrived { bit::ARRIVED } else { 0 };
         let late = token.driven && self.now >= token.deadline;
+        let is_unsafe = is_unsafe || (table.turns != 0 && token.turn == Turn::Doubtful);
         if is_unsafe || !self.image.valid || late || self.image.bits & table.fault != 0 {
             bits |= bit::FAULT;
         }

@@ -39,6 +39,7 @@ fn causes() -> Vec<StopCause> {
         StopCause::Interlock { .. } => StopCause::Interlock { station: CLAMP, input: Some(INPUT) },
             StopCause::Interlock { station: CLAMP, input: None };
         StopCause::PositionLost { .. } => StopCause::PositionLost { op: OP, input: INPUT };
+        StopCause::IndexDoubtful { .. } => StopCause::IndexDoubtful { op: OP, input: INPUT };
         StopCause::Ambiguous => StopCause::Ambiguous;
     })
 }
@@ -56,6 +57,7 @@ fn happenings() -> Vec<HappeningKind> {
         HappeningKind::Founded => HappeningKind::Founded;
         HappeningKind::Rejoined => HappeningKind::Rejoined;
         HappeningKind::PositionLost(..) => HappeningKind::PositionLost(OP, INPUT);
+        HappeningKind::IndexDoubtful(..) => HappeningKind::IndexDoubtful(OP, INPUT);
         HappeningKind::PositionFound => HappeningKind::PositionFound;
         HappeningKind::Asked(_) => HappeningKind::Asked(3);
         HappeningKind::NotAgreed { .. } => HappeningKind::NotAgreed { by: TRANSFER, in_the_way: OP };
@@ -121,6 +123,7 @@ fn advice() -> Vec<RejoinAdvice<'static>> {
         RejoinAdvice::NoOperation => RejoinAdvice::NoOperation;
         RejoinAdvice::Between { .. } => RejoinAdvice::Between { ops: &["close", "open"] };
         RejoinAdvice::NoPlace => RejoinAdvice::NoPlace;
+        RejoinAdvice::Several { .. } => RejoinAdvice::Several { ops: &["unlock", "index"] };
     })
 }
 
@@ -128,6 +131,7 @@ fn doubts() -> Vec<PositionDoubt> {
     samples!(PositionDoubt {
         PositionDoubt::NoJournal => PositionDoubt::NoJournal;
         PositionDoubt::AxisOff => PositionDoubt::AxisOff;
+        PositionDoubt::Index => PositionDoubt::Index;
     })
 }
 

@@ -211,6 +211,11 @@ impl DraftOperation<'_> {
         self.raw.kind.as_ref().map(|kind| kind.value)
     }
 
+    /// How far it turns an endless axis.
+    pub fn by(&self) -> Option<&Located<f64>> {
+        self.raw.moves.as_ref()?.by.as_ref()
+    }
+
     /// Where it is named, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())

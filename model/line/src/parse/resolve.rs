@@ -49,7 +49,7 @@ fn station<'a>(
     let ends_task = |nth: usize| task::ends(raw, nth);
     let operations = raw.operations.iter().enumerate();
     let mut operations: Vec<_> =
-        operations.map(|(nth, op)| operation(op, id, names, &mut scope, ends_task(nth), report)).collect();
+        operations.map(|(nth, op)| operation(op, id, (names, &raw.axes), &mut scope, ends_task(nth), report)).collect();
     let rests = task::rests(raw, inside, report);
     let tasks = task::tasks(raw, inside, &operations, &mut scope, report);
     task::lead_on(&mut operations, &tasks);
@@ -65,10 +65,10 @@ fn station<'a>(
     DraftStation {
         raw,
         name,
-        operations,
         home,
         steps: rules::steps::steps(raw, inside, report),
-        axes: raw.axes.iter().map(|(name, home)| Axis { name: name.value.clone(), home: *home }).collect(),
+        axes: axes(raw, &operations),
+        operations,
         rests,
         tasks,
         sensed: Vec::new(),
@@ -81,7 +81,7 @@ fn station<'a>(
 fn operation<'a>(
     raw: &'a RawOperation,
     station: StationId,
-    names: &LineNames<'a>,
+    (names, homes): (&LineNames<'a>, &[(LocatedName, f64)]),
     scope: &mut StationScope<'a, '_>,
     ends_task: bool,
     report: &mut Report,
@@ -96,7 +96,7 @@ fn operation<'a>(
     DraftOperation {
         raw,
         name: raw.name.as_ref().map_or("?", |n| n.value.as_str()),
-        motion: raw.moves.as_ref().and_then(|moves| motion(moves, inside, report)),
+        motion: raw.moves.as_ref().and_then(|moves| motion(moves, homes, inside, report)),
         normal: raw.normal.as_ref().map(|s| scope.signals(s, report)).unwrap_or_default(),
         recovery: raw.recovery.as_ref().map(|r| scope.signals(&r.signals, report)),
         hand: raw.hand.as_ref().and_then(|raw| hand::hand(raw, &names.buttons, ends_task, report)),
@@ -114,10 +114,29 @@ fn operation<'a>(
     }
 }
 
-fn motion(raw: &RawMoves, inside: &super::names::StationNames<'_>, report: &mut Report) -> Option<Located<Motion>> {
-    let axis = inside.axes.find(raw.axis.as_ref()?, "axis", report);
-    let motion = Motion { axis: crate::AxisId::at(axis?), from: raw.from.as_ref()?.value, to: raw.to.as_ref()?.value };
-    Some(Located::new(motion, raw.at.clone()))
+/// An index leads from the home position round to it again.
+fn motion(
+    raw: &RawMoves,
+    homes: &[(LocatedName, f64)],
+    inside: &super::names::StationNames<'_>,
+    report: &mut Report,
+) -> Option<Located<Motion>> {
+    let axis = inside.axes.find(raw.axis.as_ref()?, "axis", report)?;
+    let (from, to) = match raw.by {
+        Some(_) => (homes.get(axis)?.1, homes.get(axis)?.1),
+        None => (raw.from.as_ref()?.value, raw.to.as_ref()?.value),
+    };
+    Some(Located::new(Motion { axis: crate::AxisId::at(axis), from, to }, raw.at.clone()))
+}
+
+/// The axes; one that an operation moves `by` so much is endless.
+fn axes(raw: &RawStation, operations: &[DraftOperation<'_>]) -> Vec<Axis> {
+    let index = |axis: usize| {
+        let of_axis = |op: &&DraftOperation<'_>| op.motion.as_ref().is_some_and(|m| m.value.axis.index() == axis);
+        operations.iter().filter(of_axis).find_map(|op| Some(op.by()?.value))
+    };
+    let axes = raw.axes.iter().enumerate();
+    axes.map(|(axis, (name, home))| Axis { name: name.value.clone(), home: *home, index: index(axis) }).collect()
 }
 
 /// What a signal name may refer to inside one station.

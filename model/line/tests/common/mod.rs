@@ -97,7 +97,7 @@ pub fn station(name: &str, home: usize, ops: &[Op], first_button: u16, share: bo
     Station {
         name: name.to_owned(),
         title: name.to_owned(),
-        axes: (0..ops.len()).map(|n| Axis { name: format!("axis {n}"), home: 0.0 }).collect(),
+        axes: (0..ops.len()).map(|n| Axis { name: format!("axis {n}"), home: 0.0, index: None }).collect(),
         home: OpId::at(home),
         inputs: (0..128).map(|bit| format!("in {bit}")).collect(),
         outputs: (0..128).map(|bit| format!("out {bit}")).collect(),

@@ -57,6 +57,7 @@ impl Controller {
             | StopCause::NotAtHome
             | StopCause::Interlock { .. }
             | StopCause::PositionLost { .. }
+            | StopCause::IndexDoubtful { .. }
             | StopCause::Ambiguous => TaskFailure::Fault,
         };
         self.conclude(TaskOutcome::Failed(slot.phase.failed_with(failure)));

@@ -85,6 +85,8 @@ pub enum PositionDoubt {
     NoJournal,
     /// An axis is not measured where the chart has it.
     AxisOff,
+    /// It is not certain whether an index is done.
+    Index,
 }
 
 /// How the position is cleared up.
@@ -98,6 +100,8 @@ pub enum RejoinAdvice<'a> {
     Between { ops: &'a [&'a str] },
     /// The switches fit no place.
     NoPlace,
+    /// The switches fit the ends of these operations alike.
+    Several { ops: &'a [&'a str] },
 }
 
 impl StationWait<'_> {
@@ -180,6 +184,7 @@ impl PositionDoubt {
         match self {
             PositionDoubt::NoJournal => "position unknown, no valid journal",
             PositionDoubt::AxisOff => "axis not where the chart has it",
+            PositionDoubt::Index => "index done or not",
         }
     }
 }
@@ -193,6 +198,11 @@ impl RejoinAdvice<'_> {
             }
             RejoinAdvice::Between { ops } => format!(
                 "between two switches; check it, then name its operation with rejoin; possible: `{}`",
+                ops.join("`, `")
+            ),
+            RejoinAdvice::Several { ops } => format!(
+                "its switches fit more than one place; look which operation was done last, then name it with rejoin; \
+                 possible: `{}`",
                 ops.join("`, `")
             ),
             RejoinAdvice::NoPlace => "its switches fit no place; move the axis onto its switch by hand, or name its \

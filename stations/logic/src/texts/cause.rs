@@ -20,6 +20,7 @@ impl StopCause {
             StopCause::NotAtHome => "not at home at power-up",
             StopCause::Interlock { .. } => "interlock: other station not clear",
             StopCause::PositionLost { .. } => "position lost",
+            StopCause::IndexDoubtful { .. } => "index in doubt",
             StopCause::Ambiguous => "internal error: two exclusive transitions enabled; report this fault",
         }
     }
@@ -43,6 +44,12 @@ impl StopCause {
                 line.input_text(Owner::Station(own), input),
                 line.operation((own, op)).name
             ),
+            StopCause::IndexDoubtful { op, input } => format!(
+                "index in doubt: {} is on, and it is not certain whether `{}` is done; look at the mechanism, then \
+                 confirm with rejoin",
+                line.input_text(Owner::Station(own), input),
+                line.operation((own, op)).name
+            ),
             _ => self.text().to_owned(),
         }
     }
@@ -60,10 +67,19 @@ impl StopCause {
             (StopCause::Watchdog, _) => {
                 format!("watchdog: {} not on within {}", input(signals.complete), duration_text(operation.watchdog))
             }
+            (StopCause::SwitchStuck, _) if line.station(station).index_of(op).is_some() => {
+                format!(
+                    "watchdog: {} was on all the time for {}; check drive and switch",
+                    input(signals.complete),
+                    duration_text(operation.watchdog)
+                )
+            }
             (StopCause::SwitchStuck, _) => {
                 format!("watchdog: {} was on before the motion started; check the switch", input(signals.complete))
             }
-            (StopCause::Interlock { .. } | StopCause::PositionLost { .. }, _) => self.detail(line, station),
+            (StopCause::Interlock { .. } | StopCause::PositionLost { .. } | StopCause::IndexDoubtful { .. }, _) => {
+                self.detail(line, station)
+            }
             (StopCause::Signal, Some(fault)) => format!("{}: {} is on", self.text(), input(fault)),
             _ => self.text().to_owned(),
         }

@@ -11,4 +11,5 @@ mod interlock;
 mod recovery;
 mod restart;
 pub mod rig;
+mod turn;
 mod undo;

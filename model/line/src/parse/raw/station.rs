@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use linewright_text::{
-    Located, LocatedName, Problem, Report, Shape, coordinate, coordinates, integer, keys, lists, part, seconds, table,
-    tables, text, texts, whole,
+    Located, LocatedName, Problem, Report, Shape, coordinate, coordinates, integer, keys, lists, part, positive,
+    seconds, table, tables, text, texts, whole,
 };
 
 use super::{RawHolder, RawReach};
@@ -88,7 +88,7 @@ keys! {
         /// `"R"`: reversible, after a fault it is resumed or taken back; `"I"`: irreversible, it is resumed or the station
         /// goes home along `recovery_path`.
         kind as "module": Option<Located<ModuleKind>> = text().required().then(kind).like(|| Shape::Word(vec!["R", "I"])),
-        /// The motion: `{ axis = "vertical", from = 0, to = 50 }`.
+        /// The motion: `{ axis = "vertical", from = 0, to = 50 }`; the index of an endless axis: `{ axis = "table", by = 90 }`.
         moves: Option<RawMoves> = table().required(),
         /// What the motion takes when nothing is wrong, in seconds, up to a day.
         duration as "duration_s": Option<Located<Duration>> = seconds().required(),
@@ -100,8 +100,8 @@ keys! {
         recovery: Option<RawRecovery> = table(),
         /// Hand-mode type and buttons: `{ type = 3, forward = "PB_2", back = "PB_4" }`.
         hand: Option<RawHand> = table().required(),
-        /// The way home after a fault, of an irreversible operation: reversible operations that are taken back in this
-        /// order, then the home operation follows by itself.
+        /// The way home after a fault, of an irreversible operation that is no index: reversible operations that are taken back
+        /// in this order, then the home operation follows by itself.
         recovery_path: Option<Located<Vec<LocatedName>>> = texts(OPERATIONS_MAX),
         /// The operation listed directly before, to run side by side with it.
         with: Option<LocatedName> = text(),
@@ -118,9 +118,12 @@ keys! {
         /// The axis that moves.
         axis: Option<LocatedName> = text().required(),
         /// Where it starts, in mm or degrees.
-        from: Option<Located<f64>> = coordinate().required(),
+        from: Option<Located<f64>> = coordinate().required_unless(&["by"]),
         /// Where it ends, in mm or degrees.
-        to: Option<Located<f64>> = coordinate().required(),
+        to: Option<Located<f64>> = coordinate().required_unless(&["by"]),
+        /// Instead of both, of an axis that turns endlessly and one way: how far it goes on with one index, in mm or degrees,
+        /// above zero. It begins and ends at the switch `complete`.
+        by: Option<Located<f64>> = positive(),
     }
 
     /// The signals of a motion.

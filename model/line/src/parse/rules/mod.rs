@@ -10,6 +10,7 @@ mod conflicts;
 mod console;
 mod devices;
 mod drives;
+mod endless;
 mod frames;
 mod hand;
 mod handling;
@@ -41,6 +42,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     devices::devices_carry_something(draft, report);
     devices::own_buses_are_not_shared(draft, report);
     drives::check(draft, report);
+    endless::axes_have_no_drive(draft, report);
     setups::check(draft, report);
     sync::check(draft, report);
     frames::check(draft, report);
@@ -67,6 +69,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
             motion::motions_chain(station, report);
             hand::sequences_end(station, report);
         }
+        endless::check(station, report);
         motion::axes_are_moved(station, report);
         recovery::paths_are_reversible_and_earlier(station, report);
         recovery::paths_lead_home(station, report);

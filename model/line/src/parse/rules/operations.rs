@@ -138,7 +138,9 @@ pub(super) fn module_has_its_recovery(operation: &DraftOperation<'_>, report: &m
                         .hint("it is never run backwards; say how to get home from it with `recovery_path = […]`"),
                 );
             }
-            if raw.recovery_path.as_ref().is_none_or(|path| path.value.is_empty()) {
+            // Where no place is written a way was, be it a wrong one.
+            let goes_on = raw.moves.as_ref().is_some_and(|m| m.by.is_some() || (m.from.is_none() && m.to.is_none()));
+            if !goes_on && raw.recovery_path.as_ref().is_none_or(|path| path.value.is_empty()) {
                 let at = raw.recovery_path.as_ref().map_or_else(|| operation.place(), |path| path.at.clone());
                 report.add(
                     Problem::error(at, format!("irreversible operation `{name}` has no recovery path")).hint(

@@ -1,0 +1,266 @@
+//! A rotary table with three stations around it: the shipped example, whole, with what goes wrong with its index.
+//!
+//! ```text
+//!   table  ──index──┐           ┌──index──
+//!   load            └─ on, back ┤
+//!   drill           └─ down, up ┤
+//!   unload          └─ over, back
+//! ```
+//!
+//! Every run is watched by the observer that looks at positions alone: the table turns under nothing.
+
+use linewright_line::{AxisId, Line, StationId, parse};
+use linewright_simulation::{LineSim, RunEnd, RunGoal, Scenario, SimOptions, run};
+use linewright_station_logic::{HappeningKind, StopCause};
+
+use crate::common::*;
+
+const TABLE: StationId = StationId(0);
+
+fn line() -> Line {
+    let text = include_str!("../../examples/rotary-table.toml");
+    parse("rotary-table.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line
+}
+
+/// Plays a scenario that goes as it expects, with images at once and over frames.
+fn goes(text: &str) -> LineSim {
+    let line = line();
+    let scenario = Scenario::parse(&line, "test.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
+    let play = |frames| {
+        let options = SimOptions { network: scenario.network, variation: scenario.variation, frames, ..logged() };
+        let script = scenario.script.clone();
+        let goal = RunGoal { cycles: scenario.cycles.unwrap_or(1), starts: scenario.starts, script };
+        let (sim, end) = run(&line, options, &goal).expect("the line compiles");
+        assert_eq!(end, RunEnd::Done, "frames: {frames}\n{}", sim.log().tail(sim.line(), 60));
+        assert_eq!(sim.conflicts(), []);
+        sim
+    };
+    play(true);
+    play(false)
+}
+
+fn causes(sim: &LineSim) -> Vec<StopCause> {
+    sim.record().faults().iter().filter(|fault| fault.station == TABLE).map(|fault| fault.cause).collect()
+}
+
+/// How far the table has gone, in indexes, judged by when its switch came on: nothing else is looked at.
+fn indexes(sim: &LineSim) -> usize {
+    let completed = |what: &HappeningKind| matches!(what, HappeningKind::Completed(..));
+    sim.log().of(TABLE).filter(|(_, event)| completed(&event.what)).count()
+}
+
+#[test]
+fn cycle_for_cycle_the_table_brings_the_parts_on_by_one_place() {
+    let sim = goes("cycles = 5\nvariation_percent = 20");
+    assert_eq!(indexes(&sim), 5);
+    // At rest it stands at the one place that the description has.
+    assert!(sim.position(TABLE, AxisId(0)).abs() < 0.3, "{}", sim.position(TABLE, AxisId(0)));
+}
+
+#[test]
+fn a_table_that_jams_half_way_is_led_on_to_the_next_place() {
+    let sim = goes(
+        r#"
+        cycles = 3
+        [[step]]
+        when = "cycles >= 1 and table: index is operating"
+        after_s = 0.5
+        jam = "table: index"
+        [[step]]
+        when = "line is stand-by and all are stopped"
+        expect = "table is incomplete and load is home and drill is home and unload is home"
+        [[step]]
+        refused = "auto"
+        [[step]]
+        repair = "table: index"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        press = "table: return"
+        for_s = 0.3
+        [[step]]
+        after_s = 0.1
+        expect = "table is incomplete"
+        [[step]]
+        press = "drill: advance"
+        for_s = 1.0
+        [[step]]
+        after_s = 0.1
+        expect = "drill is home"
+        [[step]]
+        jog = "table: advance"
+        expect = "table: index is done"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    assert_eq!((causes(&sim), indexes(&sim)), (vec![StopCause::Watchdog], 3));
+}
+
+#[test]
+fn a_table_that_does_not_set_out_is_found() {
+    let sim = goes(
+        r#"
+        cycles = 2
+        [[step]]
+        when = "cycles >= 1"
+        jam = "table: index"
+        [[step]]
+        when = "line is stand-by and all are stopped"
+        expect = "table is incomplete"
+        [[step]]
+        repair = "table: index"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        jog = "table: advance"
+        expect = "table: index is done"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    assert_eq!((causes(&sim), indexes(&sim)), (vec![StopCause::SwitchStuck], 2));
+}
+
+#[test]
+fn released_half_way_in_manual_it_stays_there_and_nobody_comes_in() {
+    let sim = goes(
+        r#"
+        cycles = 2
+        [[step]]
+        when = "cycles >= 1 and all are home"
+        command = "stop"
+        [[step]]
+        when = "line is home"
+        command = "start"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        press = "table: advance"
+        for_s = 0.4
+        [[step]]
+        after_s = 0.1
+        expect = "table is incomplete"
+        [[step]]
+        press = "load: advance"
+        for_s = 0.5
+        [[step]]
+        after_s = 0.1
+        expect = "load is home"
+        [[step]]
+        jog = "table: advance"
+        expect = "table: index is done"
+        [[step]]
+        press = "load: advance"
+        for_s = 0.2
+        [[step]]
+        after_s = 0.1
+        expect = "load is incomplete"
+        [[step]]
+        press = "table: advance"
+        for_s = 0.5
+        [[step]]
+        after_s = 0.1
+        expect = "table is stopped"
+        [[step]]
+        jog = "load: advance"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    assert_eq!(causes(&sim), []);
+}
+
+#[test]
+fn its_process_dies_half_way_and_it_goes_on_from_there() {
+    let sim = goes(
+        r#"
+        cycles = 3
+        [[step]]
+        when = "cycles >= 1 and table: index is operating"
+        after_s = 0.5
+        kill = "table"
+        [[step]]
+        after_s = 1
+        restart = "table"
+        [[step]]
+        when = "all are heard and all are stopped"
+        expect = "table is incomplete"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        jog = "table: advance"
+        expect = "table: index is done"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    assert_eq!(indexes(&sim), 3);
+}
+
+#[test]
+fn an_overload_in_the_middle_of_its_way_is_a_fault_like_any() {
+    let sim = goes(
+        r#"
+        cycles = 2
+        [[step]]
+        when = "cycles >= 1 and table: index is operating"
+        after_s = 0.3
+        break = "table: index"
+        [[step]]
+        when = "line is stand-by and all are stopped"
+        repair = "table: index"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        jog = "table: advance"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    assert_eq!(causes(&sim), [StopCause::Signal]);
+}
+
+/// Its switch flickers as the table stands before its index, and goes off for good as it turns: neither is an index.
+#[test]
+fn a_switch_that_flickers_where_the_index_begins_stops_the_line_in_doubt() {
+    let sim = goes(
+        r#"
+        cycles = 1
+        [[step]]
+        when = "cycles >= 1 and table: index is operating"
+        jam = "table: index"
+        [[step]]
+        after_s = 0.05
+        input_off = "table: LS_in_place"
+        [[step]]
+        after_s = 0.05
+        input_free = "table: LS_in_place"
+        [[step]]
+        when = "line is stand-by and all are stopped"
+        after_s = 0.2
+        expect = "table is incomplete and table is blocked"
+        [[step]]
+        repair = "table: index"
+        [[step]]
+        refused = "auto"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        press = "table: advance"
+        for_s = 1.0
+        [[step]]
+        after_s = 0.1
+        expect = "table is incomplete"
+        "#,
+    );
+    assert!(matches!(causes(&sim)[..], [StopCause::IndexDoubtful { .. }]), "{:?}", causes(&sim));
+    let table = sim.controller(TABLE).expect("it runs");
+    assert!(table.fault_text(sim.line()).contains("index in doubt: LS_in_place"), "{}", table.fault_text(sim.line()));
+}
