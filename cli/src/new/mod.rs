@@ -144,8 +144,8 @@ impl Place {
         let lines = text.split_inclusive('\n').map(|line| match line.strip_prefix("name = \"") {
             Some(rest) if !is_done => {
                 is_done = true;
-                let rest = rest.split_once('"').map_or("\n", |(_, rest)| rest);
-                format!("name = \"{name}\"{rest}")
+                let (old, rest) = rest.split_once('"').unwrap_or((rest, "\n"));
+                format!("name = \"{name}\"{}", rest.replace(old, name))
             }
             _ => line.to_owned(),
         });

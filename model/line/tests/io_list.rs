@@ -158,7 +158,9 @@ fn rows_that_are_wrong_are_named_with_their_column_and_nothing_is_taken() {
         there,
         [(2, "address", "%IX0.1 of clamp 1 io carries `LS_closed`, which has no row: give it one".to_owned())]
     );
-    let typed = refused(TYPES, &[row("LS_open", "%IX0.4", "clamp 1 io")]);
+    let same = at(2, row("open", "%QX0.0", "clamp 1 io"));
+    let typed = refused(TYPES, &[same, at(3, row("LS_open", "%IX0.4", "clamp 1 io"))]);
+    assert_eq!(typed[0].0, 3);
     assert_eq!(typed[0].1, "device");
     assert!(typed[0].2.contains("station type"), "{typed:?}");
     let output = with_io_list("line.toml", &text, &[row("LS_open", "%QX0.7", "clamp 1 io")]);

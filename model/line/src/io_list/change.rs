@@ -74,22 +74,29 @@ pub(super) fn changed(before: &[Device], rows: &[IoRow]) -> Result<Vec<Device>, 
             after[*device].comments.insert(row.name.clone(), comment);
         }
     }
-    for (before, after) in before.iter().zip(&mut after) {
+    for (was, after) in before.iter().zip(&mut after) {
         for direction in [IoDirection::Input, IoDirection::Output] {
-            trim(before.bits(direction), after.bits_mut(direction));
+            trim(was.bits(direction), after.bits_mut(direction));
         }
-        let differs = |placed: &&Placed<'_>| placed.row.device == before.name;
-        if before.is_of_a_type()
-            && before != &*after
+        let differs = |placed: &&Placed<'_>| {
+            let Placed { row, at, device } = placed;
+            let there = was.bits(at.direction).get(at.bit).map_or("", String::as_str);
+            let comment = was.comments.get(&row.name).map_or("", String::as_str);
+            let is_carried = was.inputs.iter().chain(&was.outputs).any(|name| *name == row.name);
+            match row.device == was.name {
+                true => there != row.name || row.comment.as_ref().is_some_and(|wanted| wanted != comment),
+                // It is taken away from this one.
+                false => !row.name.is_empty() && is_carried && before[*device].owner == was.owner,
+            }
+        };
+        if was.is_of_a_type()
+            && was != &*after
             && let Some(Placed { row, .. }) = placed.iter().find(differs)
         {
             problems.push(RowProblem {
                 line: row.line,
                 column: "device",
-                message: format!(
-                    "`{}` is written in a station type, and the list differs: change the type",
-                    before.name
-                ),
+                message: format!("`{}` is written in a station type, and the list differs: change the type", was.name),
             });
         }
     }
