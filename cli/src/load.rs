@@ -7,9 +7,24 @@ use miette::miette;
 
 use crate::files::description;
 
-/// The description file a path means: itself, or `line.toml` in the directory.
+/// The description file of a line that a path means: itself, or `line.toml` in the directory, or beside a cell's.
 pub fn file_of(path: &Path) -> PathBuf {
-    if path.is_dir() { path.join("line.toml") } else { path.to_owned() }
+    match (path.is_dir(), cell_file(path)) {
+        (true, _) => path.join("line.toml"),
+        (false, Some(cell)) => cell.with_file_name("line.toml"),
+        (false, None) => path.to_owned(),
+    }
+}
+
+/// The description of a cell that a path means: itself, or the `cell.toml` of a directory. Called otherwise, it is
+/// recognised by what is in it.
+pub fn cell_file(path: &Path) -> Option<PathBuf> {
+    if path.is_dir() {
+        return Some(path.join(CELL)).filter(|file| file.is_file());
+    }
+    let is_called = path.file_name().is_some_and(|name| name == CELL);
+    let is_one = || description(path).is_ok_and(|text| linewright_cell::is_described(&text));
+    ((is_called && path.is_file()) || is_one()).then(|| path.to_owned())
 }
 
 /// The descriptions that a path means.
@@ -22,27 +37,24 @@ pub struct Files {
 /// The name of a cell's description, beside the line's or alone.
 const CELL: &str = "cell.toml";
 
-/// The descriptions that a path means: those in the directory; with a `cell.toml` the line beside it, if there is one; with
-/// any other file, a line's, that alone.
+/// The descriptions that a path means: those in the directory; with a cell's the line beside it, if there is one; with any
+/// other file, a line's, that alone.
 pub fn files_of(path: &Path) -> Files {
-    let dir = if path.is_dir() {
-        path
-    } else if path.file_name().is_some_and(|name| name == CELL) {
-        path.parent().unwrap_or(Path::new(""))
-    } else {
-        return Files { line: Some(path.to_owned()), cell: None };
-    };
-    let named = |name: &str| Some(dir.join(name)).filter(|file| file.is_file());
-    match named(CELL) {
+    let line = file_of(path);
+    match cell_file(path) {
         // Whatever is missing is said of the line's description, which is the usual one.
-        None => Files { line: Some(if path.is_dir() { file_of(path) } else { path.to_owned() }), cell: None },
-        cell => Files { line: named("line.toml"), cell },
+        None => Files { line: Some(line), cell: None },
+        cell => Files { line: Some(line).filter(|file| file.is_file()), cell },
     }
 }
 
 /// Reads and parses the description of a cell, whose stations are those of `line`.
 pub fn cell(file: &Path, line: Option<&Line>) -> miette::Result<linewright_cell::ParsedCell> {
     let text = description(file)?;
+    if linewright_line::is_described(&text) {
+        let name = file.display();
+        return Err(miette!(help = "a line's is called line.toml", "{name} describes a line, not a flexible cell"));
+    }
     linewright_cell::parse(&file.display().to_string(), &text, line).map_err(miette::Report::new)
 }
 
@@ -90,7 +102,15 @@ pub fn with_device_files(line: &mut Line, path: &Path, quiet: bool) -> miette::R
 /// Reads and parses a description, keeping its warnings.
 pub fn parsed(path: &Path) -> miette::Result<linewright_line::ParsedLine> {
     let file = file_of(path);
+    if file != path && !path.is_dir() && !file.exists() {
+        let (cell, line) = (path.display(), file.display());
+        return Err(miette!("{cell} describes a flexible cell; {line}, the line of its stations, is not there"));
+    }
     let text = description(&file)?;
+    if linewright_cell::is_described(&text) {
+        let name = file.display();
+        return Err(miette!(help = "a cell's is called cell.toml", "{name} describes a flexible cell, not a line"));
+    }
     linewright_line::parse(&file.display().to_string(), &text).map_err(miette::Report::new)
 }
 
@@ -122,6 +142,19 @@ mod tests {
         std::fs::write(dir.path().join("line.toml"), "").expect("written");
         assert_eq!(found(dir.path()), (line.clone(), cell.clone()));
         assert_eq!(found(&dir.path().join("cell.toml")), (line.clone(), cell));
-        assert_eq!(found(&dir.path().join("line.toml")), (line, None));
+        assert_eq!(found(&dir.path().join("line.toml")), (line.clone(), None));
+        // Whatever it is called, a cell's is recognised.
+        let other = PathBuf::from("other.toml");
+        for (text, is_cell) in [
+            ("[cell]\nwip_max = 3\n", true),
+            ("[[resource]]\nname = \"rack\"\n", true),
+            ("[[station]]\n[cell]\n", false),
+            ("name = \"x\"\n", false),
+            ("[cell", false),
+        ] {
+            std::fs::write(dir.path().join(&other), text).expect("written");
+            let wanted = if is_cell { (line.clone(), Some(other.clone())) } else { (Some(other.clone()), None) };
+            assert_eq!(found(&dir.path().join(&other)), wanted, "{text}");
+        }
     }
 }

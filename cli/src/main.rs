@@ -12,9 +12,11 @@ mod chart;
 mod check;
 mod client;
 mod devices;
+mod expand;
 mod files;
 mod frames;
 mod interrupts;
+mod io;
 mod load;
 mod nets;
 mod new;
@@ -50,11 +52,15 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum CliCommand {
-    /// Write the description of a new line.
+    /// Write the description of a new line or cell.
     New(new::Args),
     /// Check a description: text, structure, everything its controllers can do together; and of a cell, whether parts get
     /// stuck.
     Check(check::Args),
+    /// Print the description of a line with every station of a type written out.
+    Expand(expand::Args),
+    /// Write the I/O list of a line as CSV, or put one into its description: export, import.
+    Io(io::Args),
     /// Write the nets of a line: one of each station, and the mode decision's; and those of a flexible cell.
     Nets(nets::Args),
     /// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
@@ -148,6 +154,8 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
     match command {
         CliCommand::New(args) => new::run(&args),
         CliCommand::Check(args) => check::run(&args),
+        CliCommand::Expand(args) => expand::run(&args),
+        CliCommand::Io(args) => io::run(&args),
         CliCommand::Nets(args) => nets::run(&args),
         CliCommand::Analyse(args) => analyse::run(&args),
         CliCommand::Simulate(args) => simulate::run(&args),

@@ -97,7 +97,7 @@ fn percent(text: &str) -> Result<f64, String> {
 /// Runs the command.
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let asked = args.why || args.planned || args.record.is_some() || !args.parts.is_empty();
-    if let Some(file) = cell::file_of(&args.line) {
+    if let Some(file) = load::cell_file(&args.line) {
         return cell::run(args, &file);
     }
     if asked {

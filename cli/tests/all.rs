@@ -6,6 +6,7 @@ mod analyse;
 mod can;
 mod check;
 mod check_cell;
+mod describe;
 mod fuzzed;
 mod processes;
 mod report;

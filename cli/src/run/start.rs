@@ -9,7 +9,6 @@ use miette::IntoDiagnostic;
 
 use super::Args;
 use super::children::Children;
-use crate::load;
 use crate::nodes::{claim_coordinator, claim_station};
 
 /// Claims what the nodes are going to claim, and lets go of it: an error names a process that holds any of it already.
@@ -30,9 +29,8 @@ pub fn start_all(
     dir: &Path,
     virtual_bus: bool,
 ) -> miette::Result<()> {
-    // A cell's description lies beside its line's, so nodes are given the directory.
-    let path = if args.line.is_dir() { args.line.clone() } else { load::file_of(&args.line) };
-    let description = path.canonicalize().into_diagnostic()?.display().to_string();
+    // Nodes find the descriptions as this command does.
+    let description = args.line.canonicalize().into_diagnostic()?.display().to_string();
     let state = dir.display().to_string();
     let words = |more: &[&str]| -> Vec<String> {
         let mut words: Vec<String> = more.iter().map(|word| (*word).to_owned()).collect();

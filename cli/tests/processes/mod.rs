@@ -10,6 +10,7 @@
 mod auto_cycles;
 mod beside;
 mod cells;
+mod described;
 mod devices;
 mod interrupts;
 mod kills;

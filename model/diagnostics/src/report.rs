@@ -43,6 +43,19 @@ impl Report {
         }
     }
 
+    /// Turns all problems into others: once the errors, and once the warnings.
+    pub fn rewrite(&mut self, turn: impl Fn(Vec<Problem>) -> Vec<Problem>) {
+        self.errors = turn(std::mem::take(&mut self.errors));
+        self.warnings = turn(std::mem::take(&mut self.warnings));
+    }
+
+    /// Adds all that another one holds.
+    pub fn join(&mut self, other: Report) {
+        self.cut.errors |= other.cut.errors;
+        self.cut.warnings |= other.cut.warnings;
+        other.errors.into_iter().chain(other.warnings).for_each(|problem| self.add(problem));
+    }
+
     /// Whether another error would not be kept: then there is no need to work it out, and there are more than are kept.
     pub fn is_full(&mut self) -> bool {
         let is_full = self.errors.len() >= self.most();

@@ -10,6 +10,7 @@ mod drive;
 mod frames;
 mod hand;
 mod handling;
+mod io_list;
 mod line;
 mod modbus;
 pub mod net;
@@ -33,9 +34,12 @@ pub use frames::{
 };
 pub use hand::{HandMode, HandType};
 pub use handling::{Grip, Holder, HolderId, MaterialFlow, Reach, Sensor, Sign, Stand};
+pub use io_list::{
+    BitAddress, IO_COLUMNS, IoChange, IoDirection, IoListError, IoRow, RowProblem, io_list, with_io_list,
+};
 pub use line::*;
 pub use modbus::{Modbus, REGISTER_BITS, RegisterValue, Table, WatchdogRegister};
-pub use parse::{ParsedLine, Problem, Problems, parse, schema, suggestion};
+pub use parse::{ParsedLine, Problem, Problems, expand, is_described, parse, schema, suggestion};
 pub use position::NoClearance;
 pub use task::{
     CODE_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, Parameter, RESTS_MAX, Rest, RestId, TASKS_MAX, Task, TaskId,

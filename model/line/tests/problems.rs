@@ -2,7 +2,7 @@
 
 use linewright_line::{Problem, TransferLine, parse};
 
-use crate::{analogue, modbus};
+use crate::{analogue, modbus, types};
 
 const CELL: &str = include_str!("descriptions/cell.toml");
 
@@ -15,6 +15,7 @@ fn base(name: &str) -> String {
         "drives" => include_str!("descriptions/drives.toml").to_owned(),
         "analogue" => analogue::with("", ""),
         "modbus" => modbus::line(modbus::DEVICE),
+        "types" => types::TYPES.to_owned(),
         "shipped" => TransferLine::default().text(),
         other => panic!("no base is called `{other}`"),
     }
@@ -102,4 +103,9 @@ fn a_console_is_not_needed_and_a_contact_opens_or_closes() {
         let line = parse("cell.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         assert_eq!(line.console.estop.expect("it has one").pressed, pressed, "{estop}");
     }
+}
+
+#[test]
+fn rules_of_types() {
+    check("types.cases");
 }

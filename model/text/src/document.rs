@@ -18,6 +18,13 @@ pub fn is_bounded(text: &str, what: &str, report: &mut Report) -> bool {
     text.len() <= BYTES_MAX
 }
 
+/// Whether one of `keys` stands at the top of a text that is TOML.
+pub fn has_key(text: &str, keys: &[&str]) -> bool {
+    let is_short = text.len() <= BYTES_MAX;
+    let document = if is_short { Document::parse(text).ok() } else { None };
+    document.is_some_and(|document| keys.iter().any(|key| document.as_table().contains_key(key)))
+}
+
 /// The TOML that a text is; `None`, and a problem, where it is none.
 pub fn document<'a>(text: &'a str, report: &mut Report) -> Option<Document<&'a str>> {
     match Document::parse(text) {

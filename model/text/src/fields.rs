@@ -296,6 +296,21 @@ impl<'a> Fields<'a> {
         })
     }
 
+    /// A table of at most `max` texts, under names that are the user's own.
+    pub fn texts_by_name(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Named<LocatedName>> {
+        self.named(report, key, max, |report, name, item, at| match item.as_str() {
+            Some(text) if text.len() <= TEXT_MAX => Some(Located::new(text.to_owned(), at)),
+            Some(_) => {
+                report.add(Problem::error(at, format!("`{name}` has over {TEXT_MAX} bytes")));
+                None
+            }
+            None => {
+                report.add(wrong_type(at, name, "text in quotes", item));
+                None
+            }
+        })
+    }
+
     /// A table of at most `max` coordinates, under names that are the user's own.
     pub fn coordinates(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Named<f64>> {
         self.named(report, key, max, |report, name, item, at| match number(item) {

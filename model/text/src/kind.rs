@@ -211,6 +211,14 @@ pub fn coordinates(max: usize) -> KeyKind<Option<Named<f64>>> {
     )
 }
 
+/// A table of at most `max` texts, under names that are the user's own.
+pub fn texts_by_name(max: usize) -> KeyKind<Option<Named<LocatedName>>> {
+    KeyKind::new(
+        move |f, report, key| f.texts_by_name(report, key, max),
+        move || Shape::Names(Box::new(Shape::Text), max),
+    )
+}
+
 /// A table of at most `max` texts or whole numbers, under names that are the user's own.
 pub fn scalars(max: usize) -> KeyKind<Option<Named<Located<Scalar>>>> {
     KeyKind::new(

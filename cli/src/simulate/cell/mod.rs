@@ -38,16 +38,6 @@ const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(10), grace:
 /// Stations are heard once and do not change.
 const PERIOD: Duration = Duration::from_secs(3600);
 
-/// The description of a cell that a path means: itself, or the `cell.toml` of a directory. What its stations do by
-/// themselves is asked for by the name of the `line.toml` beside it.
-pub fn file_of(path: &Path) -> Option<PathBuf> {
-    let inside = path.join("cell.toml");
-    if path.is_dir() {
-        return inside.exists().then_some(inside);
-    }
-    (path.file_name()? == "cell.toml").then(|| path.to_owned())
-}
-
 /// So many parts of a type, as `A=3`.
 pub fn parts(text: &str) -> Result<(String, u32), String> {
     let (name, count) = text.split_once('=').ok_or_else(|| "write TYPE=NUMBER, e.g. A=3".to_owned())?;

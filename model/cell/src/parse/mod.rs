@@ -20,7 +20,7 @@ mod resolve;
 mod rules;
 
 use linewright_line::Line;
-use linewright_text::{Keys, Problem, Problems, Report, Shape};
+use linewright_text::{Keys, Problem, Problems, Report, Shape, has_key};
 
 use crate::Cell;
 
@@ -43,6 +43,11 @@ pub fn parse(file_name: &str, text: &str, line: Option<&Line>) -> Result<ParsedC
     let cell = understand(text, line, &mut report);
     let (cell, warnings) = report.close(cell, file_name, text)?;
     Ok(ParsedCell { cell, warnings })
+}
+
+/// Whether a text is the description of a cell, however wrong, and not of a line.
+pub fn is_described(text: &str) -> bool {
+    has_key(text, &["cell", "resource", "sync", "part"]) && !linewright_line::is_described(text)
 }
 
 /// What a description of a cell may contain: its keys, with types and bounds. What holds between them, [`parse`] knows.

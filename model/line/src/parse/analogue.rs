@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Every signal of its owner that a device's channels carry.
-pub(super) fn signals(raw: &RawAnalogue) -> impl Iterator<Item = &LocatedName> {
+pub(super) fn signals(raw: &RawAnalogue) -> impl Iterator<Item = &LocatedName> + Clone {
     let limits = raw.inputs.iter().flat_map(|input| input.inputs.iter().filter_map(|limit| limit.input.as_ref()));
     let broken = raw.inputs.iter().filter_map(|input| input.broken.as_ref());
     let levels = raw.outputs.iter().flat_map(|output| output.outputs.iter().filter_map(|level| level.output.as_ref()));

@@ -11,7 +11,7 @@ use super::wiring::{Wires, one_input, one_output};
 use crate::{AxisId, Drive, DriveTarget, Homing, InputId, OutputId};
 
 /// Every signal a drive names.
-pub(super) fn signals(raw: &RawDrive) -> impl Iterator<Item = &LocatedName> {
+pub(super) fn signals(raw: &RawDrive) -> impl Iterator<Item = &LocatedName> + Clone {
     let of_targets = raw.targets.iter().flat_map(|target| target.output.iter().chain(&target.input));
     let of_homing = raw.homing.iter().flat_map(|homing| homing.output.iter().chain(&homing.done));
     of_targets.chain(&raw.fault).chain(of_homing)

@@ -11,7 +11,7 @@ use super::wiring::{Wires, one_input, one_output};
 use crate::{Checksum, CyclicFrame, DbcName, FrameTable, ReceivedMessageTable, SignalInput, SignalOutput, When};
 
 /// Every signal of its owner that a device's frames name.
-pub(super) fn signals(raw: &RawFrames) -> impl Iterator<Item = &LocatedName> {
+pub(super) fn signals(raw: &RawFrames) -> impl Iterator<Item = &LocatedName> + Clone {
     let inputs = raw.receive.iter().flat_map(|heard| heard.inputs.iter().filter_map(|input| input.input.as_ref()));
     let outputs = raw.send.iter().flat_map(|told| told.outputs.iter().filter_map(|output| output.output.as_ref()));
     inputs.chain(outputs)

@@ -1,6 +1,7 @@
 //! Text → checked [`Line`], or everything that is wrong with the text at once.
 //!
-//! The text goes through five passes, each of which knows only its own question:
+//! Stations of a type are written out first ([`types`]). The text then goes through five passes, each of which knows
+//! only its own question:
 //!
 //! 1. `raw`: is it TOML, and has each key the right type? → values with their places
 //! 2. `names`: are the names well formed and unique?
@@ -25,6 +26,7 @@ mod resolve;
 mod rules;
 mod setup;
 mod task;
+mod types;
 mod wiring;
 
 pub use linewright_text::{Problem, Problems, suggestion};
@@ -53,6 +55,22 @@ pub fn parse(file_name: &str, text: &str) -> Result<ParsedLine, Problems> {
     Ok(ParsedLine { line, warnings })
 }
 
+/// The description with every station of a type written out: another text of the same line.
+///
+/// # Errors
+/// What is wrong with types and the stations that name one; whether the line is right is not looked at.
+pub fn expand(file_name: &str, text: &str) -> Result<String, Problems> {
+    let mut report = Report::default();
+    let is_bounded = linewright_text::is_bounded(text, "the description", &mut report);
+    let spliced = if is_bounded { types::expand(text, &mut report) } else { None };
+    report.close(spliced, file_name, text).map(|(spliced, _)| spliced.text().to_owned())
+}
+
+/// Whether a text is the description of a line, however wrong, and not of a cell.
+pub fn is_described(text: &str) -> bool {
+    linewright_text::has_key(text, &["station", "station_type", "device"])
+}
+
 /// What a description of a line may contain: its keys, with types and bounds. What holds between them, [`parse`] knows.
 pub fn schema() -> Shape {
     raw::RawLine::shape()
@@ -62,6 +80,16 @@ fn understand(text: &str, report: &mut Report) -> Option<Line> {
     if !linewright_text::is_bounded(text, "the description", report) {
         return None;
     }
+    let spliced = types::expand(text, report)?;
+    let mut found = Report::default();
+    let line = written_out(spliced.text(), &mut found);
+    spliced.put_back(text, &mut found);
+    report.join(found);
+    if report.has_errors() { None } else { line }
+}
+
+/// A description without types.
+fn written_out(text: &str, report: &mut Report) -> Option<Line> {
     let raw = raw::read(text, report)?;
     let names = names::names(&raw, report);
     let draft = resolve::resolve(&raw, names, report);

@@ -29,19 +29,20 @@ pub(super) struct OwnedImages<'a> {
 impl OwnedImages<'_> {
     /// Some owner of a device with a signal of this name, for a hint.
     pub fn elsewhere(&self, name: &str) -> Option<String> {
-        let names = |d: &RawDevice| {
-            let drive = d.drive.iter().flat_map(drive::signals);
-            let frames = d.frames.iter().flat_map(frames::signals);
-            let channels = analogue::signals(&d.analogue);
-            d.inputs.iter().chain(&d.outputs).chain(drive).chain(frames).chain(channels).any(|bit| bit.value == name)
-        };
-        let device = self.raw.devices.iter().find(|device| names(device))?;
+        let device = self.raw.devices.iter().find(|device| signals(device).any(|signal| signal.value == name))?;
         match (&device.station, &device.console) {
             (Some(station), _) => Some(format!("station `{}`", station.value)),
             (None, Some(_)) => Some("the console".to_owned()),
             (None, None) => None,
         }
     }
+}
+
+/// Every signal that a device carries, as it is written.
+pub(super) fn signals(device: &RawDevice) -> impl Iterator<Item = &LocatedName> + Clone {
+    let drive = device.drive.iter().flat_map(drive::signals);
+    let frames = device.frames.iter().flat_map(frames::signals);
+    device.inputs.iter().chain(&device.outputs).chain(drive).chain(frames).chain(analogue::signals(&device.analogue))
 }
 
 /// Puts all images together.

@@ -2,7 +2,7 @@
 
 use linewright_text::{
     KeyKind, KeyPresence, Located, LocatedName, Shape, flag, integer, keys, one_of, part, table, tables, text, texts,
-    word,
+    texts_by_name, word,
 };
 
 use super::{RawAnalogue, RawDrive, RawFrames, RawModbus};
@@ -10,6 +10,8 @@ use crate::Reaction;
 
 /// Bits of one device each way: one PDO of 8 bytes (CiA 401's default mapping).
 const DEVICE_BITS: usize = 64;
+/// As many signals as one device can have, and more.
+const COMMENTS_MAX: usize = 1000;
 /// At most this many objects of one device that are written before it is started.
 const SETTINGS_MAX: usize = 256;
 
@@ -30,6 +32,8 @@ keys! {
         inputs: Vec<LocatedName> = texts(DEVICE_BITS).entries(),
         /// Names in the order of the bits of RPDO1, lowest bit of the first byte first; `""` is not connected. At most 64.
         outputs: Vec<LocatedName> = texts(DEVICE_BITS).entries(),
+        /// What people want to know of its signals, such as where a switch is: `{ LS_open = "at the top, -B12" }`.
+        comments: Vec<(LocatedName, LocatedName)> = texts_by_name(COMMENTS_MAX).or_default(),
         /// A device without CANopen, described by a DBC file; it then has none of the keys of CANopen.
         frames as "dbc": Option<RawFrames> = table(),
         /// Field bus of the device. `"modbus"` needs a `modbus` table; then all other keys but name, station, console, inputs and

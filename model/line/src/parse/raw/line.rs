@@ -8,20 +8,21 @@ use linewright_text::{
 };
 
 use super::handling::{RawSensor, RawStore, stores};
+use super::station_type::{self, RawStationType, TYPES_MAX};
 use super::{RawDevice, RawHolder, RawStation};
 use crate::BUTTONS_MAX;
 
 /// At most this many stations: far more than one line has, and few enough to explore a mistake quickly.
 const STATIONS_MAX: usize = 1000;
 /// At most this many arrows, and conflicts.
-const ARROWS_MAX: usize = 10_000;
-const CONFLICTS_MAX: usize = 10_000;
+pub(super) const ARROWS_MAX: usize = 10_000;
+pub(super) const CONFLICTS_MAX: usize = 10_000;
 /// At most this many devices.
-const DEVICES_MAX: usize = 4000;
+pub(super) const DEVICES_MAX: usize = 4000;
 /// At most this many places for parts that belong to no station.
 const HOLDERS_MAX: usize = 1000;
 /// At most this many inputs that see parts.
-const SENSORS_MAX: usize = 4000;
+pub(super) const SENSORS_MAX: usize = 4000;
 /// A lag above this is a slip: it would let one station run that many cycles ahead.
 const LAG_MAX: i64 = 8;
 /// Far more than there are modes, so that one that is named twice is reported as such.
@@ -39,6 +40,8 @@ keys! {
         buttons: Vec<LocatedName> = texts(BUTTONS_MAX).entries(),
         /// How often things are sent, and after how long they count as lost. All optional.
         timing: RawTiming = table().or_default(),
+        /// Types of like stations, at most 100.
+        types as "station_type": Vec<RawStationType> = tables(TYPES_MAX).like(station_type::shape),
         /// The stations, in the order of the timing bar chart; at most 1000.
         stations as "station": Vec<RawStation> = tables(STATIONS_MAX),
         /// The arrows of the timing bar chart, at most 10000.

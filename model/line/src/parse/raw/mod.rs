@@ -15,6 +15,7 @@ mod handling;
 mod line;
 mod modbus;
 mod station;
+mod station_type;
 
 pub(super) use analogue::{RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLimit};
 pub(super) use device::{RawDevice, RawDeviceKind, RawIdentity, RawSetting, RawTransmission, Width};
@@ -24,6 +25,7 @@ pub(super) use handling::{RawHolder, RawReach, RawSensor, RawSign, RawStand};
 pub(super) use line::{RawArrow, RawConflict, RawConsole, RawEnd, RawLine, RawSpan, RawTiming};
 pub(super) use modbus::{RawModbus, RawRegisterValue};
 pub(super) use station::{ModuleKind, RawHand, RawMoves, RawOperation, RawSignals, RawStation, RawTask};
+pub(super) use station_type::RawStationType;
 
 use linewright_text::{Fields, Keys, Report};
 

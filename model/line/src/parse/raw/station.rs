@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use linewright_text::{
-    Located, LocatedName, Problem, Report, Shape, coordinate, coordinates, integer, keys, lists, part, positive,
-    seconds, table, tables, text, texts, whole,
+    Located, LocatedName, Named, Problem, Report, Scalar, Shape, coordinate, coordinates, integer, keys, lists, part,
+    positive, scalars, seconds, table, tables, text, texts, whole,
 };
 
+use super::station_type::TYPE_PARAMETERS_MAX;
 use super::{RawHolder, RawReach};
 use crate::{CODE_MAX, OPERATIONS_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, RESTS_MAX, TASKS_MAX};
 
@@ -24,15 +25,19 @@ keys! {
     pub(in crate::parse) struct RawStation is "a station" {
         /// The ROS node name: lower-case letters, digits and single `_`, a letter first, at most 64; `coordinator` is taken.
         name: Option<LocatedName> = text().required(),
+        /// The type of the station: what that says need not be written here.
+        of as "type": Option<LocatedName> = text(),
+        /// Values of the type's parameters: `{ number = 3, io = 0x29 }`.
+        parameters: Named<Located<Scalar>> = scalars(TYPE_PARAMETERS_MAX).or_default().like(parameters),
         /// What people call the station; the name if left out.
         title: Option<LocatedName> = text(),
         /// The operation that brings the station to its home position. A station on order has tasks and rests instead.
-        home: Option<LocatedName> = text().required_unless(&["task"]),
+        home: Option<LocatedName> = text().required_unless(&["task", "type"]),
         /// CAN interface (`"can1"`) of a bus of the station's own; left out, its devices hang on the coordinator's bus.
         bus: Option<LocatedName> = text(),
         /// The mechanisms, each with its position at home, in mm or degrees: `{ vertical = 0.0, horizontal = 0.0 }`. At
         /// most 64.
-        axes: Vec<(LocatedName, f64)> = coordinates(AXES_MAX).required().or_default(),
+        axes: Vec<(LocatedName, f64)> = coordinates(AXES_MAX).required_unless(&["type"]).or_default(),
         /// Of a station on order: positions of the whole station in which it rests, the first one being home. At most 8.
         rests as "rest": Vec<RawRest> = tables(RESTS_MAX),
         /// What the station does on order, instead of going round a cycle. At most 16.
@@ -169,6 +174,13 @@ keys! {
 pub(in crate::parse) enum ModuleKind {
     Reversible,
     Irreversible,
+}
+
+/// Texts, numbers, true or false.
+fn parameters() -> Shape {
+    let number = Shape::Number(f64::NEG_INFINITY, f64::INFINITY);
+    let value = Shape::Either(vec![Shape::Text, number, Shape::Flag]);
+    Shape::Names(Box::new(value), TYPE_PARAMETERS_MAX)
 }
 
 fn kind(module: Option<LocatedName>, report: &mut Report) -> Option<Located<ModuleKind>> {

@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use linewright_text::{Problem, Report};
+use linewright_text::{Problem, Report, suggestion};
 
 use crate::DeviceBus;
 use crate::parse::draft::DraftLine;
+use crate::parse::wiring;
 
 /// CANopen node ids are 1 to 127 (CiA 301); the highest is the bus manager's own, which by convention it is.
 const NODE_MAX: i64 = 126;
@@ -56,6 +57,21 @@ pub(super) fn devices_carry_something(draft: &DraftLine<'_>, report: &mut Report
             report.add(
                 Problem::warning(at.clone(), "this device has no connected input or output")
                     .hint("name its bits in `inputs` and `outputs`"),
+            );
+        }
+    }
+}
+
+pub(super) fn comments_are_of_signals(draft: &DraftLine<'_>, report: &mut Report) {
+    for device in &draft.raw.devices {
+        let signals = || wiring::signals(device).map(|signal| signal.value.as_str()).filter(|name| !name.is_empty());
+        for (name, _) in device.comments.iter().filter(|(name, _)| !signals().any(|signal| signal == name.value)) {
+            report.add(
+                Problem::error(
+                    name.at.clone(),
+                    format!("a comment on `{}`, which is no signal of this device", name.value),
+                )
+                .maybe_hint(suggestion(&name.value, signals())),
             );
         }
     }

@@ -40,6 +40,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     devices::node_ids_are_usable(draft, report);
     devices::node_ids_are_unique_on_a_bus(draft, report);
     devices::devices_carry_something(draft, report);
+    devices::comments_are_of_signals(draft, report);
     devices::own_buses_are_not_shared(draft, report);
     drives::check(draft, report);
     endless::axes_have_no_drive(draft, report);

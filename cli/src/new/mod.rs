@@ -1,0 +1,176 @@
+//! `linewright new`: writes the description of a new line or cell, to be read and changed by hand.
+//!
+//! The text of a transfer line comes from [`linewright_line::TransferLine`], others lie beside this file; this module only
+//! decides what it is called and where it goes, and never writes over a description that somebody may have changed unless
+//! told to.
+
+use std::fs::{OpenOptions, create_dir_all};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Subcommand;
+use linewright_line::TransferLine;
+use linewright_text::{Located, Report, ros_name};
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+/// Write the description of a new line or cell.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    kind: NewKind,
+}
+
+#[derive(Debug, Subcommand)]
+enum NewKind {
+    /// A line: a transfer bar with a number of clamp-and-mill pairs along it.
+    TransferLine(TransferLineArgs),
+    /// A line: a rotary indexing table with four stations around it, which are of one station type.
+    RotaryTable(Place),
+    /// A flexible cell: a rack, a washer, a dryer, and a robot that carries parts between them.
+    Cell(Place),
+}
+
+#[derive(Debug, clap::Args)]
+struct TransferLineArgs {
+    /// How many clamp-and-mill pairs, 1 to 23.
+    #[arg(long, default_value_t = 1, value_parser = machines)]
+    machines: usize,
+    /// What every duration is multiplied with, 0.01 to 1000; watchdogs stay at one second or above.
+    #[arg(long, default_value_t = 1.0, value_parser = time_scale)]
+    time_scale: f64,
+    #[command(flatten)]
+    place: Place,
+}
+
+/// What it is called, and where it goes.
+#[derive(Debug, clap::Args)]
+struct Place {
+    /// Its name, which is the ROS namespace: lower-case letters, digits and single `_`, a letter first.
+    #[arg(long, value_parser = name)]
+    name: Option<String>,
+    /// Where to write it; made if it is not there. Left out: the name, or else the kind.
+    #[arg(long)]
+    dir: Option<PathBuf>,
+    /// Write over a description that is there already.
+    #[arg(long)]
+    force: bool,
+}
+
+/// The same rule as the reader's.
+fn name(word: &str) -> Result<String, String> {
+    let mut report = Report::default();
+    ros_name(&Located::new(word.to_owned(), 0..word.len()), "line", &mut report);
+    match report.into_problems("", word).into_vec().pop() {
+        None => Ok(word.to_owned()),
+        Some(problem) => Err(format!("{}: {}", problem.message, problem.hint.unwrap_or_default())),
+    }
+}
+
+fn machines(word: &str) -> Result<usize, String> {
+    let most = TransferLine::MACHINES_MAX;
+    match word.parse() {
+        Ok(machines) if (1..=most).contains(&machines) => Ok(machines),
+        Ok(_) | Err(_) => Err(format!("a transfer line has 1 to {most} machines")),
+    }
+}
+
+fn time_scale(word: &str) -> Result<f64, String> {
+    let bounds = TransferLine::TIME_SCALE;
+    match word.parse() {
+        Ok(scale) if bounds.contains(&scale) => Ok(scale),
+        Ok(_) | Err(_) => Err(format!("a time scale is a number from {} to {}", bounds.start(), bounds.end())),
+    }
+}
+
+/// `linewright new`
+pub fn run(args: &Args) -> miette::Result<ExitCode> {
+    match &args.kind {
+        NewKind::TransferLine(args) => {
+            let line = TransferLine { machines: args.machines, time_scale: args.time_scale };
+            let dir = args.place.write("transfer-line", &[("line.toml", &line.text())])?;
+            next(&dir, "", "");
+        }
+        NewKind::RotaryTable(place) => {
+            let dir = place.write("rotary-table", &[("line.toml", include_str!("rotary-table/line.toml"))])?;
+            next(&dir, "", "");
+        }
+        NewKind::Cell(place) => {
+            let cell = include_str!("washing-cell/cell.toml");
+            let line = include_str!("washing-cell/line.toml");
+            let dir = place.write("washing-cell", &[("cell.toml", cell), ("line.toml", line)])?;
+            next(&dir, " --parts bowl=3", " --parts bowl=3");
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What to do with it.
+fn next(dir: &Path, simulate: &str, run: &str) {
+    let dir = dir.display();
+    crate::out::say!("next:  linewright check {dir}");
+    crate::out::say!("       linewright simulate {dir}{simulate}");
+    crate::out::say!("       linewright run {dir}{run}");
+}
+
+impl Place {
+    /// Writes the files; gives back their directory.
+    fn write(&self, kind: &str, files: &[(&str, &str)]) -> miette::Result<PathBuf> {
+        let dir = match (&self.dir, &self.name) {
+            (Some(dir), _) => dir.clone(),
+            (None, Some(name)) => name.into(),
+            (None, None) => kind.into(),
+        };
+        // Either all are written or none.
+        for (name, _) in files.iter().filter(|_| !self.force) {
+            let file = dir.join(name);
+            if file.exists() {
+                return Err(is_there(&file));
+            }
+        }
+        create_dir_all(&dir).into_diagnostic().wrap_err_with(|| format!("cannot make {}", dir.display()))?;
+        for (name, text) in files {
+            let file = dir.join(name);
+            write(&file, &self.named(text), self.force)?;
+            crate::out::say!("wrote {}", file.display());
+        }
+        Ok(dir)
+    }
+
+    /// The text with the name in it.
+    fn named(&self, text: &str) -> String {
+        let Some(name) = &self.name else { return text.to_owned() };
+        let mut is_done = false;
+        let lines = text.split_inclusive('\n').map(|line| match line.strip_prefix("name = \"") {
+            Some(rest) if !is_done => {
+                is_done = true;
+                let (old, rest) = rest.split_once('"').unwrap_or((rest, "\n"));
+                format!("name = \"{name}\"{}", rest.replace(old, name))
+            }
+            _ => line.to_owned(),
+        });
+        lines.collect()
+    }
+}
+
+fn is_there(file: &Path) -> miette::Report {
+    miette!(help = "--force writes over it; --dir writes elsewhere", "{} is there already", file.display())
+}
+
+fn write(file: &Path, text: &str, force: bool) -> miette::Result<()> {
+    let mut options = OpenOptions::new();
+    // `create_new` leaves no moment between looking for the file and making it.
+    if force {
+        options.create(true).truncate(true)
+    } else {
+        options.create_new(true)
+    };
+    let name = file.display();
+    match options.write(true).open(file) {
+        Ok(mut open) => {
+            open.write_all(text.as_bytes()).into_diagnostic().wrap_err_with(|| format!("cannot write {name}"))
+        }
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(is_there(file)),
+        Err(error) => Err(error).into_diagnostic().wrap_err_with(|| format!("cannot write {name}")),
+    }
+}

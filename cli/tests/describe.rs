@@ -1,0 +1,152 @@
+//! Describing a line: what `new` writes, station types and I/O lists, as a user meets them.
+
+use std::path::Path;
+
+use crate::support::command::{Scratch, json, linewright, shipped, text};
+
+fn new(kind: &str, options: &[&str]) -> std::process::Output {
+    linewright(&[&["new", kind], options].concat())
+}
+
+#[test]
+fn what_is_new_is_right_and_can_be_simulated() {
+    for (kind, simulate) in [
+        ("transfer-line", &["--cycles", "2"][..]),
+        ("rotary-table", &["--cycles", "2"]),
+        ("cell", &["--parts", "bowl=3"]),
+    ] {
+        let scratch = Scratch::new();
+        let dir = scratch.path("d");
+        let made = new(kind, &["--name", "of_mine", "--dir", &dir]);
+        assert!(made.status.success(), "{made:?}");
+        let said = text(&made.stdout);
+        for next in ["check", "simulate", "run"] {
+            assert!(said.contains(&format!("linewright {next} {dir}")), "{said}");
+        }
+        let checked = linewright(&["check", &dir]);
+        assert!(checked.status.success() && checked.stderr.is_empty(), "{kind}: {checked:?}");
+        assert!(text(&checked.stdout).contains("✓ of_mine"), "{checked:?}");
+        let simulated = linewright(&[&["simulate", &dir], simulate].concat());
+        assert!(simulated.status.success() && simulated.stderr.is_empty(), "{kind}: {simulated:?}");
+    }
+}
+
+#[test]
+fn a_name_is_one_that_the_reader_takes_and_the_directory_is_called_like_it() {
+    for wrong in ["Of-mine", "2nd", "a__b", ""] {
+        let output = new("cell", &["--name", wrong]);
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+        assert!(text(&output.stderr).contains("cannot be the name of a line: lower-case letters"), "{output:?}");
+    }
+    let scratch = Scratch::new();
+    let run = |words: &[&str]| {
+        let _no_rig = crate::support::turn::beside_no_rig();
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_linewright"));
+        command.args(words).current_dir(scratch.path(".")).output().expect("the command starts")
+    };
+    let said = run(&["new", "cell", "--name", "laundry"]);
+    assert!(text(&said.stdout).contains("next:  linewright check laundry\n"), "{said:?}");
+    assert!(scratch.read("laundry/cell.toml").contains("\nname = \"laundry\"  # the ROS namespace"));
+    assert!(scratch.read("laundry/line.toml").contains("\nname = \"laundry\"  # the ROS namespace"));
+    // One file that is there is enough for none to be written.
+    std::fs::remove_file(scratch.path("laundry/cell.toml")).expect("it was there");
+    let again = run(&["new", "cell", "--name", "laundry"]);
+    assert!(!again.status.success() && text(&again.stderr).contains("laundry/line.toml is there already"), "{again:?}");
+    assert!(!Path::new(&scratch.path("laundry/cell.toml")).exists());
+    assert!(run(&["new", "cell", "--name", "laundry", "--force"]).status.success());
+    assert!(run(&["new", "rotary-table"]).status.success() && Path::new(&scratch.path("rotary-table")).exists());
+}
+
+#[test]
+fn what_is_printed_with_stations_written_out_is_the_same_line() {
+    let scratch = Scratch::new();
+    assert!(new("rotary-table", &["--dir", &scratch.path("types")]).status.success());
+    let output = linewright(&["expand", &scratch.path("types")]);
+    assert!(output.status.success(), "{output:?}");
+    let expanded = scratch.file("expanded.toml", text(&output.stdout));
+    assert!(!text(&output.stdout).contains("station_type"));
+    let checked = |path: &str| json(&linewright(&["check", path, "--json", "--structure"]));
+    assert_eq!(checked(&expanded)["stations"], checked(&scratch.path("types"))["stations"]);
+    let wrong = scratch.file("wrong.toml", "[[station_type]]\nname = 3\n");
+    let refused = linewright(&["expand", &wrong]);
+    assert!(!refused.status.success() && refused.stdout.is_empty(), "{refused:?}");
+}
+
+#[test]
+fn an_io_list_goes_out_and_comes_back() {
+    let scratch = Scratch::new();
+    let line = shipped();
+    let before = std::fs::read_to_string(line.join("line.toml")).expect("the shipped line");
+    let copy = scratch.file("line.toml", &before);
+    let exported = linewright(&["io", "export", &copy]);
+    assert!(exported.status.success(), "{exported:?}");
+    let list = text(&exported.stdout).to_owned();
+    assert!(list.starts_with("name,address,device,station,comment\n"), "{list}");
+
+    let same = scratch.file("same.csv", &list);
+    let output = linewright(&["io", "import", &copy, &same]);
+    assert!(output.status.success() && text(&output.stdout).ends_with("nothing is different\n"), "{output:?}");
+    assert_eq!(scratch.read("line.toml"), before);
+
+    // As a spreadsheet has it, with a comment, and two switches exchanged.
+    let changed = list
+        .replace("LS_open,%IX0.0,clamp 1 io,clamp_1,", "LS_open,%IX0.1,clamp 1 io,clamp_1,\"open, -B1\"")
+        .replace("LS_closed,%IX0.1,", "LS_closed,%IX0.0,");
+    let changed = changed.lines().map(|row| if row.contains('"') { row.to_owned() } else { row.replace(',', ";") });
+    let changed =
+        changed.map(|row| row.replacen("LS_open,%IX0.1,clamp 1 io,clamp_1,", "LS_open;%IX0.1;clamp 1 io;clamp_1;", 1));
+    let changed = scratch.file("changed.csv", &format!("\u{feff}{}\r\n", changed.collect::<Vec<_>>().join("\r\n")));
+    let shown = linewright(&["io", "import", &copy, &changed, "--dry-run"]);
+    assert!(
+        shown.status.success() && text(&shown.stdout).contains("3 would be different; nothing was written"),
+        "{shown:?}"
+    );
+    assert_eq!(scratch.read("line.toml"), before);
+    let output = linewright(&["io", "import", &copy, &changed]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(text(&output.stdout).contains("clamp_1: LS_open: clamp 1 io %IX0.0 → clamp 1 io %IX0.1"), "{output:?}");
+    let after = scratch.read("line.toml");
+    assert!(
+        after.contains("[\"LS_closed\", \"LS_open\", \"low_pressure\"") && after.contains("LS_open = \"open, -B1\"")
+    );
+    assert_eq!(after.lines().count(), before.lines().count() + 3);
+    assert!(linewright(&["check", &copy, "--structure"]).status.success());
+
+    // Anything wrong: nothing is written.
+    let wrong =
+        scratch.file("wrong.csv", "name,address,device\nLS_open,%IX0.0,clamp 1 io\nLS_closed,%IX0.9,clamp 1 io\n");
+    let refused = linewright(&["io", "import", &copy, &wrong]);
+    assert!(!refused.status.success() && refused.stdout.is_empty(), "{refused:?}");
+    assert!(text(&refused.stderr).contains("wrong.csv:3: column address: `%IX0.9` is no address"), "{refused:?}");
+    let gone = scratch.file("gone.csv", "name,address,device\n,%IX0.0,clamp 1 io\n");
+    let refused = linewright(&["io", "import", &copy, &gone]);
+    assert!(!refused.status.success(), "{refused:?}");
+    assert!(text(&refused.stderr).contains("nothing was written"), "{refused:?}");
+    assert_eq!(scratch.read("line.toml"), after);
+}
+
+#[test]
+fn a_cell_is_recognised_whatever_its_file_is_called() {
+    let scratch = Scratch::new();
+    let dir = shipped().join("../assembly-cell");
+    let read = |name: &str| std::fs::read_to_string(dir.join(name)).expect("the shipped cell");
+    let other = scratch.file("of_mine.toml", &read("cell.toml"));
+    let alone = linewright(&["check", &other, "--json"]);
+    assert!(alone.status.success(), "{alone:?}");
+    assert!(json(&alone)["cell"].is_object(), "{alone:?}");
+    let needs = linewright(&["run", &other, "--parts", "1=1"]);
+    assert!(!needs.status.success(), "{needs:?}");
+    assert!(text(&needs.stderr).contains("describes a flexible cell"), "{needs:?}");
+    let simulated = linewright(&["simulate", &other, "--parts", "1=1"]);
+    assert!(simulated.status.success(), "{simulated:?}");
+
+    // The other way round, and a cell where a line is looked for.
+    let swapped = Scratch::new();
+    swapped.file("cell.toml", &read("line.toml"));
+    let output = linewright(&["check", &swapped.path("cell.toml")]);
+    assert!(text(&output.stderr).contains("describes a line, not a flexible cell"), "{output:?}");
+    let swapped = Scratch::new();
+    swapped.file("line.toml", &read("cell.toml"));
+    let output = linewright(&["simulate", &swapped.path("")]);
+    assert!(text(&output.stderr).contains("describes a flexible cell, not a line"), "{output:?}");
+}

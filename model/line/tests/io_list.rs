@@ -1,0 +1,203 @@
+//! I/O lists: what a list does to a description, and what it does not.
+
+use linewright_line::{IoListError, IoRow, TransferLine, io_list, parse, with_io_list};
+use proptest::prelude::*;
+
+use crate::types::TYPES;
+
+fn list(text: &str) -> Vec<IoRow> {
+    io_list("line.toml", text).expect("it is read")
+}
+
+fn row(name: &str, address: &str, device: &str) -> IoRow {
+    let (name, address, device) = (name.to_owned(), address.to_owned(), device.to_owned());
+    IoRow { line: 2, name, address, device, station: None, comment: None }
+}
+
+#[track_caller]
+fn taken(text: &str, rows: &[IoRow]) -> (String, Vec<String>) {
+    match with_io_list("line.toml", text, rows) {
+        Ok(change) => (change.text, change.changes),
+        Err(IoListError::Description(problems) | IoListError::Result(problems)) => panic!("{problems:#}"),
+        Err(IoListError::Rows(problems)) => panic!("{problems:?}"),
+    }
+}
+
+#[track_caller]
+fn refused(text: &str, rows: &[IoRow]) -> Vec<(u64, &'static str, String)> {
+    match with_io_list("line.toml", text, rows) {
+        Err(IoListError::Rows(problems)) => problems.into_iter().map(|p| (p.line, p.column, p.message)).collect(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_list_has_every_bit_with_its_place() {
+    let rows = list(&TransferLine::default().text());
+    let found: Vec<_> = rows.iter().filter(|row| row.device == "clamp 1 io").collect();
+    let names: Vec<&str> = found.iter().map(|row| row.name.as_str()).collect();
+    assert_eq!(names[..3], ["LS_open", "LS_closed", "low_pressure"]);
+    assert_eq!((found[1].address.as_str(), found[1].station.as_deref()), ("%IX0.1", Some("clamp_1")));
+    assert_eq!((found[3].address.as_str(), found[3].name.as_str()), ("%IX0.3", ""));
+    assert_eq!((found[8].address.as_str(), found[8].name.as_str()), ("%QX0.0", "open"));
+    assert!(rows.iter().any(|row| row.station.as_deref() == Some("console") && row.name == "PB_1"));
+    assert!(rows.iter().all(|row| !row.device.contains("drive")), "drives have no bits");
+    assert!(list(TYPES).iter().any(|row| row.device == "clamp 1 io" && row.name == "LS_closed"), "of a type");
+}
+
+#[test]
+fn its_own_list_changes_nothing() {
+    for text in [TransferLine { machines: 3, time_scale: 1.0 }.text(), TYPES.to_owned()] {
+        assert_eq!(taken(&text, &list(&text)), (text, vec![]));
+    }
+}
+
+#[test]
+fn signals_change_places_and_the_text_around_them_stays() {
+    let text = TransferLine::default().text();
+    let rows = [
+        row("LS_closed", "%IX0.0", "clamp 1 io"),
+        row("LS_open", "%IX0.1", "clamp 1 io"),
+        row("lamp_clamp", "%QX1.1", "clamp 1 io"),
+        IoRow { comment: Some("at the \"top\"".to_owned()), ..row("low_pressure", "%I0.3", "clamp 1 io") },
+    ];
+    let (after, changes) = taken(&text, &rows);
+    assert_eq!(
+        changes,
+        [
+            "clamp_1: LS_closed: clamp 1 io %IX0.1 → clamp 1 io %IX0.0",
+            "clamp_1: LS_open: clamp 1 io %IX0.0 → clamp 1 io %IX0.1",
+            "clamp_1: lamp_clamp: clamp 1 io %QX0.2 → clamp 1 io %QX1.1",
+            "clamp_1: low_pressure: clamp 1 io %IX0.2 → clamp 1 io %IX0.3",
+            "clamp_1: low_pressure: comment none → \"at the \"top\"\"",
+        ]
+    );
+    let old = "inputs = [\"LS_open\", \"LS_closed\", \"low_pressure\", \"\", \"\", \"SS_manual\", \"PB_advance\", \"PB_return\"]\noutputs = [\"open\", \"close\", \"lamp_clamp\"]\n";
+    let new = "inputs = [\"LS_closed\", \"LS_open\", \"\", \"low_pressure\", \"\", \"SS_manual\", \"PB_advance\", \"PB_return\"]\noutputs = [\"open\", \"close\", \"\", \"\", \"\", \"\", \"\", \"\", \"\", \"lamp_clamp\"]\n\n[device.comments]\nlow_pressure = 'at the \"top\"'\n";
+    assert_eq!(after, text.replace(old, new));
+    // The comment is in the next list, and goes with its signal.
+    let listed = list(&after);
+    let comment =
+        |rows: &[IoRow]| rows.iter().find(|row| row.name == "low_pressure").and_then(|row| row.comment.clone());
+    assert_eq!(comment(&listed).as_deref(), Some("at the \"top\""));
+    let (moved, _) = taken(&after, &[row("low_pressure", "%IX0.4", "clamp 1 io")]);
+    assert_eq!(comment(&list(&moved)).as_deref(), Some("at the \"top\""));
+    // An empty comment takes it away, and the table with it.
+    let without = IoRow { comment: Some(String::new()), ..row("low_pressure", "%IX0.4", "clamp 1 io") };
+    let (without, _) = taken(&moved, &[without]);
+    assert!(!without.contains("comments"), "{without}");
+}
+
+#[test]
+fn a_list_binds_what_no_device_carries_yet() {
+    let text = TransferLine::default().text();
+    let bare = text.replace("outputs = [\"open\", \"close\", \"lamp_clamp\"]\n", "");
+    assert!(parse("line.toml", &bare).is_err());
+    let outputs = [("open", "%QX0.0"), ("close", "%QX0.1"), ("lamp_clamp", "%QX0.2")];
+    let rows: Vec<IoRow> = outputs.iter().map(|(name, address)| row(name, address, "clamp 1 io")).collect();
+    let (after, changes) = taken(&bare, &rows);
+    assert_eq!(changes.len(), 3);
+    assert_eq!(parse("line.toml", &after).map(|p| p.line), parse("line.toml", &text).map(|p| p.line));
+}
+
+#[test]
+fn a_device_within_braces_keeps_its_comments_within_braces() {
+    let text = TransferLine::default().text();
+    let start = text.find("[[device]]\nname = \"clamp 1 io\"").expect("there");
+    let (before, rest) = text.split_at(text.find("[[device]]").expect("there"));
+    let devices: String =
+        rest.split("[[device]]").skip(1).map(|d| d.split("\n# ----").next().expect("first")).collect();
+    assert!(!devices.is_empty() && start > 0);
+    // One device is enough: the others are lost, so the result is refused, and says what it is.
+    let inline = format!(
+        "device = [{{ name = \"clamp 1 io\", station = \"clamp_1\", node = 3, inputs = [\"LS_open\"] }}]\n{before}"
+    );
+    let rows = [IoRow { comment: Some("x".to_owned()), ..row("LS_open", "%IX0.0", "clamp 1 io") }];
+    let error = with_io_list("line.toml", &inline, &rows).expect_err("signals are missing");
+    let IoListError::Result(problems) = error else { panic!("{error:?}") };
+    assert!(problems.iter().all(|problem| !problem.message.contains("TOML")), "{problems:#}");
+    assert!(problems.iter().any(|problem| problem.message.contains("has an output `open`")), "{problems:#}");
+}
+
+#[test]
+fn rows_that_are_wrong_are_named_with_their_column_and_nothing_is_taken() {
+    let text = TransferLine::default().text();
+    let at = |line, row: IoRow| IoRow { line, ..row };
+    let found = refused(
+        &text,
+        &[
+            at(2, row("LS_open", "%IX0.0", "clamp 1 oi")),
+            at(3, row("LS_open", "%IX9.0", "clamp 1 io")),
+            at(4, row("LS open", "%IX0.0", "clamp 1 io")),
+            at(5, IoRow { station: Some("mill_1".to_owned()), ..row("LS_open", "%IX0.0", "clamp 1 io") }),
+            at(6, row("x", "%IX0.0", "")),
+            at(7, row("LS_open", "%IX0.4", "clamp 1 io")),
+            at(8, row("LS_open", "%IX0.3", "clamp 1 io")),
+            at(9, row("LS_main_0", "%IX0.3", "mill 1 main drive")),
+            at(10, row("y", "%IX0.4", "clamp 1 io")),
+        ],
+    );
+    let expected = [
+        (2, "device", "no device with inputs and outputs is called `clamp 1 oi`: did you mean `clamp 1 io`?"),
+        (3, "address", "`%IX9.0` is no address of a bit: %IX0.0 to %IX7.7, or %QX0.0 to %QX7.7"),
+        (4, "name", "`LS open` cannot name a signal: one word of letters, digits and signs"),
+        (5, "station", "`clamp 1 io` is a device of `clamp_1`, not of `mill_1`"),
+        (6, "device", "no device"),
+        (8, "name", "`LS_open` of `clamp_1` has a row already, line 7"),
+        (9, "device", "no device with inputs and outputs is called `mill 1 main drive`"),
+        (10, "address", "%IX0.4 of clamp 1 io has a row already, line 7"),
+    ];
+    let found: Vec<_> = found.iter().map(|(line, column, message)| (*line, *column, message.as_str())).collect();
+    let begins = |at: usize| {
+        found.get(at).is_some_and(|f| f.0 == expected[at].0 && f.1 == expected[at].1 && f.2.starts_with(expected[at].2))
+    };
+    assert!((0..expected.len()).all(begins) && found.len() == expected.len(), "{found:#?}");
+
+    let there = refused(&text, &[row("LS_open", "%IX0.1", "clamp 1 io")]);
+    assert_eq!(
+        there,
+        [(2, "address", "%IX0.1 of clamp 1 io carries `LS_closed`, which has no row: give it one".to_owned())]
+    );
+    let same = at(2, row("open", "%QX0.0", "clamp 1 io"));
+    let typed = refused(TYPES, &[same, at(3, row("LS_open", "%IX0.4", "clamp 1 io"))]);
+    assert_eq!(typed[0].0, 3);
+    assert_eq!(typed[0].1, "device");
+    assert!(typed[0].2.contains("station type"), "{typed:?}");
+    let output = with_io_list("line.toml", &text, &[row("LS_open", "%QX0.7", "clamp 1 io")]);
+    assert!(matches!(output, Err(IoListError::Result(_))), "an input as an output: {output:?}");
+    let gone = with_io_list("line.toml", &text, &[row("", "%IX0.0", "clamp 1 io")]);
+    assert!(matches!(gone, Err(IoListError::Result(_))), "a signal that is needed: {gone:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Whatever bits signals move to, the next list says so, the rest of the description stays, and the way back is there.
+    #[test]
+    fn a_shuffled_list_is_taken_and_the_way_back_leads_home(seed in proptest::collection::vec(0_usize..1000, 64)) {
+        let text = TransferLine::default().text();
+        let before = list(&text);
+        let mut rows: Vec<IoRow> = before.clone();
+        let (device, letter) = ("transfer io", "%I");
+        let at: Vec<usize> =
+            (0..rows.len()).filter(|&nth| rows[nth].device == device && rows[nth].address.starts_with(letter)).collect();
+        for (nth, pick) in seed.iter().enumerate() {
+            let (a, b) = (at[nth % at.len()], at[pick % at.len()]);
+            let name = rows[a].name.clone();
+            rows[a].name = std::mem::replace(&mut rows[b].name, name);
+        }
+        let (after, changes) = taken(&text, &rows);
+        let bits = |rows: &[IoRow]| {
+            let named = rows.iter().filter(|row| !row.name.is_empty());
+            let mut bits: Vec<_> = named.map(|row| (row.device.clone(), row.address.clone(), row.name.clone())).collect();
+            bits.sort();
+            bits
+        };
+        prop_assert_eq!(bits(&list(&after)), bits(&rows));
+        prop_assert_eq!(changes.is_empty(), bits(&rows) == bits(&before));
+        prop_assert_eq!(after.matches('#').count(), text.matches('#').count());
+        let (back, _) = taken(&after, &before);
+        prop_assert_eq!(bits(&list(&back)), bits(&before));
+        prop_assert_eq!(parse("l", &back).map(|parsed| parsed.line), parse("l", &text).map(|parsed| parsed.line));
+    }
+}

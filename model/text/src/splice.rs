@@ -1,0 +1,196 @@
+//! A text put together from stretches of another one, with the place that each stretch comes from.
+//!
+//! What is wrong with the new text is shown in the old one: people have written that one. A stretch that stands in the
+//! new text several times has a note, which says for what it was copied this time.
+
+use std::collections::HashMap;
+
+use crate::{Problem, Report, TextRange};
+
+/// Why a stretch stands in the new text: a place of the old text, and what to write there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct NoteId(usize);
+
+/// Two marks that are drawn together are no farther apart.
+const NEAR_LINES: usize = 12;
+
+/// The new text, and where its stretches come from.
+#[derive(Clone, Debug, Default)]
+pub struct Splice {
+    text: String,
+    pieces: Vec<Piece>,
+    notes: Vec<Note>,
+}
+
+#[derive(Clone, Debug)]
+struct Note {
+    at: TextRange,
+    label: String,
+    /// The word that differs from copy to copy, for problems that are the same but for it.
+    varies: String,
+}
+
+#[derive(Clone, Debug)]
+struct Piece {
+    /// Where it begins in the new text.
+    start: usize,
+    from: TextRange,
+    /// Whether it is byte by byte what the old text has there.
+    is_copy: bool,
+    note: Option<NoteId>,
+}
+
+impl Splice {
+    /// The text as it is.
+    pub fn whole(text: &str) -> Self {
+        let mut splice = Splice::default();
+        splice.copy(text, 0..text.len(), None);
+        splice
+    }
+
+    /// What has been put together.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// A reason for stretches: `label` is written at `at` of the old text. `varies` is the word in messages that differs
+    /// from copy to copy.
+    pub fn note(&mut self, at: TextRange, label: impl Into<String>, varies: &str) -> NoteId {
+        self.notes.push(Note { at, label: label.into(), varies: varies.to_owned() });
+        NoteId(self.notes.len() - 1)
+    }
+
+    /// Adds a stretch of the old text as it is.
+    pub fn copy(&mut self, old: &str, from: TextRange, note: Option<NoteId>) {
+        if let Some(stretch) = old.get(from.clone()) {
+            self.pieces.push(Piece { start: self.text.len(), from, is_copy: true, note });
+            self.text.push_str(stretch);
+        }
+    }
+
+    /// Adds other words, which stand for this stretch of the old text.
+    pub fn put(&mut self, words: &str, from: TextRange, note: Option<NoteId>) {
+        self.pieces.push(Piece { start: self.text.len(), from, is_copy: false, note });
+        self.text.push_str(words);
+    }
+
+    /// Ends a line that has no end yet.
+    pub fn end_line(&mut self) {
+        if !self.text.is_empty() && !self.text.ends_with('\n') {
+            let at = self.pieces.last().map_or(0, |piece| piece.from.end);
+            self.put("\n", at..at, None);
+        }
+    }
+
+    /// Turns problems of the new text into problems of the text `old`. What is wrong with a stretch in each of its copies is
+    /// reported once.
+    pub fn put_back(&self, old: &str, report: &mut Report) {
+        report.rewrite(|problems| self.put_back_all(old, problems));
+    }
+
+    fn put_back_all(&self, old: &str, problems: Vec<Problem>) -> Vec<Problem> {
+        let mut kept: Vec<(Problem, Option<NoteId>, usize)> = Vec::new();
+        let mut first: HashMap<(TextRange, String), usize> = HashMap::new();
+        for mut problem in problems {
+            let (span, note) = self.origin(&problem.span);
+            problem.span = span;
+            problem.also.iter_mut().for_each(|(at, _)| *at = self.origin(at).0);
+            if let Some(note) = note {
+                let key = (problem.span.clone(), self.without_what_varies(&problem.message, note));
+                if let Some(&earlier) = first.get(&key) {
+                    kept[earlier].2 += 1;
+                    continue;
+                }
+                first.insert(key, kept.len());
+            }
+            kept.push((problem, note, 0));
+        }
+        let noted = kept.into_iter().map(|(problem, note, more)| match note {
+            None => problem,
+            Some(NoteId(note)) => {
+                let Note { at, label, .. } = &self.notes[note];
+                let label = if more == 0 { label.clone() } else { format!("{label}, and {more} more") };
+                noted_at(old, problem, at, label)
+            }
+        });
+        noted.collect()
+    }
+
+    fn without_what_varies(&self, message: &str, note: NoteId) -> String {
+        let varies = &self.notes[note.0].varies;
+        if varies.is_empty() { message.to_owned() } else { message.replace(varies.as_str(), "") }
+    }
+
+    /// The stretch of the old text that a stretch of the new one stands for.
+    fn origin(&self, range: &TextRange) -> (TextRange, Option<NoteId>) {
+        let Some(first) = self.piece(range.start) else { return (range.clone(), None) };
+        let last = self.piece(range.end.max(range.start + 1) - 1).filter(|last| last.note == first.note);
+        let start = if first.is_copy { first.from.start + (range.start - first.start) } else { first.from.start };
+        let end = match last {
+            Some(last) if last.is_copy => last.from.start + range.end.saturating_sub(last.start),
+            Some(last) => last.from.end,
+            None => first.from.end,
+        };
+        (start..end.max(start), first.note)
+    }
+
+    fn piece(&self, at: usize) -> Option<&Piece> {
+        let after = self.pieces.partition_point(|piece| piece.start <= at);
+        self.pieces[..after].last()
+    }
+}
+
+/// The problem with a note: marked where it is near, and else with its line, since what is drawn reaches from one mark to the
+/// other.
+fn noted_at(old: &str, mut problem: Problem, at: &TextRange, label: String) -> Problem {
+    let lines = |text: Option<&str>| text.unwrap_or("").matches('\n').count();
+    let (first, last) = (at.start.min(problem.span.start), at.start.max(problem.span.start));
+    if lines(old.get(first..last)) <= NEAR_LINES {
+        return problem.also(at, label);
+    }
+    let place = format!("{label} (line {})", lines(old.get(..at.start)) + 1);
+    let with_place = |hint: String| format!("{hint}{} {place}", if hint.ends_with('?') { "" } else { ";" });
+    problem.hint = Some(problem.hint.take().map_or(place.clone(), with_place));
+    problem
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn problems_are_put_back_where_people_wrote_it() {
+        let old = "a = {x}; use 1; use 2";
+        let mut splice = Splice::default();
+        for (number, at) in [("1", 9..14), ("2", 16..21)] {
+            let note = splice.note(at.clone(), format!("used for {number}"), number);
+            splice.copy(old, 0..4, Some(note));
+            splice.put(number, 4..7, Some(note));
+            splice.end_line();
+        }
+        assert_eq!(splice.text(), "a = 1\na = 2\n");
+        let mut report = Report::default();
+        report.add(Problem::error(4..5, "1 is wrong"));
+        report.add(Problem::error(10..11, "2 is wrong").also(&(0..1), "here"));
+        report.add(Problem::error(6..7, "only the second"));
+        splice.put_back(old, &mut report);
+        let problems = report.into_problems("f", old).into_vec();
+        let found: Vec<_> = problems.iter().map(|p| (p.span.clone(), p.message.as_str(), p.also.clone())).collect();
+        let second = (0..1, "only the second", vec![(16..21, "used for 2".to_owned())]);
+        let both = (4..7, "1 is wrong", vec![(9..14, "used for 1, and 1 more".to_owned())]);
+        assert_eq!(found, [second, both]);
+    }
+
+    #[test]
+    fn a_text_as_it_is_leaves_problems_where_they_are() {
+        let splice = Splice::whole("some text");
+        let mut report = Report::default();
+        report.add(Problem::error(5..9, "a").also(&(0..4), "b"));
+        report.add(Problem::warning(0..0, "c"));
+        report.add(Problem::warning(9..9, "d"));
+        splice.put_back("some text", &mut report);
+        let problems = report.into_problems("f", "some text").into_vec();
+        let spans: Vec<_> = problems.iter().map(|problem| problem.span.clone()).collect();
+        assert_eq!((spans, &problems[1].also), (vec![0..0, 5..9, 9..9], &vec![(0..4, "b".to_owned())]));
+    }
+}
