@@ -277,11 +277,8 @@ impl Controller {
         } else if let Some(cause) = self.unsafe_motion(index) {
             cause
         } else if token.driven && self.now >= token.deadline {
-            if if table.turns == 0 { token.left_start } else { token.turn != Turn::AtStart } {
-                StopCause::Watchdog
-            } else {
-                StopCause::SwitchStuck
-            }
+            let has_left = if table.turns == 0 { token.left_start } else { token.turn != Turn::AtStart };
+            if has_left { StopCause::Watchdog } else { StopCause::SwitchStuck }
         } else {
             StopCause::Released
         }
