@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use linewright_coordinator_cell::Record;
 use linewright_line::Tick;
@@ -25,6 +26,9 @@ const BATCH: usize = 1000;
 /// So many notes are kept while the queue is full; then the oldest are lost.
 const NOTES_MAX: usize = 1000;
 
+/// How often it is looked whether the thread has ended.
+const POLL: Duration = Duration::from_millis(10);
+
 /// The log, for readers beside its writer.
 pub trait RecordSource: Send {
     /// Gives `take` every record that the log has, with its number, in their order, as far as they are written. It may begin
@@ -33,6 +37,16 @@ pub trait RecordSource: Send {
     /// # Errors
     /// Why not, in words.
     fn read(&mut self, take: &mut dyn FnMut(u64, Record)) -> Result<(), String>;
+}
+
+/// No log: there are notes alone.
+#[derive(Clone, Copy, Debug)]
+pub struct NoRecords;
+
+impl RecordSource for NoRecords {
+    fn read(&mut self, _: &mut dyn FnMut(u64, Record)) -> Result<(), String> {
+        Ok(())
+    }
 }
 
 /// What waits to be written.
@@ -102,6 +116,31 @@ impl HistoryFeed {
         }
         self.notes.push_back((at, note));
         self.flush();
+    }
+
+    /// Offers what is no record, unless there is no room for it; whether there was. It never waits.
+    pub fn offer_note(&mut self, at: Tick, note: Note) -> bool {
+        self.flush();
+        let has_room = self.notes.len() < NOTES_MAX;
+        if has_room {
+            self.notes.push_back((at, note));
+            self.flush();
+        }
+        has_room
+    }
+
+    /// Waits for all that was offered to be written, but not longer than so; what is not written then may be lost.
+    pub fn end_within(mut self, long: Duration) {
+        self.flush();
+        self.queue = None;
+        let Some(thread) = self.thread.take() else { return };
+        let steps = long.as_millis() / POLL.as_millis();
+        for _ in 0..steps {
+            if thread.is_finished() {
+                break;
+            }
+            std::thread::sleep(POLL);
+        }
     }
 
     fn flush(&mut self) {

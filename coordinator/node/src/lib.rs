@@ -8,6 +8,7 @@
 
 pub mod cell;
 mod gateway_topics;
+mod line;
 mod node;
 mod remembered;
 mod topics;
