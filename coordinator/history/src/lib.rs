@@ -32,5 +32,5 @@ pub use error::HistoryError;
 pub use event::{EventKind, HistoryEvent};
 pub use note::{MotionEnd, Note};
 pub use reader::HistoryReader;
-pub use recorder::{HistoryFeed, NoRecords, RecordSource};
+pub use recorder::{HistoryFeed, RecordSource};
 pub use writer::History;

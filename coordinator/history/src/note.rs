@@ -3,6 +3,8 @@
 //! Nothing of the cell's state follows from these, so nobody has to remember them over a crash: one that was not written
 //! when the power went is missing.
 
+use std::time::Duration;
+
 use linewright_coordinator_cell::FiringId;
 use linewright_line::Tick;
 use serde::{Deserialize, Serialize};
@@ -88,6 +90,28 @@ pub enum Note {
         /// Text of the log line.
         text: String,
     },
+}
+
+impl Note {
+    /// The same, so much later.
+    pub(crate) fn later(mut self, by: Duration) -> Self {
+        match &mut self {
+            Note::Motion { from, to, .. } | Note::Waited { from, to, .. } | Note::Planned { from, to, .. } => {
+                (*from, *to) = (*from + by, *to + by);
+            }
+            Note::Mode { .. }
+            | Note::EmergencyStop { .. }
+            | Note::Station { .. }
+            | Note::Device { .. }
+            | Note::Missing { .. }
+            | Note::Began {}
+            | Note::Fault { .. }
+            | Note::Cycle { .. }
+            | Note::Observed {}
+            | Note::Said { .. } => {}
+        }
+        self
+    }
 }
 
 /// How a motion has ended.

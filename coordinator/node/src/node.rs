@@ -169,7 +169,7 @@ impl CoordinatorLoop {
         }
         let boot_id = fresh_boot_id();
         let for_line = state_dir.as_deref().filter(|_| cell.is_none());
-        let history = for_line.and_then(|dir| LineHistory::begin(dir, &line, clock.now()));
+        let history = for_line.map(|dir| LineHistory::begin(dir, &line, clock.now()));
         let cell = cell.map(|cell| CellNodeOptions { cell, line: line.clone(), state_dir, boot_id });
         let cell = cell.map(|options| CellThread::open(options, &mut node)).transpose()?;
         Ok(CoordinatorLoop {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_history::line::{Asked, LineReport, LineState, LineTracking, StopKind};
 use linewright_history::{
     EventKind, History, HistoryEvent, HistoryFeed, HistoryReader, LineAbout, LineOperation, LineStation, MotionEnd,
-    NoRecords, Note, TimeBase,
+    Note, TimeBase,
 };
 use linewright_line::Tick;
 use linewright_simulation::Rng;
@@ -220,19 +220,24 @@ fn parts_sum_to_the_whole_and_nothing_is_over_100_percent() {
 fn notes_of_a_line_go_through_the_database() {
     let (_dir, path) = scratch();
     let notes = example();
-    let mut feed = HistoryFeed::start(History::open(&path, &about()).unwrap(), Box::new(NoRecords), 0);
+    let begin = || {
+        let path = path.clone();
+        HistoryFeed::of_notes(move || History::open(&path, &about()))
+    };
+    let mut feed = begin();
     assert!(notes.iter().all(|(at, note)| feed.offer_note(AT(*at), note.clone())));
     feed.end_within(Duration::from_secs(20));
-    let history = History::open(&path, &about()).unwrap();
-    assert_eq!(history.last().unwrap(), Some(AT(42_000)));
-    let mut feed = HistoryFeed::start(history, Box::new(NoRecords), 0);
-    feed.offer_note(AT(43_000), Note::Observed {});
+    assert_eq!(History::open(&path, &about()).unwrap().last().unwrap(), Some(AT(42_000)));
+    // The clock was set back by 2 s meanwhile.
+    let mut feed = begin();
+    feed.offer_note(AT(40_000), Note::Observed {});
+    feed.offer_note(AT(41_000), waited(0, "a", 40_000, 41_000));
     feed.end_within(Duration::from_secs(20));
     let reader = HistoryReader::open(&path).unwrap();
     assert_eq!(reader.about(), &(&about()).into());
     let mut read = Vec::new();
     reader.each(Tick::NEVER, |event| read.push((event.at, event.what))).unwrap();
-    let expected = notes.into_iter().chain([(43_000, Note::Observed {})]);
+    let expected = notes.into_iter().chain([(42_000, Note::Observed {}), (43_000, waited(0, "a", 42_000, 43_000))]);
     assert_eq!(read, expected.map(|(at, note)| (AT(at), EventKind::Note(note))).collect::<Vec<_>>());
     // Another line, and other operations, are refused; other planned times are not.
     let refused = |of: &LineAbout| History::open(&path, of).map(|_| ()).unwrap_err().to_string();
@@ -247,14 +252,15 @@ fn notes_of_a_line_go_through_the_database() {
 #[test]
 fn what_finds_no_room_is_refused_and_nothing_waits() {
     let (_dir, path) = scratch();
-    let history = History::open(&path, &about()).unwrap();
+    drop(History::open(&path, &about()).unwrap());
     // Another process holds the file, as a disk that hangs would.
     let other = Connection::open(&path).unwrap();
     other.execute_batch("BEGIN EXCLUSIVE").unwrap();
-    let mut feed = HistoryFeed::with_queue(history, Box::new(NoRecords), 0, 1);
     let began = std::time::Instant::now();
-    let taken = (0..3000).filter(|at| feed.offer_note(AT(*at), Note::Observed {})).count();
-    assert!((1000..2500).contains(&taken), "{taken}");
+    let other_path = path.clone();
+    let mut feed = HistoryFeed::of_notes(move || History::open(&other_path, &about()));
+    let taken = (0..4000).filter(|at| feed.offer_note(AT(*at), Note::Observed {})).count();
+    assert!((1000..3000).contains(&taken), "{taken}");
     feed.end_within(Duration::from_millis(50));
     assert!(began.elapsed() < Duration::from_secs(2), "{:?}", began.elapsed());
 }

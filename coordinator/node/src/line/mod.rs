@@ -10,9 +10,7 @@ use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use linewright_coordinator_logic::CompletedCycle;
-use linewright_history::{
-    History, HistoryError, HistoryFeed, LineAbout, LineOperation, LineStation, NoRecords, Note, TimeBase,
-};
+use linewright_history::{History, HistoryFeed, LineAbout, LineOperation, LineStation, Note, TimeBase};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::StationState;
@@ -72,31 +70,19 @@ pub fn about(line: &Line) -> LineAbout {
 }
 
 impl LineHistory {
-    /// Opens the database in `dir`, or makes one. Where it cannot be used that is reported, and the line does without.
-    pub fn begin(dir: &Path, line: &Line, now: Tick) -> Option<Self> {
+    /// Feeds the database in `dir`, which is made if there is none. Nothing is waited for.
+    pub fn begin(dir: &Path, line: &Line, now: Tick) -> Self {
         let wall = Tick::ZERO + SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        match Self::open(dir, line, wall, now) {
-            Ok(history) => Some(history),
-            Err(error) => {
-                tracing::error!("{error}; the line continues without a database");
-                None
-            }
-        }
-    }
-
-    fn open(dir: &Path, line: &Line, wall: Tick, now: Tick) -> Result<Self, HistoryError> {
-        let history = History::open(&dir.join("line.db"), &about(line))?;
-        // A clock that was set back: time goes on from the newest note.
-        let at = history.last()?.map_or(wall, |last| last.max(wall));
-        Ok(LineHistory {
-            feed: HistoryFeed::start(history, Box::new(NoRecords), 0),
-            origin: at - now.since(Tick::ZERO),
+        let (path, of) = (dir.join("line.db"), line.clone());
+        LineHistory {
+            feed: HistoryFeed::of_notes(move || History::open(&path, &about(&of))),
+            origin: wall - now.since(Tick::ZERO),
             stations: line.stations.iter().map(|station| StationObserver::new(station.operations.len())).collect(),
             newest: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
             noted: None,
             note_due: now,
             notes: Vec::new(),
-        })
+        }
     }
 
     /// A station's state has arrived.
@@ -118,7 +104,7 @@ impl LineHistory {
     /// How the line stands. False if nothing more can be written, which is reported here.
     pub fn situation(&mut self, now: Tick, situation: &LineSituation) -> bool {
         if let Some(why) = self.feed.failed() {
-            tracing::error!("nothing more is written into the database: {why}");
+            tracing::error!("{why}; the line continues without a database");
             return false;
         }
         let at = self.at(now);
