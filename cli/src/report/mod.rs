@@ -66,19 +66,20 @@ pub struct Args {
 }
 
 /// The database that a path means.
-fn database(path: &Path) -> PathBuf {
+fn database(path: &Path) -> miette::Result<PathBuf> {
     if !path.is_dir() {
-        return path.to_owned();
+        return Ok(path.to_owned());
     }
-    let line = path.join("line.db");
-    let cell = path.join("cell.db");
-    if line.is_file() && !cell.is_file() { line } else { cell }
+    let named = ["cell.db", "line.db"].map(|name| path.join(name));
+    let found = named.into_iter().find(|file| file.is_file());
+    found
+        .ok_or_else(|| miette!("{} has neither cell.db nor line.db; give the state directory of a run", path.display()))
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let zone = if args.utc { Zone::Utc } else { Zone::Local };
-    let reader = HistoryReader::open(&database(&args.db)).map_err(story::failed)?;
+    let reader = HistoryReader::open(&database(&args.db)?).map_err(story::failed)?;
     let asked = (args.from.as_deref(), args.to.as_deref());
     let about = match reader.about().clone() {
         About::Line(about) => {

@@ -19,7 +19,7 @@ use linewright_station_shell::NewestBySequence;
 
 use crate::cell::LineSituation;
 use crate::node::CoordinatorLoop;
-use observer::StationObserver;
+pub use observer::StationObserver;
 
 /// A note at least this often, so that a report knows until when the line was observed.
 const NOTE_EVERY: Duration = Duration::from_secs(60);
