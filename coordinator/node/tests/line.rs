@@ -68,10 +68,17 @@ fn a_motion_between_two_states_is_counted_without_times() {
 #[test]
 fn a_wait_is_as_long_as_it_has_one_reason_in_auto() {
     let mut observer = StationObserver::new(2);
-    let waits = |why: &str| StationState { blocked_by: vec![why.to_owned()], ..state([0, 3], [0, 0]) };
+    let waits =
+        |why: &str| StationState { blocked_by: vec![why.to_owned(), "its lock".to_owned()], ..state([0, 3], [0, 0]) };
     let waited = |why: &str, from, to| Note::Waited { station: 3, why: why.to_owned(), from: AT(from), to: AT(to) };
     let manual = StationState { mode: StationState::MODE_MANUAL, ..waits("a") };
-    let seen = [(10, waits("a")), (15, waits("a")), (20, waits("b")), (30, manual), (40, waits("b"))];
+    let seen = [
+        (10, waits("a")),
+        (15, StationState { blocked_by: vec!["a".to_owned()], ..waits("a") }),
+        (20, waits("b")),
+        (30, manual),
+        (40, waits("b")),
+    ];
     assert_eq!(notes(&mut observer, &seen), [waited("a", 10, 20), waited("b", 20, 30)]);
     // What goes on is noted now and then, and begins anew there.
     let mut out = Vec::new();

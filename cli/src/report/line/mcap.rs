@@ -65,7 +65,7 @@ fn stations(source: &LineSource, to: &mut Recording) -> Result<(), McapError> {
             edges.push((wait.to, false, "waiting", wait.why.clone()));
         }
         // At one moment what ends comes before what begins.
-        edges.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)));
+        edges.sort_by_key(|edge| (edge.0, edge.1));
         to.say(&topic, Schema::Station, from, &json!({"state": "idle", "about": ""}))?;
         let mut going_on: Vec<(&str, String)> = Vec::new();
         let mut edges = edges.into_iter().filter(|edge| edge.0 <= until).peekable();

@@ -86,20 +86,25 @@ impl LineSource {
 
     fn cycles(&self, text: &mut String) {
         let (report, planned) = (&self.report, self.report.figures.planned_run_time);
-        let planned = planned.map_or_else(String::new, |planned| format!("; planned: {} s each", seconds(planned)));
+        let planned =
+            planned.map_or_else(String::new, |planned| format!("; planned: {:.3} s each", planned.as_secs_f64()));
         let _ = writeln!(text, "{} cycles have ended{planned}", report.cycles.len());
         if report.cycles.is_empty() {
             return;
         }
         let _ = writeln!(
             text,
-            "\n{:<29} {:>6} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
+            "\n{:<34} {:>6} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
             "a cycle, in s", "count", "least", "mean", "median", "90 %", "99 %", "most"
         );
         let mut row = |name: &str, of: &Spread| {
-            let times = [of.least, mean(of).unwrap_or_default(), of.median, of.p90, of.p99, of.most].map(seconds);
-            let times: Vec<String> = times.iter().map(|time| format!("{time:>8}")).collect();
-            let _ = writeln!(text, "{name:<29} {:>6} {}", of.count, times.join(" "));
+            let times = [of.least, mean(of).unwrap_or_default(), of.median, of.p90, of.p99, of.most];
+            // Of no cycle there is no time.
+            let times = times.iter().map(|time| match of.count {
+                0 => format!("{:>9}", "-"),
+                _ => format!("{:>9.3}", time.as_secs_f64()),
+            });
+            let _ = writeln!(text, "{name:<34} {:>6} {}", of.count, times.collect::<Vec<_>>().join(" "));
         };
         row("all", &report.cycle_time);
         for part in &report.trend {

@@ -3,6 +3,7 @@
 //! Names and formulas are those of ISO 22400-2 (key performance indicators for manufacturing operations management). The work
 //! unit is the line, an item a cycle of it. A figure that needs what no note says is left out, with the reason.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -278,7 +279,7 @@ fn stops<'s>(states: impl Iterator<Item = (Stretch, &'s LineState)>) -> Vec<Stop
         longest,
     };
     let mut stops: Vec<StopTotal> = by_cause.into_iter().map(total).collect();
-    stops.sort_by(|a, b| b.total.cmp(&a.total));
+    stops.sort_by_key(|stop| Reverse(stop.total));
     stops
 }
 
@@ -298,7 +299,7 @@ fn station(name: &str, track: &StationTrack, producing: &Spans, span: Stretch) -
         WaitTotal { why: why.to_owned(), times: spans.iter().len(), total: rest.take(&spans) }
     };
     let mut waits: Vec<WaitTotal> = by_cause.into_iter().map(wait).filter(|wait| !wait.total.is_zero()).collect();
-    waits.sort_by(|a, b| b.total.cmp(&a.total));
+    waits.sort_by_key(|wait| Reverse(wait.total));
     let count =
         |end: &[MotionEnd]| track.motions.iter().filter(|of| end.contains(&of.end) && is_in_span(of.to)).count() as u64;
     LineStationReport {

@@ -66,11 +66,10 @@ impl StationObserver {
             self.fault.clone_from(&state.fault);
             out.push(Note::Fault { station, text: self.fault.clone() });
         }
-        let is_waiting = state.mode == StationState::MODE_AUTO
-            && state.fault.is_empty()
-            && self.open.iter().all(Option::is_none)
-            && !state.blocked_by.is_empty();
-        self.wait(station, at, is_waiting.then(|| state.blocked_by.join("; ")), out);
+        let is_waiting =
+            state.mode == StationState::MODE_AUTO && state.fault.is_empty() && self.open.iter().all(Option::is_none);
+        // The first reason: what else there is follows from the same, as an interlock beside its arrow.
+        self.wait(station, at, state.blocked_by.first().filter(|_| is_waiting).cloned(), out);
     }
 
     fn operation(&mut self, station: u16, operation: usize, at: Tick, state: &StationState, out: &mut Vec<Note>) {
