@@ -1,8 +1,11 @@
-//! What is noted of a station from one of its states to the next.
+//! What is noted of a station from one of its states to the next, and what of it is in the database of a line.
 
-use linewright_coordinator_node::line::StationObserver;
-use linewright_history::{MotionEnd, Note};
-use linewright_line::Tick;
+use linewright_coordinator_logic::CompletedCycle;
+use linewright_coordinator_node::cell::LineSituation;
+use linewright_coordinator_node::line::{LineHistory, StationObserver};
+use linewright_history::{About, EventKind, HistoryReader, MotionEnd, Note};
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId, Tick, TransferLine};
 use linewright_msgs::StationState;
 
 const AT: fn(u64) -> Tick = Tick::from_millis;
@@ -104,4 +107,75 @@ fn a_fault_comes_and_goes_and_is_said_anew_where_the_observation_begins() {
 fn a_state_of_another_description_is_not_looked_at() {
     let mut observer = StationObserver::new(3);
     assert_eq!(notes(&mut observer, &[(10, state([1, 0], [1, 0])), (20, state([3, 0], [1, 0]))]), []);
+}
+
+fn line() -> Line {
+    linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line
+}
+
+fn in_auto(line: &Line) -> LineSituation {
+    let all = vec![true; line.stations.len()];
+    LineSituation { starts: true, mode: ControlMode::Auto, heard: all.clone(), devices: all }
+}
+
+/// A second life goes on behind the first, and says anew how everything stands.
+#[test]
+fn the_database_of_a_line_begins_with_how_everything_stands_in_each_life() {
+    let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+    let mut now = in_auto(&line);
+    let mut history = LineHistory::begin(dir.path(), &line, AT(5));
+    assert!(history.situation(AT(10), &now), "it is written");
+    assert!(history.situation(AT(11), &now), "nothing has changed");
+    history.cycle(AT(20), CompletedCycle { number: 7, took: std::time::Duration::from_millis(3600) });
+    history.end(AT(30));
+    now.heard[1] = false;
+    let mut history = LineHistory::begin(dir.path(), &line, AT(0));
+    let state = StationState { sequence: 1, fault: "stuck".to_owned(), ..of(&line, 2) };
+    // Before it has begun: it is said with everything else.
+    history.state(AT(0), StationId(2), &state);
+    assert!(history.situation(AT(1), &now), "it is written");
+    // The same once more, late: nothing new.
+    history.state(AT(2), StationId(2), &state);
+    history.end(AT(3));
+
+    let reader = HistoryReader::open(&dir.path().join("line.db")).expect("opens");
+    let About::Line(about) = reader.about() else { panic!("of a line") };
+    assert!(about.cycle_us > 0 && about.stations[0].operations.iter().all(|of| of.planned_us.is_some()), "{about:?}");
+    let mut notes = Vec::new();
+    let note = |event: linewright_history::HistoryEvent| match event.what {
+        EventKind::Note(note) => notes.push(note),
+        EventKind::Fact(..) => panic!("a line has no log"),
+    };
+    reader.each(Tick::NEVER, note).expect("reads");
+    let mode = || Note::Mode { name: "auto".to_owned(), starts: true };
+    let expected = [
+        Note::Began {},
+        mode(),
+        Note::Cycle { number: 7, took_us: 3_600_000 },
+        Note::Observed {},
+        Note::Began {},
+        mode(),
+        Note::Station { station: 1, lost: true },
+        Note::Fault { station: 2, text: "stuck".to_owned() },
+        Note::Observed {},
+    ];
+    assert_eq!(notes, expected);
+}
+
+fn of(line: &Line, station: u16) -> StationState {
+    let operations = line.station(StationId(station)).operations.len();
+    StationState { boot_id: 1, places: vec![0; operations], started: vec![0; operations], ..StationState::default() }
+}
+
+#[test]
+fn a_line_goes_on_without_a_database_that_cannot_be_used() {
+    let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+    std::fs::write(dir.path().join("line.db"), [7; 4096]).expect("written");
+    let mut history = LineHistory::begin(dir.path(), &line, AT(0));
+    let now = in_auto(&line);
+    let goes_on = |_: &u64| {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        history.situation(AT(1), &now)
+    };
+    assert!((0..500_u64).take_while(goes_on).count() < 500, "it is reported that nothing is written");
 }
