@@ -4,6 +4,7 @@ use linewright_msgs::{LineState, StationState};
 use serde::Serialize;
 
 use crate::client::OperatorClient;
+use crate::watch::cell::CellWatchJson;
 
 /// The name of a mode as operators read it.
 pub fn mode_name(code: u8) -> &'static str {
@@ -67,10 +68,13 @@ pub struct LineJson {
     line: String,
     mode: Option<ModeJson>,
     stations: Vec<StationJson>,
+    /// Of a flexible cell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cell: Option<CellWatchJson>,
 }
 
 impl LineJson {
-    pub fn of(client: &OperatorClient) -> Self {
+    pub fn of(client: &OperatorClient, cell: Option<CellWatchJson>) -> Self {
         let line = client.line();
         LineJson {
             line: line.name.clone(),
@@ -79,6 +83,7 @@ impl LineJson {
                 .station_ids()
                 .map(|id| StationJson::of(&line.station(id).name, client.station(id)))
                 .collect(),
+            cell,
         }
     }
 }

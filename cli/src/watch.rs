@@ -1,6 +1,9 @@
-//! The live view: mode, stations, bar chart, faults, and what each blocked station waits for.
+//! The live view: mode, stations, bar chart, faults, and what each blocked station waits for; of a flexible cell also parts,
+//! production orders, alarms and what is left out.
 //!
 //! `watch` shows it for a line that runs anywhere; `run` shows the same for the line it has started.
+
+pub mod cell;
 
 use std::collections::VecDeque;
 use std::io::{IsTerminal, Write};
@@ -10,21 +13,24 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::Args as ClapArgs;
 use crossterm::{cursor, execute, queue, terminal};
+use futures::future::LocalBoxFuture;
 use linewright_line::{Line, StationId};
-use linewright_msgs::{LineState, StationEvent, StationState};
+use linewright_msgs::{CellState, LineState, StationEvent, StationState};
 use linewright_node_shell::RosArgs;
 use miette::IntoDiagnostic;
 
+use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
 use crate::run::chart::RollingChart;
 use crate::states::LineJson;
+use cell::{CellWatchJson, OutOfService};
 
-/// Show the line as it runs.
+/// Show a line or a cell as it runs.
 #[derive(Debug, ClapArgs)]
 pub struct Args {
-    /// The line's directory, or its description file.
+    /// The directory of the line or cell, or the line's description file.
     line: PathBuf,
     /// Print one picture and end.
     #[arg(long)]
@@ -36,37 +42,79 @@ pub struct Args {
 
 /// `linewright watch`
 pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
-    let line = load::line(&args.line, true)?;
+    let files = load::files_of(&args.line);
+    let line = match &files.cell {
+        Some(_) => load::line_of_cell(&args.line)?,
+        None => load::line(&args.line, true)?,
+    };
     let mut client = OperatorClient::open(&line, ros, "watch")?;
+    let mut cell = files.cell.map(|_| CellClient::open(&line, ros, "watch_cell")).transpose()?;
     client.until_connected(Duration::from_secs(5)).await?;
     let mut view = WatchState::new(&line);
     if args.once || args.json || !std::io::stdout().is_terminal() {
+        if let Some(cell) = &mut cell {
+            let down = cell.until_heard(Duration::from_secs(5)).await?.down.clone();
+            view.out_of_service = cell.reasons(down.as_slice().to_vec()).await;
+        }
         let until = tokio::time::Instant::now() + line.timing.refresh * 4;
         while let Ok(heard) = tokio::time::timeout_at(until, client.next()).await {
             drop(view.take(&heard?));
         }
+        let state = cell.as_ref().and_then(CellClient::state);
         if args.json {
-            crate::out::json(&LineJson::of(&client))?;
+            let cell = state.map(|state| CellWatchJson::of(state, &view.out_of_service));
+            crate::out::json(&LineJson::of(&client, cell))?;
         } else {
-            crate::out::say!("{}", view.picture(&client, (100, usize::MAX)).join("\n"));
+            crate::out::say!("{}", view.picture(&client, state, (100, usize::MAX)).join("\n"));
         }
         return Ok(ExitCode::SUCCESS);
     }
     let mut screen = Screen::open()?;
     let mut ticks = tokio::time::interval(PICTURE_EVERY);
+    let mut reasons = tokio::time::interval(REASONS_EVERY);
+    // A reply is waited for beside the picture.
+    let mut asked: Option<LocalBoxFuture<'static, OutOfService>> = None;
     let mut interrupts = Interrupts::listen()?;
     loop {
         tokio::select! {
             heard = client.next() => drop(view.take(&heard?)),
-            _ = ticks.tick() => screen.show(&view.picture(&client, Screen::size()))?,
+            heard = next_of(&mut cell) => heard?,
+            known = answered(&mut asked) => {
+                view.out_of_service = known;
+                asked = None;
+            }
+            _ = reasons.tick() => if let Some(cell) = cell.as_ref().filter(|_| asked.is_none()) {
+                let down = cell.state().map(|state| state.down.as_slice().to_vec()).unwrap_or_default();
+                asked = Some(Box::pin(cell.reasons(down)));
+            },
+            _ = ticks.tick() => {
+                let state = cell.as_ref().and_then(CellClient::heard_lately);
+                screen.show(&view.picture(&client, state, Screen::size()))?;
+            }
             () = interrupts.next() => break,
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
+async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
+    match cell {
+        Some(cell) => cell.next().await.map(drop),
+        None => std::future::pending().await,
+    }
+}
+
+async fn answered(asked: &mut Option<LocalBoxFuture<'static, OutOfService>>) -> OutOfService {
+    match asked {
+        Some(asked) => asked.await,
+        None => std::future::pending().await,
+    }
+}
+
 /// Often enough for an eye.
 pub const PICTURE_EVERY: Duration = Duration::from_millis(100);
+/// How often it is asked why resources are left out.
+const REASONS_EVERY: Duration = Duration::from_secs(1);
 /// How much time the bar chart shows.
 const CHART_SECONDS: f64 = 12.0;
 /// How many of the last messages are shown.
@@ -79,6 +127,8 @@ pub struct WatchState {
     messages: VecDeque<String>,
     /// Lines above the picture, e.g. where the buses are.
     pub head: Vec<String>,
+    /// Of a cell: why resources are left out.
+    pub out_of_service: OutOfService,
 }
 
 /// Seconds since the Unix epoch, as the stamps count them.
@@ -89,7 +139,13 @@ fn now() -> f64 {
 impl WatchState {
     /// An empty view.
     pub fn new(line: &Line) -> Self {
-        WatchState { line: line.clone(), chart: RollingChart::new(line), messages: VecDeque::new(), head: Vec::new() }
+        WatchState {
+            line: line.clone(),
+            chart: RollingChart::new(line),
+            messages: VecDeque::new(),
+            head: Vec::new(),
+            out_of_service: OutOfService::new(),
+        }
     }
 
     /// Adds a line to the last messages.
@@ -127,9 +183,22 @@ impl WatchState {
 
     /// The picture, as lines of text no wider than the screen. What does not fit its height is left out: first the bar
     /// chart, then the oldest messages, then the head.
-    pub fn picture(&self, client: &OperatorClient, (width, height): (usize, usize)) -> Vec<String> {
+    pub fn picture(
+        &self,
+        client: &OperatorClient,
+        cell: Option<&CellState>,
+        (width, height): (usize, usize),
+    ) -> Vec<String> {
         let stations = self.line.station_ids().map(|id| (self.line.station(id).name.as_str(), client.station(id)));
-        let states = states(&self.line.title, client.coordinator(), stations, width);
+        let mut states = mode(&self.line.title, client.coordinator(), width);
+        match cell {
+            Some(cell) => {
+                let is_stopped = client.coordinator().is_some_and(|state| state.mode == StationState::MODE_ESTOP);
+                let size = (width, height.saturating_sub(states.len()));
+                states.extend(cell::picture(cell, &self.out_of_service, stations, is_stopped, now(), size));
+            }
+            None => states.extend(stations.flat_map(|(name, state)| station(name, state, width))),
+        }
         let head: Vec<String> = self.head.iter().flat_map(|line| wrapped(line, 4, width)).collect();
         let mut messages: Vec<String> = self.messages.iter().flat_map(|line| wrapped(line, 4, width)).collect();
         let has_head = head.len() + states.len() < height;
@@ -164,13 +233,8 @@ impl WatchState {
     }
 }
 
-/// The mode and the stations with their faults and what they wait for.
-fn states<'s>(
-    title: &str,
-    line: Option<&LineState>,
-    stations: impl Iterator<Item = (&'s str, Option<&'s StationState>)>,
-    width: usize,
-) -> Vec<String> {
+/// The mode, with an empty line below it.
+fn mode(title: &str, line: Option<&LineState>, width: usize) -> Vec<String> {
     let mut lines = match line {
         Some(state) => wrapped(&format!("{title} — mode: {}", state.text), 4, width),
         None => wrapped(&format!("{title}: no state received from the coordinator"), 4, width),
@@ -179,19 +243,19 @@ fn states<'s>(
         lines.extend(wrapped(&format!("last refusal: {}", state.refusal), 4, width));
     }
     lines.push(String::new());
-    for (name, state) in stations {
-        let Some(state) = state else {
-            lines.push(format!("{name:12} no state received"));
-            continue;
-        };
-        lines.extend(wrapped(&format!("{name:12} cycle {:<4} {}", state.cycle, state.operation), 15, width));
-        if !state.fault.is_empty() {
-            lines.extend(wrapped(&format!("{:12} FAULT {}", "", state.fault), 15, width));
-        }
-        for (number, reason) in state.blocked_by.iter().enumerate() {
-            let begins = if number == 0 { "waits for" } else { "and" };
-            lines.extend(wrapped(&format!("{:12} {begins} {reason}", ""), 15, width));
-        }
+    lines
+}
+
+/// A station with its fault and what it waits for.
+fn station(name: &str, state: Option<&StationState>, width: usize) -> Vec<String> {
+    let Some(state) = state else { return vec![format!("{name:12} no state received")] };
+    let mut lines = wrapped(&format!("{name:12} cycle {:<4} {}", state.cycle, state.operation), 15, width);
+    if !state.fault.is_empty() {
+        lines.extend(wrapped(&format!("{:12} FAULT {}", "", state.fault), 15, width));
+    }
+    for (number, reason) in state.blocked_by.iter().enumerate() {
+        let begins = if number == 0 { "waits for" } else { "and" };
+        lines.extend(wrapped(&format!("{:12} {begins} {reason}", ""), 15, width));
     }
     lines
 }
@@ -269,7 +333,8 @@ mod tests {
         };
         let line = LineState { text: "e-stop, not reset; give reset, then manual".to_owned(), ..LineState::default() };
         let stations = [("transfer", None), ("clamp_1", Some(&clamp)), ("mill_1", Some(&clamp))];
-        let lines = states("Transfer line", Some(&line), stations.into_iter(), 60);
+        let mut lines = mode("Transfer line", Some(&line), 60);
+        lines.extend(stations.into_iter().flat_map(|(name, state)| station(name, state, 60)));
         assert!(lines.iter().all(|line| line.chars().count() <= 60), "{lines:#?}");
         assert!(lines.len() < 24, "{lines:#?}");
         let whole = lines.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");

@@ -178,6 +178,9 @@ fn what_cannot_be_reported_is_said_clearly() {
     };
     assert!(refused(&file(&scratch, "none.db")).contains("No such file"));
     assert!(refused(&cell.join("cell.toml")).contains("is no database of a cell"));
+    assert!(refused(&cell).contains("has neither cell.db nor line.db"));
+    let for_lines = report(&db, &["--cycle", "3"]);
+    assert!(unbroken(&for_lines).contains("are for lines; this database is about a cell"), "{for_lines:?}");
     let whole = std::fs::read(&db).unwrap();
     std::fs::write(&db, &whole[..whole.len() / 2]).unwrap();
     assert!(refused(&db).contains("is damaged"));

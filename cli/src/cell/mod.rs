@@ -5,7 +5,9 @@
 
 mod operate;
 
-use std::time::Duration;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use linewright_fieldbus::Clock;
 use linewright_line::Line;
@@ -21,7 +23,7 @@ use tokio::sync::mpsc;
 
 use crate::client::{join, not_heard};
 
-pub use operate::{AnswerArgs, OrderArgs, ResourceArgs, WhyArgs, answer, order, resource, why};
+pub use operate::{AnswerArgs, CellJson, OrderArgs, ResourceArgs, WhyArgs, answer, order, resource, why};
 
 /// A request that is sent before the other side is discovered gets no answer: so it is asked again, this long each time.
 const ANSWER: Duration = Duration::from_millis(700);
@@ -41,10 +43,11 @@ pub struct CellClient {
     clock: Clock,
     newest: NewestBySequence,
     state: Option<CellState>,
+    heard: Instant,
     submit: Caller<SubmitOrders>,
     cancel: Caller<ChangeOrder>,
     withdraw: Caller<ChangeOrder>,
-    why: Caller<WhyNot>,
+    why: Arc<Caller<WhyNot>>,
     answer: Caller<AnswerAlarm>,
     resource: Caller<SetResource>,
     domain_id: u16,
@@ -66,10 +69,11 @@ impl CellClient {
             clock: Clock::start(),
             newest: NewestBySequence::new(SILENT),
             state: None,
+            heard: Instant::now(),
             submit: caller(&mut node, "submit_order")?,
             cancel: caller(&mut node, "cancel_order")?,
             withdraw: caller(&mut node, "withdraw_order")?,
-            why: caller(&mut node, "why_not")?,
+            why: Arc::new(caller(&mut node, "why_not")?),
             answer: caller(&mut node, "answer_alarm")?,
             resource: caller(&mut node, "set_resource")?,
             domain_id,
@@ -83,11 +87,17 @@ impl CellClient {
         self.state.as_ref()
     }
 
+    /// The newest state, unless the coordinator is not heard any more.
+    pub fn heard_lately(&self) -> Option<&CellState> {
+        self.state().filter(|_| self.heard.elapsed() < SILENT)
+    }
+
     /// Waits for a newer state. Cancel safe.
     pub async fn next(&mut self) -> miette::Result<&CellState> {
         loop {
             let state = self.from.recv().await.ok_or_else(|| miette!("the middleware has failed"))?;
             if self.newest.offer(self.clock.now(), state.boot_id, state.sequence) {
+                self.heard = Instant::now();
                 return Ok(self.state.insert(state));
             }
         }
@@ -127,6 +137,20 @@ impl CellClient {
     /// An order of which nothing has entered is as if it had never been.
     pub async fn withdraw(&self, name: &str) -> miette::Result<()> {
         change(&self.withdraw, name).await
+    }
+
+    /// Why resources are left out; without those of which the coordinator does not answer.
+    pub fn reasons(&self, resources: Vec<String>) -> impl Future<Output = BTreeMap<String, Vec<String>>> + use<> {
+        let why = self.why.clone();
+        async move {
+            let mut known = BTreeMap::new();
+            for about in resources {
+                if let Ok(response) = ask(&why, &WhyNotRequest { about: about.clone() }).await {
+                    known.insert(about, response.lines);
+                }
+            }
+            known
+        }
     }
 
     /// Why a part or an order does not go on.

@@ -123,7 +123,7 @@ fn moment(now: Duration, after: Option<f64>, option: &str) -> miette::Result<Tim
 
 /// What is on order, and what stands in the way.
 #[derive(Serialize)]
-struct CellJson {
+pub struct CellJson {
     parts_inside: u32,
     parts_left: u64,
     /// Activities may start.
@@ -146,7 +146,7 @@ struct OrderJson {
 }
 
 impl CellJson {
-    fn of(state: &CellState) -> Self {
+    pub fn of(state: &CellState) -> Self {
         let order = |order: &ProductionState| OrderJson {
             id: order.id,
             name: order.name.clone(),

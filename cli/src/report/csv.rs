@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use linewright_coordinator_cell::tracking::{FinishedActivity, PartHistory};
-use linewright_history::HistoryEvent;
+use linewright_history::{HistoryEvent, HistoryReader};
 use linewright_line::Tick;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde::Serialize;
@@ -56,7 +56,7 @@ pub fn write(story: &ReportSource, dir: &Path) -> miette::Result<()> {
     table(dir, "activity.csv", story.activities.iter().map(|done| activity(story, done)))?;
     table(dir, "part.csv", story.tracking.passages().map(|passage| part(story, passage)))?;
     table(dir, "order.csv", story.orders().map(|order| on_order(story, order)))?;
-    events(story, dir)
+    events(&story.reader, (story.from, story.to), dir, |event| event_row(story, event))
 }
 
 /// A table that has its first row even if it has no other.
@@ -70,7 +70,7 @@ fn begin<T: Serialize + Default>(path: &Path) -> Result<csv::Writer<File>, csv::
     Ok(to)
 }
 
-fn table<T: Serialize + Default>(dir: &Path, name: &str, rows: impl Iterator<Item = T>) -> miette::Result<()> {
+pub fn table<T: Serialize + Default>(dir: &Path, name: &str, rows: impl Iterator<Item = T>) -> miette::Result<()> {
     let path = dir.join(name);
     let cannot = || format!("cannot write {}", path.display());
     let mut to = begin::<T>(&path).into_diagnostic().wrap_err_with(cannot)?;
@@ -81,17 +81,22 @@ fn table<T: Serialize + Default>(dir: &Path, name: &str, rows: impl Iterator<Ite
 }
 
 /// Events are not kept in memory: they go from the one file into the other.
-fn events(story: &ReportSource, dir: &Path) -> miette::Result<()> {
+pub fn events(
+    reader: &HistoryReader,
+    (from, to): (Tick, Tick),
+    dir: &Path,
+    row: impl Fn(&HistoryEvent) -> EventRow,
+) -> miette::Result<()> {
     let path = dir.join("event.csv");
-    let mut to = begin::<EventRow>(&path).into_diagnostic()?;
+    let mut file = begin::<EventRow>(&path).into_diagnostic()?;
     let mut written = Ok(());
     let within = |event: HistoryEvent| {
-        if event.at >= story.from && written.is_ok() {
-            written = to.serialize(event_row(story, &event));
+        if event.at >= from && written.is_ok() {
+            written = file.serialize(row(&event));
         }
     };
-    story.reader.each(story.to, within).map_err(failed)?;
-    let written = written.and_then(|()| Ok(to.flush()?));
+    reader.each(to, within).map_err(failed)?;
+    let written = written.and_then(|()| Ok(file.flush()?));
     written.map_err(|error| miette!("cannot write {}: {error}", path.display()))
 }
 

@@ -14,12 +14,13 @@ use std::path::Path;
 use linewright_coordinator_cell::tracking::FinishedActivity;
 use linewright_history::HistoryEvent;
 use linewright_line::Tick;
+pub use mcap::McapError;
 use mcap::records::MessageHeader;
-use mcap::{McapError, WriteOptions, Writer};
+use mcap::{WriteOptions, Writer};
 use miette::miette;
 use serde_json::{Value, json};
 
-use super::rows::event_row;
+use super::rows::{EventRow, event_row};
 use super::story::{ReportSource, failed};
 
 /// How serious a line of `foxglove.Log` is.
@@ -30,30 +31,37 @@ const WARNING: u8 = 3;
 /// Writes the file.
 pub fn write(story: &ReportSource, path: &Path) -> miette::Result<()> {
     let cannot = |why: &dyn std::fmt::Display| miette!("cannot write {}: {why}", path.display());
-    let file = File::create(path).map_err(|error| cannot(&error))?;
-    let mut recording = Recording::new(file).map_err(|error| cannot(&error))?;
+    let mut recording = Recording::create(path)?;
     resources(story, &mut recording).map_err(|error| cannot(&error))?;
     counts(story, &mut recording).map_err(|error| cannot(&error))?;
     activities(story, &mut recording).map_err(|error| cannot(&error))?;
     events(story, &mut recording)?.map_err(|error| cannot(&error))?;
-    recording.writer.finish().map_err(|error| cannot(&error))?;
-    Ok(())
+    recording.finish().map_err(|error| cannot(&error))
 }
 
 /// A file of messages, with its channels by topic.
-struct Recording {
+pub struct Recording {
     writer: Writer<BufWriter<File>>,
     channels: BTreeMap<String, (u16, u32)>,
 }
 
 impl Recording {
+    pub fn create(path: &Path) -> miette::Result<Self> {
+        let made = File::create(path).map_err(McapError::from).and_then(Self::new);
+        made.map_err(|error| miette!("cannot write {}: {error}", path.display()))
+    }
+
+    pub fn finish(mut self) -> Result<(), McapError> {
+        self.writer.finish().map(drop)
+    }
+
     fn new(file: File) -> Result<Self, McapError> {
         // Chunks are not compressed: it would need libraries in C, and whoever stores files can do it better.
         let writer = WriteOptions::new().compression(None).create(BufWriter::new(file))?;
         Ok(Recording { writer, channels: BTreeMap::new() })
     }
 
-    fn say(&mut self, topic: &str, schema: Schema, at: Tick, message: &Value) -> Result<(), McapError> {
+    pub fn say(&mut self, topic: &str, schema: Schema, at: Tick, message: &Value) -> Result<(), McapError> {
         if !self.channels.contains_key(topic) {
             let (name, text) = schema.text();
             let schema = self.writer.add_schema(name, "jsonschema", text.to_string().as_bytes())?;
@@ -70,10 +78,13 @@ impl Recording {
 
 /// What a message looks like.
 #[derive(Clone, Copy)]
-enum Schema {
+pub enum Schema {
     Resource,
     Cell,
     Activity,
+    Line,
+    Station,
+    CycleTime,
     Event,
     Log,
 }
@@ -97,6 +108,15 @@ impl Schema {
                 "linewright.Activity",
                 json!({"firing": {"type": "integer"}, "activity": string, "mode": string, "part": maybe("integer"),
                     "duration_s": number, "nominal_s": number, "late_s": maybe("number")}),
+            ),
+            Schema::Line => ("linewright.Line", json!({"state": string, "cause": string})),
+            Schema::Station => (
+                "linewright.Station",
+                json!({"state": {"type": "string", "enum": ["idle", "busy", "waiting"]}, "about": string}),
+            ),
+            Schema::CycleTime => (
+                "linewright.CycleTime",
+                json!({"number": {"type": "integer"}, "duration_s": number, "planned_s": maybe("number")}),
             ),
             Schema::Event => (
                 "linewright.Event",
@@ -260,22 +280,26 @@ fn say_event(story: &ReportSource, to: &mut Recording, event: &HistoryEvent) -> 
     let message = json!({"log": row.log, "kind": row.kind, "station": row.station, "activity": row.activity,
         "part": row.part, "firing": row.firing, "data": data});
     to.say("/events", Schema::Event, event.at, &message)?;
+    to.say("/log", Schema::Log, event.at, &log_line(&story.about.cell, &row, event.at))
+}
+
+/// An event as a line of `foxglove.Log`.
+pub fn log_line(name: &str, row: &EventRow, at: Tick) -> Value {
     let level = match row.kind.as_str() {
-        "decided" | "acknowledged" | "memory" | "order-ended" | "planned" => DEBUG,
-        "raised" | "order-failed" | "alarm" | "mismatch" | "down" | "missing" | "emergency-stop" => WARNING,
+        "decided" | "acknowledged" | "memory" | "order-ended" | "planned" | "observed" => DEBUG,
+        "raised" | "order-failed" | "alarm" | "mismatch" | "down" | "missing" | "emergency-stop" | "fault" => WARNING,
         // Whatever else there is, or will be.
         _ => INFO,
     };
-    let micros = event.at.as_micros();
+    let micros = at.as_micros();
     let words = [row.activity.clone(), row.part.map(|part| format!("part {part}")), row.station.clone()];
     let words: Vec<String> = std::iter::once(row.kind.clone()).chain(words.into_iter().flatten()).collect();
-    let message = json!({
+    json!({
         "timestamp": {"sec": micros / 1_000_000, "nsec": micros % 1_000_000 * 1000},
         "level": level,
         "message": format!("{} {}", words.join(" "), row.data),
-        "name": story.about.cell,
+        "name": name,
         "file": "",
         "line": row.log.unwrap_or(0),
-    });
-    to.say("/log", Schema::Log, event.at, &message)
+    })
 }

@@ -1,22 +1,24 @@
-//! `linewright report`: what a flexible cell has done, from the database that its coordinator writes while it runs, or that
-//! `simulate --record` has written.
+//! `linewright report`: what a flexible cell or a line has done, from the database that its coordinator writes while it runs,
+//! or that `simulate --record` has written.
 //!
 //! The database is read as it is at one moment; whoever writes it is not held up. What is reported are the folds of
-//! [`linewright_coordinator_cell::tracking`] over the events, within a span of time. This module reads and picks the
-//! exit code; each form of output is a module.
+//! [`linewright_coordinator_cell::tracking`] and [`linewright_history::line`] over the events, within a span of time. This
+//! module reads and picks the exit code; each form of output is a module, those of lines in [`line`].
 
 mod csv;
 mod gantt;
 mod json;
+mod line;
 mod mcap;
 mod rows;
 mod story;
 mod when;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use miette::{IntoDiagnostic, WrapErr};
+use linewright_history::{About, HistoryReader};
+use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::out::{self, say};
 use story::ReportSource;
@@ -25,7 +27,7 @@ use when::Zone;
 /// Options of `report`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The database, or the directory that has it as `cell.db`.
+    /// The database, or the directory that has it as `cell.db` or `line.db`.
     db: PathBuf,
     /// From when on: a time as RFC 3339 (2026-11-22T06:00:00+01:00), or without offset in local time, the time of day left
     /// out if it does not matter; of a simulation in seconds.
@@ -40,25 +42,57 @@ pub struct Args {
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
-    /// Write events, activities, parts and orders as CSV files into a directory.
+    /// Write events, activities, parts and orders (of a line motions, waits, stops and cycles) as CSV files into a directory.
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
     /// Write it as MCAP, for Foxglove Studio and others.
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
-    /// Write the Gantt chart, plan above actual, as SVG.
+    /// Write the Gantt chart, plan above actual, as SVG; of a line the bar chart of one cycle.
     #[arg(long, value_name = "FILE")]
     gantt: Option<PathBuf>,
     /// Print the Gantt chart as text as well.
     #[arg(long, conflicts_with = "json")]
     chart: bool,
+    /// Of a line: draw this cycle [default: the newest in which every operation was done].
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    cycle: Option<i32>,
+    /// Of a line: the planned busy time (ISO 22400-2 PBT) in the span, in hours; for the availability.
+    #[arg(long, value_name = "HOURS")]
+    planned_busy: Option<f64>,
+    /// Of a line: how many of the span's cycles gave a part that was not good; for the quality ratio.
+    #[arg(long, value_name = "NUMBER")]
+    rejected: Option<u64>,
+}
+
+/// The database that a path means.
+fn database(path: &Path) -> miette::Result<PathBuf> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let named = ["cell.db", "line.db"].map(|name| path.join(name));
+    let found = named.into_iter().find(|file| file.is_file());
+    found
+        .ok_or_else(|| miette!("{} has neither cell.db nor line.db; give the state directory of a run", path.display()))
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
     let zone = if args.utc { Zone::Utc } else { Zone::Local };
-    let db = if args.db.is_dir() { args.db.join("cell.db") } else { args.db.clone() };
-    let story = ReportSource::read(&db, (args.from.as_deref(), args.to.as_deref()), zone)?;
+    let reader = HistoryReader::open(&database(&args.db)?).map_err(story::failed)?;
+    let asked = (args.from.as_deref(), args.to.as_deref());
+    let about = match reader.about().clone() {
+        About::Line(about) => {
+            let span = story::span(&reader, asked, about.clock, zone)?;
+            return line::run(args, line::LineSource::read(reader, about, span, zone, args)?);
+        }
+        About::Cell(about) => about,
+    };
+    if args.cycle.is_some() || args.planned_busy.is_some() || args.rejected.is_some() {
+        return Err(miette!("--cycle, --planned-busy and --rejected are for lines; this database is about a cell"));
+    }
+    let span = story::span(&reader, asked, about.clock, zone)?;
+    let story = ReportSource::read(reader, about, span, zone)?;
     if let Some(dir) = &args.csv {
         csv::write(&story, dir)?;
     }

@@ -1,18 +1,41 @@
 //! What a database says of a span of time, read once for all forms of output.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use linewright_coordinator_cell::FiringId;
 use linewright_coordinator_cell::production::ProductionOrder;
 use linewright_coordinator_cell::tracking::{Activities, CellSummary, FinishedActivity, Tracking};
-use linewright_history::{CellAbout, EventKind, HistoryError, HistoryReader, Note};
+use linewright_history::{CellAbout, EventKind, HistoryError, HistoryReader, Note, TimeBase};
 use linewright_line::Tick;
 use miette::miette;
 
 use super::when::{self, Zone};
 
-/// What a database says.
+/// The span that is asked for, as far as the database has it: after the last event nobody knows anything.
+///
+/// # Errors
+/// What is wrong with the database, or with the span.
+pub fn span(
+    reader: &HistoryReader,
+    (from, to): (Option<&str>, Option<&str>),
+    clock: TimeBase,
+    zone: Zone,
+) -> miette::Result<(Tick, Tick)> {
+    let time = |text: Option<&str>| text.map(|text| when::parse(text, clock, zone)).transpose();
+    let (from, to) = (time(from)?, time(to)?);
+    let Some((first, last)) = reader.span().map_err(failed)? else {
+        return Err(miette!("nothing has happened yet in this database"));
+    };
+    let (from, to) = (from.unwrap_or(first).max(first), to.unwrap_or(last));
+    if from > to {
+        let show = |tick| when::show(tick, clock, zone);
+        let (from, to, first, last) = (show(from), show(to), show(first), show(last));
+        return Err(miette!("nothing lies from {from} to {to}; the database has {first} to {last}"));
+    }
+    Ok((from, to.min(last)))
+}
+
+/// What the database of a cell says.
 pub struct ReportSource {
     /// The database, as it was at one moment.
     pub reader: HistoryReader,
@@ -41,24 +64,12 @@ pub fn failed(error: HistoryError) -> miette::Report {
 }
 
 impl ReportSource {
-    /// Reads a database.
+    /// Reads the database of a cell.
     ///
     /// # Errors
-    /// What is wrong with it, or with the span.
-    pub fn read(path: &Path, (from, to): (Option<&str>, Option<&str>), zone: Zone) -> miette::Result<Self> {
-        let reader = HistoryReader::open(path).map_err(failed)?;
-        let about = reader.about().clone();
-        let time = |text: Option<&str>| text.map(|text| when::parse(text, about.clock, zone)).transpose();
-        let (from, to) = (time(from)?, time(to)?);
-        let Some((first, last)) = reader.span().map_err(failed)? else {
-            return Err(miette!("nothing has happened yet in {}", path.display()));
-        };
-        let (from, to) = (from.unwrap_or(first).max(first), to.unwrap_or(last));
-        if from > to {
-            let show = |tick| when::show(tick, about.clock, zone);
-            let (from, to, first, last) = (show(from), show(to), show(first), show(last));
-            return Err(miette!("nothing lies from {from} to {to}; the database has {first} to {last}"));
-        }
+    /// What is wrong with it.
+    pub fn read(reader: HistoryReader, about: CellAbout, span: (Tick, Tick), zone: Zone) -> miette::Result<Self> {
+        let (from, to) = span;
         let (mut tracking, mut activities) = (Tracking::since(about.sheet.clone(), from), Activities::default());
         let (mut planned, mut missing) = (BTreeMap::new(), Vec::new());
         reader
@@ -75,6 +86,12 @@ impl ReportSource {
                         | Note::EmergencyStop { .. }
                         | Note::Station { .. }
                         | Note::Device { .. }
+                        | Note::Began {}
+                        | Note::Motion { .. }
+                        | Note::Waited { .. }
+                        | Note::Fault { .. }
+                        | Note::Cycle { .. }
+                        | Note::Observed {}
                         | Note::Said { .. },
                     )
                     | EventKind::Fact(..) => (),
@@ -83,9 +100,8 @@ impl ReportSource {
             .map_err(failed)?;
         let within = activities.all().iter().filter(|done| done.ended.is_none_or(|ended| ended >= from));
         let activities = within.cloned().collect();
-        // After the last event nobody knows anything.
-        let report = tracking.report(to.min(last));
-        Ok(ReportSource { reader, about, zone, from, to: to.min(last), tracking, report, activities, planned, missing })
+        let report = tracking.report(to);
+        Ok(ReportSource { reader, about, zone, from, to, tracking, report, activities, planned, missing })
     }
 
     /// The production orders that were not over before the span.

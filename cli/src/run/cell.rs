@@ -55,6 +55,11 @@ impl CellRun {
         Ok(lines)
     }
 
+    /// The newest state, unless the coordinator is not heard any more.
+    pub fn state(&self) -> Option<&CellState> {
+        self.client.heard_lately()
+    }
+
     /// When something last went on.
     pub fn since(&self) -> Instant {
         self.progress.1

@@ -241,7 +241,8 @@ impl Session {
                         self.note(format!("started again: {name}"));
                     }
                     if let Some(screen) = &mut screen {
-                        screen.show(&self.view.picture(&self.client, Screen::size()))?;
+                        let cell = self.cell.as_ref().and_then(CellRun::state);
+                        screen.show(&self.view.picture(&self.client, cell, Screen::size()))?;
                     }
                 }
             }

@@ -82,7 +82,58 @@ fn run_cycles(text: &str, cycles: usize, options: &[&str]) -> Rig {
 
 #[test]
 fn cycles_follow_the_chart_without_a_conflict() {
-    run_cycles(&line(0.3), 3, &[]);
+    let rig = run_cycles(&line(0.3), 3, &[]);
+    reports_what_was_done(&rig, 3);
+}
+
+/// The coordinator's database has every motion, the cycle times and what stations waited for.
+fn reports_what_was_done(rig: &Rig, cycles: usize) {
+    let dir = rig.state().join("tables");
+    let recording = rig.state().join("line.mcap");
+    let picture = rig.state().join("line.svg");
+    let [dir, recording, picture] = [&dir, &recording, &picture].map(|path| path.to_str().expect("a name"));
+    let reported = rig.reported(&["--json", "--csv", dir, "--mcap", recording, "--gantt", picture]);
+    let reported: Value = serde_json::from_str(&reported).expect("JSON");
+    let number = |of: &Value, name: &str| of[name].as_f64().unwrap_or_else(|| panic!("{name}: {of}"));
+    assert_eq!(reported["cycles"]["time_s"]["count"], cycles, "{reported}");
+    let produced = number(&reported, "produced_s");
+    let stations = reported["stations"].as_array().expect("a list");
+    for (station, operations) in stations.iter().zip([10, 2, 5]) {
+        let seen = number(station, "motions") + number(station, "unseen");
+        assert_eq!(seen, (operations * cycles) as f64, "{station}");
+        let waits = station["waits"].as_array().expect("a list");
+        let waited: f64 = waits.iter().map(|wait| number(wait, "total_s")).sum();
+        let all = number(station, "busy_s") + waited + number(station, "other_s");
+        assert!((all - produced).abs() < 1e-3, "{station} of {produced} s");
+        assert_eq!((&station["stopped"], &station["faults"]), (&0.into(), &0.into()), "{station}");
+    }
+    let waits = stations[1]["waits"].as_array().expect("a list");
+    assert!(waits.iter().any(|wait| wait["why"].as_str().is_some_and(|why| why.contains("transfer"))), "{reported}");
+    let stops = reported["stops"].as_array().expect("a list");
+    assert!(
+        stops.iter().all(|stop| !["alarm", "emergency stop"].contains(&stop["kind"].as_str().unwrap())),
+        "{reported}"
+    );
+    let rows = reported["chart"]["rows"].as_array().expect("a chart");
+    assert_eq!(rows.len(), 17);
+    assert!(rows.iter().all(|row| row["planned_s"].is_array() && row["measured_s"][0].is_array()), "{reported}");
+    for figure in reported["figures"]["list"].as_array().expect("a list") {
+        let (name, value) = (figure["name"].as_str().unwrap(), &figure["value"]);
+        match name {
+            "effectiveness" | "utilization efficiency" => {
+                assert!(value.as_f64().is_some_and(|share| share > 0.3 && share <= 1.0), "{figure}");
+            }
+            _ => assert!(value.is_null() && figure["left_out"].is_string(), "{figure}"),
+        }
+    }
+    let motions = std::fs::read_to_string(rig.state().join("tables/motion.csv")).expect("a table");
+    assert_eq!(motions.lines().count(), 1 + 17 * cycles, "{motions}");
+    assert!(std::fs::read_to_string(picture).expect("a picture").matches("planned ").count() >= 17);
+    let text = rig.reported(&["--chart", "--planned-busy", "1", "--rejected", "1"]);
+    for part in ["cycles have ended", "OEE index", "while producing", "▀ planned", "waited"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(text.lines().any(|line| line.starts_with("quality ratio") && line.ends_with("66.7 %")), "{text}");
 }
 
 #[test]

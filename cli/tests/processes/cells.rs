@@ -64,6 +64,7 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
     assert!(alarm.contains("in-store, in-machine, scrap"), "{alarm}");
     let why = rig.said(&["why"], &["part", "1"]).expect("it is known");
     assert!(why.contains("waits for an answer to alarm 1"), "{why}");
+    is_watched(&rig);
     let wrong = rig.said(&["answer"], &["1", "somewhere"]).expect_err("that is no answer");
     assert!(wrong.contains("in-store"), "{wrong}");
     assert_eq!(rig.eye.seen().arrivals("m1", "clamp-close"), 0, "nothing was clamped");
@@ -76,6 +77,33 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
     let report = rig.report();
     assert!(report.contains("1 parts have left, 0 are inside, 0 were lost; 1 activities have failed"), "{report}");
     assert!(report.contains('▒') && report.contains('█') && report.contains('░'), "planned, done, failed: {report}");
+}
+
+/// The view has the alarm with its answers, where the part is, and what recovery waits for.
+fn is_watched(rig: &Rig) {
+    let picture = rig.said(&["watch"], &["--once"]).expect("a picture");
+    let whole = picture.split_whitespace().collect::<Vec<_>>().join(" ");
+    for part in [
+        "alarms: 1: R came to M1 without part 1.",
+        "Answers: in-store, in-machine, scrap",
+        "of part 1 for",
+        "failed, waits for an answer to alarm 1",
+        "parts: 1 inside, 0 have left",
+        "part 1",
+        "orders: 1 not over",
+        "0 of 1 A, in work",
+    ] {
+        assert!(whole.contains(part), "{part}: {picture}");
+    }
+    let json = rig.said(&["watch"], &["--json"]).expect("an object");
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let cell = &json["cell"];
+    assert_eq!((&cell["alarms"][0]["id"], &cell["parts"][0]["part"]), (&1.into(), &1.into()), "{json}");
+    assert_eq!(
+        (&cell["orders"][0]["product"], &cell["in_progress"][0]["running"]),
+        (&"A".into(), &false.into()),
+        "{json}"
+    );
 }
 
 #[test]
@@ -143,6 +171,10 @@ fn an_alarm_stops_a_station_by_itself_until_it_is_reset(rig: &Rig, operator: &Op
     assert_eq!(operator.heard().line.mode, StationState::MODE_AUTO);
     assert_eq!(operator.station("robot_1").mode, StationState::MODE_AUTO);
     operator.wait("the line's text names it", |heard| heard.line.text.contains("robot_2 in emergency stop"));
+    let picture = rig.said(&["watch"], &["--once"]).expect("a picture");
+    for part in ["emergency stop of its own, not reset", "robot_2 out of service for", "alarm raised by hand: smoke"] {
+        assert!(picture.split_whitespace().collect::<Vec<_>>().join(" ").contains(part), "{part}: {picture}");
+    }
     let why = rig.said(&["resource"], &["robot_2", "up"]).expect_err("not without looking");
     assert!(why.contains("robot_2: an activity with it failed"), "{why}");
     let is_reset = || rig.said(&["resource"], &["robot_2", "reset"]).is_ok();

@@ -38,6 +38,20 @@ fn a_line_is_operated_by_topics_through_fault_emergency_stop_and_hand_mode() {
     let report = rig.ends_well(0);
     // The broken motion, and the one that the emergency stop ended half-way.
     assert_eq!(report["stations"][station]["faults"], 2, "{report}");
+    stops_are_reported(&rig, station);
+}
+
+/// By cause: the alarm, the emergency stop, and what the operator did.
+fn stops_are_reported(rig: &Rig, station: &str) {
+    let reported: serde_json::Value = serde_json::from_str(&rig.reported(&["--json"])).expect("JSON");
+    let stops = reported["stops"].as_array().expect("a list");
+    for (kind, of) in [("alarm", station), ("emergency stop", ""), ("operator", "")] {
+        let is_it = |stop: &&serde_json::Value| {
+            stop["kind"] == kind && stop["cause"].as_str().is_some_and(|cause| cause.contains(of))
+        };
+        let stop = stops.iter().find(is_it).unwrap_or_else(|| panic!("{kind}: {reported}"));
+        assert!(stop["total_s"].as_f64().is_some_and(|total| total > 0.1), "{stop}");
+    }
 }
 
 /// It breaks in the middle of its motion; the others finish theirs, and nothing new starts.

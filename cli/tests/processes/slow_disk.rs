@@ -1,4 +1,5 @@
-//! A disk that stands still in the middle of a record: an emergency stop is obeyed all the same, and the line comes back.
+//! A disk that stands still in the middle of a record: an emergency stop is obeyed all the same, and the line comes back. All
+//! the while it takes nothing into the line's database either, for which nothing waits.
 //!
 //! ```text
 //!   station      ── "a" is there, "b" runs ── record ··· (the disk stands) ··· estop ──▶ off      record ──▶ e-stop
@@ -12,6 +13,7 @@ use linewright_msgs::StationState;
 use crate::support::gate::{Gate, Gates};
 use crate::support::operator::Operator;
 use crate::support::rig::{OWN_BUS, Rig};
+use crate::support::wait_for;
 
 const NAMES: &[&str] = &["jaws"];
 
@@ -60,6 +62,7 @@ fn an_emergency_stop_does_not_wait_for_the_disk() {
     }
     rig.start(&["--no-auto"]);
     let operator = Operator::join_line(&rig, "/jaws_line", NAMES);
+    let database = gates.close("line.db-wal");
     operator.order("start", StationState::MODE_STANDBY);
     operator.order("auto", StationState::MODE_AUTO);
 
@@ -78,6 +81,14 @@ fn an_emergency_stop_does_not_wait_for_the_disk() {
     stops_with(&rig, &operator, gate);
     operator.select("jaws", "auto");
     comes_back(&rig, &operator);
+    assert!(database.is_reached(), "the database has waited for its disk");
+    drop(database);
+    let has_all = || {
+        let reported: serde_json::Value = serde_json::from_str(&rig.reported(&["--json"])).expect("JSON");
+        let stops = reported["stops"].as_array().expect("a list");
+        stops.iter().any(|stop| stop["kind"] == "emergency stop" && stop["times"] == 2)
+    };
+    assert!(wait_for(Duration::from_secs(20), has_all), "{}", rig.reported(&["--json"]));
 }
 
 /// The outputs go off while the disk stands; then it goes on.

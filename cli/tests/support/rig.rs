@@ -118,10 +118,15 @@ impl Rig {
         if output.status.success() { Ok(text(&output.stdout)) } else { Err(text(&output.stderr)) }
     }
 
-    /// What `linewright report` makes of the cell's database, with its chart.
+    /// What `linewright report` makes of the database, with its chart.
     pub fn report(&self) -> String {
+        self.reported(&["--chart"])
+    }
+
+    /// What `linewright report` makes of the database with these options.
+    pub fn reported(&self, options: &[&str]) -> String {
         let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
-        let output = command.arg("report").arg(self.state()).arg("--chart").output().expect("the command starts");
+        let output = command.arg("report").arg(self.state()).args(options).output().expect("the command starts");
         assert!(output.status.success(), "{output:?}");
         String::from_utf8(output.stdout).expect("text")
     }

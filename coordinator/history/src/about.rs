@@ -1,9 +1,95 @@
-//! What a database is about: one cell, as it was described.
+//! What a database is about: one cell or one line, as it was described.
 
 use linewright_coordinator_cell::tracking::ReportMetadata;
 use serde::{Deserialize, Serialize};
 
-/// What a database is about. All that a report has to know of the cell is in it, so that none needs the description.
+/// What a database is about.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum About {
+    Cell(CellAbout),
+    Line(LineAbout),
+}
+
+impl From<&CellAbout> for About {
+    fn from(of: &CellAbout) -> Self {
+        About::Cell(of.clone())
+    }
+}
+
+impl From<&LineAbout> for About {
+    fn from(of: &LineAbout) -> Self {
+        About::Line(of.clone())
+    }
+}
+
+impl About {
+    pub(crate) fn difference(&self, expected: &About) -> Option<(String, String)> {
+        match (self, expected) {
+            (About::Cell(is), About::Cell(expected)) => is.difference(expected),
+            (About::Line(is), About::Line(expected)) => is.difference(expected),
+            (is, expected) => Some((is.name(), expected.name())),
+        }
+    }
+
+    fn name(&self) -> String {
+        match self {
+            About::Cell(of) => format!("cell `{}`", of.cell),
+            About::Line(of) => format!("line `{}`", of.line),
+        }
+    }
+}
+
+/// A line of a database. All that a report has to know of it is in here.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LineAbout {
+    /// The line's name.
+    pub line: String,
+    pub title: String,
+    pub clock: TimeBase,
+    /// Its stations, by number.
+    pub stations: Vec<LineStation>,
+    /// What a cycle takes by the description alone, in µs; 0: nothing is planned.
+    pub cycle_us: u64,
+}
+
+/// A station of a line.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LineStation {
+    pub name: String,
+    /// Its operations, by number.
+    pub operations: Vec<LineOperation>,
+}
+
+/// An operation of a line.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LineOperation {
+    pub name: String,
+    /// When it begins and ends in a cycle of the line that has run in, by the description alone: µs after the first of them
+    /// begins.
+    pub planned_us: Option<(u64, u64)>,
+}
+
+impl LineAbout {
+    /// What differs, as [`CellAbout::difference`]. Planned times may differ: the newest count.
+    fn difference(&self, expected: &LineAbout) -> Option<(String, String)> {
+        let name = |of: &LineAbout| format!("line `{}`", of.line);
+        if (&self.line, self.clock) != (&expected.line, expected.clock) {
+            return Some((name(self), name(expected)));
+        }
+        let names = |of: &LineAbout| -> Vec<(String, Vec<String>)> {
+            let operations = |of: &LineStation| of.operations.iter().map(|of| of.name.clone()).collect();
+            of.stations.iter().map(|of| (of.name.clone(), operations(of))).collect()
+        };
+        let other = || format!("line `{}` with other stations or operations", self.line);
+        (names(self) != names(expected)).then(|| (other(), "its description".to_owned()))
+    }
+}
+
+/// A cell of a database. All that a report has to know of the cell is in it, so that none needs the description.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CellAbout {

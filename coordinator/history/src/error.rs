@@ -23,7 +23,7 @@ pub enum HistoryError {
         path: PathBuf,
     },
     /// It is something else.
-    #[error("{path} is no database of a cell{}", .why.as_ref().map(|why| format!(" ({why})")).unwrap_or_default())]
+    #[error("{path} is no database of a cell or line{}", .why.as_ref().map(|why| format!(" ({why})")).unwrap_or_default())]
     NotOurs {
         /// The file.
         path: PathBuf,

@@ -1,4 +1,4 @@
-//! What a flexible cell has done, in an embedded database: to be asked while the cell runs, and for years after.
+//! What a flexible cell or a line has done, in an embedded database: to be asked while it runs, and for years after.
 //!
 //! ```text
 //!   records ──▶ log on disk ──▶ Recorder ──▶ database ──▶ Reader ──▶ folds of `tracking` ──▶ reports
@@ -12,21 +12,25 @@
 //! (the mode of the cell, a device that is lost). Rows say what has happened as the record does, as JSON; reports are folds
 //! over the same records as everywhere else, and SQL is for people ([`schema`](mod@self) has views for them).
 //!
+//! A line has no log: its coordinator gives notes alone, with what they say of the line's state given anew wherever some may
+//! be missing, and [`line`] folds them.
+//!
 //! *Only this crate knows SQL.* It has no clock: times are those of the records.
 
 mod about;
 mod error;
 mod event;
+pub mod line;
 mod note;
 mod reader;
 mod recorder;
 mod schema;
 mod writer;
 
-pub use about::{CellAbout, TimeBase};
+pub use about::{About, CellAbout, LineAbout, LineOperation, LineStation, TimeBase};
 pub use error::HistoryError;
 pub use event::{EventKind, HistoryEvent};
-pub use note::Note;
+pub use note::{MotionEnd, Note};
 pub use reader::HistoryReader;
 pub use recorder::{HistoryFeed, RecordSource};
 pub use writer::History;

@@ -1,7 +1,9 @@
-//! What happens to a cell and is no record of its log.
+//! What happens to a cell or a line and is no record of a log.
 //!
 //! Nothing of the cell's state follows from these, so nobody has to remember them over a crash: one that was not written
 //! when the power went is missing.
+
+use std::time::Duration;
 
 use linewright_coordinator_cell::FiringId;
 use linewright_line::Tick;
@@ -52,11 +54,77 @@ pub enum Note {
         /// The last.
         to: u64,
     },
+    /// Of a line, as all below: the observation begins here, or goes on after a gap. What follows says how everything stands.
+    Began {},
+    /// An operation was in motion.
+    Motion {
+        station: u16,
+        /// Index of the operation in its station.
+        operation: u16,
+        /// The cycle in which it started.
+        cycle: i32,
+        #[serde(with = "micros")]
+        from: Tick,
+        #[serde(with = "micros")]
+        to: Tick,
+        end: MotionEnd,
+    },
+    /// A station stood in auto and waited.
+    Waited {
+        station: u16,
+        /// What it waited for.
+        why: String,
+        #[serde(with = "micros")]
+        from: Tick,
+        #[serde(with = "micros")]
+        to: Tick,
+    },
+    /// A station's fault has come, or is over if the text is empty.
+    Fault { station: u16, text: String },
+    /// The line has completed a cycle.
+    Cycle { number: i32, took_us: u64 },
+    /// Nothing else was to be said for a while, and the line is still observed.
+    Observed {},
     /// Anything that people should know.
     Said {
         /// Text of the log line.
         text: String,
     },
+}
+
+impl Note {
+    /// The same, so much later.
+    pub(crate) fn later(mut self, by: Duration) -> Self {
+        match &mut self {
+            Note::Motion { from, to, .. } | Note::Waited { from, to, .. } | Note::Planned { from, to, .. } => {
+                (*from, *to) = (*from + by, *to + by);
+            }
+            Note::Mode { .. }
+            | Note::EmergencyStop { .. }
+            | Note::Station { .. }
+            | Note::Device { .. }
+            | Note::Missing { .. }
+            | Note::Began {}
+            | Note::Fault { .. }
+            | Note::Cycle { .. }
+            | Note::Observed {}
+            | Note::Said { .. } => {}
+        }
+        self
+    }
+}
+
+/// How a motion has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MotionEnd {
+    Done,
+    /// The motion back was completed.
+    Undone,
+    /// On its way: by a fault, a stop, or since the station was not heard any more.
+    Stopped,
+    /// It is over, and neither its beginning nor its end was seen: no times.
+    Unseen,
 }
 
 /// A time, in microseconds.

@@ -9,14 +9,14 @@ use rusqlite::{Connection, OpenFlags};
 use crate::error::at;
 use crate::event::{EventKind, HistoryEvent, whole};
 use crate::writer::{PATIENCE, number, read_about};
-use crate::{CellAbout, HistoryError, Note, schema};
+use crate::{About, HistoryError, Note, schema};
 
 /// A database as it was when it was opened, whatever is written meanwhile.
 #[derive(Debug)]
 pub struct HistoryReader {
     db: Connection,
     path: PathBuf,
-    about: CellAbout,
+    about: About,
 }
 
 impl HistoryReader {
@@ -42,7 +42,7 @@ impl HistoryReader {
         Ok(HistoryReader { db, path: path.to_owned(), about })
     }
 
-    pub fn about(&self) -> &CellAbout {
+    pub fn about(&self) -> &About {
         &self.about
     }
 

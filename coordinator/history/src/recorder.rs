@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use linewright_coordinator_cell::Record;
 use linewright_line::Tick;
@@ -25,6 +26,9 @@ const BATCH: usize = 1000;
 /// So many notes are kept while the queue is full; then the oldest are lost.
 const NOTES_MAX: usize = 1000;
 
+/// How often it is looked whether the thread has ended.
+const POLL: Duration = Duration::from_millis(10);
+
 /// The log, for readers beside its writer.
 pub trait RecordSource: Send {
     /// Gives `take` every record that the log has, with its number, in their order, as far as they are written. It may begin
@@ -33,6 +37,15 @@ pub trait RecordSource: Send {
     /// # Errors
     /// Why not, in words.
     fn read(&mut self, take: &mut dyn FnMut(u64, Record)) -> Result<(), String>;
+}
+
+/// No log: there are notes alone.
+struct NoRecords;
+
+impl RecordSource for NoRecords {
+    fn read(&mut self, _: &mut dyn FnMut(u64, Record)) -> Result<(), String> {
+        Ok(())
+    }
 }
 
 /// What waits to be written.
@@ -50,6 +63,18 @@ struct FeedState {
     written: AtomicU64,
     /// Why the thread has given up.
     failed: Mutex<Option<String>>,
+}
+
+impl FeedState {
+    /// Keeps why the thread has given up, if it has.
+    fn noting<T>(&self, fed: Result<T, HistoryError>) -> Result<T, HistoryError> {
+        if let Err(error) = &fed
+            && let Ok(mut failed) = self.failed.lock()
+        {
+            *failed = Some(error.to_string());
+        }
+        fed
+    }
 }
 
 /// Feeds a database.
@@ -73,15 +98,25 @@ impl HistoryFeed {
         let (sender, receiver) = sync_channel(queue);
         let shared = Arc::new(FeedState::default());
         shared.written.store(last, Ordering::Release);
-        let mut feeding = Feeding { history, source, shared: shared.clone() };
+        let feeding = Feeding { history, source, shared: shared.clone(), shift: Shift::None };
         let thread = std::thread::spawn(move || {
-            let fed = feeding.begin(last).and_then(|()| feeding.go_on(&receiver));
-            if let Err(error) = &fed
-                && let Ok(mut failed) = feeding.shared.failed.lock()
-            {
-                *failed = Some(error.to_string());
-            }
-            fed.map(|()| feeding.history)
+            let shared = feeding.shared.clone();
+            shared.noting(feeding.feed(last, &receiver))
+        });
+        HistoryFeed { queue: Some(sender), notes: VecDeque::new(), shared, thread: Some(thread) }
+    }
+
+    /// Begins without a log, for notes alone. Opening the database is left to the thread as well. Where the newest in it is
+    /// later than the first note, as after a clock was set back, all notes are as much later.
+    pub fn of_notes(open: impl FnOnce() -> Result<History, HistoryError> + Send + 'static) -> Self {
+        let (sender, receiver) = sync_channel(QUEUE);
+        let shared = Arc::new(FeedState::default());
+        let its = shared.clone();
+        let thread = std::thread::spawn(move || {
+            its.noting(open().and_then(|history| {
+                let shift = history.last()?.map_or(Shift::None, Shift::After);
+                Feeding { history, source: Box::new(NoRecords), shared: its.clone(), shift }.feed(0, &receiver)
+            }))
         });
         HistoryFeed { queue: Some(sender), notes: VecDeque::new(), shared, thread: Some(thread) }
     }
@@ -102,6 +137,31 @@ impl HistoryFeed {
         }
         self.notes.push_back((at, note));
         self.flush();
+    }
+
+    /// Offers what is no record, unless there is no room for it; whether there was. It never waits.
+    pub fn offer_note(&mut self, at: Tick, note: Note) -> bool {
+        self.flush();
+        let has_room = self.notes.len() < NOTES_MAX;
+        if has_room {
+            self.notes.push_back((at, note));
+            self.flush();
+        }
+        has_room
+    }
+
+    /// Waits for all that was offered to be written, but not longer than so; what is not written then may be lost.
+    pub fn end_within(mut self, long: Duration) {
+        self.flush();
+        self.queue = None;
+        let Some(thread) = self.thread.take() else { return };
+        let steps = long.as_millis() / POLL.as_millis();
+        for _ in 0..steps {
+            if thread.is_finished() {
+                break;
+            }
+            std::thread::sleep(POLL);
+        }
     }
 
     fn flush(&mut self) {
@@ -163,9 +223,36 @@ struct Feeding {
     history: History,
     source: Box<dyn RecordSource>,
     shared: Arc<FeedState>,
+    shift: Shift,
+}
+
+/// By how much notes are later than they say.
+#[derive(Clone, Copy, Debug)]
+enum Shift {
+    None,
+    /// So that the first is not before this.
+    After(Tick),
+    By(Duration),
 }
 
 impl Feeding {
+    /// Feeds until nothing more is offered.
+    fn feed(mut self, last: u64, queue: &Receiver<FeedQueue>) -> Result<History, HistoryError> {
+        self.begin(last)?;
+        self.go_on(queue)?;
+        Ok(self.history)
+    }
+
+    fn shifted(&mut self, at: Tick, note: Note) -> HistoryItem {
+        if let Shift::After(last) = self.shift {
+            self.shift = Shift::By(last.since(at));
+        }
+        match self.shift {
+            Shift::By(by) => HistoryItem::Note(at + by, note.later(by)),
+            Shift::None | Shift::After(_) => HistoryItem::Note(at, note),
+        }
+    }
+
     /// Compares with the log, takes what is missing, and removes what the log has lost.
     fn begin(&mut self, last: u64) -> Result<(), HistoryError> {
         // What is behind that is of this life, and may stand under numbers that the database has from one before.
@@ -207,7 +294,7 @@ impl Feeding {
 
     fn take(&mut self, what: FeedQueue, items: &mut Vec<HistoryItem>) -> Result<(), HistoryError> {
         match what {
-            FeedQueue::Note(at, note) => items.push(HistoryItem::Note(at, note)),
+            FeedQueue::Note(at, note) => items.push(self.shifted(at, note)),
             FeedQueue::Records(first, records) => {
                 let newest = items.iter().map(HistoryItem::number).max().unwrap_or(0).max(self.history.newest());
                 if first > newest + 1 {

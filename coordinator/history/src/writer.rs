@@ -12,7 +12,7 @@ use rusqlite::{Connection, OptionalExtension, Transaction, TransactionBehavior, 
 
 use crate::error::at;
 use crate::event::parts;
-use crate::{CellAbout, HistoryError, Note, schema};
+use crate::{About, HistoryError, Note, schema};
 
 /// How long another one may hold the file. Readers never do.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
@@ -56,7 +56,7 @@ impl History {
     ///
     /// # Errors
     /// When there is such a file, or it cannot be written.
-    pub fn create(path: &Path, about: &CellAbout) -> Result<Self, HistoryError> {
+    pub fn create(path: &Path, about: impl Into<About>) -> Result<Self, HistoryError> {
         let new = std::fs::File::options().write(true).create_new(true).open(path);
         match new {
             Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
@@ -67,12 +67,13 @@ impl History {
         }
     }
 
-    /// Opens the database of a cell, or makes one.
+    /// Opens the database of a cell or line, or makes one.
     ///
     /// # Errors
-    /// When it is no such database, is about another cell or another description of it, is damaged, or cannot be written.
-    pub fn open(path: &Path, about: &CellAbout) -> Result<Self, HistoryError> {
-        let failed = at(path);
+    /// When it is no such database, is about another cell or line or another description of it, is damaged, or cannot be
+    /// written.
+    pub fn open(path: &Path, about: impl Into<About>) -> Result<Self, HistoryError> {
+        let (about, failed) = (&about.into(), at(path));
         let mut db = Connection::open(path).map_err(failed)?;
         db.busy_timeout(PATIENCE).map_err(failed)?;
         if schema::is_empty(&db, path)? {
@@ -105,6 +106,15 @@ impl History {
     /// The number of the newest record that is in it; 0 before the first.
     pub fn newest(&self) -> u64 {
         self.newest
+    }
+
+    /// When the last thing in it happened.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn last(&self) -> Result<Option<Tick>, HistoryError> {
+        let last = self.db.query_row("SELECT max(at) FROM event", [], |row| row.get::<_, Option<u64>>(0));
+        Ok(last.map_err(at(&self.path))?.map(Tick::from_micros))
     }
 
     /// Writes records under their numbers in the log, from `first` on. What is there already stays.
@@ -184,15 +194,15 @@ pub(crate) fn number(of: u64) -> i64 {
     i64::try_from(of).unwrap_or(i64::MAX)
 }
 
-pub(crate) fn read_about(db: &Connection, path: &Path) -> Result<CellAbout, HistoryError> {
+pub(crate) fn read_about(db: &Connection, path: &Path) -> Result<About, HistoryError> {
     let text =
         db.query_row("SELECT data FROM about", [], |row| row.get::<_, String>(0)).optional().map_err(at(path))?;
     let damaged = |why: String| HistoryError::Damaged { path: path.to_owned(), why };
-    let text = text.ok_or_else(|| damaged("no cell named in its header".to_owned()))?;
+    let text = text.ok_or_else(|| damaged("no cell or line named in its header".to_owned()))?;
     serde_json::from_str(&text).map_err(|error| damaged(format!("what it is about cannot be read: {error}")))
 }
 
-fn write_about(db: &Connection, path: &Path, about: &CellAbout) -> Result<(), HistoryError> {
+fn write_about(db: &Connection, path: &Path, about: &About) -> Result<(), HistoryError> {
     let text = serde_json::to_string(about)
         .map_err(|error| HistoryError::Refused { path: path.to_owned(), why: error.to_string() })?;
     let written = db.execute("INSERT OR REPLACE INTO about (only, data) VALUES (1, ?1)", [text]);

@@ -8,7 +8,6 @@ use linewright_coordinator_logic::{ModeCommand, OutputImage, RefusedCommand, Sta
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
-use linewright_line::net::ControlMode;
 use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
 use linewright_msgs::{LineState, ModeOrder, Text, fitting};
 use linewright_node_line::devices::{Devices, in_words};
@@ -22,6 +21,7 @@ use tokio::sync::{mpsc, watch};
 
 use crate::cell::{CellError, CellNodeOptions, CellThread, LineSituation};
 use crate::gateway_topics::{GatewayTopics, inputs_message};
+use crate::line::LineHistory;
 use crate::remembered::remembered;
 use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
 
@@ -123,8 +123,10 @@ pub(crate) struct CoordinatorLoop {
     pub(crate) behind: Vec<GatewayTopics>,
     /// What is wrong with the devices of stations that have a bus of their own, as they tell it.
     troubles: Vec<String>,
-    /// What the cell is told of the line.
-    situation: LineSituation,
+    /// What the cell, or the database of the line, is told of the line.
+    pub(crate) situation: LineSituation,
+    /// The database of a line; none where there is a cell, or none can be used.
+    pub(crate) history: Option<LineHistory>,
     refusals: u64,
     refusal: String,
     text: String,
@@ -166,6 +168,8 @@ impl CoordinatorLoop {
             behind.push(GatewayTopics::open(&mut node, &line, station)?);
         }
         let boot_id = fresh_boot_id();
+        let for_line = state_dir.as_deref().filter(|_| cell.is_none());
+        let history = for_line.map(|dir| LineHistory::begin(dir, &line, clock.now()));
         let cell = cell.map(|cell| CellNodeOptions { cell, line: line.clone(), state_dir, boot_id });
         let cell = cell.map(|options| CellThread::open(options, &mut node)).transpose()?;
         Ok(CoordinatorLoop {
@@ -182,6 +186,7 @@ impl CoordinatorLoop {
             behind,
             troubles: vec![String::new(); line.stations.len()],
             situation: LineSituation::new(line.stations.len()),
+            history,
             refusals: 0,
             refusal: String::new(),
             text: String::new(),
@@ -268,6 +273,9 @@ impl CoordinatorLoop {
             CoordinatorInbound::State(message) => match report_from_message(&self.line, &message) {
                 Ok((station, report)) => {
                     let (sequence, follows) = (message.sequence, message.coordinator_boot_id);
+                    if let Some(history) = &mut self.history {
+                        history.state(self.clock.now(), station, &message);
+                    }
                     let heard = StationView { follows, ..heard(&report) };
                     if !self.shell.handle(self.clock.now(), CoordinatorArrival::State { station, sequence, heard }) {
                         let (epoch, name) = (heard.mode_epoch, &message.station);
@@ -346,7 +354,7 @@ impl CoordinatorLoop {
         while self.is_interrupted().await? {
             self.take();
         }
-        self.tell_cell();
+        self.tell_situation(self.clock.now());
         Ok(())
     }
 
@@ -402,7 +410,10 @@ impl CoordinatorLoop {
             CoordinatorEffect::Inputs { station, sequence, image } => self.send_inputs(station, sequence, image),
             CoordinatorEffect::Order { sequence } => self.send_order(sequence),
             CoordinatorEffect::Tell { sequence } => self.tell(now, sequence),
-            CoordinatorEffect::Completed(cycle) => self.says.cycle_time.send(cycle_time_message(cycle)),
+            CoordinatorEffect::Completed(cycle) => {
+                self.says.cycle_time.send(cycle_time_message(cycle));
+                self.history.iter_mut().for_each(|history| history.cycle(now, cycle));
+            }
         }
     }
 
@@ -412,20 +423,6 @@ impl CoordinatorLoop {
             owner => in_words(&self.buses, owner),
         });
         self.refuse(text);
-    }
-
-    fn tell_cell(&mut self) {
-        let Some(cell) = &self.cell else { return };
-        let coordinator = self.shell.coordinator();
-        let order = coordinator.order();
-        let now = &mut self.situation;
-        now.starts = order.mode == ControlMode::Auto && order.enabled && order.master_stop.is_none();
-        now.mode = order.mode;
-        for id in self.line.station_ids() {
-            now.heard[id.index()] = coordinator.hears(id);
-            now.devices[id.index()] = self.shell.has_devices(id);
-        }
-        cell.tell(now);
     }
 
     fn send_inputs(&mut self, station: StationId, sequence: u64, image: InputsImage) {
@@ -439,6 +436,7 @@ impl CoordinatorLoop {
         if !std::mem::replace(&mut self.has_ended, true) {
             self.buses.release_outputs();
             tracing::info!("coordinator ends");
+            self.history.take().into_iter().for_each(|history| history.end(self.clock.now()));
         }
     }
 

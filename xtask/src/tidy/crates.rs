@@ -157,6 +157,8 @@ const MAY_USE: [(&str, &[&str]); 36] = [
             "linewright-coordinator-cell",
             "linewright-coordinator-shell",
             "linewright-history",
+            // What a report compares with, a line's planned times, is computed there.
+            "linewright-simulation",
             "linewright-station-logic",
             "linewright-station-shell",
             "linewright-msgs",

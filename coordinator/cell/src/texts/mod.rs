@@ -14,4 +14,4 @@ pub(crate) mod wait;
 
 pub use answer::answer_refused;
 pub use decision::{called, decision, named, reason};
-pub use wait::{CellWait, TokenOwner, failed};
+pub use wait::{CellWait, TokenOwner, failed, recovery};

@@ -100,13 +100,17 @@ pub(crate) fn unready(table: &CellTable, why: AlarmAnswerRefusal) -> String {
     }
 }
 
-/// A failed activity, and what it waits for.
-pub fn failed(activity: &str, stage: Option<&ExceptionStage>) -> String {
-    let waits = match stage {
+/// What a failed activity waits for: the next step of its recovery.
+pub fn recovery(stage: Option<&ExceptionStage>) -> String {
+    match stage {
         Some(ExceptionStage::Securing) => "its stations to come to rest".to_owned(),
         Some(ExceptionStage::Waiting(alarm)) => format!("an answer to {alarm}"),
         Some(ExceptionStage::Restoring { .. }) => "sensors to confirm the answer".to_owned(),
         None => "an operator".to_owned(),
-    };
-    format!("{activity}, which has failed and waits for {waits}")
+    }
+}
+
+/// A failed activity, and what it waits for.
+pub fn failed(activity: &str, stage: Option<&ExceptionStage>) -> String {
+    format!("{activity}, which has failed and waits for {}", recovery(stage))
 }

@@ -23,15 +23,15 @@ fn what_is_no_database_of_a_cell_is_said_to_be_none() {
     ));
     std::fs::write(&path, "").unwrap();
     let why = HistoryReader::open(&path).map(|_| ()).unwrap_err().to_string();
-    assert!(why.ends_with("is no database of a cell (it is empty)"), "{why}");
+    assert!(why.ends_with("is no database of a cell or line (it is empty)"), "{why}");
     std::fs::write(&path, "name = \"workcell_c1\"\n".repeat(100)).unwrap();
     let why = HistoryReader::open(&path).map(|_| ()).unwrap_err().to_string();
-    assert!(why.ends_with("is no database of a cell"), "{why}");
+    assert!(why.ends_with("is no database of a cell or line"), "{why}");
     assert!(matches!(History::open(&path, &c1().about), Err(HistoryError::NotOurs { .. })));
     std::fs::remove_file(&path).unwrap();
     Connection::open(&path).unwrap().execute_batch("CREATE TABLE event (id INTEGER)").unwrap();
     let why = HistoryReader::open(&path).map(|_| ()).unwrap_err().to_string();
-    assert!(why.ends_with("is no database of a cell (another program's)"), "{why}");
+    assert!(why.ends_with("is no database of a cell or line (another program's)"), "{why}");
     assert!(matches!(History::open(&path, &c1().about), Err(HistoryError::NotOurs { .. })));
 }
 
@@ -47,7 +47,7 @@ fn a_database_of_another_form_and_rows_that_are_none_are_said_to_be_so() {
         read(&path).unwrap_err().to_string()
     };
     assert!(broken("PRAGMA user_version = 7").contains("has form 7, this program reads form 1"));
-    assert!(broken("DELETE FROM about").contains("no cell named in its header"));
+    assert!(broken("DELETE FROM about").contains("no cell or line named in its header"));
     assert!(broken("UPDATE about SET data = '{}'").contains("is damaged: what it is about cannot be read"));
     assert!(broken("UPDATE event SET kind = 'eaten' WHERE log = 7").contains("event 7 of kind `eaten` is none"));
     assert!(

@@ -2,5 +2,6 @@
 
 mod damage;
 mod feeding;
+mod line;
 mod played;
 mod rows;

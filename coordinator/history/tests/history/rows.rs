@@ -25,7 +25,7 @@ fn records_are_what_they_were() {
         drop(history);
         assert_eq!(records(&path), of.log);
         let reader = HistoryReader::open(&path).unwrap();
-        assert_eq!(reader.about(), &of.about);
+        assert_eq!(reader.about(), &(&of.about).into());
         let [first, last] = [&of.log[0], &of.log[of.log.len() - 1]].map(|record| record.at);
         assert_eq!(reader.span().unwrap(), Some((first, last)));
     }
@@ -108,7 +108,7 @@ fn a_database_is_about_one_cell_and_one_description() {
     let mut about = of.about.clone();
     about.sheet.modes[0].nominal *= 2;
     drop(History::open(&path, &about).unwrap());
-    assert_eq!(HistoryReader::open(&path).unwrap().about(), &about);
+    assert_eq!(HistoryReader::open(&path).unwrap().about(), &(&about).into());
 }
 
 /// The views are for people; they must say what the folds say.

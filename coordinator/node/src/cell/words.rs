@@ -6,7 +6,7 @@ use linewright_coordinator_cell::exception::Alarm;
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
 use linewright_coordinator_cell::{
     ActivityPhase, CellTable, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part, PartPlace,
-    PlayerState, ProductionId,
+    PlayerState, ProductionId, texts,
 };
 use linewright_line::{Line, Tick};
 use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
@@ -33,7 +33,7 @@ pub fn describe(line: &Line, state: &PlayerState, starting: bool, now: Tick, mes
     let mut parts: Vec<&Part> = state.parts().collect();
     parts.sort_by_key(|part| (part.since, part.id));
     message.parts = listed(parts.into_iter().map(|part| self::part(table, state, part)));
-    message.activities = listed(state.firings().map(|firing| activity(line, table, firing, now)));
+    message.activities = listed(state.firings().map(|firing| activity(line, state, firing, now)));
     let (open, over): (Vec<&ProductionOrder>, Vec<&ProductionOrder>) =
         production.orders().partition(|order| order.ended.is_none());
     message.orders =
@@ -74,15 +74,18 @@ fn part(table: &CellTable, state: &PlayerState, part: &Part) -> PartState {
     }
 }
 
-fn activity(line: &Line, table: &CellTable, firing: &OngoingActivity, now: Tick) -> ActivityState {
-    let mode: ModeId = firing.mode;
+fn activity(line: &Line, state: &PlayerState, firing: &OngoingActivity, now: Tick) -> ActivityState {
+    let (table, mode): (&CellTable, ModeId) = (state.table(), firing.mode);
     let text = match firing.phase {
         ActivityPhase::Running => {
             let open = firing.orders.iter().filter(|order| order.is_open());
             let open: Vec<String> = open.map(|order| waits(line, order, now)).collect();
             open.join("; ")
         }
-        ActivityPhase::Failed(_) => "failed".to_owned(),
+        ActivityPhase::Failed(_) => {
+            let trouble = state.exceptions().trouble(firing.id);
+            format!("failed, waits for {}", texts::recovery(trouble.map(|trouble| &trouble.stage)))
+        }
     };
     ActivityState {
         id: firing.id.0,

@@ -1,0 +1,222 @@
+//! The report of a line: cycle times, stops and waits by cause, key figures of ISO 22400-2, and a cycle as a bar chart.
+
+mod chart;
+mod mcap;
+mod tables;
+
+use std::fmt::Write as _;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use linewright_coordinator_cell::tracking::Spread;
+use linewright_history::line::{Asked, CycleChart, Figure, LineReport, LineStationReport, LineTracking, StopCause};
+use linewright_history::{HistoryReader, LineAbout};
+use linewright_line::Tick;
+use miette::{IntoDiagnostic, WrapErr, miette};
+
+use super::Args;
+use super::story::failed;
+use super::when::{self, Zone};
+use crate::out::{self, say};
+
+/// So many causes of waits are listed for a station; JSON and CSV have all.
+const WAITS_MAX: usize = 5;
+
+/// What the database of a line says of a span.
+pub struct LineSource {
+    pub reader: HistoryReader,
+    pub about: LineAbout,
+    pub zone: Zone,
+    pub tracking: LineTracking,
+    pub report: LineReport,
+    /// The cycle that is drawn; none if no operation has been done.
+    pub chart: Option<CycleChart>,
+}
+
+impl LineSource {
+    /// Reads the database.
+    ///
+    /// # Errors
+    /// What is wrong with it, or with what is asked.
+    pub fn read(
+        reader: HistoryReader,
+        about: LineAbout,
+        span: (Tick, Tick),
+        zone: Zone,
+        args: &Args,
+    ) -> miette::Result<Self> {
+        let mut tracking = LineTracking::new(about.clone());
+        reader.each(span.1, |event| tracking.take(&event)).map_err(failed)?;
+        let report = tracking.report(span, &Asked { planned_busy: planned_busy(args)?, rejected: args.rejected });
+        let chart = tracking.chart(args.cycle, span);
+        if let Some(number) = args.cycle.filter(|_| chart.is_none()) {
+            let known = tracking.stations().iter().flat_map(|of| &of.motions).map(|of| of.cycle);
+            let known = known.clone().min().zip(known.max());
+            let has = known.map_or_else(|| "none".to_owned(), |(least, most)| format!("{least} to {most}"));
+            return Err(miette!("no motion of cycle {number} until {}; cycles: {has}", show(&about, zone, span.1)));
+        }
+        Ok(LineSource { reader, about, zone, tracking, report, chart })
+    }
+
+    /// A time, as people read it.
+    pub fn show(&self, tick: Tick) -> String {
+        show(&self.about, self.zone, tick)
+    }
+
+    fn text(&self) -> String {
+        let (report, mut text) = (&self.report, String::new());
+        let (from, to) = report.span;
+        let stopped: Duration = report.stops.iter().map(|stop| stop.total).sum();
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "{}, {} to {}", self.about.title, self.show(from), self.show(to));
+        let _ = write!(text, "{} s observed: produced {} s", seconds(report.observed()), seconds(report.producing));
+        let _ = writeln!(text, ", stopped {} s, not recorded {} s", seconds(stopped), seconds(report.unrecorded));
+        self.cycles(&mut text);
+        self.figures(&mut text);
+        if !report.stops.is_empty() {
+            let _ = writeln!(text, "\n{:>5} {:>9} {:>9}  stops, in s", "times", "total", "longest");
+            for stop in &report.stops {
+                let (total, longest) = (seconds(stop.total), seconds(stop.longest));
+                let _ = writeln!(text, "{:>5} {total:>9} {longest:>9}  {}", stop.times, cause(&stop.cause));
+            }
+        }
+        self.stations(&mut text);
+        text
+    }
+
+    fn cycles(&self, text: &mut String) {
+        let (report, planned) = (&self.report, self.report.figures.planned_run_time);
+        let planned =
+            planned.map_or_else(String::new, |planned| format!("; planned: {:.3} s each", planned.as_secs_f64()));
+        let _ = writeln!(text, "{} cycles have ended{planned}", report.cycles.len());
+        if report.cycles.is_empty() {
+            return;
+        }
+        let _ = writeln!(
+            text,
+            "\n{:<34} {:>6} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "a cycle, in s", "count", "least", "mean", "median", "90 %", "99 %", "most"
+        );
+        let mut row = |name: &str, of: &Spread| {
+            let times = [of.least, mean(of).unwrap_or_default(), of.median, of.p90, of.p99, of.most];
+            // Of no cycle there is no time.
+            let times = times.iter().map(|time| match of.count {
+                0 => format!("{:>9}", "-"),
+                _ => format!("{:>9.3}", time.as_secs_f64()),
+            });
+            let _ = writeln!(text, "{name:<34} {:>6} {}", of.count, times.collect::<Vec<_>>().join(" "));
+        };
+        row("all", &report.cycle_time);
+        for part in &report.trend {
+            row(&format!("from {}", self.show(part.span.0)), &part.times);
+        }
+    }
+
+    fn figures(&self, text: &mut String) {
+        let of = &self.report.figures;
+        let _ = writeln!(
+            text,
+            "\nISO 22400-2: production time APT {} s, delays ADET {} s, busy time AUBT {} s, produced PQ {} cycles",
+            seconds(of.production),
+            seconds(of.delay),
+            seconds(of.busy()),
+            of.produced
+        );
+        for (name, formula, figure) in figures(of) {
+            let figure = match figure {
+                Ok(share) => format!("{:.1} %", share * 100.0),
+                Err(why) => format!("left out: {why}"),
+            };
+            let _ = writeln!(text, "{name:<22} {formula:<14} {figure}");
+        }
+    }
+
+    fn stations(&self, text: &mut String) {
+        let _ = writeln!(
+            text,
+            "\n{:<16} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}",
+            "while producing", "busy", "waited", "other", "motions", "stopped", "faults"
+        );
+        let whole = self.report.producing;
+        let percent = |part: Duration| match whole.is_zero() {
+            true => "-".to_owned(),
+            false => format!("{:.1} %", part.as_secs_f64() / whole.as_secs_f64() * 100.0),
+        };
+        for of in &self.report.stations {
+            let LineStationReport { name, busy, waits, other, motions, stopped, unseen, faults } = of;
+            let waited = waits.iter().map(|wait| wait.total).sum();
+            let [busy, waited, other] = [*busy, waited, *other].map(percent);
+            let _ = writeln!(text, "{name:<16} {busy:>8} {waited:>8} {other:>8} {motions:>8} {stopped:>8} {faults:>7}");
+            for wait in waits.iter().take(WAITS_MAX) {
+                let _ = writeln!(text, "  {:>9} s, {} times, for {}", seconds(wait.total), wait.times, wait.why);
+            }
+            if waits.len() > WAITS_MAX {
+                let _ = writeln!(text, "  and {} other causes; --json has all of them", waits.len() - WAITS_MAX);
+            }
+            if *unseen > 0 {
+                let _ = writeln!(text, "  {unseen} motions passed between two states, and have no times");
+            }
+        }
+    }
+}
+
+/// Prints and writes what is asked for.
+pub fn run(args: &Args, source: LineSource) -> miette::Result<ExitCode> {
+    if let Some(dir) = &args.csv {
+        tables::csv(&source, dir)?;
+    }
+    if let Some(path) = &args.mcap {
+        mcap::write(&source, path)?;
+    }
+    if let Some(path) = &args.gantt {
+        let chart = source.chart.as_ref().ok_or_else(|| miette!("no operation has been done: there is no cycle"))?;
+        let written = std::fs::write(path, chart::svg(&source, chart));
+        written.into_diagnostic().wrap_err_with(|| format!("cannot write {}", path.display()))?;
+    }
+    if args.json {
+        out::json(&tables::LineReportJson::new(&source))?;
+    } else {
+        say!("{}", source.text().trim_end());
+        if args.chart {
+            match &source.chart {
+                Some(chart) => say!("\n{}", chart::text(&source, chart).trim_end()),
+                None => say!("\nno operation has been done"),
+            }
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn show(about: &LineAbout, zone: Zone, tick: Tick) -> String {
+    when::show(tick, about.clock, zone)
+}
+
+fn planned_busy(args: &Args) -> miette::Result<Option<Duration>> {
+    let Some(hours) = args.planned_busy else { return Ok(None) };
+    let span = Duration::try_from_secs_f64(hours * 3600.0).ok().filter(|span| span.as_secs() < 1_000_000_000);
+    span.map(Some).ok_or_else(|| miette!("--planned-busy {hours}: expected hours, from 0 on"))
+}
+
+fn seconds(time: Duration) -> String {
+    format!("{:.1}", time.as_secs_f64())
+}
+
+fn mean(of: &Spread) -> Option<Duration> {
+    u32::try_from(of.count).ok().filter(|count| *count > 0).map(|count| of.total / count)
+}
+
+/// A cause of stops, in words.
+fn cause(of: &StopCause) -> String {
+    if of.text.is_empty() { of.kind.name().to_owned() } else { format!("{}: {}", of.kind.name(), of.text) }
+}
+
+/// The figures with their formulas.
+fn figures(of: &linewright_history::line::LineFigures) -> [(&'static str, &'static str, &Figure); 5] {
+    [
+        ("utilization efficiency", "APT / AUBT", &of.utilization_efficiency),
+        ("availability", "APT / PBT", &of.availability),
+        ("effectiveness", "PRI * PQ / APT", &of.effectiveness),
+        ("quality ratio", "GQ / PQ", &of.quality_ratio),
+        ("OEE index", "A * E * QR", &of.oee),
+    ]
+}

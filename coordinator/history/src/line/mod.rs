@@ -1,0 +1,309 @@
+//! What a line has done: a fold over its notes, for reports.
+//!
+//! ```text
+//!  of the line:      producing ── in auto, motion enabled, nothing wrong
+//!                    stopped ──── by one cause, from leaving that until coming back to it
+//!                    unrecorded ─ no coordinator, or it could not write: until a note says how everything stands
+//!  of a station, while the line produces:  busy (an operation in motion), waiting, or neither
+//! ```
+//!
+//! At each moment the line is in one of the three, so they sum to the observed time; and a station to the time in which the
+//! line has produced. The cause of a stop is the one that it began with, until there is a graver one (another stop begins) or
+//! the line stands at home without any (from there on it is the operator's). What is going on at the end of the notes and is
+//! written when it is over, as a motion, is not known yet.
+
+mod report;
+mod spans;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use linewright_line::Tick;
+
+use crate::event::{EventKind, HistoryEvent};
+use crate::{LineAbout, MotionEnd, Note};
+
+pub use report::{
+    Asked, CycleChart, Figure, LineFigures, LineReport, LineStationReport, PlannedRow, StopTotal, TrendPart, WaitTotal,
+};
+pub use spans::{Spans, Stretch};
+
+/// The kinds of causes of a stop, the gravest last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum StopKind {
+    /// Auto is selected, and stations have yet to acknowledge it.
+    Starting,
+    /// By an operator's command: home, stand-by, hand or manual, and nothing wrong.
+    Operator,
+    /// A station is not heard, or has lost its devices.
+    NotHeard,
+    /// A station has a fault.
+    Alarm,
+    EmergencyStop,
+}
+
+impl StopKind {
+    pub const fn name(self) -> &'static str {
+        match self {
+            StopKind::Starting => "starting",
+            StopKind::Operator => "operator",
+            StopKind::NotHeard => "not heard",
+            StopKind::Alarm => "alarm",
+            StopKind::EmergencyStop => "emergency stop",
+        }
+    }
+}
+
+/// Why a line stood.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct StopCause {
+    pub kind: StopKind,
+    /// Which station, and what; empty where the kind says all.
+    pub text: String,
+}
+
+/// How a line was at a moment.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LineState {
+    Unrecorded,
+    Producing,
+    Stopped(StopCause),
+}
+
+/// A motion of an operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LineMotion {
+    pub operation: usize,
+    pub cycle: i32,
+    pub from: Tick,
+    pub to: Tick,
+    pub end: MotionEnd,
+}
+
+/// A station stood and waited.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LineWait {
+    /// What it waited for, without the numbers of cycles.
+    pub why: String,
+    pub from: Tick,
+    pub to: Tick,
+}
+
+/// A cycle of the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LineCycle {
+    pub number: i32,
+    pub ended: Tick,
+    pub took: Duration,
+}
+
+/// What was taken of one station.
+#[derive(Clone, Debug, Default)]
+pub struct StationTrack {
+    pub motions: Vec<LineMotion>,
+    pub waits: Vec<LineWait>,
+    /// When faults have come.
+    pub faults: Vec<Tick>,
+}
+
+/// What is known of the line now.
+#[derive(Clone, Debug, Default)]
+struct Known {
+    mode: Option<(String, bool)>,
+    faults: BTreeMap<u16, String>,
+    unheard: BTreeSet<u16>,
+    without_devices: BTreeSet<u16>,
+}
+
+/// A line, as its notes tell it.
+#[derive(Clone, Debug)]
+pub struct LineTracking {
+    about: LineAbout,
+    known: Known,
+    /// The state now, and since when.
+    now: (Tick, LineState),
+    last: Option<Tick>,
+    states: Vec<(Stretch, LineState)>,
+    cycles: Vec<LineCycle>,
+    stations: Vec<StationTrack>,
+}
+
+impl LineTracking {
+    /// Before anything has happened.
+    pub fn new(about: LineAbout) -> Self {
+        LineTracking {
+            stations: vec![StationTrack::default(); about.stations.len()],
+            about,
+            known: Known::default(),
+            now: (Tick::ZERO, LineState::Unrecorded),
+            last: None,
+            states: Vec::new(),
+            cycles: Vec::new(),
+        }
+    }
+
+    pub fn about(&self) -> &LineAbout {
+        &self.about
+    }
+
+    /// The stations, by number.
+    pub fn stations(&self) -> &[StationTrack] {
+        &self.stations
+    }
+
+    pub fn cycles(&self) -> &[LineCycle] {
+        &self.cycles
+    }
+
+    /// How the line was, one after the other; the last until `to`.
+    pub fn states(&self, to: Tick) -> impl Iterator<Item = (Stretch, &LineState)> {
+        let last = ((self.now.0, to), &self.now.1);
+        self.states
+            .iter()
+            .map(|(stretch, state)| (*stretch, state))
+            .chain([last].into_iter().filter(move |of| of.0.0 < to))
+    }
+
+    /// Takes the next thing that has happened.
+    pub fn take(&mut self, event: &HistoryEvent) {
+        let (at, EventKind::Note(note)) = (event.at, &event.what) else { return };
+        match note {
+            Note::Began {} => {
+                // Whatever happened since the last note, nothing is known of it.
+                self.change(self.last.unwrap_or(at), LineState::Unrecorded);
+                self.known = Known::default();
+            }
+            Note::Mode { name, starts } => self.known.mode = Some((name.clone(), *starts)),
+            Note::Station { station, lost } => put(&mut self.known.unheard, *station, *lost),
+            Note::Device { station, lost, device: _ } => put(&mut self.known.without_devices, *station, *lost),
+            Note::Fault { station, text } => self.fault(*station, text, at),
+            &Note::Motion { station, operation, cycle, from, to, end } => {
+                let operation = usize::from(operation);
+                if let Some(track) = self.stations.get_mut(usize::from(station)) {
+                    track.motions.push(LineMotion { operation, cycle, from, to, end });
+                }
+            }
+            Note::Waited { station, why, from, to } => {
+                if let Some(track) = self.stations.get_mut(usize::from(*station)) {
+                    track.waits.push(LineWait { why: cause(why), from: *from, to: *to });
+                }
+            }
+            &Note::Cycle { number, took_us } => {
+                self.cycles.push(LineCycle { number, ended: at, took: Duration::from_micros(took_us) });
+            }
+            Note::EmergencyStop { .. }
+            | Note::Planned { .. }
+            | Note::Missing { .. }
+            | Note::Observed {}
+            | Note::Said { .. } => (),
+        }
+        self.last = Some(at);
+        self.settle(at);
+    }
+
+    fn fault(&mut self, station: u16, text: &str, at: Tick) {
+        if text.is_empty() {
+            self.known.faults.remove(&station);
+            return;
+        }
+        self.known.faults.insert(station, text.to_owned());
+        if let Some(track) = self.stations.get_mut(usize::from(station)) {
+            track.faults.push(at);
+        }
+    }
+
+    fn settle(&mut self, at: Tick) {
+        let next = self.state();
+        let is_at_home = self.known.mode.as_ref().is_some_and(|(name, _)| name == "home");
+        let goes_on = match (&self.now.1, &next) {
+            (LineState::Stopped(is), LineState::Stopped(next)) => {
+                let is_operators = is_at_home && next.kind == StopKind::Operator;
+                let is_graver = next.kind > is.kind && is.kind != StopKind::Starting;
+                let is_begun_by_it = is.kind == StopKind::Starting && next.kind != StopKind::Starting;
+                !(is_graver || is_begun_by_it || is_operators && is.kind != StopKind::Operator)
+            }
+            (is, next) => is == next,
+        };
+        if !goes_on {
+            self.change(at, next);
+        }
+    }
+
+    fn change(&mut self, at: Tick, to: LineState) {
+        let (since, was) = std::mem::replace(&mut self.now, (at, to));
+        if since < at && self.last.is_some() {
+            self.states.push(((since, at), was));
+        }
+        // What was otherwise for no time was not.
+        if let Some(((from, until), state)) = self.states.last()
+            && (*until, state) == (at, &self.now.1)
+        {
+            self.now.0 = *from;
+            self.states.pop();
+        }
+    }
+
+    /// How the line is by what is known now, whatever it was before.
+    fn state(&self) -> LineState {
+        let Some((mode, starts)) = &self.known.mode else { return LineState::Unrecorded };
+        let name = |station: &u16| {
+            let of = self.about.stations.get(usize::from(*station));
+            of.map_or_else(|| format!("station {station}"), |of| of.name.clone())
+        };
+        let stopped = |kind, text| LineState::Stopped(StopCause { kind, text });
+        if mode == "e-stop" {
+            stopped(StopKind::EmergencyStop, String::new())
+        } else if let Some((station, text)) = self.known.faults.first_key_value() {
+            stopped(StopKind::Alarm, format!("{}: {text}", name(station)))
+        } else if let Some(station) = self.known.unheard.first() {
+            stopped(StopKind::NotHeard, format!("{}: no state received", name(station)))
+        } else if let Some(station) = self.known.without_devices.first() {
+            stopped(StopKind::NotHeard, format!("{}: I/O devices lost", name(station)))
+        } else if mode != "auto" {
+            stopped(StopKind::Operator, String::new())
+        } else if *starts {
+            LineState::Producing
+        } else {
+            stopped(StopKind::Starting, String::new())
+        }
+    }
+}
+
+fn put(set: &mut BTreeSet<u16>, station: u16, is_in: bool) {
+    if is_in {
+        set.insert(station);
+    } else {
+        set.remove(&station);
+    }
+}
+
+/// What was waited for, without the number of the cycle, which is another one each time.
+fn cause(why: &str) -> String {
+    const CYCLE: &str = " (cycle ";
+    let (mut text, mut rest) = (String::with_capacity(why.len()), why);
+    while let Some((before, behind)) = rest.split_once(CYCLE) {
+        text.push_str(before);
+        match behind.split_once(')') {
+            Some((number, after)) if number.parse::<i32>().is_ok() => rest = after,
+            _ => {
+                text.push_str(CYCLE);
+                rest = behind;
+            }
+        }
+    }
+    text + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_has_no_number_of_a_cycle() {
+        let why = "transfer: 4th lower (cycle 12), for advance clamp; mill_1: feed (cycle -1), for it";
+        assert_eq!(cause(why), "transfer: 4th lower, for advance clamp; mill_1: feed, for it");
+        for same in ["a plausible cycle of mill_1 (it reports 7), for x", "x (cycle time)", "x (cycle ", ""] {
+            assert_eq!(cause(same), same);
+        }
+    }
+}

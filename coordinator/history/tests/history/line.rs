@@ -1,0 +1,266 @@
+//! Notes of a line, and what a report makes of them: an example by hand, and that parts sum to the whole whatever the notes.
+
+use std::time::Duration;
+
+use linewright_history::line::{Asked, LineReport, LineState, LineTracking, StopKind};
+use linewright_history::{
+    EventKind, History, HistoryEvent, HistoryFeed, HistoryReader, LineAbout, LineOperation, LineStation, MotionEnd,
+    Note, TimeBase,
+};
+use linewright_line::Tick;
+use linewright_simulation::Rng;
+use rusqlite::Connection;
+
+use crate::played::scratch;
+
+const AT: fn(u64) -> Tick = Tick::from_millis;
+const MS: fn(u64) -> Duration = Duration::from_millis;
+
+fn about() -> LineAbout {
+    let operation = |name: &str, planned| LineOperation { name: name.to_owned(), planned_us: Some(planned) };
+    let station = |name: &str, operations| LineStation { name: name.to_owned(), operations };
+    LineAbout {
+        line: "line".to_owned(),
+        title: "Line".to_owned(),
+        clock: TimeBase::Unix,
+        stations: vec![
+            station("bar", vec![operation("lift", (0, 3_000_000)), operation("lower", (4_000_000, 6_000_000))]),
+            station("clamp", vec![operation("close", (3_000_000, 4_000_000))]),
+        ],
+        cycle_us: 8_000_000,
+    }
+}
+
+fn mode(name: &str, starts: bool) -> Note {
+    Note::Mode { name: name.to_owned(), starts }
+}
+
+fn motion(station: u16, operation: u16, cycle: i32, (from, to): (u64, u64), end: MotionEnd) -> Note {
+    Note::Motion { station, operation, cycle, from: AT(from), to: AT(to), end }
+}
+
+fn waited(station: u16, why: &str, from: u64, to: u64) -> Note {
+    Note::Waited { station, why: why.to_owned(), from: AT(from), to: AT(to) }
+}
+
+fn fault(station: u16, text: &str) -> Note {
+    Note::Fault { station, text: text.to_owned() }
+}
+
+/// One run with a cycle of 10 s and one of 12 s, a fault, an emergency stop, and a coordinator that was killed.
+fn example() -> Vec<(u64, Note)> {
+    vec![
+        (1_000, Note::Began {}),
+        (1_000, mode("home", false)),
+        (1_000, Note::Station { station: 1, lost: true }),
+        (2_000, Note::Station { station: 1, lost: false }),
+        // 1 s not heard, then the operator's; the second until all have acknowledged is part of that stop.
+        (4_000, mode("auto", false)),
+        (5_000, mode("auto", true)),
+        (8_000, motion(0, 0, 1, (5_000, 8_000), MotionEnd::Done)),
+        (8_000, waited(1, "bar: lift (cycle 1), for close", 5_000, 8_000)),
+        (10_000, motion(1, 0, 1, (8_000, 10_000), MotionEnd::Done)),
+        (10_000, waited(0, "clamp: close (cycle 1), for lower", 8_000, 10_000)),
+        (14_000, motion(0, 1, 1, (10_000, 14_000), MotionEnd::Done)),
+        (14_000, waited(1, "bar: lift (cycle 2), for close", 10_000, 14_000)),
+        (15_000, Note::Cycle { number: 1, took_us: 10_000_000 }),
+        // 5 s of the second cycle: 3 s until the fault, 2 s after it. 7 s of fault.
+        (18_000, motion(0, 0, 2, (15_000, 18_000), MotionEnd::Stopped)),
+        (18_000, fault(0, "lift: watchdog")),
+        (18_010, mode("stand-by", false)),
+        (20_000, mode("manual", false)),
+        (21_000, fault(0, "")),
+        (24_000, mode("auto", false)),
+        (25_000, mode("auto", true)),
+        (27_000, Note::Cycle { number: 2, took_us: 12_000_000 }),
+        // 3 s of emergency stop, reset in manual; then home.
+        (30_000, mode("e-stop", false)),
+        (31_000, mode("manual", false)),
+        (33_000, mode("home", false)),
+        (35_000, Note::Observed {}),
+        // Killed; 5 s of which nothing is known.
+        (40_000, Note::Began {}),
+        (40_000, mode("auto", true)),
+        (42_000, Note::Observed {}),
+    ]
+}
+
+fn tracked(notes: &[(u64, Note)]) -> LineTracking {
+    let mut tracking = LineTracking::new(about());
+    for (at, note) in notes {
+        tracking.take(&HistoryEvent { at: AT(*at), what: EventKind::Note(note.clone()) });
+    }
+    tracking
+}
+
+#[test]
+fn an_example_by_hand() {
+    let tracking = tracked(&example());
+    let asked = Asked { planned_busy: Some(MS(40_000)), rejected: Some(1) };
+    let report = tracking.report((AT(1_000), AT(42_000)), &asked);
+    // 5 to 18, 25 to 30, 40 to 42.
+    assert_eq!((report.producing, report.unrecorded), (MS(20_000), MS(5_000)));
+    let stops: Vec<_> =
+        report.stops.iter().map(|of| (of.cause.kind, of.cause.text.as_str(), of.times, of.total)).collect();
+    let expected = [
+        (StopKind::Alarm, "bar: lift: watchdog", 1, MS(7_000)),
+        // 2 to 5, and 33 to 35, when it was last heard of.
+        (StopKind::Operator, "", 2, MS(5_000)),
+        (StopKind::EmergencyStop, "", 1, MS(3_000)),
+        (StopKind::NotHeard, "clamp: no state received", 1, MS(1_000)),
+    ];
+    assert_eq!(stops, expected);
+    let [bar, clamp] = report.stations.as_slice() else { panic!("two stations") };
+    // 3 + 4 + 3 s in motion, 2 s for the clamp; of 20 s.
+    assert_eq!((bar.busy, bar.other, bar.motions, bar.stopped, bar.faults), (MS(10_000), MS(8_000), 2, 1, 1));
+    assert_eq!((bar.waits.len(), bar.waits[0].total), (1, MS(2_000)));
+    assert_eq!((clamp.busy, clamp.other), (MS(2_000), MS(11_000)));
+    let wait = &clamp.waits[0];
+    assert_eq!((wait.why.as_str(), wait.times, wait.total), ("bar: lift, for close", 2, MS(7_000)));
+    assert_eq!(report.cycle_time.total, MS(22_000));
+    // The first cycle ran 10 s and counts 8, the second 3 + 2.
+    let of = &report.figures;
+    assert_eq!((of.produced, of.production, of.delay, of.busy()), (2, MS(20_000), MS(11_000), MS(31_000)));
+    assert_eq!(of.utilization_efficiency, Ok(20.0 / 31.0));
+    assert_eq!(of.availability, Ok(0.5));
+    assert_eq!(of.effectiveness, Ok(13.0 / 20.0));
+    assert_eq!(of.quality_ratio, Ok(0.5));
+    assert_eq!(of.oee, Ok(0.5 * (13.0 / 20.0) * 0.5));
+}
+
+#[test]
+fn what_cannot_be_known_is_left_out_with_its_reason() {
+    let tracking = tracked(&example());
+    let of = tracking.report((AT(1_000), AT(42_000)), &Asked::default()).figures;
+    assert!(of.availability.unwrap_err().contains("PBT"));
+    assert!(of.quality_ratio.unwrap_err().contains("GQ"));
+    assert!(of.oee.is_err() && of.effectiveness.is_ok());
+    let asked = Asked { planned_busy: Some(MS(19_000)), rejected: Some(3) };
+    let of = tracking.report((AT(1_000), AT(42_000)), &asked).figures;
+    assert!(of.availability.unwrap_err().contains("less than"), "not over 100 %");
+    assert!(of.quality_ratio.unwrap_err().contains("more were rejected"));
+    let of = tracking.report((AT(1_000), AT(4_000)), &asked).figures;
+    assert!(of.effectiveness.unwrap_err().contains("APT is 0"));
+}
+
+#[test]
+fn a_cycle_is_drawn_as_planned_and_as_measured() {
+    let tracking = tracked(&example());
+    let chart = tracking.chart(None, (AT(0), AT(42_000))).expect("a cycle");
+    assert_eq!((chart.cycle, chart.began), (1, AT(5_000)), "the second is not whole");
+    let rows: Vec<_> = chart.rows.iter().map(|row| (row.planned.unwrap(), row.measured.clone())).collect();
+    let expected = [
+        ((0.0, 3.0), vec![(0.0, 3.0, false)]),
+        ((4.0, 6.0), vec![(5.0, 9.0, false)]),
+        ((3.0, 4.0), vec![(3.0, 5.0, false)]),
+    ];
+    assert_eq!(rows, expected);
+    let stopped = tracking.chart(Some(2), (AT(0), AT(42_000))).expect("it was begun");
+    assert_eq!(stopped.rows[0].measured, [(0.0, 3.0, true)]);
+    assert_eq!(tracking.chart(Some(7), (AT(0), AT(42_000))), None);
+}
+
+fn sums_to_the_whole(tracking: &LineTracking, report: &LineReport) {
+    let stopped: Duration = report.stops.iter().map(|stop| stop.total).sum();
+    assert_eq!(report.producing + stopped + report.unrecorded, report.observed());
+    for station in &report.stations {
+        let waited: Duration = station.waits.iter().map(|wait| wait.total).sum();
+        assert_eq!(station.busy + waited + station.other, report.producing, "{station:?}");
+    }
+    let of = &report.figures;
+    for figure in [&of.utilization_efficiency, &of.availability, &of.effectiveness, &of.quality_ratio, &of.oee] {
+        assert!(figure.as_ref().is_ok_and(|share| (0.0..=1.0).contains(share)) || figure.is_err(), "{figure:?}");
+    }
+    // The states follow on each other without a gap.
+    let states: Vec<_> = tracking.states(report.span.1).collect();
+    assert!(states.windows(2).all(|pair| pair[0].0.1 == pair[1].0.0), "{states:?}");
+    let is_joined = |pair: &[(_, &LineState)]| pair[0].1 != pair[1].1;
+    assert!(states.windows(2).all(is_joined), "{states:?}");
+}
+
+/// Whatever happens, in whatever order, late or twice.
+#[test]
+fn parts_sum_to_the_whole_and_nothing_is_over_100_percent() {
+    let mut rng = Rng::new(41);
+    let mut below = |bound: u64| rng.below(bound);
+    for _ in 0..500 {
+        let (mut now, mut notes) = (0, Vec::new());
+        for number in 0..60 {
+            now += below(3) * below(900);
+            let (station, other) = (below(3) as u16, below(4) as u16);
+            let from = now.saturating_sub(below(2_000));
+            notes.push((
+                now,
+                match below(11) {
+                    0 => Note::Began {},
+                    1..4 => {
+                        let name = ["auto", "auto", "auto", "stand-by", "home", "e-stop", "manual"];
+                        mode(name[below(7) as usize], below(3) > 0)
+                    }
+                    4 => Note::Station { station, lost: below(2) == 0 },
+                    5 => Note::Device { station, device: String::new(), lost: below(2) == 0 },
+                    6 => fault(station, ["", "", "stuck", "watchdog"][usize::from(other)]),
+                    7 => motion(station, other, number, (from, now), MotionEnd::Done),
+                    8 => motion(station, other, number, (from, now), MotionEnd::Stopped),
+                    9 => waited(station, ["a", "b", "c", "d"][usize::from(other)], from, now),
+                    _ => Note::Cycle { number, took_us: below(9_000_000) },
+                },
+            ));
+        }
+        let tracking = tracked(&notes);
+        let from = below(now + 1);
+        let span = (AT(from), AT(from + below(now - from + 1)));
+        let asked = Asked { planned_busy: Some(MS(below(40_000))), rejected: Some(below(4)) };
+        sums_to_the_whole(&tracking, &tracking.report(span, &asked));
+    }
+}
+
+/// Through the file: what was noted is what is read, a second process goes on behind it, and nothing is held up.
+#[test]
+fn notes_of_a_line_go_through_the_database() {
+    let (_dir, path) = scratch();
+    let notes = example();
+    let begin = || {
+        let path = path.clone();
+        HistoryFeed::of_notes(move || History::open(&path, &about()))
+    };
+    let mut feed = begin();
+    assert!(notes.iter().all(|(at, note)| feed.offer_note(AT(*at), note.clone())));
+    feed.end_within(Duration::from_secs(20));
+    assert_eq!(History::open(&path, &about()).unwrap().last().unwrap(), Some(AT(42_000)));
+    // The clock was set back by 2 s meanwhile.
+    let mut feed = begin();
+    feed.offer_note(AT(40_000), Note::Observed {});
+    feed.offer_note(AT(41_000), waited(0, "a", 40_000, 41_000));
+    feed.end_within(Duration::from_secs(20));
+    let reader = HistoryReader::open(&path).unwrap();
+    assert_eq!(reader.about(), &(&about()).into());
+    let mut read = Vec::new();
+    reader.each(Tick::NEVER, |event| read.push((event.at, event.what))).unwrap();
+    let expected = notes.into_iter().chain([(42_000, Note::Observed {}), (43_000, waited(0, "a", 42_000, 43_000))]);
+    assert_eq!(read, expected.map(|(at, note)| (AT(at), EventKind::Note(note))).collect::<Vec<_>>());
+    // Another line, and other operations, are refused; other planned times are not.
+    let refused = |of: &LineAbout| History::open(&path, of).map(|_| ()).unwrap_err().to_string();
+    assert!(refused(&LineAbout { line: "other".to_owned(), ..about() }).contains("is about line `line`"));
+    let mut other = about();
+    other.stations[0].operations.remove(0);
+    assert!(refused(&other).contains("line `line` with other stations or operations"));
+    History::open(&path, &LineAbout { cycle_us: 9, ..about() }).unwrap();
+}
+
+/// A disk that takes nothing: what finds no room is refused, and whoever offers does not wait.
+#[test]
+fn what_finds_no_room_is_refused_and_nothing_waits() {
+    let (_dir, path) = scratch();
+    drop(History::open(&path, &about()).unwrap());
+    // Another process holds the file, as a disk that hangs would.
+    let other = Connection::open(&path).unwrap();
+    other.execute_batch("BEGIN EXCLUSIVE").unwrap();
+    let began = std::time::Instant::now();
+    let other_path = path.clone();
+    let mut feed = HistoryFeed::of_notes(move || History::open(&other_path, &about()));
+    let taken = (0..4000).filter(|at| feed.offer_note(AT(*at), Note::Observed {})).count();
+    assert!((1000..3000).contains(&taken), "{taken}");
+    feed.end_within(Duration::from_millis(50));
+    assert!(began.elapsed() < Duration::from_secs(2), "{:?}", began.elapsed());
+}

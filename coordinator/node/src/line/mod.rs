@@ -1,0 +1,208 @@
+//! What a line does, into the database beside the loop.
+//!
+//! Nothing waits for it: notes go through a bounded queue to a thread of their own. Where there is no room for one, nothing
+//! more is offered until there is; then the observation *begins* anew and says how everything stands, and a report has a gap.
+//! A database that fails is reported once, and the line goes on without.
+
+mod observer;
+
+use std::path::Path;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use linewright_coordinator_logic::CompletedCycle;
+use linewright_history::{History, HistoryFeed, LineAbout, LineOperation, LineStation, Note, TimeBase};
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId, Tick};
+use linewright_msgs::StationState;
+use linewright_simulation::LinePlan;
+use linewright_station_shell::NewestBySequence;
+
+use crate::cell::LineSituation;
+use crate::node::CoordinatorLoop;
+pub use observer::StationObserver;
+
+/// A note at least this often, so that a report knows until when the line was observed.
+const NOTE_EVERY: Duration = Duration::from_secs(60);
+/// How long the end of the process waits for what is not written yet.
+const END: Duration = Duration::from_secs(1);
+/// The cycle that is drawn as planned: by then the line has run in.
+const PLANNED_CYCLE: i32 = 10;
+
+/// Feeds the database of a line.
+pub struct LineHistory {
+    feed: HistoryFeed,
+    /// The calendar's time when the clock of the loop was at zero.
+    origin: Tick,
+    stations: Vec<StationObserver>,
+    newest: Vec<NewestBySequence>,
+    /// How the line stands, as the database was told; none where it has yet to be told everything.
+    noted: Option<LineSituation>,
+    note_due: Tick,
+    notes: Vec<Note>,
+}
+
+/// What the database is about.
+pub fn about(line: &Line) -> LineAbout {
+    let plan = LinePlan::of(line);
+    let schedule = plan.schedule(usize::try_from(PLANNED_CYCLE).unwrap_or(0) + 1);
+    let planned = |id: StationId| {
+        let ops = line.station(id).op_ids();
+        ops.map(|op| plan.planned(&schedule, (id, op), PLANNED_CYCLE)).collect::<Vec<_>>()
+    };
+    let all: Vec<Vec<_>> = line.station_ids().map(planned).collect();
+    let first = all.iter().flatten().flatten().map(|times| times.start).min().unwrap_or(0);
+    let stations = line.station_ids().zip(&all).map(|(id, planned)| LineStation {
+        name: line.station(id).name.clone(),
+        operations: std::iter::zip(&line.station(id).operations, planned)
+            .map(|(operation, planned)| LineOperation {
+                name: operation.name.clone(),
+                planned_us: planned.map(|times| (times.start - first, times.end - first)),
+            })
+            .collect(),
+    });
+    LineAbout {
+        line: line.name.clone(),
+        title: line.title.clone(),
+        clock: TimeBase::Unix,
+        stations: stations.collect(),
+        cycle_us: plan.cycle_time().max(0.0).round() as u64,
+    }
+}
+
+impl LineHistory {
+    /// Feeds the database in `dir`, which is made if there is none. Nothing is waited for.
+    pub fn begin(dir: &Path, line: &Line, now: Tick) -> Self {
+        let wall = Tick::ZERO + SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let (path, of) = (dir.join("line.db"), line.clone());
+        LineHistory {
+            feed: HistoryFeed::of_notes(move || History::open(&path, &about(&of))),
+            origin: wall - now.since(Tick::ZERO),
+            stations: line.stations.iter().map(|station| StationObserver::new(station.operations.len())).collect(),
+            newest: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
+            noted: None,
+            note_due: now,
+            notes: Vec::new(),
+        }
+    }
+
+    /// A station's state has arrived.
+    pub fn state(&mut self, now: Tick, station: StationId, state: &StationState) {
+        if self.newest[station.index()].offer(now, state.boot_id, state.sequence) {
+            let at = self.at(now);
+            self.stations[station.index()].state(number(station), at, state, &mut self.notes);
+            self.offer(now);
+        }
+    }
+
+    /// The line has completed a cycle.
+    pub fn cycle(&mut self, now: Tick, cycle: CompletedCycle) {
+        let took_us = u64::try_from(cycle.took.as_micros()).unwrap_or(u64::MAX);
+        self.notes.push(Note::Cycle { number: cycle.number, took_us });
+        self.offer(now);
+    }
+
+    /// How the line stands. False if nothing more can be written, which is reported here.
+    pub fn situation(&mut self, now: Tick, situation: &LineSituation) -> bool {
+        if let Some(why) = self.feed.failed() {
+            tracing::error!("{why}; the line continues without a database");
+            return false;
+        }
+        let at = self.at(now);
+        match &mut self.noted {
+            Some(noted) if *noted != *situation => {
+                for (index, observer) in self.stations.iter_mut().enumerate() {
+                    if noted.heard[index] && !situation.heard[index] {
+                        observer.lost(index_number(index), at, &mut self.notes);
+                    }
+                }
+                self.notes.extend(situation.notes_since(noted));
+                noted.clone_from(situation);
+            }
+            Some(_) => {}
+            None => {
+                let all_well = LineSituation { heard: vec![true; situation.heard.len()], ..LineSituation::new(0) };
+                let all_well = LineSituation { devices: all_well.heard.clone(), ..all_well };
+                self.notes.push(Note::Began {});
+                self.notes.push(Note::Mode { name: situation.mode.name().to_owned(), starts: situation.starts });
+                let changes = situation.notes_since(&all_well);
+                self.notes.extend(changes.filter(|note| !matches!(note, Note::Mode { .. })));
+                for (index, observer) in self.stations.iter_mut().enumerate() {
+                    observer.begin(index_number(index), at, &mut self.notes);
+                }
+                self.noted = Some(situation.clone());
+            }
+        }
+        if self.notes.is_empty() && now >= self.note_due {
+            for (index, observer) in self.stations.iter_mut().enumerate() {
+                observer.flush(index_number(index), at, &mut self.notes);
+            }
+            self.notes.push(Note::Observed {});
+        }
+        self.offer(now);
+        true
+    }
+
+    /// Writes what is left, as far as the disk takes it at once.
+    pub fn end(mut self, now: Tick) {
+        let at = self.at(now);
+        for (index, observer) in self.stations.iter_mut().enumerate() {
+            observer.flush(index_number(index), at, &mut self.notes);
+        }
+        self.notes.push(Note::Observed {});
+        self.offer(now);
+        self.feed.end_within(END);
+    }
+
+    fn at(&self, now: Tick) -> Tick {
+        self.origin + now.since(Tick::ZERO)
+    }
+
+    /// Offers the notes. Before the observation has begun, and from one on that finds no room, they are dropped.
+    fn offer(&mut self, now: Tick) {
+        if self.notes.is_empty() {
+            return;
+        }
+        let at = self.at(now);
+        self.note_due = now + NOTE_EVERY;
+        let is_begun = self.noted.is_some();
+        let mut notes = self.notes.drain(..);
+        if is_begun && !notes.all(|note| self.feed.offer_note(at, note)) {
+            drop(notes);
+            self.noted = None;
+        }
+    }
+}
+
+fn number(station: StationId) -> u16 {
+    index_number(station.index())
+}
+
+/// A line has far fewer stations than that.
+fn index_number(index: usize) -> u16 {
+    u16::try_from(index).unwrap_or(u16::MAX)
+}
+
+impl CoordinatorLoop {
+    /// Tells the cell, or the database of the line, how the line stands.
+    pub(crate) fn tell_situation(&mut self, at: Tick) {
+        let coordinator = self.shell.coordinator();
+        let order = coordinator.order();
+        let now = &mut self.situation;
+        // A cell starts nothing while the line stops at home; a line goes on until it is there.
+        let may_start = self.cell.is_none() || order.master_stop.is_none();
+        now.starts = order.mode == ControlMode::Auto && order.enabled && may_start;
+        now.mode = order.mode;
+        for id in self.line.station_ids() {
+            now.heard[id.index()] = coordinator.hears(id);
+            now.devices[id.index()] = self.shell.has_devices(id);
+        }
+        if let Some(cell) = &self.cell {
+            cell.tell(now);
+        }
+        if let Some(history) = &mut self.history
+            && !history.situation(at, now)
+        {
+            self.history = None;
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! What is noted of a station from one of its states to the next, and what of it is in the database of a line.
+
+use linewright_coordinator_logic::CompletedCycle;
+use linewright_coordinator_node::cell::LineSituation;
+use linewright_coordinator_node::line::{LineHistory, StationObserver};
+use linewright_history::{About, EventKind, HistoryReader, MotionEnd, Note};
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId, Tick, TransferLine};
+use linewright_msgs::StationState;
+
+const AT: fn(u64) -> Tick = Tick::from_millis;
+
+fn state(places: [u8; 2], started: [i32; 2]) -> StationState {
+    StationState {
+        boot_id: 1,
+        generation: 5,
+        mode: StationState::MODE_AUTO,
+        places: places.to_vec(),
+        started: started.to_vec(),
+        ..StationState::default()
+    }
+}
+
+fn motion(operation: u16, cycle: i32, (from, to): (u64, u64), end: MotionEnd) -> Note {
+    Note::Motion { station: 3, operation, cycle, from: AT(from), to: AT(to), end }
+}
+
+/// All notes of these states, each at its time.
+fn notes(observer: &mut StationObserver, states: &[(u64, StationState)]) -> Vec<Note> {
+    let mut out = Vec::new();
+    states.iter().for_each(|(at, state)| observer.state(3, AT(*at), state, &mut out));
+    out
+}
+
+#[test]
+fn a_motion_is_from_the_state_that_has_it_to_the_one_that_has_not() {
+    let mut observer = StationObserver::new(2);
+    let seen = [
+        (10, state([0, 3], [0, 0])),
+        (20, state([1, 0], [1, 0])),
+        (25, state([1, 0], [1, 0])),
+        (40, state([3, 0], [1, 0])),
+        (50, state([0, 1], [1, 1])),
+        (60, state([0, 2], [1, 1])),
+        (70, state([0, 4], [1, 1])),
+        (80, state([0, 6], [1, 1])),
+    ];
+    let expected = [
+        motion(0, 1, (20, 40), MotionEnd::Done),
+        motion(1, 1, (50, 60), MotionEnd::Stopped),
+        motion(1, 1, (70, 80), MotionEnd::Undone),
+    ];
+    assert_eq!(notes(&mut observer, &seen), expected);
+}
+
+#[test]
+fn a_motion_between_two_states_is_counted_without_times() {
+    let mut observer = StationObserver::new(2);
+    let whole = [(10, state([0, 3], [0, 0])), (90, state([3, 0], [1, 0]))];
+    assert_eq!(notes(&mut observer, &whole), [motion(0, 1, (90, 90), MotionEnd::Unseen)]);
+    // The end of one and the beginning of the next.
+    let mut observer = StationObserver::new(2);
+    let again = [(10, state([1, 0], [1, 0])), (90, state([1, 0], [2, 0])), (95, state([3, 0], [2, 0]))];
+    let expected = [motion(0, 1, (90, 90), MotionEnd::Unseen), motion(0, 2, (90, 95), MotionEnd::Done)];
+    assert_eq!(notes(&mut observer, &again), expected);
+    // The counts of another life, or of another generation, say nothing of this.
+    let other = StationState { boot_id: 2, ..state([3, 0], [7, 0]) };
+    assert_eq!(notes(&mut observer, &[(99, other)]), []);
+}
+
+#[test]
+fn a_wait_is_as_long_as_it_has_one_reason_in_auto() {
+    let mut observer = StationObserver::new(2);
+    let waits =
+        |why: &str| StationState { blocked_by: vec![why.to_owned(), "its lock".to_owned()], ..state([0, 3], [0, 0]) };
+    let waited = |why: &str, from, to| Note::Waited { station: 3, why: why.to_owned(), from: AT(from), to: AT(to) };
+    let manual = StationState { mode: StationState::MODE_MANUAL, ..waits("a") };
+    let seen = [
+        (10, waits("a")),
+        (15, StationState { blocked_by: vec!["a".to_owned()], ..waits("a") }),
+        (20, waits("b")),
+        (30, manual),
+        (40, waits("b")),
+    ];
+    assert_eq!(notes(&mut observer, &seen), [waited("a", 10, 20), waited("b", 20, 30)]);
+    // What goes on is noted now and then, and begins anew there.
+    let mut out = Vec::new();
+    observer.flush(3, AT(50), &mut out);
+    observer.lost(3, AT(55), &mut out);
+    observer.flush(3, AT(60), &mut out);
+    assert_eq!(out, [waited("b", 40, 50), waited("b", 50, 55)]);
+}
+
+#[test]
+fn a_fault_comes_and_goes_and_is_said_anew_where_the_observation_begins() {
+    let mut observer = StationObserver::new(2);
+    let failed = StationState { fault: "watchdog".to_owned(), ..state([2, 0], [1, 0]) };
+    let fault = |text: &str| Note::Fault { station: 3, text: text.to_owned() };
+    assert_eq!(notes(&mut observer, &[(10, failed.clone()), (20, failed)]), [fault("watchdog")]);
+    let mut out = Vec::new();
+    observer.begin(3, AT(30), &mut out);
+    assert_eq!(out, [fault("watchdog")]);
+    assert_eq!(notes(&mut observer, &[(40, state([3, 0], [1, 0]))]), [fault("")]);
+}
+
+#[test]
+fn a_state_of_another_description_is_not_looked_at() {
+    let mut observer = StationObserver::new(3);
+    assert_eq!(notes(&mut observer, &[(10, state([1, 0], [1, 0])), (20, state([3, 0], [1, 0]))]), []);
+}
+
+fn line() -> Line {
+    linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line
+}
+
+fn in_auto(line: &Line) -> LineSituation {
+    let all = vec![true; line.stations.len()];
+    LineSituation { starts: true, mode: ControlMode::Auto, heard: all.clone(), devices: all }
+}
+
+/// A second life goes on behind the first, and says anew how everything stands.
+#[test]
+fn the_database_of_a_line_begins_with_how_everything_stands_in_each_life() {
+    let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+    let mut now = in_auto(&line);
+    let mut history = LineHistory::begin(dir.path(), &line, AT(5));
+    assert!(history.situation(AT(10), &now), "it is written");
+    assert!(history.situation(AT(11), &now), "nothing has changed");
+    history.cycle(AT(20), CompletedCycle { number: 7, took: std::time::Duration::from_millis(3600) });
+    history.end(AT(30));
+    now.heard[1] = false;
+    let mut history = LineHistory::begin(dir.path(), &line, AT(0));
+    let state = StationState { sequence: 1, fault: "stuck".to_owned(), ..of(&line, 2) };
+    // Before it has begun: it is said with everything else.
+    history.state(AT(0), StationId(2), &state);
+    assert!(history.situation(AT(1), &now), "it is written");
+    // The same once more, late: nothing new.
+    history.state(AT(2), StationId(2), &state);
+    history.end(AT(3));
+
+    let reader = HistoryReader::open(&dir.path().join("line.db")).expect("opens");
+    let About::Line(about) = reader.about() else { panic!("of a line") };
+    assert!(about.cycle_us > 0 && about.stations[0].operations.iter().all(|of| of.planned_us.is_some()), "{about:?}");
+    let mut notes = Vec::new();
+    let note = |event: linewright_history::HistoryEvent| match event.what {
+        EventKind::Note(note) => notes.push(note),
+        EventKind::Fact(..) => panic!("a line has no log"),
+    };
+    reader.each(Tick::NEVER, note).expect("reads");
+    let mode = || Note::Mode { name: "auto".to_owned(), starts: true };
+    let expected = [
+        Note::Began {},
+        mode(),
+        Note::Cycle { number: 7, took_us: 3_600_000 },
+        Note::Observed {},
+        Note::Began {},
+        mode(),
+        Note::Station { station: 1, lost: true },
+        Note::Fault { station: 2, text: "stuck".to_owned() },
+        Note::Observed {},
+    ];
+    assert_eq!(notes, expected);
+}
+
+fn of(line: &Line, station: u16) -> StationState {
+    let operations = line.station(StationId(station)).operations.len();
+    StationState { boot_id: 1, places: vec![0; operations], started: vec![0; operations], ..StationState::default() }
+}
+
+#[test]
+fn a_line_goes_on_without_a_database_that_cannot_be_used() {
+    let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+    std::fs::write(dir.path().join("line.db"), [7; 4096]).expect("written");
+    let mut history = LineHistory::begin(dir.path(), &line, AT(0));
+    let now = in_auto(&line);
+    let goes_on = |_: &u64| {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        history.situation(AT(1), &now)
+    };
+    assert!((0..500_u64).take_while(goes_on).count() < 500, "it is reported that nothing is written");
+}
