@@ -11,5 +11,5 @@ mod prototype;
 mod routes;
 
 pub use cell::*;
-pub use parse::{ParsedCell, parse, schema};
+pub use parse::{ParsedCell, fits, parse, schema};
 pub use prototype::{Prototype, ResourceAction, Role};
