@@ -47,13 +47,22 @@ pub struct Args {
     /// Of a cell: write everything that happens into a new database, for `linewright report`.
     #[arg(long, value_name = "DB")]
     record: Option<PathBuf>,
+    /// Of a cell: how often to simulate it, each time with other chance [default: what the scenario says, or 1].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    replications: Option<u32>,
+    /// Of a cell: as many replications as it takes until throughput and time in the cell are known so precisely, as 5%.
+    #[arg(long, value_name = "PERCENT", value_parser = precision)]
+    precision: Option<f64>,
+    /// Of a cell: how many replications are played at once [default: as many as there are processors]. The result is the same.
+    #[arg(long, value_name = "N")]
+    threads: Option<std::num::NonZero<u16>>,
     /// How many cycles of the whole line to run [default: what the scenario says, or 3].
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=CYCLES_MAX as u64))]
     cycles: Option<u64>,
     /// What everything random follows from.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// What people and bad luck do meanwhile: a TOML file, see docs/simulate.md.
+    /// What is to be made, and what people and bad luck do meanwhile: a TOML file, see docs/simulate.md.
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
     /// What a message between nodes takes, in milliseconds [default: what the scenario says, or 1].
@@ -94,15 +103,23 @@ fn percent(text: &str) -> Result<f64, String> {
     if (0.0..=90.0).contains(&percent) { Ok(percent / 100.0) } else { Err("between 0 and 90 percent".to_owned()) }
 }
 
+fn precision(text: &str) -> Result<f64, String> {
+    let percent = text.strip_suffix('%').unwrap_or(text).trim_end();
+    let percent: f64 = percent.parse().map_err(|_| "not a number of percent".to_owned())?;
+    if (0.1..=50.0).contains(&percent) { Ok(percent / 100.0) } else { Err("between 0.1 and 50 percent".to_owned()) }
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> miette::Result<ExitCode> {
-    let asked = args.why || args.planned || args.record.is_some() || !args.parts.is_empty();
+    let several = args.replications.is_some() || args.precision.is_some() || args.threads.is_some();
+    let asked = args.why || args.planned || args.record.is_some() || !args.parts.is_empty() || several;
     if let Some(file) = load::cell_file(&args.line) {
         return cell::run(args, &file);
     }
     if asked {
         return Err(miette!(
-            "--parts, --planned, --record and --why are for cells; {} has no cell.toml",
+            "--parts, --planned, --record, --why, --replications, --precision and --threads are for cells; {} has no \
+             cell.toml",
             args.line.display()
         ));
     }

@@ -77,7 +77,7 @@ fn the_shipped_line_on_its_buses_takes_a_little_longer() {
 #[test]
 fn a_line_that_cannot_go_on_is_a_failure_with_its_reasons() {
     let scratch = Scratch::new();
-    let path = scratch.file("jam.toml", "[[step]]\nwhen = \"cycles >= 1\"\njam = \"transfer: advance transfer\"\n");
+    let path = scratch.file("jam.toml", "[[step]]\nwhen = \"cycles >= 1\"\nstick = \"transfer: advance transfer\"\n");
     let output = simulate(&["--scenario", &path]);
     assert_eq!(output.status.code(), Some(1));
     let said = text(&output.stderr);
@@ -93,12 +93,13 @@ fn a_line_that_cannot_go_on_is_a_failure_with_its_reasons() {
 #[test]
 fn mistakes_of_a_scenario_are_shown_in_their_place_all_at_once() {
     let scratch = Scratch::new();
-    let path = scratch.file("slip.toml", "[[step]]\njam = \"clmp_1: advance clamp\"\n\n[[step]]\ncomand = \"stop\"\n");
+    let path =
+        scratch.file("slip.toml", "[[step]]\nstick = \"clmp_1: advance clamp\"\n\n[[step]]\ncomand = \"stop\"\n");
     let output = simulate(&["--scenario", &path]);
     assert_eq!(output.status.code(), Some(1));
     let said = text(&output.stderr);
     for part in
-        ["2 errors", "unknown station `clmp_1`", "did you mean `clamp_1`?", "unknown key `comand`", "slip.toml:2:8"]
+        ["2 errors", "unknown station `clmp_1`", "did you mean `clamp_1`?", "unknown key `comand`", "slip.toml:2:10"]
     {
         assert!(said.contains(part), "{part}: {said}");
     }
@@ -212,4 +213,48 @@ fn what_is_not_for_a_cell_or_not_for_a_line_is_refused() {
     assert!(refused(cell("workcell-c1", &["--parts", "A=0"])).contains("no parts to make"));
     assert!(refused(cell("workcell-c1", &["--parts", "A"])).contains("write TYPE=NUMBER"));
     assert!(refused(simulate(&["--parts", "A=3"])).contains("--parts, --planned, --record and --why are for cells"));
+}
+
+fn cell(args: &[&str]) -> Output {
+    let cell = shipped().join("../workcell-c1");
+    linewright(&[&["simulate", cell.to_str().unwrap()], args].concat())
+}
+
+/// A planner's day: orders, breakdowns, several replications, and their figures with intervals.
+#[test]
+fn what_to_expect_of_a_cell_comes_with_its_intervals_whatever_the_number_of_threads() {
+    let scenario = shipped().join("../workcell-c1/scenarios/production.toml");
+    let scenario = scenario.to_str().unwrap();
+    let output = cell(&["--scenario", scenario, "--replications", "4", "--threads", "3", "--json"]);
+    assert!(output.status.success(), "{output:?}");
+    let found = json(&output);
+    assert_eq!((&found["ok"], &found["replications"]), (&true.into(), &4.into()));
+    for figure in ["throughput_per_h", "time_in_cell_s", "lead_time_s", "tardiness_s", "in_time"] {
+        let of = &found[figure];
+        assert!(of["n"] == 4 && of["half_width"].as_f64().is_some_and(|half| half > 0.0), "{figure}: {of}");
+    }
+    // M2 is down for half an hour of the 23 that count, in each replication.
+    let m2 = &found["resources"][2];
+    assert_eq!(m2["name"], "M2");
+    assert!(m2["down"]["mean"].as_f64().is_some_and(|down| (down - 0.5 / 23.0).abs() < 1e-9), "{m2}");
+    assert_eq!(
+        output.stdout,
+        cell(&["--scenario", scenario, "--replications", "4", "--threads", "1", "--json"]).stdout
+    );
+    let precise = json(&cell(&["--scenario", scenario, "--replications", "5", "--precision", "20%", "--json"]));
+    assert!(precise["ok"] == true && precise["replications"].as_u64().is_some_and(|n| n >= 5), "{precise}");
+}
+
+#[test]
+fn a_cell_that_stands_for_good_is_a_failure_with_its_reason() {
+    let scratch = Scratch::new();
+    let path = scratch.file("s.toml", "[[order]]\npart = \"A\"\n[[step]]\nat_s = 20\nstick = \"R\"\n");
+    let output = cell(&["--scenario", &path]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = text(&output.stderr);
+    assert!(said.contains("replication 1: 0 parts finished, 1 are inside; no further event"), "{said}");
+    let path = scratch.file("w.toml", "[[breakdown]]\nresource = \"M1\"\n");
+    let said = cell(&["--scenario", &path]);
+    assert!(text(&said.stderr).contains("a breakdown needs `repair_s`"), "{said:?}");
+    assert_eq!(simulate(&["--replications", "3"]).status.code(), Some(1), "of a line");
 }

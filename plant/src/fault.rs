@@ -38,6 +38,9 @@ pub enum MotionFault {
 /// What is written to a simulated device: index and subindex, and a number. The order matters.
 pub type ObjectWrites = Vec<((u16, u8), u32)>;
 
+/// The word for the end of a fault, in scenarios and in `linewright fail`.
+pub const CLEAR_WORD: &str = "clear";
+
 /// What clears everything that a device was made to suffer.
 pub const CLEAR: ((u16, u8), u32) = ((FAULT_INDEX, 0), 0);
 
@@ -51,6 +54,30 @@ impl MotionFault {
         MotionFault::Miss,
         MotionFault::Drop,
     ];
+
+    /// The word for it, in scenarios and in `linewright fail`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            MotionFault::Stick => "stick",
+            MotionFault::Slip => "slip",
+            MotionFault::Break => "break",
+            MotionFault::SlipBack => "slip-back",
+            MotionFault::Miss => "miss",
+            MotionFault::Drop => "drop",
+        }
+    }
+
+    /// What happens, for people.
+    pub const fn about(self) -> &'static [&'static str] {
+        match self {
+            MotionFault::Stick => &["The mechanism does not move."],
+            MotionFault::Slip => &["It moves at a quarter of its speed."],
+            MotionFault::Break => &["It does not move, and its fault signal comes on."],
+            MotionFault::SlipBack => &["It moves the wrong way."],
+            MotionFault::Miss => &["It moves, but the hand that it closes takes nothing."],
+            MotionFault::Drop => &["It moves, but the hand that it has closed holds nothing fast."],
+        }
+    }
 
     /// The number it has in 5F00h.
     pub fn code(self) -> u32 {

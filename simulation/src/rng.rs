@@ -15,6 +15,18 @@ impl Rng {
         rng
     }
 
+    /// The stream of `seed` with this name. Streams of other names, and how much is drawn from them, change nothing in it.
+    pub fn named(seed: u64, name: &str) -> Self {
+        // FNV-1a (Fowler, Noll, Vo), then stirred: names that differ in one letter have nothing in common.
+        let hash = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
+        Rng::new(mix(seed) ^ mix(name.bytes().fold(0xCBF2_9CE4_8422_2325, hash)))
+    }
+
+    /// A number above 0 and below 1, of 2^53 that are equally likely.
+    pub fn unit(&mut self) -> f64 {
+        ((self.next() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
     #[allow(clippy::should_implement_trait)]
     pub fn next(&mut self) -> u64 {
         let drawn = mix(self.0);

@@ -5,6 +5,8 @@
 mod alarm;
 mod emergency;
 mod expiry;
+mod queues;
+mod scenarios;
 
 use std::collections::BTreeMap;
 use std::path::Path;

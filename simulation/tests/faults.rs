@@ -38,7 +38,7 @@ fn a_mill_that_breaks_goes_home_by_its_path_and_does_the_round_again() {
         break = "mill_1: feed main slide"
         [[step]]
         when = "line is stand-by and all are stopped"
-        repair = "mill_1: feed main slide"
+        clear = "mill_1: feed main slide"
         expect = "mill_1 is incomplete"
         [[step]]
         command = "manual"
@@ -185,7 +185,7 @@ fn a_line_that_cannot_go_on_says_what_everybody_waits_for() {
         cycles = 3
         [[step]]
         when = "cycles >= 1"
-        jam = "transfer: advance transfer"
+        stick = "transfer: advance transfer"
         "#,
     );
     let RunEnd::Stuck(reasons) = end else { panic!("{end:?}") };

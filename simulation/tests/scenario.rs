@@ -24,13 +24,13 @@ fn all_mistakes_are_reported_at_once_each_in_its_place() {
     let text = r#"titel = "A slip"
 [[step]]
 when = "cycles >= three"
-jam = "clmp_1: advance clamp"
+stick = "clmp_1: advance clamp"
 [[step]]
 when = "clamp_1 is incomplet"
 command = "atuo"
 [[step]]
 jog = "clamp_1: advanse"
-repair = "clamp_1: advance clam"
+clear = "clamp_1: advance clam"
 [[step]]
 expect = "all is well"
 whn = "now"
@@ -41,11 +41,11 @@ kill = "mill_2"
         [
             "1:1: unknown key `titel` in a scenario (did you mean `title`?)",
             "3:19: `three` is no whole number",
-            "4:8: unknown station `clmp_1` (did you mean `clamp_1`?)",
+            "4:10: unknown station `clmp_1` (did you mean `clamp_1`?)",
             "6:20: unknown state of a station `incomplet` (did you mean `incomplete`?)",
             "7:11: unknown command `atuo` (did you mean `auto`?)",
             "9:17: unknown panel button `advanse` (did you mean `advance`?)",
-            "10:20: unknown operation `advance clam` (did you mean `advance clamp`?)",
+            "10:19: unknown operation `advance clam` (did you mean `advance clamp`?)",
             "12:18: unknown state of a station `well` (known here: `home`, `stopped`, `moving`, `incomplete`, `blocked`, \
              `up`, `down`, `heard`)",
             "13:1: unknown key `whn` in a step (did you mean `when`?)",
@@ -56,7 +56,7 @@ kill = "mill_2"
 
 #[test]
 fn a_step_does_one_thing_and_text_that_is_no_toml_says_where() {
-    assert_eq!(problems("[[step]]\njam = \"clamp_1: advance clamp\"\nkill = \"mill_1\"\n").len(), 1);
+    assert_eq!(problems("[[step]]\nstick = \"clamp_1: advance clamp\"\nkill = \"mill_1\"\n").len(), 1);
     assert!(problems("[[step]\n")[0].starts_with("1:"));
     assert!(problems("[[step]]\nbuttons = [\"PB_9\", 3]\nat_s = -1\n").len() == 3);
 }
@@ -97,8 +97,9 @@ fn an_expectation_that_does_not_hold_is_shown_where_it_stands() {
 
 #[test]
 fn waiting_in_vain_ends() {
-    let (_, end) =
-        play("[[step]]\nwhen = \"cycles >= 1\"\njam = \"clamp_1: advance clamp\"\n[[step]]\nwhen = \"cycles >= 9\"\n");
+    let (_, end) = play(
+        "[[step]]\nwhen = \"cycles >= 1\"\nstick = \"clamp_1: advance clamp\"\n[[step]]\nwhen = \"cycles >= 9\"\n",
+    );
     let RunEnd::Failed { step: Some(1), why } = end else { panic!("{end:?}") };
     assert!(why.contains("waited in vain") && why.contains("clamp_1 waits for"), "{why}");
     let (_, end) = play("[[step]]\nat_s = 5\ncommand = \"hand\"\n");
@@ -116,7 +117,7 @@ for_s = 3
 when = "all are home"
 motion = "normal"
 [[step]]
-jam = "mill_1: feed main slide"
+stick = "mill_1: feed main slide"
 motion = "recovery"
 [[step]]
 "#;
@@ -125,7 +126,7 @@ motion = "recovery"
         [
             "1:10: `cycles` must be a whole number",
             "4:9: `for_s` without `press` (a step waits with `after_s`)",
-            "7:10: `motion` of nothing (it says which motions of `jam`, `slow`, `break`, `slip_back`, `miss`, `drop` or `repair` are meant)",
+            "7:10: `motion` of nothing (it says which motions of one of these are meant: `stick`, `slip`, `break`, `slip-back`, `miss`, `drop`, `clear`)",
             "10:10: `feed main slide` is irreversible: no motion undoes it (what its recovery path does are motions of the \
              operations it names)",
             "11:1: an empty step (a step waits, does one thing, or expects)",

@@ -65,7 +65,7 @@ fn a_table_that_jams_half_way_is_led_on_to_the_next_place() {
         [[step]]
         when = "cycles >= 1 and table: index is operating"
         after_s = 0.5
-        jam = "table: index"
+        stick = "table: index"
         [[step]]
         when = "line is stand-by and all are stopped"
         expect = "table is incomplete and load is home and drill is home and unload is home"
@@ -105,7 +105,7 @@ fn a_table_that_does_not_set_out_is_found() {
         cycles = 2
         [[step]]
         when = "cycles >= 1"
-        jam = "table: index"
+        stick = "table: index"
         [[step]]
         when = "line is stand-by and all are stopped"
         expect = "table is incomplete"
@@ -234,7 +234,7 @@ fn a_switch_that_flickers_where_the_index_begins_stops_the_line_in_doubt() {
         cycles = 1
         [[step]]
         when = "cycles >= 1 and table: index is operating"
-        jam = "table: index"
+        stick = "table: index"
         [[step]]
         after_s = 0.05
         input_off = "table: LS_in_place"

@@ -3,104 +3,135 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use linewright_canopen::NodeId;
 use linewright_canopen::sdo::{ObjectId, TransferOptions};
 use linewright_fieldbus::{Bus, sdo_client};
 use linewright_line::{Device, DeviceBus as BusName, Line, OperationModule, Owner};
 use linewright_node_shell::RosArgs;
-use linewright_plant::{CLEAR, DeviceFault, FAULT_INDEX, FrameFaults, MotionFault, ObjectWrites};
+use linewright_plant::{CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, FrameFaults, MotionFault, ObjectWrites};
 use miette::{IntoDiagnostic, miette};
 
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 
 /// What goes wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum InjectedFault {
-    /// The mechanism does not move.
-    Stick,
-    /// It moves at a quarter of its speed.
-    Slip,
-    /// It does not move, and its fault signal comes on.
-    Break,
-    /// It moves the wrong way.
-    SlipBack,
-    /// It moves, but the hand that it closes takes nothing.
-    Miss,
-    /// It moves, but the hand that it has closed holds nothing fast.
-    Drop,
-    /// The device falls silent.
-    Silent,
-    /// The device boots.
-    Reboot,
-    /// It boots and does not come up.
-    NoBoot,
-    /// Its heartbeats cease, all else goes on.
-    NoHeartbeat,
-    /// It says to be another product (object 1018h:02) and boots.
-    Identity,
-    /// It refuses its heartbeat time (object 1017h) and boots.
-    Refuse,
-    /// It reports an overload of its outputs (emergency 2310h).
-    Emergency,
-    /// It is off the bus for a second.
-    BusOff,
-    /// A twentieth of the frames to and from it is lost, a twentieth doubled.
-    Lossy,
+    /// With one motion.
+    Motion(MotionFault),
+    /// With a whole device.
+    Device(DeviceTrouble),
     /// All is well again.
     Clear,
 }
 
+/// What goes wrong with a whole device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum DeviceTrouble {
+    Silent,
+    Reboot,
+    NoBoot,
+    NoHeartbeat,
+    Identity,
+    Refuse,
+    Emergency,
+    BusOff,
+    Lossy,
+}
+
+/// Those of devices, by their words on the command line, and what happens. Those of motions are [`MotionFault::ALL`].
+const TROUBLES: [(DeviceTrouble, &str, &str); 9] = [
+    (DeviceTrouble::Silent, "silent", "The device falls silent"),
+    (DeviceTrouble::Reboot, "reboot", "The device boots"),
+    (DeviceTrouble::NoBoot, "no-boot", "It boots and does not come up"),
+    (DeviceTrouble::NoHeartbeat, "no-heartbeat", "Its heartbeats cease, all else goes on"),
+    (DeviceTrouble::Identity, "identity", "It says to be another product (object 1018h:02) and boots"),
+    (DeviceTrouble::Refuse, "refuse", "It refuses its heartbeat time (object 1017h) and boots"),
+    (DeviceTrouble::Emergency, "emergency", "It reports an overload of its outputs (emergency 2310h)"),
+    (DeviceTrouble::BusOff, "bus-off", "It is off the bus for a second"),
+    (DeviceTrouble::Lossy, "lossy", "A twentieth of the frames to and from it is lost, a twentieth doubled"),
+];
+
+const VARIANTS: [InjectedFault; MotionFault::ALL.len() + TROUBLES.len() + 1] = {
+    let mut all = [InjectedFault::Clear; MotionFault::ALL.len() + TROUBLES.len() + 1];
+    let mut at = 0;
+    while at < MotionFault::ALL.len() {
+        all[at] = InjectedFault::Motion(MotionFault::ALL[at]);
+        at += 1;
+    }
+    while at < MotionFault::ALL.len() + TROUBLES.len() {
+        all[at] = InjectedFault::Device(TROUBLES[at - MotionFault::ALL.len()].0);
+        at += 1;
+    }
+    all
+};
+
+impl ValueEnum for InjectedFault {
+    fn value_variants<'a>() -> &'a [Self] {
+        &VARIANTS
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, about) = self.words()?;
+        Some(PossibleValue::new(name).help(about))
+    }
+}
+
 impl InjectedFault {
+    /// Its word on the command line, and what happens.
+    fn words(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            InjectedFault::Motion(fault) => Some((fault.name(), fault.about().first()?.trim_end_matches('.'))),
+            InjectedFault::Device(trouble) => {
+                TROUBLES.iter().find(|(known, ..)| *known == trouble).map(|(_, name, about)| (*name, *about))
+            }
+            InjectedFault::Clear => Some((CLEAR_WORD, "All is well again")),
+        }
+    }
+
     /// Its name on the command line.
-    fn name(self) -> String {
-        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    fn name(self) -> &'static str {
+        self.words().map_or("", |(name, _)| name)
     }
 
     /// What happens to a motion (`Some(None)`: nothing any more), if it happens to one.
     fn of_a_motion(self) -> Option<Option<MotionFault>> {
         match self {
             InjectedFault::Clear => Some(None),
-            InjectedFault::Stick => Some(Some(MotionFault::Stick)),
-            InjectedFault::Slip => Some(Some(MotionFault::Slip)),
-            InjectedFault::Break => Some(Some(MotionFault::Break)),
-            InjectedFault::SlipBack => Some(Some(MotionFault::SlipBack)),
-            InjectedFault::Miss => Some(Some(MotionFault::Miss)),
-            InjectedFault::Drop => Some(Some(MotionFault::Drop)),
-            _ => None,
+            InjectedFault::Motion(fault) => Some(Some(fault)),
+            InjectedFault::Device(_) => None,
         }
     }
 
     /// What is written to the device, if it happens to a whole device. What is noticed in a boot ends with one.
     fn of_a_device(self) -> Option<ObjectWrites> {
         const HARDWARE: u32 = 0x0606_0000;
-        let faults = match self {
+        let trouble = match self {
             InjectedFault::Clear => return Some(vec![CLEAR]),
-            InjectedFault::Silent => vec![DeviceFault::Silent],
-            InjectedFault::Reboot => vec![DeviceFault::Reboot],
-            InjectedFault::NoBoot => vec![DeviceFault::NoBoot],
-            InjectedFault::NoHeartbeat => vec![DeviceFault::NoHeartbeat],
-            InjectedFault::Identity => {
+            InjectedFault::Motion(_) => return None,
+            InjectedFault::Device(trouble) => trouble,
+        };
+        let faults = match trouble {
+            DeviceTrouble::Silent => vec![DeviceFault::Silent],
+            DeviceTrouble::Reboot => vec![DeviceFault::Reboot],
+            DeviceTrouble::NoBoot => vec![DeviceFault::NoBoot],
+            DeviceTrouble::NoHeartbeat => vec![DeviceFault::NoHeartbeat],
+            DeviceTrouble::Identity => {
                 vec![DeviceFault::Identity { object: (0x1018, 2), value: 0xFFFF }, DeviceFault::Reboot]
             }
-            InjectedFault::Refuse => {
+            DeviceTrouble::Refuse => {
                 let object = (0x1017, 0);
                 let refusal = DeviceFault::Abort { object, code: HARDWARE, reading: false, writing: true };
                 vec![refusal, DeviceFault::Reboot]
             }
-            InjectedFault::Emergency => vec![DeviceFault::Emergency { code: 0x2310, register: 5 }],
-            InjectedFault::BusOff => vec![DeviceFault::BusOff { millis: 1000 }],
-            InjectedFault::Lossy => {
+            DeviceTrouble::Emergency => vec![DeviceFault::Emergency { code: 0x2310, register: 5 }],
+            DeviceTrouble::BusOff => vec![DeviceFault::BusOff { millis: 1000 }],
+            DeviceTrouble::Lossy => {
                 let faults = FrameFaults { lost_to: 50, lost_from: 50, doubled: 50, ..FrameFaults::default() };
                 return Some(faults.orders());
             }
-            InjectedFault::Stick
-            | InjectedFault::Slip
-            | InjectedFault::Break
-            | InjectedFault::SlipBack
-            | InjectedFault::Miss
-            | InjectedFault::Drop => return None,
         };
         Some(faults.into_iter().flat_map(DeviceFault::orders).collect())
     }
@@ -115,7 +146,7 @@ pub struct FailArgs {
     station: String,
     /// What goes wrong.
     what: InjectedFault,
-    /// With which operation's motion; needed for stick, slip, slip-back and break.
+    /// With which operation's motion; needed for what goes wrong with a motion.
     #[arg(long)]
     operation: Option<String>,
     /// Its recovery motion instead of the normal one.
@@ -221,7 +252,7 @@ mod tests {
             let args = FailArgs {
                 line: PathBuf::new(),
                 station: station.clone(),
-                what: InjectedFault::Stick,
+                what: InjectedFault::Motion(MotionFault::Stick),
                 operation: Some(operation.name.clone()),
                 recovery: false,
                 device: None,

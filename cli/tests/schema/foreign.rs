@@ -53,6 +53,10 @@ fn judged(descriptions: &[(&str, &Value)]) -> Option<Vec<Option<String>>> {
 fn read(of: &str, text: &str) -> Vec<(String, String)> {
     let problems = match of {
         "line" => linewright_line::parse("line.toml", text).err(),
+        "scenario" => {
+            let cell = linewright_cell::parse("cell.toml", C1, None).expect("the shipped cell is sound").cell;
+            linewright_simulation::cell::CellScenario::parse(&cell, "scenario.toml", text).err()
+        }
         _ => linewright_cell::parse("cell.toml", text, None).err(),
     };
     let problems = problems.iter().flat_map(|problems| problems.iter());
@@ -66,6 +70,7 @@ const CELL: &str = include_str!("../../../model/line/tests/descriptions/cell.tom
 const ON_ORDER: &str = include_str!("../../../model/line/tests/descriptions/on_order.toml");
 const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives.toml");
 const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
+const PRODUCTION: &str = include_str!("../../../launch-config/lines/workcell-c1/scenarios/production.toml");
 const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
 
 /// Every key that none of the descriptions above has.
@@ -129,7 +134,14 @@ analogue_outputs = [{ channel = 2, rest = 0.5, outputs = [{ output = "soft", val
 /// Descriptions as JSON values. The last one has every remaining key; its names refer to nothing, so no reader accepts it.
 fn samples() -> Vec<(&'static str, Value)> {
     let head = "name = \"rest\"\nbuttons = []\n";
-    let texts = [("line", CELL), ("line", ON_ORDER), ("line", DRIVES), ("cell", C1), ("cell", ASSEMBLY)];
+    let texts = [
+        ("line", CELL),
+        ("line", ON_ORDER),
+        ("line", DRIVES),
+        ("cell", C1),
+        ("cell", ASSEMBLY),
+        ("scenario", PRODUCTION),
+    ];
     let sound = texts.map(|(of, text)| {
         assert!(read(of, text).is_empty());
         (of, mutants::value(text))
@@ -158,7 +170,7 @@ fn is_missed_by_the_reader(message: &str, label: &str) -> bool {
 fn what_is_misspelt_of_the_wrong_type_or_missing_the_schemas_refuse() {
     let samples = samples();
     let mut mutants: Vec<(&str, Mutant)> = Vec::new();
-    for of in ["line", "cell"] {
+    for of in ["line", "cell", "scenario"] {
         let mut seen = BTreeSet::new();
         for (_, sample) in samples.iter().filter(|(it, _)| *it == of) {
             mutants.extend(mutants::of(sample, &mut seen).into_iter().map(|mutant| (of, mutant)));
@@ -201,6 +213,10 @@ fn what_is_out_of_range_the_schemas_refuse() {
         ("cell", C1, "prototype = \"machine\"", "prototype = \"machin\""),
         ("cell", C1, "retries = ", "retries = 101#"),
         ("cell", C1, "then = \"redo\"", "then = \"again\""),
+        ("scenario", PRODUCTION, "replications = 10", "replications = 0"),
+        ("scenario", PRODUCTION, "every_s = 240", "every_s = 0"),
+        ("scenario", PRODUCTION, "distribution = \"weibull\"", "distribution = \"weibul\""),
+        ("scenario", PRODUCTION, "clock = \"operating\"", "clock = \"clock\""),
     ];
     let changed = cases.map(|(of, text, from, to)| {
         assert!(text.contains(from), "nothing to replace: {from}");

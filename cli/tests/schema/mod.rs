@@ -11,29 +11,30 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().expect("the workspace")
 }
 
-/// The checked-in schema of a description: "line" or "cell".
+/// The checked-in schema of a description: "line", "cell" or "scenario".
 fn schema(of: &str) -> String {
     std::fs::read_to_string(root().join(format!("docs/schema/{of}.json"))).expect("a schema")
 }
 
-/// The shipped descriptions, each with "line" or "cell".
+/// The shipped descriptions, each with "line", "cell" or, of a cell, "scenario".
 fn shipped() -> Vec<(&'static str, PathBuf)> {
     let lines = std::fs::read_dir(root().join("launch-config/lines")).expect("lines are shipped");
     let mut found: Vec<(&str, PathBuf)> = lines
         .flat_map(|line| {
             let dir = line.expect("a directory").path();
-            ["line", "cell"].map(|of| (of, dir.join(format!("{of}.toml"))))
+            let scenario = ("scenario", dir.join("scenarios/production.toml"));
+            ["line", "cell"].map(|of| (of, dir.join(format!("{of}.toml")))).into_iter().chain([scenario])
         })
         .filter(|(_, file)| file.is_file())
         .collect();
     found.sort();
-    assert!(found.len() >= 5, "{found:?}");
+    assert!(found.len() >= 6, "{found:?}");
     found
 }
 
 #[test]
 fn schemas_are_as_the_readers_have_it() {
-    for of in ["line", "cell"] {
+    for of in ["line", "cell", "scenario"] {
         let output = linewright(&["schema", of]);
         assert!(output.status.success(), "{output:?}");
         let advice = format!("linewright schema {of} > docs/schema/{of}.json");

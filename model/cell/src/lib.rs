@@ -11,5 +11,5 @@ mod prototype;
 mod routes;
 
 pub use cell::*;
-pub use parse::{ParsedCell, is_described, parse, schema};
+pub use parse::{ParsedCell, fits, is_described, parse, schema};
 pub use prototype::{Prototype, ResourceAction, Role};

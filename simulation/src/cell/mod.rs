@@ -12,17 +12,33 @@
 //! [`PartTruth`] knows where the parts really are, and [`SimulatedOperator`] looks there. The coordinator can be killed at each of its
 //! steps, of which every record and every message is one. What stations do, and what happens to them, whoever plays says
 //! between two calls.
+//!
+//! [`CellStudy`] is for plants that are being planned: a [`CellScenario`] says what is ordered and what breaks down, and several
+//! replications say what is to be expected, each figure with its confidence interval ([`Estimate`]).
 
+mod distribution;
+mod estimate;
 mod floor;
 mod operator;
+mod scenario;
 mod sim;
 mod station;
 mod store;
+mod study;
+mod task_times;
 mod truth;
 
+pub use distribution::Distribution;
+pub use estimate::Estimate;
 pub use floor::{ShopFloor, Work};
 pub use operator::SimulatedOperator;
+pub use scenario::{BreakdownPattern, CellScenario, FailureClock, OrderArrivals, ScriptedFault, StationFault};
 pub use sim::{CellSim, CellSimOptions, StationSpeed};
 pub use station::{BegunTask, SimulatedStation};
 pub use store::{InMemory, RecordStore};
+pub use study::{
+    CellStudy, OrderFigures, PlayedReplication, ReplicationFigures, ReplicationGoal, ResourceFigures, Standstill,
+    StudyOptions, StudyProblem,
+};
+pub use task_times::TaskTimes;
 pub use truth::{InspectionResult, PartTruth};

@@ -15,6 +15,7 @@ use linewright_line::{StationId, Tick};
 use super::floor::ShopFloor;
 use super::station::SimulatedStation;
 use super::store::{InMemory, RecordStore};
+use super::task_times::TaskTimes;
 use super::truth::PartTruth;
 use crate::rng::Rng;
 
@@ -119,6 +120,9 @@ pub struct CellSim {
     pub truth: PartTruth,
     /// Whether stations say what their sensors see.
     pub senses: bool,
+    /// How much longer or shorter than described the orders of an activity take, drawn for each; the pace counts where
+    /// nothing is said.
+    pub times: TaskTimes,
     store: Box<dyn RecordStore>,
     rng: Rng,
     flying: BTreeMap<(Tick, u64), MessageInTransit>,
@@ -157,6 +161,7 @@ impl CellSim {
             told: Vec::new(),
             truth: PartTruth::default(),
             senses: false,
+            times: TaskTimes::default(),
             store,
             rng: Rng::new(options.seed),
             flying: BTreeMap::new(),
@@ -182,9 +187,10 @@ impl CellSim {
         while !self.is_over() && self.goes_on(dispatcher, until) {}
     }
 
-    /// Goes on until a time, also while nothing happens: something may that whoever plays does to stations.
+    /// Goes on until a time, also while nothing happens: something may that whoever plays does to stations. It ends before
+    /// where time does not go on.
     pub fn run_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
-        while self.goes_on(dispatcher, until) {}
+        while self.spins().is_none() && self.goes_on(dispatcher, until) {}
     }
 
     /// The same with a dispatcher of its own for each life, made from what that knows of the cell.
@@ -198,12 +204,22 @@ impl CellSim {
         }
     }
 
-    fn goes_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) -> bool {
+    /// Whether a station works on an order, or a message is under way.
+    pub fn is_working(&self) -> bool {
+        !self.flying.is_empty() || self.stations.iter().any(|station| station.ends().is_some())
+    }
+
+    /// When something happens by itself, beside stations saying how they are; none if nothing will.
+    pub fn next_event(&self) -> Option<Tick> {
         let ends = self.stations.iter().filter_map(SimulatedStation::ends);
         let arrives = self.flying.keys().next().map(|&(at, _)| at);
         let deadline = self.coordination.next_deadline();
         let floor = self.floor.as_ref().and_then(ShopFloor::next);
-        let next = ends.chain(arrives).chain(deadline).chain(floor).fold(self.publish, Tick::min);
+        ends.chain(arrives).chain(deadline).chain(floor).min()
+    }
+
+    fn goes_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) -> bool {
+        let next = self.next_event().map_or(self.publish, |next| next.min(self.publish));
         if next > until {
             return false;
         }
@@ -427,11 +443,14 @@ impl CellSim {
         match self.options.pace {
             StationSpeed::Between(least, most) => between(&mut self.rng, least, most),
             StationSpeed::Nominal { spread } => {
-                let mode = self.state().order(order.order.key).map(|(firing, _)| firing.mode);
-                let nominal = match mode.map(|mode| self.table.activity(mode).kind) {
+                let of = self.state().order(order.order.key).map(|(firing, _)| (firing.id, firing.mode));
+                let nominal = match of.map(|(_, mode)| self.table.activity(mode).kind) {
                     Some(ActivityTiming::Decided { time, limit: _ }) => time,
                     Some(ActivityTiming::Immediate) | None => Duration::ZERO,
                 };
+                if let Some(factor) = of.and_then(|(firing, mode)| self.times.factor(firing, mode)) {
+                    return nominal.mul_f64(factor);
+                }
                 let spread = nominal.mul_f64(spread.clamp(0.0, 1.0));
                 if spread.is_zero() { nominal } else { between(&mut self.rng, nominal - spread, nominal + spread) }
             }

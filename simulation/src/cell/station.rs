@@ -40,6 +40,11 @@ pub struct SimulatedStation {
     is_securing: Option<TaskFailure>,
     /// When the time of what it is doing is over.
     limit: Tick,
+    /// Since when it stands, and nothing goes on, if it does.
+    stands: Option<Tick>,
+    /// How long it has worked on orders until `metered`.
+    worked: Duration,
+    metered: Tick,
     last: u64,
     /// All it has really done, each time it did it.
     pub done: Vec<BegunTask>,
@@ -99,9 +104,43 @@ impl SimulatedStation {
         }
     }
 
+    /// It breaks down: what it is doing stands still, and what it is told waits.
+    pub fn stand(&mut self, now: Tick) {
+        self.meter(now);
+        self.stands.get_or_insert(now);
+    }
+
+    /// It is repaired: what it is doing goes on where it stood.
+    pub fn go_on(&mut self, now: Tick) {
+        self.meter(now);
+        if let Some(since) = self.stands.take() {
+            let stood = now.since(since);
+            self.limit = self.limit + stood;
+            self.doing = self.doing.map(|(key, until)| (key, until + stood));
+        }
+    }
+
+    /// How long it has worked on orders so far, without the time in which it stood.
+    pub fn worked(&mut self, now: Tick) -> Duration {
+        self.meter(now);
+        self.worked
+    }
+
+    fn meter(&mut self, now: Tick) {
+        if self.doing.is_some() && self.stands.is_none() {
+            self.worked += now.since(self.metered);
+        }
+        self.metered = now;
+    }
+
+    /// From when on the time of what it is told now counts: as long as it stands, nothing goes on.
+    fn counts_from(&self, now: Tick) -> Tick {
+        self.stands.unwrap_or(now)
+    }
+
     /// When it will have done what it is doing.
     pub fn ends(&self) -> Option<Tick> {
-        let (_, until) = self.doing?;
+        let (_, until) = self.doing.filter(|_| self.stands.is_none())?;
         let goes_on = self.is_securing.is_some() || (!self.is_stuck && until <= self.limit);
         Some(if goes_on { until } else { self.limit })
     }
@@ -147,8 +186,9 @@ impl SimulatedStation {
             }
         } else {
             (self.heard.epoch, self.last, self.heard.slot) = (key.epoch, key.id, Some(key));
-            self.doing = Some((key, now + takes));
-            self.limit = now + order.limit.saturating_sub(self.fast);
+            self.meter(now);
+            self.doing = Some((key, self.counts_from(now) + takes));
+            self.limit = self.counts_from(now) + order.limit.saturating_sub(self.fast);
             let (task, parameters) = (order.task.clone(), order.parameters.clone());
             self.done.push(BegunTask { key, task, parameters, part: *part, began: now });
             return Some(TaskReply::Running);
@@ -160,6 +200,7 @@ impl SimulatedStation {
     /// Ends what it is doing when the time has come.
     pub(super) fn tick(&mut self, now: Tick, rng: &mut Rng) -> Option<(OrderKey, TaskReply)> {
         self.ends().filter(|&until| until <= now)?;
+        self.meter(now);
         let (key, until) = self.doing.take()?;
         if let Some(failure) = self.is_securing.take() {
             return Some((key, self.end(now, key, TaskOutcome::Failed(failure))));
@@ -209,7 +250,7 @@ impl SimulatedStation {
             if self.is_securing.is_none() {
                 let failure =
                     self.waits_code.filter(|_| self.is_stuck).map_or(TaskFailure::Cancelled, TaskFailure::from_code);
-                (self.doing, self.is_securing) = (Some((key, now + WAY_BACK)), Some(failure));
+                (self.doing, self.is_securing) = (Some((key, self.counts_from(now) + WAY_BACK)), Some(failure));
             }
             return Some(TaskReply::Running);
         }

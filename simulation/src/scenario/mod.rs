@@ -3,6 +3,7 @@
 //! TOML, read like a line description: all problems at once, each with its place and advice, and the names of the line
 //! checked while reading. What comes out is a [`Script`], which knows no text.
 
+pub(crate) mod faults;
 mod read;
 mod vocabulary;
 

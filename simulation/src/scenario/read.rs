@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use linewright_line::{BUTTONS_MAX, Line, OperationModule, Tick};
-use linewright_plant::MotionFault;
 
 use linewright_text::{Fields, Located, Problem, Report, TextRange};
 
@@ -138,17 +137,7 @@ impl Deeds {
         let motion_at = motion.as_ref().map(|motion| motion.at.clone());
         let way = motion.map_or(Some(MotionSelection::Both), |word| vocabulary::way(&word, report));
         let mut fails = false;
-        let faults = [
-            ("jam", Some(MotionFault::Stick)),
-            ("slow", Some(MotionFault::Slip)),
-            ("break", Some(MotionFault::Break)),
-            ("slip_back", Some(MotionFault::SlipBack)),
-            ("miss", Some(MotionFault::Miss)),
-            ("drop", Some(MotionFault::Drop)),
-            ("repair", None),
-        ];
-        for (key, fault) in faults {
-            let Some(word) = fields.text(report, key) else { continue };
+        for (fault, word) in super::faults::read(fields, report) {
             fails = true;
             let at = word.at.clone();
             let op = vocabulary::operation(line, &word, report);
@@ -163,8 +152,8 @@ impl Deeds {
             self.add(at, op.zip(way).map(|(op, way)| ScriptAction::Act(OperatorAction::Fail(op, way, fault))));
         }
         if let Some(at) = motion_at.filter(|_| !fails) {
-            let hint =
-                "it says which motions of `jam`, `slow`, `break`, `slip_back`, `miss`, `drop` or `repair` are meant";
+            let words: Vec<String> = super::faults::words().map(|(word, _)| format!("`{word}`")).collect();
+            let hint = format!("it says which motions of one of these are meant: {}", words.join(", "));
             report.add(Problem::error(at, "`motion` of nothing").hint(hint));
         }
         for (key, value) in [("input_on", Some(true)), ("input_off", Some(false)), ("input_free", None)] {

@@ -112,6 +112,7 @@ const MAY_USE: [(&str, &[&str]); 36] = [
             "linewright-random",
             "linewright-text",
             "linewright-line",
+            "linewright-cell",
             "linewright-orders",
             "linewright-station-logic",
             "linewright-station-shell",

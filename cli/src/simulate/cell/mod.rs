@@ -2,12 +2,14 @@
 //! stations that take as long as the description says.
 //!
 //! [`linewright_simulation::cell`] plays; this reads the description, shows what came out and decides the exit code: 0 if
-//! all parts were finished and have left, 1 otherwise, with what each of the others waits for.
+//! all parts were finished and have left, 1 otherwise, with what each of the others waits for. With a scenario or several
+//! replications, [`study`] does it.
 
 mod json;
 mod made;
 mod record;
 mod show;
+mod study;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -50,7 +52,6 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
     let of_lines = [
         ("--cycles", args.cycles.is_some()),
         ("--frames", args.frames),
-        ("--scenario", args.scenario.is_some()),
         ("--svg", args.svg.is_some()),
         ("--trace", args.trace.is_some()),
     ];
@@ -63,6 +64,9 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
         load::warn(file, &parsed.warnings);
     }
     let cell = parsed.cell;
+    if args.scenario.is_some() || args.replications.is_some() || args.precision.is_some() {
+        return study::run(args, &cell, line.as_ref());
+    }
     let batch = batch(&cell, &args.parts)?;
     let played = compile_cell(&cell, line.as_ref(), Supply::Batch(&batch), PACE).map_err(|error| miette!("{error}"))?;
     let delay = args.delay.unwrap_or_default();

@@ -19,6 +19,8 @@ mod raw;
 mod resolve;
 mod rules;
 
+pub use resolve::fits;
+
 use linewright_line::Line;
 use linewright_text::{Keys, Problem, Problems, Report, Shape, has_key};
 

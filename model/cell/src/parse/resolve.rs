@@ -244,7 +244,7 @@ fn exception<'a>(
     let Some(pattern) = &raw.within else {
         return DraftException { raw, activities: Vec::new(), down, emergency_stop };
     };
-    let meant = activities.iter().enumerate().filter(|(_, activity)| matches(&pattern.value, &activity.name));
+    let meant = activities.iter().enumerate().filter(|(_, activity)| fits(&pattern.value, &activity.name));
     let found: Vec<_> = meant.map(|(id, _)| ActivityId::at(id)).collect();
     if found.is_empty() {
         let names = activities.iter().map(|activity| activity.name.as_str());
@@ -295,7 +295,7 @@ fn left_out(written: Option<&Located<Vec<LocatedName>>>, names: &CellNames<'_>, 
 }
 
 /// Whether a name fits a pattern in which `*` stands for anything.
-fn matches(pattern: &str, name: &str) -> bool {
+pub fn fits(pattern: &str, name: &str) -> bool {
     let mut pieces = pattern.split('*');
     let first = pieces.next().unwrap_or_default();
     let Some(mut rest) = name.strip_prefix(first) else { return false };
@@ -315,12 +315,12 @@ fn matches(pattern: &str, name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::matches;
+    use super::fits;
 
     #[test]
     fn a_star_stands_for_anything() {
-        let fits = ["load M*", "*", "load M1", "l*M*1", "load M1*"];
-        assert!(fits.iter().all(|pattern| matches(pattern, "load M1")));
-        assert!(!["load", "load M", "*2", "M*", "", "load M1?", "*1*1"].iter().any(|no| matches(no, "load M1")));
+        let fitting = ["load M*", "*", "load M1", "l*M*1", "load M1*"];
+        assert!(fitting.iter().all(|pattern| fits(pattern, "load M1")));
+        assert!(!["load", "load M", "*2", "M*", "", "load M1?", "*1*1"].iter().any(|no| fits(no, "load M1")));
     }
 }

@@ -1,0 +1,144 @@
+//! A scenario of a cell as text: what it has to make, what takes longer or breaks down by chance, and how often it is
+//! simulated.
+//!
+//! TOML, read like a description: all problems at once, each with its place and advice, and the names of the cell checked
+//! while reading. What comes out is a [`CellScenario`], which knows no text.
+
+mod raw;
+mod resolve;
+
+use std::time::Duration;
+
+use linewright_cell::{ActivityId, Cell, ResourceId};
+use linewright_coordinator_cell::production::ProductionOrderRequest;
+use linewright_line::{Problems, Tick};
+use linewright_text::{Keys, Report, Shape};
+
+use super::distribution::Distribution;
+
+pub use raw::FailureClock;
+
+/// What a cell has to make in a simulation, and what happens meanwhile.
+#[derive(Clone, Debug)]
+pub struct CellScenario {
+    pub title: Option<String>,
+    /// How long a replication lasts; until all orders are done where nothing is said.
+    pub duration: Option<Duration>,
+    /// What is over before counts in no figure.
+    pub warm_up: Duration,
+    /// How often it is simulated; at least, where a precision is asked for.
+    pub replications: Option<usize>,
+    /// Until figures are known up to this part of them.
+    pub precision: Option<f64>,
+    /// Between 0 and 1.
+    pub confidence: f64,
+    /// Known from the beginning.
+    pub orders: Vec<ProductionOrderRequest>,
+    pub arrivals: Vec<OrderArrivals>,
+    /// Of each activity whose time is drawn, what its described time is multiplied by.
+    pub times: Vec<(ActivityId, Distribution)>,
+    pub breakdowns: Vec<BreakdownPattern>,
+    /// In the order of their times.
+    pub faults: Vec<ScriptedFault>,
+}
+
+/// Orders that come one after the other.
+#[derive(Clone, Debug)]
+pub struct OrderArrivals {
+    /// What its orders are called, with a number behind.
+    pub name: String,
+    pub product: String,
+    pub quantity: u32,
+    /// Seconds from one to the next.
+    pub every: Distribution,
+    /// When the first one comes; after the first time between two where nothing is said.
+    pub first: Option<Tick>,
+    /// None comes later.
+    pub until: Tick,
+    /// So many come.
+    pub count: u64,
+    /// Seconds from the coming of an order until it is due.
+    pub due_after: Option<Distribution>,
+    pub priority: i32,
+}
+
+/// A resource that breaks down by chance.
+#[derive(Clone, Debug)]
+pub struct BreakdownPattern {
+    pub resource: ResourceId,
+    /// What breaks; with the resource the name of its stream.
+    pub name: String,
+    /// Seconds from a repair to the next failure.
+    pub between: Distribution,
+    /// Seconds from a failure to the end of its repair.
+    pub repair: Distribution,
+    pub clock: FailureClock,
+}
+
+/// Something that happens to a resource at a certain time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ScriptedFault {
+    pub at: Tick,
+    pub resource: ResourceId,
+    pub fault: StationFault,
+}
+
+/// What a scenario does to the station of a resource.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StationFault {
+    /// It stands, and that is known: the resource is left out until it is repaired.
+    Break,
+    /// It stands, and nobody notices: it is counted on.
+    Stick,
+    /// It works again.
+    Clear,
+}
+
+impl Default for CellScenario {
+    /// Nothing is ordered, nothing fails, and everything takes as long as it should.
+    fn default() -> Self {
+        CellScenario {
+            title: None,
+            duration: None,
+            warm_up: Duration::ZERO,
+            replications: None,
+            precision: None,
+            confidence: raw::CONFIDENCE / 100.0,
+            orders: Vec::new(),
+            arrivals: Vec::new(),
+            times: Vec::new(),
+            breakdowns: Vec::new(),
+            faults: Vec::new(),
+        }
+    }
+}
+
+impl CellScenario {
+    /// Reads the scenario `text` for `cell`; `file_name` is for messages.
+    ///
+    /// # Errors
+    /// All problems of the text at once, each with its place.
+    pub fn parse(cell: &Cell, file_name: &str, text: &str) -> Result<Self, Problems> {
+        let mut report = Report::default();
+        let is_bounded = linewright_text::is_bounded(text, "the scenario", &mut report);
+        let raw = if is_bounded { raw::read(text, &mut report) } else { None };
+        let scenario = raw.map(|raw| resolve::resolve(cell, &raw, &mut report));
+        let (scenario, _) = report.close(scenario, file_name, text)?;
+        Ok(scenario)
+    }
+
+    /// What a scenario of a cell may contain: its keys, with types and bounds.
+    pub fn schema() -> Shape {
+        raw::RawCellScenario::shape()
+    }
+
+    /// Whether any order is in it.
+    pub fn has_orders(&self) -> bool {
+        !self.orders.is_empty() || !self.arrivals.is_empty()
+    }
+}
+
+/// A moment so many seconds after the beginning.
+fn moment(seconds: f64) -> Tick {
+    Tick::ZERO + Duration::from_secs_f64(seconds)
+}

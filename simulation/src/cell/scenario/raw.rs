@@ -1,0 +1,271 @@
+//! A scenario of a cell as it is written: every key it may have. From these tables follow its reader and the schema.
+
+use linewright_text::{
+    Fields, KeyKind, Keys, Located, LocatedName, Problem, Report, Shape, keys, one_of, positive, tables, text, texts,
+    whole, within, word,
+};
+
+use super::super::distribution::Distribution;
+use crate::scenario::faults::{FaultOf, faults};
+
+/// The longest time, in seconds: some thirty years.
+const LONGEST_S: f64 = 1e9;
+/// The shortest time that anything random takes in the mean, in seconds: a shorter one is none.
+const SHORTEST_S: f64 = 1e-3;
+/// At most so many orders, steps and others of a kind.
+const LIST_MAX: usize = 10_000;
+/// At most so many patterns of activities, or orders to be after.
+const NAMES_MAX: usize = 1000;
+/// The most replications.
+const REPLICATIONS_MAX: i64 = 10_000;
+/// Confidence in percent, where nothing is said.
+pub(super) const CONFIDENCE: f64 = 95.0;
+/// The highest and the lowest priority.
+const PRIORITY_MAX: i64 = 1_000_000;
+
+/// Reads `text`; `None` when it is not TOML at all.
+pub(super) fn read(text: &str, report: &mut Report) -> Option<RawCellScenario> {
+    let document = linewright_text::document(text, report)?;
+    Some(RawCellScenario::read_all(Fields::new(document.as_table(), 0..0, RawCellScenario::WHAT), report))
+}
+
+/// The distributions, by their names.
+const KINDS: &[(&str, DistributionKind)] = &[
+    ("constant", DistributionKind::Constant),
+    ("exponential", DistributionKind::Exponential),
+    ("uniform", DistributionKind::Uniform),
+    ("triangular", DistributionKind::Triangular),
+    ("truncated-normal", DistributionKind::TruncatedNormal),
+    ("lognormal", DistributionKind::Lognormal),
+    ("weibull", DistributionKind::Weibull),
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum DistributionKind {
+    Constant,
+    Exponential,
+    Uniform,
+    Triangular,
+    TruncatedNormal,
+    Lognormal,
+    Weibull,
+}
+
+/// What the time between two failures is counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FailureClock {
+    /// All time in which it is not down.
+    Calendar,
+    /// The time in which its station works on orders.
+    Operating,
+}
+
+const CLOCKS: &[(&str, FailureClock)] = &[("calendar", FailureClock::Calendar), ("operating", FailureClock::Operating)];
+
+keys! {
+    /// What a cell has to make in a simulation, and what happens meanwhile.
+    pub(super) struct RawCellScenario is "a scenario" {
+        /// What people call it.
+        title: Option<LocatedName> = text(),
+        /// How long a replication lasts, in seconds, up to 1e9; without it until all orders are done.
+        duration as "duration_s": Option<Located<f64>> = within(1.0, LONGEST_S),
+        /// What is over before counts in no figure: the cell has been empty at the beginning. In seconds.
+        warm_up as "warm_up_s": Option<Located<f64>> = within(0.0, LONGEST_S).usually(0.0),
+        /// How often it is simulated, each time with other chance, 1 to 10000; with `precision_percent` at least so often.
+        replications: Option<Located<i64>> = whole(1, REPLICATIONS_MAX),
+        /// As many replications as it takes until throughput and time in the cell are known up to this part of them, 0.1
+        /// to 50.
+        precision as "precision_percent": Option<Located<f64>> = within(0.1, 50.0),
+        /// How sure it is to be that the true mean is within the interval, 50 to 99.9.
+        confidence as "confidence_percent": f64 = within(50.0, 99.9).or(CONFIDENCE),
+        /// Production orders that are known from the beginning, at most 10000.
+        orders as "order": Vec<RawOrder> = tables(LIST_MAX),
+        /// Production orders that come one after the other.
+        arrivals: Vec<RawArrivals> = tables(LIST_MAX),
+        /// Activities that take other times than described, by chance.
+        times as "time": Vec<RawTime> = tables(LIST_MAX),
+        /// Resources that break down by chance, and are repaired.
+        breakdowns as "breakdown": Vec<RawBreakdown> = tables(LIST_MAX),
+        /// What happens at certain times, in their order.
+        steps as "step": Vec<RawStep> = tables(LIST_MAX),
+    }
+
+    /// A production order, as `linewright order` submits it.
+    pub(super) struct RawOrder is "an order" {
+        /// Its name; `order 1` and so on if left out.
+        name: Option<LocatedName> = text(),
+        /// The part type.
+        part: Option<LocatedName> = text().required(),
+        /// How many parts, 1 to 1000000.
+        quantity: i64 = whole(1, 1_000_000).or(1),
+        /// Nothing of it enters before, in seconds from the beginning.
+        release as "release_s": Option<Located<f64>> = within(0.0, LONGEST_S),
+        /// When all of it is to be finished, in seconds from the beginning.
+        due as "due_s": Option<Located<f64>> = within(0.0, LONGEST_S),
+        /// More comes first.
+        priority: i64 = whole(-PRIORITY_MAX, PRIORITY_MAX).or(0),
+        /// Orders of this list that have to be over before.
+        after: Option<Located<Vec<LocatedName>>> = texts(NAMES_MAX),
+    }
+
+    /// Orders that come one after the other.
+    pub(super) struct RawArrivals is "`arrivals`" {
+        /// What its orders are called, with a number; the part type if left out.
+        name: Option<LocatedName> = text(),
+        /// The part type.
+        part: Option<LocatedName> = text().required(),
+        /// How many parts each order has, 1 to 1000000.
+        quantity: i64 = whole(1, 1_000_000).or(1),
+        /// Time from one order to the next, in seconds: a number, or a distribution.
+        every as "every_s": Option<Located<Distribution>> = distribution().required(),
+        /// When the first one comes, in seconds from the beginning; after a time of `every_s` if left out.
+        first as "first_s": Option<Located<f64>> = within(0.0, LONGEST_S),
+        /// None comes later than this, in seconds from the beginning.
+        until as "until_s": Option<Located<f64>> = within(0.0, LONGEST_S),
+        /// How many orders come, 1 to 1000000.
+        count: Option<Located<i64>> = whole(1, 1_000_000),
+        /// When an order is due, in seconds from its coming: a number, or a distribution.
+        due_after as "due_after_s": Option<Located<Distribution>> = distribution(),
+        /// More comes first.
+        priority: i64 = whole(-PRIORITY_MAX, PRIORITY_MAX).or(0),
+    }
+
+    /// Activities whose times are drawn: the described time times a number of this distribution.
+    pub(super) struct RawTime is "`time`" {
+        /// Synchronisations and actions, by name; `*` stands for anything. The first table that fits counts.
+        of: Option<Located<Vec<LocatedName>>> = texts(NAMES_MAX).required(),
+        /// What the described time is multiplied by: a number, or a distribution.
+        factor: Option<Located<Distribution>> = distribution().required(),
+    }
+
+    /// A resource that breaks down.
+    pub(super) struct RawBreakdown is "a breakdown" {
+        /// The resource.
+        resource: Option<LocatedName> = text().required(),
+        /// What breaks, where one resource has several breakdowns.
+        name: Option<LocatedName> = text(),
+        /// Time from a repair to the next failure, in seconds: a number, or a distribution. Its mean is the MTBF.
+        between as "between_failures_s": Option<Located<Distribution>> = distribution().required(),
+        /// Time from a failure to the end of its repair, in seconds: a number, or a distribution. Its mean is the MTTR.
+        repair as "repair_s": Option<Located<Distribution>> = distribution().required(),
+        /// What the time between failures is counted in: `calendar`, all time, or `operating`, the time in which its
+        /// station works on orders.
+        clock: FailureClock = word(CLOCKS),
+    }
+
+    /// A moment, and what happens then.
+    pub(super) struct RawStep is "a step" {
+        /// Not before this moment, in seconds from the beginning.
+        at_s as "at_s": Option<Located<f64>> = within(0.0, LONGEST_S),
+        /// This much later still, in seconds.
+        after as "after_s": Option<Located<f64>> = within(0.0, LONGEST_S),
+        /// What happens to which resource.
+        faults: Vec<FaultOf> = faults(),
+    }
+
+    /// A distribution, by its name in the literature.
+    pub(super) struct RawDistribution is "a distribution" {
+        /// Which one.
+        distribution: Option<Located<DistributionKind>> = one_of(KINDS).required(),
+        /// Its mean; of `constant` its value.
+        mean: Option<Located<f64>> = positive(),
+        /// The standard deviation of `lognormal` and, before it is cut at 0, `truncated-normal`.
+        deviation: Option<Located<f64>> = positive(),
+        /// The least value of `uniform` and `triangular`.
+        low: Option<Located<f64>> = within(0.0, LONGEST_S),
+        /// The most frequent value of `triangular`.
+        mode: Option<Located<f64>> = within(0.0, LONGEST_S),
+        /// The greatest value of `uniform` and `triangular`.
+        high: Option<Located<f64>> = positive(),
+        /// Of `weibull`: below 1 failures become rarer with age, above 1 more frequent; 0.1 to 100.
+        shape: Option<Located<f64>> = within(0.1, 100.0),
+        /// Of `weibull`: not exceeded by 63 % of all values.
+        scale: Option<Located<f64>> = positive(),
+    }
+}
+
+/// A number that is always the same, or a distribution.
+fn distribution() -> KeyKind<Option<Located<Distribution>>> {
+    KeyKind::new(
+        |fields, report, key| {
+            if fields.is_table(key) {
+                let table = fields.table(report, key, RawDistribution::WHAT)?;
+                let written = PARAMETERS.map(|key| table.has(key));
+                return RawDistribution::read_all(table, report).checked(&written, report);
+            }
+            let number = fields.within(report, key, SHORTEST_S, LONGEST_S)?;
+            Some(number.map(Distribution::Constant))
+        },
+        || Shape::Either(vec![Shape::Number(SHORTEST_S, LONGEST_S), RawDistribution::shape()]),
+    )
+}
+
+/// The parameters of all distributions.
+const PARAMETERS: [&str; 7] = ["mean", "deviation", "low", "mode", "high", "shape", "scale"];
+
+impl RawDistribution {
+    /// The distribution, if it has the parameters it needs and no others. What is written and could not be read has been
+    /// reported.
+    fn checked(self, written: &[bool; 7], report: &mut Report) -> Option<Located<Distribution>> {
+        let kind = self.distribution.as_ref()?;
+        let needs: &[&str] = match kind.value {
+            DistributionKind::Constant | DistributionKind::Exponential => &["mean"],
+            DistributionKind::Uniform => &["low", "high"],
+            DistributionKind::Triangular => &["low", "mode", "high"],
+            DistributionKind::TruncatedNormal | DistributionKind::Lognormal => &["mean", "deviation"],
+            DistributionKind::Weibull => &["shape", "scale"],
+        };
+        let name = KINDS.iter().find(|(_, known)| *known == kind.value).map_or("?", |(name, _)| *name);
+        let values = [&self.mean, &self.deviation, &self.low, &self.mode, &self.high, &self.shape, &self.scale];
+        let has = needs.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
+        let mut is_sound = true;
+        for ((key, value), written) in PARAMETERS.into_iter().zip(values).zip(written) {
+            match value {
+                Some(value) if !needs.contains(&key) => {
+                    let problem = Problem::error(value.at.clone(), format!("`{name}` has no `{key}`"));
+                    report.add(problem.hint(format!("it has {has}")));
+                }
+                None if needs.contains(&key) => {
+                    if !written {
+                        let problem = Problem::error(self.at.clone(), format!("`{name}` needs `{key}`"));
+                        report.add(problem.hint(format!("it has {has}")));
+                    }
+                    is_sound = false;
+                }
+                Some(_) | None => (),
+            }
+        }
+        if !is_sound {
+            return None;
+        }
+        let number = |value: &Option<Located<f64>>| value.as_ref().map_or(0.0, |value| value.value);
+        let (mean, deviation) = (number(&self.mean), number(&self.deviation));
+        let (low, mode, high) = (number(&self.low), number(&self.mode), number(&self.high));
+        let in_order = match kind.value {
+            DistributionKind::Uniform => low < high,
+            DistributionKind::Triangular => low <= mode && mode <= high && low < high,
+            _ => true,
+        };
+        if !in_order {
+            let order = if kind.value == DistributionKind::Uniform {
+                "low < high"
+            } else {
+                "low ≤ mode ≤ high, low < high"
+            };
+            report.add(Problem::error(self.at.clone(), format!("no such `{name}`")).hint(order));
+            return None;
+        }
+        let distribution = match kind.value {
+            DistributionKind::Constant => Distribution::Constant(mean),
+            DistributionKind::Exponential => Distribution::Exponential { mean },
+            DistributionKind::Uniform => Distribution::Uniform { low, high },
+            DistributionKind::Triangular => Distribution::Triangular { low, mode, high },
+            DistributionKind::TruncatedNormal => Distribution::TruncatedNormal { mean, deviation },
+            DistributionKind::Lognormal => Distribution::Lognormal { mean, deviation },
+            DistributionKind::Weibull => {
+                Distribution::Weibull { shape: number(&self.shape), scale: number(&self.scale) }
+            }
+        };
+        Some(Located::new(distribution, self.at))
+    }
+}

@@ -1,0 +1,141 @@
+//! A cell and a scenario, played as often as it takes to know what is to be expected of it.
+//!
+//! ```text
+//!   scenario ──▶ Course: orders come, stations break down ──▶ CellSim ──▶ records ──▶ figures of one replication
+//!                                                                                        │ as many as asked for, in threads
+//!                                                                                        ▼
+//!                                                              mean ± half width, by [`super::Estimate`]
+//! ```
+//!
+//! Replications differ in their seed alone and share nothing, so it does not matter how many are played at once. Everything
+//! random has a stream of its own by name, so replication 3 of one variant of a cell meets the same breakdowns as
+//! replication 3 of another, and a difference between the two is one of the cells.
+
+mod course;
+mod figures;
+mod play;
+mod several;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use linewright_cell::net::Supply;
+use linewright_cell::{Cell, ResourceId};
+use linewright_coordinator_cell::CellTable;
+use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, Unplayable, compile_cell};
+use linewright_coordinator_cell::schedule::ScheduleFollower;
+use linewright_line::{Line, Tick};
+use linewright_random::mix;
+
+use super::scenario::CellScenario;
+use super::sim::CellSim;
+
+pub use figures::{OrderFigures, ReplicationFigures, ResourceFigures};
+pub use several::ReplicationGoal;
+
+/// Nothing is lost, so nothing is repeated, and the coordinator is not killed.
+const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(3600), grace: Duration::from_secs(10) };
+/// How long an order may take: what stands is repaired and goes on, so no time limit of the description counts.
+const NO_LIMIT: Duration = Duration::from_secs(3_000_000_000);
+
+/// How a study is played, beside its scenario.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StudyOptions {
+    /// What everything random follows from.
+    pub seed: u64,
+    /// What a message takes at least and at most.
+    pub delay: (Duration, Duration),
+    /// Where the scenario draws no times: up to this part of it longer or shorter than described.
+    pub spread: f64,
+    /// By look-ahead and schedule, as the description asks for, and not by its rules alone.
+    pub planned: bool,
+}
+
+/// A cell with what it has to make.
+pub struct CellStudy {
+    cell: Cell,
+    scenario: CellScenario,
+    options: StudyOptions,
+    played: CompiledCell,
+    table: Arc<CellTable>,
+    stations: usize,
+}
+
+/// One replication, played.
+pub struct PlayedReplication {
+    pub sim: CellSim,
+    /// What it followed, if it was planned.
+    pub plan: Option<ScheduleFollower>,
+    /// When resources stood, in the order of their repairs.
+    pub stood: Vec<Standstill>,
+    /// Until when it was observed.
+    pub end: Tick,
+    /// Why it ended before its time, if it did.
+    pub problem: Option<StudyProblem>,
+}
+
+/// A resource stood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Standstill {
+    pub resource: ResourceId,
+    pub from: Tick,
+    pub to: Tick,
+}
+
+/// Why a replication ended before its time.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StudyProblem {
+    /// More is ordered than the cell makes.
+    #[error("{open} orders are open after {at_s:.0} s: orders come faster than the cell makes them")]
+    TooManyOrders { open: usize, at_s: f64 },
+    #[error("an order was refused after {at_s:.0} s: {why}")]
+    Refused { why: String, at_s: f64 },
+    #[error("endless loop of activities without duration at {at_s:.3} s, last `{activity}`: give it a `time_s`")]
+    Spins { activity: String, at_s: f64 },
+    #[error("{left} parts finished, {inside} are inside; no further event after {at_s:.3} s")]
+    Stuck { left: u64, inside: usize, at_s: f64 },
+}
+
+impl CellStudy {
+    /// A cell, and what it has to make. Stations are those of `line`, or else those that the cell names. Its time limits do
+    /// not count.
+    ///
+    /// # Errors
+    /// What cannot be played, and why.
+    pub fn new(
+        cell: &Cell,
+        line: Option<&Line>,
+        scenario: CellScenario,
+        options: StudyOptions,
+    ) -> Result<Self, Unplayable> {
+        let mut cell = cell.clone();
+        let orders = cell.activities.iter_mut().flat_map(|activity| &mut activity.orders);
+        orders.for_each(|order| order.limit = Some(NO_LIMIT));
+        let played = compile_cell(&cell, line, Supply::Open, PACE)?;
+        let stations = line.map_or(cell.controllers.len(), |line| line.stations.len());
+        let table = Arc::new(played.table.clone());
+        Ok(CellStudy { cell, scenario, options, played, table, stations })
+    }
+
+    pub fn cell(&self) -> &Cell {
+        &self.cell
+    }
+
+    pub fn scenario(&self) -> &CellScenario {
+        &self.scenario
+    }
+
+    pub fn played(&self) -> &CompiledCell {
+        &self.played
+    }
+
+    /// What everything random in a replication follows from.
+    fn seed_of(&self, replication: usize) -> u64 {
+        mix(self.options.seed).wrapping_add(replication as u64)
+    }
+}
+
+/// Seconds since the beginning.
+fn seconds(at: Tick) -> f64 {
+    at.as_micros() as f64 / 1e6
+}

@@ -1,0 +1,81 @@
+//! Several replications, as many as are asked for or as a precision takes, played side by side.
+
+use std::ops::Range;
+use std::thread;
+
+use super::super::estimate::Estimate;
+use super::{CellStudy, ReplicationFigures};
+
+/// So many replications there are at least where a precision is asked for: an interval of fewer says little.
+const LEAST: usize = 5;
+
+/// How often to simulate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReplicationGoal {
+    /// So often; at least, where a precision is asked for.
+    pub replications: usize,
+    /// Until throughput and time in the cell are known up to this part of them.
+    pub precision: Option<f64>,
+    /// At most so often.
+    pub most: usize,
+}
+
+impl CellStudy {
+    /// Plays replications 0 and up, in so many threads, and gives their figures in order. What comes out does not depend on
+    /// the number of threads: each replication follows from its number alone, and how many there are from those before.
+    ///
+    /// It ends with the first one that has a problem.
+    pub fn replicate(&self, goal: &ReplicationGoal, threads: usize) -> Vec<ReplicationFigures> {
+        let least = if goal.precision.is_some() { goal.replications.max(LEAST) } else { goal.replications };
+        let least = least.min(goal.most);
+        let mut all = self.side_by_side(0..least, threads);
+        if let Some(problem) = all.iter().position(|figures| figures.problem.is_some()) {
+            all.truncate(problem + 1);
+            return all;
+        }
+        let Some(precision) = goal.precision else { return all };
+        let mut enough = least;
+        while !self.is_precise(&all[..enough], precision) && enough < goal.most {
+            enough += 1;
+            if all.len() < enough {
+                let next = all.len()..(all.len() + threads.max(1)).min(goal.most);
+                all.extend(self.side_by_side(next, threads));
+            }
+            if all[enough - 1].problem.is_some() {
+                break;
+            }
+        }
+        all.truncate(enough);
+        all
+    }
+
+    /// Whether throughput and time in the cell are known so precisely.
+    pub fn is_precise(&self, figures: &[ReplicationFigures], precision: f64) -> bool {
+        let confidence = self.scenario.confidence;
+        let throughput = Estimate::of(figures.iter().map(|of| of.throughput), confidence);
+        let in_cell = Estimate::of(figures.iter().filter_map(|of| of.in_cell), confidence);
+        [throughput, in_cell].iter().all(|estimate| estimate.is_some_and(|estimate| estimate.is_within(precision)))
+    }
+
+    fn side_by_side(&self, numbers: Range<usize>, threads: usize) -> Vec<ReplicationFigures> {
+        let threads = threads.clamp(1, numbers.len().max(1));
+        let figures = |number| self.figures(&self.play(number));
+        if threads == 1 {
+            return numbers.map(figures).collect();
+        }
+        let mut all: Vec<Option<ReplicationFigures>> = numbers.clone().map(|_| None).collect();
+        thread::scope(|scope| {
+            let each = (0..threads).map(|first| {
+                let mine = numbers.clone().skip(first).step_by(threads);
+                scope.spawn(move || mine.map(|number| (number, figures(number))).collect::<Vec<_>>())
+            });
+            for played in each.collect::<Vec<_>>() {
+                // A panic of one is one of all.
+                for (number, figures) in played.join().expect("a replication panicked") {
+                    all[number - numbers.start] = Some(figures);
+                }
+            }
+        });
+        all.into_iter().flatten().collect()
+    }
+}
