@@ -18,16 +18,16 @@ use crate::player::plans::Compiled;
 use crate::player::printed::Script;
 use crate::player::world::World;
 
-const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
+pub const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
 const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
 const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
-fn made(text: &str, supply: Supply<'_>) -> CompiledCell {
+pub fn made(text: &str, supply: Supply<'_>) -> CompiledCell {
     let cell = linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
     compile_cell(&cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"))
 }
 
-fn world(made: CompiledCell, stations: usize, seed: u64) -> World {
+pub fn world(made: CompiledCell, stations: usize, seed: u64) -> World {
     let it = Compiled { net: made.net.net().clone(), long: made.long, table: Arc::new(made.table) };
     World::new(it, stations, seed)
 }
