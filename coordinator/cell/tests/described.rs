@@ -149,6 +149,29 @@ fn each_part_has_a_slot_of_its_own_in_the_store() {
     }
 }
 
+/// In a stack the position is the level: nothing lies above what is fetched.
+#[test]
+fn in_a_stack_the_robot_is_told_the_level() {
+    let stack = C1.replacen("random-access-store", "lifo-buffer", 1);
+    for seed in 0..5 {
+        let mut world = world(made(&stack, Supply::Batch(&[2, 1])), 4, seed);
+        world.run(&mut Fifo, Tick::from_millis(900_000));
+        assert_eq!(world.state().left(), 3, "seed {seed}");
+        let (mut lies, mut moves) = (BTreeMap::new(), BTreeMap::new());
+        for done in &world.stations[3].done {
+            let (part, level) = (done.part.expect("it has one"), done.parameters[0].1);
+            let moved = moves.entry(part).and_modify(|moved| *moved += 1).or_insert(1);
+            if done.task.starts_with("unload") {
+                // After the second step it may leave at any time, and no robot takes part in that.
+                lies.extend((*moved < 4).then_some((part, level)));
+            } else if let Some(lay) = lies.remove(&part) {
+                assert_eq!(lay, level, "seed {seed}: {part}");
+            }
+            assert!((1..=3).contains(&level) && lies.values().all(|&other| other <= level), "seed {seed}: {lies:?}");
+        }
+    }
+}
+
 /// The times and limits of a mode are those of its stage.
 #[test]
 fn modes_have_the_times_of_their_stages() {

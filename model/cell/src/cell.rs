@@ -105,7 +105,7 @@ pub struct Resource {
     pub capacity: u32,
     /// Its station, if it has one.
     pub controller: Option<ControllerId>,
-    /// The input of that station that is on while a part is there.
+    /// The input of that station that is on while a part is there; of a row, at the end where parts are taken.
     pub presence: Option<String>,
 }
 

@@ -126,7 +126,7 @@ keys! {
         capacity: Option<Located<i64>> = integer().from_to(1, 10_000),
         /// Its station; one resource each.
         station: Option<LocatedName> = text(),
-        /// An input of that station that is on while a part is there.
+        /// An input of that station that is on while a part is there; of a `"fifo-buffer"`, at the end it is taken from.
         presence: Option<LocatedName> = text(),
     }
 
