@@ -1,8 +1,8 @@
 //! A plan's graph: between which stages each step leads.
 //!
 //! A step begins where the one before it ends; with `or`, where another begins; with `then`, it leads to where a later
-//! one begins, or to the end. All lead forward, so a plan has no circle: the stages are in an order in which every step leads to a later
-//! one. A stage is called after the first step that leads to it.
+//! one begins, or to the end. All lead forward, so a plan has no circle: the stages are in an order in which every step
+//! leads to a later one. A stage is called after the first step that leads to it.
 //!
 //! A variant of a plan has fewer stages: where a step is left out, those before and after it are one.
 
