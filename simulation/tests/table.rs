@@ -72,7 +72,7 @@ fn a_table_that_jams_half_way_is_led_on_to_the_next_place() {
         [[step]]
         refused = "auto"
         [[step]]
-        repair = "table: index"
+        clear = "table: index"
         [[step]]
         command = "manual"
         [[step]]
@@ -110,7 +110,7 @@ fn a_table_that_does_not_set_out_is_found() {
         when = "line is stand-by and all are stopped"
         expect = "table is incomplete"
         [[step]]
-        repair = "table: index"
+        clear = "table: index"
         [[step]]
         command = "manual"
         [[step]]
@@ -213,7 +213,7 @@ fn an_overload_in_the_middle_of_its_way_is_a_fault_like_any() {
         break = "table: index"
         [[step]]
         when = "line is stand-by and all are stopped"
-        repair = "table: index"
+        clear = "table: index"
         [[step]]
         command = "manual"
         [[step]]
@@ -246,7 +246,7 @@ fn a_switch_that_flickers_where_the_index_begins_stops_the_line_in_doubt() {
         after_s = 0.2
         expect = "table is incomplete and table is blocked"
         [[step]]
-        repair = "table: index"
+        clear = "table: index"
         [[step]]
         refused = "auto"
         [[step]]

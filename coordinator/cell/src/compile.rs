@@ -214,9 +214,10 @@ fn products(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<Product> {
     products
 }
 
-/// The stores of a cell in which parts have positions.
+/// The stores of a cell in which parts have positions. Those of a stack are in use from the first one upwards, so the first
+/// free one is where the next part goes.
 fn stores(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<StorePositions> {
-    let is_random = |&id: &ResourceId| cell.resource(id).prototype == Prototype::RandomAccessStore;
+    let has_positions = |&id: &ResourceId| cell.resource(id).prototype.has_positions();
     let store = |id: ResourceId| {
         let is_here = |&place: &PlaceId| {
             net.meaning(long.cell(net.net(), place).place) == PlaceMeaning::Held(id, ResourcePosition::Stored)
@@ -224,7 +225,7 @@ fn stores(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<StorePositions> {
         let cells = long.net().places().filter(is_here).map(|place| CellId(place.0)).collect();
         StorePositions { name: cell.resource(id).name.as_str().into(), cells }
     };
-    cell.resource_ids().filter(is_random).map(store).collect()
+    cell.resource_ids().filter(has_positions).map(store).collect()
 }
 
 /// The dispatcher that a description asks for, with production orders, looking ahead, and a schedule if that is among its

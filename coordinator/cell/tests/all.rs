@@ -7,4 +7,5 @@ mod player;
 mod recovery;
 #[path = "../../../stations/logic/tests/samples.rs"]
 mod samples;
+mod steps;
 mod texts;

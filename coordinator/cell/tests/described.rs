@@ -18,16 +18,16 @@ use crate::player::plans::Compiled;
 use crate::player::printed::Script;
 use crate::player::world::World;
 
-const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
+pub const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
 const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
 const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
-fn made(text: &str, supply: Supply<'_>) -> CompiledCell {
+pub fn made(text: &str, supply: Supply<'_>) -> CompiledCell {
     let cell = linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
     compile_cell(&cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"))
 }
 
-fn world(made: CompiledCell, stations: usize, seed: u64) -> World {
+pub fn world(made: CompiledCell, stations: usize, seed: u64) -> World {
     let it = Compiled { net: made.net.net().clone(), long: made.long, table: Arc::new(made.table) };
     World::new(it, stations, seed)
 }
@@ -146,6 +146,29 @@ fn each_part_has_a_slot_of_its_own_in_the_store() {
         used.sort_unstable();
         used.dedup();
         assert!(used.len() > 2, "several are in it at once");
+    }
+}
+
+/// In a stack the position is the level: nothing lies above what is fetched.
+#[test]
+fn in_a_stack_the_robot_is_told_the_level() {
+    let stack = C1.replacen("random-access-store", "lifo-buffer", 1);
+    for seed in 0..5 {
+        let mut world = world(made(&stack, Supply::Batch(&[2, 1])), 4, seed);
+        world.run(&mut Fifo, Tick::from_millis(900_000));
+        assert_eq!(world.state().left(), 3, "seed {seed}");
+        let (mut lies, mut moves) = (BTreeMap::new(), BTreeMap::new());
+        for done in &world.stations[3].done {
+            let (part, level) = (done.part.expect("it has one"), done.parameters[0].1);
+            let moved = moves.entry(part).and_modify(|moved| *moved += 1).or_insert(1);
+            if done.task.starts_with("unload") {
+                // After the second step it may leave at any time, and no robot takes part in that.
+                lies.extend((*moved < 4).then_some((part, level)));
+            } else if let Some(lay) = lies.remove(&part) {
+                assert_eq!(lay, level, "seed {seed}: {part}");
+            }
+            assert!((1..=3).contains(&level) && lies.values().all(|&other| other <= level), "seed {seed}: {lies:?}");
+        }
     }
 }
 

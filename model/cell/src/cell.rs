@@ -105,7 +105,7 @@ pub struct Resource {
     pub capacity: u32,
     /// Its station, if it has one.
     pub controller: Option<ControllerId>,
-    /// The input of that station that is on while a part is there.
+    /// The input of that station that is on while a part is there; of a row, at the end where parts are taken.
     pub presence: Option<String>,
 }
 
@@ -156,6 +156,20 @@ pub struct StageMove {
     pub time: Option<Duration>,
     /// The number of the program, where the plan gives one.
     pub program: Option<i32>,
+    /// Of work: whether the part has to be loaded for it.
+    pub stays: Staying,
+}
+
+/// Whether a part stays in the resource that has worked on it, for the next step there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Staying {
+    /// It is unloaded, and loaded again.
+    #[default]
+    No,
+    /// It can stay, and it can be unloaded and loaded again.
+    May,
+    /// It is not loaded for this step.
+    Must,
 }
 
 /// What one station is told when an activity starts.
@@ -330,6 +344,18 @@ impl Activity {
     /// Whether it takes no time and nobody is told: a step of the books only (seed 000, definitions 32 and 33, L1445).
     pub fn is_logical(&self) -> bool {
         self.orders.is_empty() && self.moves.iter().all(|of| of.time.is_none())
+    }
+}
+
+impl Staying {
+    /// Whether the work can begin with a part that has been loaded.
+    pub fn allows_loaded(self) -> bool {
+        self != Staying::Must
+    }
+
+    /// Whether it can begin with a part that has been worked on there before.
+    pub fn allows_ready(self) -> bool {
+        self != Staying::No
     }
 }
 

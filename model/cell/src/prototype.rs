@@ -118,6 +118,11 @@ impl Prototype {
         self.actions().contains(&ResourceAction::Process)
     }
 
+    /// Whether whoever takes a part from it or puts one into it has to know where: in a row only the ends are reached.
+    pub fn has_positions(self) -> bool {
+        matches!(self, Prototype::RandomAccessStore | Prototype::LifoBuffer)
+    }
+
     /// Whether parts stay in it between activities without being worked on.
     pub fn stores(self) -> bool {
         self.actions().contains(&ResourceAction::Store)

@@ -5,7 +5,7 @@
 //! reported where a plan needs it. Capacities play no part here. The search is linear in spots × stages × ways.
 
 use crate::prototype::ResourceAction;
-use crate::{ResourceId, StageId};
+use crate::{ResourceId, StageId, Staying};
 
 /// Where a part can stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -31,6 +31,13 @@ impl PartSpot {
         }
     }
 
+    /// Where a part can be when work on it begins.
+    pub fn work_from(resource: ResourceId, stays: Staying) -> impl Iterator<Item = PartSpot> {
+        let [loaded, ready] = PartSpot::work(resource);
+        let spots = [(loaded, stays.allows_loaded()), (ready, stays.allows_ready())];
+        spots.into_iter().filter(|(_, can_be)| *can_be).map(|(spot, _)| spot)
+    }
+
     /// Where a machine's parts are before and after its work.
     pub fn work(resource: ResourceId) -> [PartSpot; 2] {
         [PartSpot(2 + 2 * resource.index()), PartSpot(3 + 2 * resource.index())]
@@ -42,7 +49,7 @@ impl PartSpot {
 pub struct RouteTable {
     /// From where to where, whatever the stage.
     pub transports: Vec<(PartSpot, PartSpot)>,
-    pub works: Vec<(ResourceId, StageId, StageId)>,
+    pub works: Vec<(ResourceId, StageId, StageId, Staying)>,
     /// The first and the last stage of each part type.
     pub ends: Vec<(StageId, StageId)>,
     /// How many stages there are.
@@ -71,10 +78,12 @@ impl Routes {
             forwards[source.0].0.push(target.0);
             backwards[target.0].0.push(source.0);
         }
-        for &(resource, from, to) in &ways.works {
-            let [before, after] = PartSpot::work(resource);
-            forwards[before.0].1.push((from.index(), after.0, to.index()));
-            backwards[after.0].1.push((to.index(), before.0, from.index()));
+        for &(resource, from, to, stays) in &ways.works {
+            let after = PartSpot::work(resource)[1];
+            for before in PartSpot::work_from(resource, stays) {
+                forwards[before.0].1.push((from.index(), after.0, to.index()));
+                backwards[after.0].1.push((to.index(), before.0, from.index()));
+            }
         }
         let starts = ways.ends.iter().map(|(new, _)| (PartSpot::BEFORE.0, new.index()));
         let goals = ways.ends.iter().map(|(_, done)| (PartSpot::AFTER.0, done.index()));

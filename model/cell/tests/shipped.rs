@@ -105,12 +105,56 @@ fn a_plan_may_have_alternatives() {
     assert_eq!(steps, expected);
 }
 
+/// What a part goes through, and between which stages.
+fn steps_of(cell: &linewright_cell::Cell, part: usize) -> Vec<(&str, &str, &str)> {
+    let stage = |id: linewright_cell::StageId| cell.stages[id.index()].name.as_str();
+    cell.part_types[part].steps.iter().map(|s| (s.name.as_str(), stage(s.from), stage(s.to))).collect()
+}
+
+/// `then = "done"` ends a plan before its last step.
+#[test]
+fn a_way_may_end_early() {
+    let text = C1.replacen(
+        "[[part.step]]\nname = \"grind\"",
+        "[[part.step]]\nname = \"mill\"\nor = \"turn\"\nthen = \"done\"\non = [{ resource = \"M2\", time_s = 9, program = 5 }]\n\
+         [[part.step]]\nname = \"grind\"",
+        1,
+    );
+    let expected = [("turn", "A.new", "A.turn"), ("mill", "A.new", "A.done"), ("grind", "A.turn", "A.done")];
+    assert_eq!(steps_of(&cell(&text), 0), expected);
+}
+
+/// A variant has the stages that are left, called after the steps that are left.
+#[test]
+fn a_variant_is_without_steps() {
+    let plan = |variant: &str| {
+        C1.replace(
+            "[[part]]\nname = \"B\"",
+            &format!(
+                "[[part.step]]\nname = \"mill\"\non = [{{ resource = \"M2\", time_s = 9, program = 5 }}]\n\
+                 [[part.step]]\nname = \"saw\"\nor = \"mill\"\non = [{{ resource = \"M1\", time_s = 9, program = 6 }}]\n\
+                 [[part.variant]]\nname = \"A0\"\nwithout = {variant}\n\n[[part]]\nname = \"B\""
+            ),
+        )
+    };
+    let of = |variant: &str| {
+        steps_of(&cell(&plan(variant)), 1).into_iter().map(|(.., to)| to.to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(of("[\"turn\"]"), ["A0.grind", "A0.done", "A0.done"]);
+    assert_eq!(of("[\"grind\"]"), ["A0.turn", "A0.done", "A0.done"]);
+    assert_eq!(of("[\"mill\", \"saw\"]"), ["A0.turn", "A0.done"]);
+    let all = cell(&plan("[\"grind\"]"));
+    let stages: Vec<_> = all.stages.iter().map(|stage| stage.name.as_str()).collect();
+    assert_eq!(stages[..7], ["A.new", "A.turn", "A.grind", "A.done", "A0.new", "A0.turn", "A0.done"]);
+    assert_eq!(all.part_types[2].name, "B");
+}
+
 /// The example of the documentation is a sound one, with the part of the alternatives beside it.
 #[test]
 fn the_documented_examples_are_sound() {
     let text = include_str!("../../../docs/cell-description.md");
     let blocks: Vec<&str> = text.split("```toml\n").skip(1).filter_map(|block| block.split("```").next()).collect();
-    assert_eq!(blocks.len(), 2);
+    assert_eq!(blocks.len(), 3);
     let small = linewright_cell::parse("small.toml", blocks[0], None).unwrap_or_else(|problems| panic!("{problems:#}"));
     assert_eq!(small.warnings, []);
     let c1 = C1
@@ -119,4 +163,7 @@ fn the_documented_examples_are_sound() {
     let alternatives = cell(&format!("{c1}\n{}", blocks[1]));
     let steps = &alternatives.part_types.last().expect("it is there").steps;
     assert_eq!(steps.iter().filter(|step| step.from == steps[0].from).count(), 2);
+    let variants = cell(&format!("{c1}\n{}", blocks[2]));
+    let names: Vec<_> = variants.part_types.iter().map(|part| part.name.as_str()).collect();
+    assert_eq!(names, ["old A", "B", "C", "C unmeasured"]);
 }

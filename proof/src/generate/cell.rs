@@ -29,6 +29,8 @@ pub struct CellShape {
     pub unreserved: u32,
     /// That there are two of everything, with nothing in common.
     pub apart: u32,
+    /// That a plan has what not every plan has: parts that stay for the next step, ways that end early.
+    pub plans: u32,
     /// That what could be otherwise is: other prototypes than the usual ones, more ways than are needed.
     pub odd: u32,
 }
@@ -46,6 +48,7 @@ impl Default for CellShape {
             wip: 1..=5,
             unreserved: 25,
             apart: 0,
+            plans: 0,
             odd: 25,
         }
     }
@@ -54,7 +57,7 @@ impl Default for CellShape {
 impl CellShape {
     /// Few enough states to look at each one by one, in a slow and obvious way.
     pub fn small() -> Self {
-        CellShape { machines: 2..=4, types: 1..=3, steps: 1..=3, wip: 1..=4, ..CellShape::default() }
+        CellShape { machines: 2..=4, types: 1..=3, steps: 1..=3, wip: 1..=4, plans: 30, ..CellShape::default() }
     }
 
     /// So many machines around large stores, and plans as long as that.
@@ -69,6 +72,7 @@ impl CellShape {
             wip: machines..=machines,
             unreserved: 0,
             apart: 0,
+            plans: 0,
             odd: 0,
         }
     }
@@ -227,7 +231,8 @@ impl Syncs<'_> {
     }
 }
 
-/// A type of parts and its plan: steps one after the other, some with an alternative on other machines.
+/// A type of parts and its plan: steps one after the other, some with an alternative on other machines, some of which are
+/// the last. A part stays for a step beside others on which it can be done, or where nothing but that machine led to it.
 fn part(
     number: usize,
     machines: &[RandomResource],
@@ -236,19 +241,38 @@ fn part(
     out: &mut String,
 ) -> std::fmt::Result {
     writeln!(out, "[[part]]\nname = \"P{number}\"")?;
+    // Shapes without such plans are drawn as if there were none.
+    let special = |random: &mut Random| shape.plans > 0 && random.chance(shape.plans);
+    let mut before: Vec<&RandomResource> = Vec::new();
     for step in 1..=random.within(&shape.steps).max(1) {
         let mut left: Vec<&RandomResource> = machines.iter().collect();
-        writeln!(out, "[[part.step]]\nname = \"s{step}\"\non = [{}]", on(&mut left, random).join(", "))?;
+        let mut on = Vec::new();
+        if !before.is_empty() && special(random) {
+            let stays = *random.pick(&before);
+            left.retain(|machine| machine.name != stays.name);
+            let word = *random.pick(&["may", "must"]);
+            let time = 1 + random.below(60);
+            on.push(format!("{{ resource = \"{}\", time_s = {time}, stays = \"{word}\" }}", stays.name));
+        }
+        if on.is_empty() || before.len() > 1 || random.chance(50) {
+            on.extend(some_of(&mut left, random));
+        }
+        writeln!(out, "[[part.step]]\nname = \"s{step}\"\non = [{}]", on.join(", "))?;
         if !left.is_empty() && random.chance(shape.odd / 2) {
-            let on = on(&mut left, random).join(", ");
+            let on = some_of(&mut left, random).join(", ");
             writeln!(out, "[[part.step]]\nname = \"s{step} else\"\nor = \"s{step}\"\non = [{on}]")?;
+        }
+        before = machines.iter().filter(|machine| left.iter().all(|other| other.name != machine.name)).collect();
+        if !left.is_empty() && special(random) {
+            let on = some_of(&mut left, random).join(", ");
+            writeln!(out, "[[part.step]]\nname = \"s{step} last\"\nor = \"s{step}\"\nthen = \"done\"\non = [{on}]")?;
         }
     }
     writeln!(out)
 }
 
 /// One or two machines, which are left no more.
-fn on(left: &mut Vec<&RandomResource>, random: &mut Random) -> Vec<String> {
+fn some_of(left: &mut Vec<&RandomResource>, random: &mut Random) -> Vec<String> {
     let count = (1 + random.below(2)).min(left.len());
     (0..count)
         .map(|_| {

@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 
 use linewright_cell::{
-    Activity, ActivityKind, Cell, Prototype, ResourceAction, ResourceId, Role, StageId, StageMove, Use,
+    Activity, ActivityKind, Cell, Prototype, ResourceAction, ResourceId, Role, StageId, StageMove, Staying, Use,
 };
 
 /// What a resource has.
@@ -156,14 +156,20 @@ impl Player<'_> {
         let used = |role: Role| activity.used(role);
         if let Some(worker) = used(Role::Worker).and_then(|part| part.of) {
             let Inside::Machine(parts) = &moment.inside[worker.index()] else { return Vec::new() };
-            let Some(at) = parts.iter().position(|part| *part == (of.from, false)) else { return Vec::new() };
             if self.cell.resource(worker).prototype == Prototype::Human && self.hands_free(moment, worker) == 0 {
                 return Vec::new();
             }
-            let mut parts = parts.clone();
-            parts[at] = (of.to, true);
-            parts.sort();
-            return vec![(0, with(moment, worker, Inside::Machine(parts)))];
+            // It has been loaded for this, or it stays after work before.
+            let ways = [(false, of.stays != Staying::Must), (true, of.stays != Staying::No)];
+            let can_be = ways.into_iter().filter(|(_, can_be)| *can_be).map(|(was_worked_on, _)| was_worked_on);
+            let begun = can_be.filter_map(|was_worked_on| {
+                let at = parts.iter().position(|part| *part == (of.from, was_worked_on))?;
+                let mut parts = parts.clone();
+                parts[at] = (of.to, true);
+                parts.sort();
+                Some((usize::from(was_worked_on), with(moment, worker, Inside::Machine(parts))))
+            });
+            return begun.collect();
         }
         let (Some(source), Some(target)) = (used(Role::Source), used(Role::Target)) else { return Vec::new() };
         let carrier = used(Role::Carrier).and_then(|part| part.of);

@@ -93,6 +93,16 @@ fn the_same_seed_gives_the_same_cell_and_another_seed_another() {
     assert_ne!(generate::cell(&shape, 7), generate::cell(&shape, 8));
 }
 
+/// Of what not every plan has there are plans among the small cells.
+#[test]
+fn everything_a_plan_may_have_is_generated() {
+    let texts: Vec<String> = (0..300).map(|seed| generate::cell(&CellShape::small(), seed)).collect();
+    texts.iter().for_each(|text| _ = cell(text));
+    for what in ["stays = \"may\"", "stays = \"must\"", "then = \"done\""] {
+        assert!(texts.iter().filter(|text| text.contains(what)).count() >= 10, "{what}");
+    }
+}
+
 /// Of everything a cell can have there are cells.
 #[test]
 fn everything_a_cell_may_have_is_generated() {

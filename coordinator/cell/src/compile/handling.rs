@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use linewright_cell::net::{CellNet, PlaceMeaning, Supply};
-use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, ResourceId as Of, Role, StopOf};
+use linewright_cell::net::{CellNet, PlaceMeaning, ResourcePosition, Supply};
+use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, Resource, ResourceId as Of, Role, StopOf};
 use linewright_line::StationId;
 use linewright_nets::coloured::Unfolding;
 
@@ -30,6 +30,7 @@ pub(super) fn handling(
             station: of.controller.map(|controller| stations[controller.index()]),
             is_sensed: of.presence.is_some() && of.controller.is_some(),
             has: made.cells_of(Some(id), |meaning| matches!(meaning, PlaceMeaning::Held(..))).collect(),
+            sees: made.cells_of(Some(id), |meaning| is_seen(of, meaning)).collect(),
         }
     };
     RecoveryPolicy {
@@ -38,6 +39,22 @@ pub(super) fn handling(
         rules: cell.exceptions.iter().map(|of| rule(of, stations)).collect(),
         stations: stations.iter().zip(&cell.controllers).map(|(&id, name)| (id, name.as_str().into())).collect(),
         ..RecoveryPolicy::default()
+    }
+}
+
+/// Whether a resource's sensor sees the parts of a place: in a row it looks at the end.
+fn is_seen(of: &Resource, meaning: PlaceMeaning) -> bool {
+    match meaning {
+        PlaceMeaning::Held(_, ResourcePosition::Position(at)) => at == of.capacity,
+        PlaceMeaning::Held(_, ResourcePosition::Stored | ResourcePosition::Loaded | ResourcePosition::Ready) => true,
+        PlaceMeaning::Room(_)
+        | PlaceMeaning::Free(_)
+        | PlaceMeaning::Position(..)
+        | PlaceMeaning::Top(_)
+        | PlaceMeaning::Waiting
+        | PlaceMeaning::Admission
+        | PlaceMeaning::Busy { .. }
+        | PlaceMeaning::Idle(_) => false,
     }
 }
 

@@ -3,7 +3,7 @@
 use linewright_line::{StationId, Tick};
 
 use super::super::firing::{ActivityPhase, OngoingActivity};
-use super::super::ids::{AlarmId, FiringId, ModeId, OrderKey, PartId, ResourceId};
+use super::super::ids::{AlarmId, CellId, FiringId, ModeId, OrderKey, PartId, ResourceId};
 use super::super::orders::{PlayerOutbox, TaskReport};
 use super::super::player::Coordination;
 use super::super::record::{ActivityFailure, OrderFailure, RecordKind};
@@ -305,6 +305,18 @@ impl Coordination {
         has.iter().any(|&cell| self.state.marking().count(cell) > 0)
     }
 
+    /// What the sensor of a resource should say of the marking; none if parts are in it of which it may see one or not: in a
+    /// row they come to the end by themselves, and nobody knows when.
+    fn expected(&self, resource: ResourceId) -> Option<bool> {
+        let of = self.state.table().handling().resource(resource)?;
+        let has = |cells: &[CellId]| cells.iter().any(|&cell| self.state.marking().count(cell) > 0);
+        match (has(&of.sees), has(&of.has)) {
+            (true, _) => Some(true),
+            (false, true) => None,
+            (false, false) => Some(false),
+        }
+    }
+
     fn verdict(&self, now: Tick, firing: &OngoingActivity, ruling: &RecoveryDecision, since: Tick) -> SensorVerdict {
         let (handling, refresh) = (self.state.table().handling(), self.state.table().refresh());
         let handled = handling.mode(firing.mode);
@@ -327,12 +339,23 @@ impl Coordination {
                 }
                 continue;
             };
-            let model = handled.holder(ruling.part) == Some(id) || self.has_parts(id);
-            match seen.heard.presence {
-                Presence::Unknown => unchecked.push(id),
-                Presence::On if !model => found.push(SensorMismatch { resource: id, model, plant: true }),
-                Presence::Off if model => found.push(SensorMismatch { resource: id, model, plant: false }),
-                Presence::On | Presence::Off => (),
+            // What was put into a row has perhaps not come to its end yet.
+            let is_on_its_way =
+                ruling.part == Whereabouts::To && handling.resource(id).is_some_and(|of| !of.sees_all());
+            let model = match handled.holder(ruling.part) == Some(id) {
+                true if is_on_its_way => None,
+                true => Some(true),
+                false => self.expected(id),
+            };
+            match (seen.heard.presence, model) {
+                (Presence::Unknown, _) | (_, None) => unchecked.push(id),
+                (Presence::On, Some(model @ false)) => {
+                    found.push(SensorMismatch { resource: id, model, plant: true });
+                }
+                (Presence::Off, Some(model @ true)) => {
+                    found.push(SensorMismatch { resource: id, model, plant: false });
+                }
+                (Presence::On, Some(true)) | (Presence::Off, Some(false)) => (),
             }
         }
         match (waits, found.is_empty()) {
@@ -351,7 +374,7 @@ impl Coordination {
 
     /// What the sensor of a resource says of a model in which nothing is under way; none if it agrees or does not say.
     pub(super) fn difference(&self, id: ResourceId) -> Option<SensorMismatch> {
-        let model = self.has_parts(id);
+        let model = self.expected(id)?;
         match self.presence(id) {
             Presence::On if !model => Some(SensorMismatch { resource: id, model, plant: true }),
             Presence::Off if model => Some(SensorMismatch { resource: id, model, plant: false }),

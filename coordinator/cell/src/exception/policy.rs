@@ -38,6 +38,8 @@ pub struct ResourcePolicy {
     pub is_sensed: bool,
     /// The cells on which the parts are that it has.
     pub has: Vec<CellId>,
+    /// Those on which its sensor sees them: of a row the end from which parts are taken.
+    pub sees: Vec<CellId>,
 }
 
 /// What is known of a mode.
@@ -156,6 +158,13 @@ impl RecoveryPolicy {
                 FailureMatch::Word(code) => cause.is_expiry() && **code == *TIME_OUT,
             })
         })
+    }
+}
+
+impl ResourcePolicy {
+    /// Whether its sensor sees a part wherever that is in it.
+    pub(super) fn sees_all(&self) -> bool {
+        self.sees.len() == self.has.len()
     }
 }
 

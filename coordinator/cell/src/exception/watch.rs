@@ -45,12 +45,13 @@ pub(in super::super) struct StationMonitor {
 }
 
 impl StationMonitor {
-    /// Of a life that begins. What a life before has left is compared with the plant.
+    /// Of a life that begins. What a life before has left is compared with the plant, also by one that knows of none: its log
+    /// may be lost, and the parts still be there. Then nothing can be under way, so what is heard counts at once.
     pub fn new(state: &PlayerState, now: Tick) -> Self {
         let handling = state.table().handling();
-        let from = now + state.table().grace();
+        let from = if state.epoch() == 0 { now } else { now + state.table().grace() };
         let sensed = handling.resource_ids().filter(|id| handling.resources[id.index()].is_sensed);
-        let uncompared = if state.epoch() == 0 { BTreeMap::new() } else { sensed.map(|id| (id, from)).collect() };
+        let uncompared = sensed.map(|id| (id, from)).collect();
         StationMonitor { began: now, uncompared, ..StationMonitor::default() }
     }
 
@@ -113,13 +114,10 @@ impl StationMonitor {
         heard.unable.map(|unable| AlarmAnswerRefusal::CannotWork(station, unable))
     }
 
-    /// Whether a resource has still to be compared, and can be.
+    /// Whether a resource has still to be compared, and can be, or may be when its station is heard.
     pub fn is_to_be_compared(&self, state: &PlayerState, resource: ResourceId) -> bool {
         let station = |id: ResourceId| state.table().handling().resource(id)?.station;
-        !self.uncompared.is_empty()
-            && self.uncompared.contains_key(&resource)
-            && station(resource)
-                .and_then(|station| self.seen.get(&station))
-                .is_some_and(|seen| seen.heard.presence != Presence::Unknown)
+        let knows = |station| self.seen.get(&station).is_none_or(|seen| seen.heard.presence != Presence::Unknown);
+        !self.uncompared.is_empty() && self.uncompared.contains_key(&resource) && station(resource).is_some_and(knows)
     }
 }

@@ -8,4 +8,5 @@ mod emergency;
 mod missed;
 mod moves;
 mod rows;
+mod rows_of_parts;
 mod story;

@@ -247,16 +247,22 @@ fn places(b: &mut ColouredBuilder, resource: &Resource, s: BasicId) -> InstanceP
 }
 
 /// What an action takes when it begins and gives when it ends, as functions of a mode of stages (and levels). `moved` is
-/// the stage afterwards.
-fn arcs(places: &InstancePlaces, action: ResourceAction, moved: Function) -> [Vec<(PlaceId, Function)>; 2] {
+/// the stage afterwards; a part `stays` that is worked on without having been loaded for it.
+fn arcs(
+    places: &InstancePlaces,
+    action: ResourceAction,
+    moved: Function,
+    stays: bool,
+) -> [Vec<(PlaceId, Function)>; 2] {
     match (places, action) {
         (InstancePlaces::Machine { capacity, loaded, .. }, ResourceAction::Load) => {
             [vec![(*capacity, abs())], vec![(*loaded, moved)]]
         }
         (InstancePlaces::Machine { loaded, ready, free, .. }, ResourceAction::Process) => {
             let attention = || free.iter().map(|free| (*free, abs()));
+            let before = if stays { *ready } else { *loaded };
             [
-                std::iter::once((*loaded, id())).chain(attention()).collect(),
+                std::iter::once((before, id())).chain(attention()).collect(),
                 std::iter::once((*ready, moved)).chain(attention()).collect(),
             ]
         }
@@ -344,7 +350,7 @@ fn port(
     let actions: Vec<(Use, bool, bool)> = piece.actions_of(of);
     for &(part, begins, ends) in &actions {
         let moved = if piece.shift == 0 { id() } else { succ(1, piece.shift) };
-        let [takes, gives] = arcs(places, part.action, moved);
+        let [takes, gives] = arcs(places, part.action, moved, piece.stays);
         inputs.extend(takes.into_iter().filter(|_| begins));
         outputs.extend(gives.into_iter().filter(|_| ends));
     }

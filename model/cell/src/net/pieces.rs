@@ -4,12 +4,13 @@
 //! progress it lies. What each action takes when it begins and gives when it ends, [`super::instance`] says.
 //!
 //! One transition moves all stages that it allows on by the same number of tones, since arc functions have no constants;
-//! an activity that changes stages by different numbers is several transitions, `M1.process` and `M1.process/2`.
+//! an activity that changes stages by different numbers is several transitions, `M1.process` and `M1.process/2`. So is work
+//! on parts that are loaded for it, and on parts that stay where they were worked on: `M1.process/stays`.
 
 use std::collections::BTreeMap;
 
 use super::{Detail, TransitionPhase};
-use crate::{Activity, ActivityId, Cell, Prototype, Role, StageId, Use};
+use crate::{Activity, ActivityId, Cell, Prototype, Role, StageId, StageMove, Use};
 
 /// A transition to be.
 pub(super) struct PlannedTransition {
@@ -22,6 +23,8 @@ pub(super) struct PlannedTransition {
     pub ends: Vec<Use>,
     /// How many tones on the stage is afterwards.
     pub shift: u32,
+    /// Work on a part that stays after work before.
+    pub stays: bool,
     /// The stages it is for, where it is the first of its activity; none where those before it have seen to that.
     pub allowed: Option<Vec<StageId>>,
     /// What was in progress before, and is afterwards: a place's name, and those on whose stacks it stands.
@@ -39,24 +42,34 @@ pub(super) struct ProgressPlace {
     pub uses: Vec<Use>,
 }
 
-/// All pieces of all activities, in their order.
+/// All pieces of all activities, in their order; but first the work on parts that stay. Where rules leave it equal whether a
+/// part stays or is unloaded, the first mode decides.
 pub(super) fn pieces(cell: &Cell, detail: Detail) -> Vec<PlannedTransition> {
     let mut pieces = Vec::new();
-    for id in cell.activity_ids() {
-        for (number, (shift, stages)) in variants(cell, cell.activity(id)).into_iter().enumerate() {
+    for stays in [true, false] {
+        for id in cell.activity_ids() {
             let activity = cell.activity(id);
-            let name = if number == 0 { activity.name.clone() } else { format!("{}/{}", activity.name, number + 1) };
-            Variant { cell, id, activity, name, shift, stages }.pieces(detail, &mut pieces);
+            for (number, (shift, stages)) in variants(cell, activity, stays).into_iter().enumerate() {
+                let mut name = activity.name.clone();
+                if stays {
+                    name.push_str("/stays");
+                }
+                if number > 0 {
+                    name.push_str(&format!("/{}", number + 1));
+                }
+                Variant { cell, id, activity, name, shift, stays, stages }.pieces(detail, &mut pieces);
+            }
         }
     }
     pieces
 }
 
 /// The stages that an activity is for, by how many tones they are moved on.
-fn variants(cell: &Cell, activity: &Activity) -> Vec<(u32, Vec<StageId>)> {
+fn variants(cell: &Cell, activity: &Activity, stays: bool) -> Vec<(u32, Vec<StageId>)> {
     let ring = cell.stages.len();
     let mut found: BTreeMap<usize, Vec<StageId>> = BTreeMap::new();
-    for of in &activity.moves {
+    let is_one = |of: &&StageMove| if stays { of.stays.allows_ready() } else { of.stays.allows_loaded() };
+    for of in activity.moves.iter().filter(is_one) {
         found.entry((of.to.index() + ring - of.from.index()) % ring).or_default().push(of.from);
     }
     // The parser bounds stages far below 32 bits.
@@ -69,6 +82,7 @@ struct Variant<'c> {
     activity: &'c Activity,
     name: String,
     shift: u32,
+    stays: bool,
     stages: Vec<StageId>,
 }
 
@@ -130,6 +144,7 @@ impl Variant<'_> {
             begins: begins.to_vec(),
             ends: ends.to_vec(),
             shift: self.shift,
+            stays: self.stays,
             allowed: None,
             from: None,
             to: None,

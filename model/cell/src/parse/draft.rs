@@ -8,7 +8,7 @@ use std::time::Duration;
 use linewright_line::Line;
 use linewright_text::{Located, NameTable, TextRange};
 
-use super::raw::{RawCell, RawException, RawOrder, RawPart, RawResource, RawStep};
+use super::raw::{RawCell, RawException, RawOn, RawOrder, RawPart, RawResource, RawStep, RawVariant};
 use crate::{
     ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceId, Role, StopOf, Use,
 };
@@ -20,6 +20,7 @@ pub(super) struct DraftCell<'a> {
     pub resources: Vec<DraftResource<'a>>,
     /// Synchronisations, then one for each resource that works on parts.
     pub activities: Vec<DraftActivity<'a>>,
+    /// Each part type, followed by its variants.
     pub parts: Vec<DraftPart<'a>>,
     pub exceptions: Vec<DraftException<'a>>,
 }
@@ -54,6 +55,8 @@ pub(super) struct DraftOrder<'a> {
 
 pub(super) struct DraftPart<'a> {
     pub raw: &'a RawPart,
+    /// Where it is a variant of the part type that is described.
+    pub variant: Option<&'a RawVariant>,
     pub name: &'a str,
     /// The names of its stages, without its own.
     pub stages: Vec<String>,
@@ -62,6 +65,7 @@ pub(super) struct DraftPart<'a> {
     pub is_whole: bool,
 }
 
+#[derive(Clone)]
 pub(super) struct DraftStep<'a> {
     pub raw: &'a RawStep,
     pub name: &'a str,
@@ -84,6 +88,11 @@ impl<'a> DraftCell<'a> {
         &self.resources[id.index()]
     }
 
+    /// The steps that are written, each once.
+    pub fn steps(&self) -> impl Iterator<Item = &DraftStep<'a>> {
+        self.parts.iter().filter(|part| part.variant.is_none()).flat_map(|part| &part.steps)
+    }
+
     /// A resource's name, or `outside`.
     pub fn holder(&self, of: Option<ResourceId>) -> &str {
         of.map_or(super::names::OUTSIDE, |id| self.resource(id).name)
@@ -100,11 +109,19 @@ impl DraftResource<'_> {
 impl DraftPart<'_> {
     /// Where it is named, or else its header.
     pub fn place(&self) -> TextRange {
+        if let Some(variant) = self.variant {
+            return variant.name.as_ref().map_or_else(|| variant.at.clone(), |name| name.at.clone());
+        }
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
 
-impl DraftStep<'_> {
+impl<'a> DraftStep<'a> {
+    /// The resources that are known, each with how it is written.
+    pub fn places(&self) -> impl Iterator<Item = (ResourceId, &'a RawOn)> {
+        self.on.iter().zip(&self.raw.on).filter_map(|(on, raw)| Some(((*on)?, raw)))
+    }
+
     /// Where it is named, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())

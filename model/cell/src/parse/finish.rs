@@ -11,7 +11,7 @@ use super::rules::{Offsets, offsets, transport};
 use crate::routes::Routes;
 use crate::{
     Activity, ActivityKind, AlarmAnswer, Cell, CellTimeouts, Dispatch, DispatchRule, ExceptionRule, OrderTemplate,
-    PartType, PartTypeId, PlanStep, Resource, ResourceId, Stage, StageId, StageMove,
+    PartType, PartTypeId, PlanStep, Resource, ResourceId, Stage, StageId, StageMove, Staying,
 };
 
 /// A part that could move and has waited this long goes first, where nothing is said.
@@ -88,7 +88,11 @@ fn transports(
     let way = transport(of)?;
     let numbers = draft.parts.iter().enumerate().flat_map(|(at, part)| (0..part.stages.len()).map(move |s| (at, s)));
     let stages = numbers.map(|(at, stage)| offsets.stage(at, stage)).filter(|&stage| routes.is_of_use(way, stage));
-    Some(stages.map(|stage| StageMove { from: stage, to: stage, time: of.time, program: None }).collect())
+    Some(
+        stages
+            .map(|stage| StageMove { from: stage, to: stage, time: of.time, program: None, stays: Staying::No })
+            .collect(),
+    )
 }
 
 /// Who leaves may come again, as a part on which nothing has been done.
@@ -112,6 +116,7 @@ fn works(draft: &DraftCell<'_>, resource: ResourceId, offsets: &Offsets) -> Vec<
                 to: offsets.stage(at, step.to),
                 time: raw.time.as_ref().map(|time| time.value),
                 program: raw.program.as_ref().and_then(|program| i32::try_from(program.value).ok()),
+                stays: raw.staying(),
             }));
         }
     }

@@ -13,7 +13,11 @@ const SIGNS: [char; 7] = ['.', '<', '>', ',', '/', '*', ':'];
 /// The resource that every cell has.
 pub(super) const OUTSIDE: &str = "outside";
 /// The stages that every part has.
-const STAGES: [&str; 2] = ["new", "done"];
+const STAGES: [&str; 2] = [NEW, DONE];
+/// Of a part on which nothing has been done.
+pub(super) const NEW: &str = "new";
+/// Of a finished part.
+pub(super) const DONE: &str = "done";
 
 /// The names of the whole cell.
 pub(super) struct CellNames<'a> {
@@ -52,6 +56,10 @@ pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> CellNames<'a> 
     for (id, part) in raw.parts.iter().enumerate() {
         if let Some(name) = &part.name {
             label(name, "part", report);
+            unique(&mut names.parts, name, id, "part", report);
+        }
+        for name in part.variants.iter().filter_map(|variant| variant.name.as_ref()) {
+            label(name, "variant", report);
             unique(&mut names.parts, name, id, "part", report);
         }
         let mut steps = NameTable::default();

@@ -1,12 +1,16 @@
 //! A plan's graph: between which stages each step leads.
 //!
 //! A step begins where the one before it ends; with `or`, where another begins; with `then`, it leads to where a later
-//! one begins. All lead forward, so a plan has no circle: the stages are in an order in which every step leads to a later
-//! one. A stage is called after the first step that leads to it.
+//! one begins, or to the end. All lead forward, so a plan has no circle: the stages are in an order in which every step
+//! leads to a later one. A stage is called after the first step that leads to it.
+//!
+//! A variant of a plan has fewer stages: where a step is left out, those before and after it are one.
 
 use linewright_text::{LocatedName, NameTable, Problem, Report};
 
-use super::raw::{RawPart, RawStep};
+use super::draft::{DraftPart, DraftStep};
+use super::names::{DONE, NEW};
+use super::raw::{RawPart, RawStep, RawVariant};
 
 /// The stages' names, and for each step the stages it leads between.
 pub(super) struct DraftPlan {
@@ -28,6 +32,7 @@ pub(super) fn plan(part: &RawPart, names: &NameTable<'_>, report: &mut Report) -
     let mut ends = Vec::with_capacity(part.steps.len());
     for (at, step) in part.steps.iter().enumerate() {
         let end = match &step.then {
+            Some(end) if end.value == DONE => Some(part.steps.len()),
             Some(other) => later(other, at, &begins, names, report),
             None => following(step, at, &begins, part, report),
         };
@@ -41,8 +46,8 @@ pub(super) fn plan(part: &RawPart, names: &NameTable<'_>, report: &mut Report) -
     let called = |&point: &usize| {
         let leading = ends.iter().position(|&end| end == point).unwrap_or(point);
         match point {
-            0 => "new".to_owned(),
-            _ if point == part.steps.len() => "done".to_owned(),
+            0 => NEW.to_owned(),
+            _ if point == part.steps.len() => DONE.to_owned(),
             _ => part.steps[leading].name.as_ref().map_or_else(|| format!("step {leading}"), |name| name.value.clone()),
         }
     };
@@ -94,7 +99,69 @@ fn following(step: &RawStep, at: usize, begins: &[usize], part: &RawPart, report
     report.add(
         Problem::error(place, format!("no successor for step `{}`", name(step)))
             .label(format!("`{}` follows, which begins elsewhere", name(&part.steps[next])))
-            .hint("name the next step in `then`"),
+            .hint("name the next step in `then`, or write `then = \"done\"` where it is the last"),
     );
     None
+}
+
+/// The part type that is as `of` is but for the steps that it is without.
+pub(super) fn variant<'a>(
+    of: &DraftPart<'a>,
+    raw: &'a RawVariant,
+    names: &NameTable<'_>,
+    report: &mut Report,
+) -> DraftPart<'a> {
+    let name = raw.name.as_ref().map_or("?", |name| name.value.as_str());
+    let written = raw.without.iter().flat_map(|without| &without.value);
+    let found: Vec<Option<usize>> = written.map(|step| names.find(step, "step of this part", report)).collect();
+    let is_known = raw.without.is_some() && found.iter().all(Option::is_some);
+    let out = |at: &usize| found.contains(&Some(*at));
+    let is_whole = of.is_whole && is_known;
+    let mut made = DraftPart { variant: Some(raw), name, stages: Vec::new(), steps: Vec::new(), is_whole, ..*of };
+    if !is_whole {
+        return made;
+    }
+    // Of each stage the last of those that are one with it.
+    let mut last: Vec<usize> = (0..of.stages.len()).collect();
+    for step in of.steps.iter().enumerate().filter(|(at, _)| out(at)).map(|(_, step)| step) {
+        let (one, other) = (last[step.from], last[step.to]);
+        last.iter_mut().filter(|stage| **stage == one || **stage == other).for_each(|stage| *stage = one.max(other));
+    }
+    let mut left = last.clone();
+    left.sort_unstable();
+    left.dedup();
+    let number = |stage: usize| left.partition_point(|&known| known < last[stage]);
+    let kept = of.steps.iter().enumerate().filter(|(at, _)| !out(at)).map(|(_, step)| step);
+    made.steps = kept.map(|s| DraftStep { from: number(s.from), to: number(s.to), ..s.clone() }).collect();
+    made.stages = left.iter().map(|&stage| called(of, &made.steps, number(stage), stage)).collect();
+    made.is_whole = can_be_without(&made, report);
+    made
+}
+
+/// The name of a stage of a variant.
+fn called(of: &DraftPart<'_>, steps: &[DraftStep<'_>], number: usize, stage: usize) -> String {
+    let leading = steps.iter().find(|step| step.to == number).map(|step| step.name);
+    match leading {
+        _ if stage + 1 == of.stages.len() => DONE.to_owned(),
+        None => NEW.to_owned(),
+        Some(name) => name.to_owned(),
+    }
+}
+
+/// Something is left of the plan, and it leads forward.
+fn can_be_without(made: &DraftPart<'_>, report: &mut Report) -> bool {
+    let at = made.variant.and_then(|raw| raw.without.as_ref()).map_or(0..0, |without| without.at.clone());
+    if made.steps.is_empty() {
+        report.add(
+            Problem::error(at, format!("nothing is done with part `{}`", made.name))
+                .hint("a variant leaves out some of the steps, not all"),
+        );
+        return false;
+    }
+    let Some(step) = made.steps.iter().find(|step| step.from >= step.to) else { return true };
+    report.add(
+        Problem::error(at, format!("step `{}` is another way for what `{}` is without", step.name, made.name))
+            .hint("name all alternatives in `without`, or none"),
+    );
+    false
 }

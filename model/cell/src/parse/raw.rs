@@ -13,7 +13,7 @@ use linewright_text::{
     seconds, table, tables, text, texts, whole, within, written,
 };
 
-use crate::{DispatchRule, Prototype, Strategy, Whereabouts};
+use crate::{DispatchRule, Prototype, Staying, Strategy, Whereabouts};
 
 /// At most this many resources.
 const RESOURCES_MAX: usize = 1000;
@@ -23,6 +23,8 @@ const SYNCS_MAX: usize = 5000;
 const PARTS_MAX: usize = 2000;
 /// At most this many steps of one plan.
 const STEPS_MAX: usize = 500;
+/// At most this many variants of one part type.
+const VARIANTS_MAX: usize = 100;
 /// At most this many resources for one step.
 const ALTERNATIVES_MAX: usize = 100;
 /// At most this many orders of one activity.
@@ -53,6 +55,9 @@ const WHEREABOUTS: [(&str, Whereabouts); 4] = [
 /// What becomes of a part, as an answer says it.
 const STRATEGIES: [(&str, Strategy); 3] =
     [("redo", Strategy::Redo), ("backward", Strategy::Backward), ("forward", Strategy::Forward)];
+
+/// Whether a part stays where it was worked on.
+const STAYING: [(&str, Staying); 2] = [("may", Staying::May), ("must", Staying::Must)];
 
 /// Reads `text`; `None` when it is not TOML at all.
 pub(super) fn read(text: &str, report: &mut Report) -> Option<RawCell> {
@@ -121,7 +126,7 @@ keys! {
         capacity: Option<Located<i64>> = integer().from_to(1, 10_000),
         /// Its station; one resource each.
         station: Option<LocatedName> = text(),
-        /// An input of that station that is on while a part is there.
+        /// An input of that station that is on while a part is there; of a `"fifo-buffer"`, at the end it is taken from.
         presence: Option<LocatedName> = text(),
     }
 
@@ -148,8 +153,8 @@ keys! {
 
     /// A task that a station is ordered to do.
     pub(super) struct RawOrder is "an order" {
-        /// By name, at most 16: a whole number, `"step.program"` where a machine works, or `"ST.position"` where a store
-        /// takes part: the position, from 1, that the part has in the store.
+        /// By name, at most 16: a whole number, `"step.program"` where a machine works, or `"ST.position"` where a store or
+        /// stack takes part: the position, from 1, that the part has there.
         parameters: Vec<(LocatedName, Located<Scalar>)> = scalars(PARAMETERS_MAX).or_default(),
         /// The station, at most once in an activity.
         station: Option<LocatedName> = text().required(),
@@ -166,6 +171,16 @@ keys! {
         name: Option<LocatedName> = text().required(),
         /// Its plan, which leads forward only; at most 500 steps.
         steps as "step": Vec<RawStep> = tables(STEPS_MAX),
+        /// Part types of their own with which some of these steps are not done, at most 100.
+        variants as "variant": Vec<RawVariant> = tables(VARIANTS_MAX),
+    }
+
+    /// A part type with the plan of another one, but for some steps.
+    pub(super) struct RawVariant is "a variant" {
+        /// Its name, which production orders have: without `.` `<` `>` `,` `/` `*` `:`, no other part's.
+        name: Option<LocatedName> = text().required(),
+        /// The steps that are left out.
+        without: Option<Located<Vec<LocatedName>>> = texts(STEPS_MAX).required(),
     }
 
     /// A step of a plan.
@@ -174,7 +189,7 @@ keys! {
         name: Option<LocatedName> = text().required(),
         /// An alternative: it begins where this earlier step begins.
         or: Option<LocatedName> = text(),
-        /// It leads to where this later step begins; the next one listed if left out.
+        /// It leads to where this later step begins, or with `"done"` to the end; the next one listed if left out.
         then: Option<LocatedName> = text(),
         /// Where it can be done, one or several, at most 100: `{ resource = "M1", time_s = 40, program = 1 }`.
         on: Vec<RawOn> = tables(ALTERNATIVES_MAX).missed(KeyPresence::Required),
@@ -188,6 +203,9 @@ keys! {
         resource: Option<LocatedName> = text().required(),
         /// How many seconds it takes there, up to a day.
         time as "time_s": Option<Located<Duration>> = seconds().required(),
+        /// A part stays in the resource after a step there and is not unloaded for this one: it `"may"`, or it `"must"` and
+        /// is not loaded for this step. Left out, each step is after a load.
+        stays: Option<Located<Staying>> = one_of(&STAYING),
         /// The number that orders mean by `"step.program"`, of 32 bits.
         program: Option<Located<i64>> = whole(i32::MIN.into(), i32::MAX.into()),
     }
@@ -242,5 +260,12 @@ impl RawDispatch {
             let (_, rule) = DispatchRule::ALL.iter().find(|(known, _)| *known == name.value)?;
             Some(Located::new(*rule, name.at.clone()))
         })
+    }
+}
+
+impl RawOn {
+    /// Whether a part stays for the step.
+    pub fn staying(&self) -> Staying {
+        self.stays.as_ref().map_or(Staying::No, |stays| stays.value)
     }
 }

@@ -8,7 +8,7 @@ use linewright_text::{Located, LocatedName, NameTable, Problem, Report, Scalar, 
 
 use super::draft::{DraftActivity, DraftCell, DraftException, DraftOrder, DraftPart, DraftResource, DraftStep};
 use super::names::{CellNames, OUTSIDE};
-use super::plan::plan;
+use super::plan::{plan, variant};
 use super::raw::{RawCell, RawCellAction, RawException, RawOrder, RawPart, RawResource, RawSync};
 use crate::{
     ActivityId, ActivityKind, ControllerId, LeftOut, ParameterSource, Prototype, ResourceAction, ResourceId, Role,
@@ -27,7 +27,13 @@ pub(super) fn resolve<'a>(
     let mut scope = CellScope { names, resources: &resources, controllers: &controllers };
     let mut activities: Vec<_> = raw.syncs.iter().map(|sync| scope.sync(sync, report)).collect();
     activities.extend(scope.processes(&raw.actions, report));
-    let parts = raw.parts.iter().zip(&names.steps).map(|(part, steps)| scope.part(part, steps, report)).collect();
+    let mut parts = Vec::new();
+    for (raw, steps) in raw.parts.iter().zip(&names.steps) {
+        let part = scope.part(raw, steps, report);
+        let variants: Vec<_> = raw.variants.iter().map(|raw| variant(&part, raw, steps, report)).collect();
+        parts.push(part);
+        parts.extend(variants);
+    }
     let among = (&activities[..], &resources[..], &controllers);
     let exceptions = raw.exceptions.iter().map(|raw| exception(raw, among, names, report)).collect();
     DraftCell { raw, line, controllers, resources, activities, parts, exceptions }
@@ -222,7 +228,7 @@ impl<'a> CellScope<'a, '_> {
             steps.push(DraftStep { raw: step, name, from, to, on });
         }
         let name = raw.name.as_ref().map_or("?", |name| name.value.as_str());
-        DraftPart { raw, name, stages: plan.stages, steps, is_whole }
+        DraftPart { raw, variant: None, name, stages: plan.stages, steps, is_whole }
     }
 }
 

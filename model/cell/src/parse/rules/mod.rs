@@ -44,11 +44,12 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
     }
     orders::stations_exist(draft, report);
     tasks::orders_fit_their_tasks(draft, report);
-    for part in &draft.parts {
+    for part in draft.parts.iter().filter(|part| part.variant.is_none()) {
         plans::part_has_steps(part, report);
         plans::steps_have_resources_that_work(draft, part, report);
         plans::nothing_is_listed_twice(draft, part, report);
         plans::steps_are_led_to(part, report);
+        plans::parts_stay_after_work(draft, part, report);
     }
     plans::stages_can_be_numbered(draft, report);
     dispatch::rules_exist_once(draft, report);
@@ -63,7 +64,13 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
         exceptions::whoever_resets_answers(exception, report);
     }
     let routes = ways::routes(draft)?;
-    for (at, part) in draft.parts.iter().enumerate() {
+    let (variants, described): (Vec<_>, Vec<_>) =
+        draft.parts.iter().enumerate().partition(|(_, part)| part.variant.is_some());
+    described.into_iter().for_each(|part| ways::plans_can_be_done(draft, part, &routes, report));
+    // What is wrong with a plan is wrong with its variants.
+    for (at, part) in variants.into_iter().filter(|_| !report.has_errors()).collect::<Vec<_>>() {
+        plans::nothing_is_listed_twice(draft, part, report);
+        plans::parts_stay_after_work(draft, part, report);
         ways::plans_can_be_done(draft, (at, part), &routes, report);
     }
     if !report.has_errors() {

@@ -76,8 +76,7 @@ fn times_of_work<'d>(
     activity: &'d DraftActivity<'_>,
 ) -> impl Iterator<Item = std::time::Duration> + 'd {
     let of = activity.uses.first().and_then(|part| part.value.of);
-    let steps = draft.parts.iter().flat_map(|part| &part.steps);
-    let pairs = steps.flat_map(|step| step.on.iter().zip(&step.raw.on));
+    let pairs = draft.steps().flat_map(|step| step.on.iter().zip(&step.raw.on));
     pairs.filter(move |(on, _)| **on == of && of.is_some()).filter_map(|(_, raw)| Some(raw.time.as_ref()?.value))
 }
 
@@ -92,12 +91,12 @@ pub(super) fn parameters_are_there(draft: &DraftCell<'_>, activity: &DraftActivi
                 ParameterSource::Number(_) => {}
                 ParameterSource::Position(store) => {
                     let takes_part = activity.uses.iter().any(|part| part.value.of == Some(store));
-                    let is_store = draft.resource(store).prototype.is_none_or(Prototype::stores);
+                    let is_store = draft.resource(store).prototype.is_none_or(Prototype::has_positions);
                     if activity.is_whole && !(takes_part && is_store) {
                         let name = draft.resource(store).name;
                         report.add(
                             Problem::error(at(), format!("`{name}` has no position in `{}`", activity.name))
-                                .hint("a part has a position in a store that it comes from or goes to"),
+                                .hint("a part has a position in a store or stack that it comes from or goes to"),
                         );
                     }
                 }
@@ -121,7 +120,7 @@ fn program_is_given(
         return;
     }
     let of = activity.uses.first().and_then(|part| part.value.of);
-    for step in draft.parts.iter().flat_map(|part| &part.steps) {
+    for step in draft.steps() {
         let here = step.on.iter().zip(&step.raw.on).filter(|(on, raw)| **on == of && !raw.has_program);
         for (_, raw) in here {
             report.add(

@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use linewright_text::{Problem, Report, suggestion};
 
-use crate::Prototype;
-use crate::parse::draft::{DraftCell, DraftPart};
+use crate::parse::draft::{DraftCell, DraftPart, DraftStep};
+use crate::parse::raw::RawOn;
+use crate::{Prototype, ResourceId, Staying};
 
 /// A guard has a clause for each stage; see `linewright_nets::coloured::MAX_CLAUSES`.
 pub(super) const STAGES_MAX: usize = 4096;
@@ -76,6 +77,34 @@ pub(super) fn steps_are_led_to(part: &DraftPart<'_>, report: &mut Report) {
                 Problem::error(step.place(), format!("no way leads to step `{}` of part `{}`", step.name, part.name))
                     .label("never reached")
                     .hint("what is listed before it leads elsewhere with `then`"),
+            );
+        }
+    }
+}
+
+/// Whether a part would stay where it has not been worked on. Of a variant, which leaves steps out, some may then be loaded.
+pub(super) fn stays_after_nothing(part: &DraftPart<'_>, step: &DraftStep<'_>, id: ResourceId, raw: &RawOn) -> bool {
+    let leads = |before: &DraftStep<'_>| before.to == step.from && before.on.contains(&Some(id));
+    let is_meant = raw.stays.is_some() && (part.variant.is_none() || raw.staying() == Staying::Must);
+    is_meant && !part.steps.iter().any(leads)
+}
+
+/// What stays was worked on there before.
+pub(super) fn parts_stay_after_work(draft: &DraftCell<'_>, part: &DraftPart<'_>, report: &mut Report) {
+    for step in part.steps.iter().filter(|_| part.is_whole) {
+        for (id, raw) in step.places() {
+            let Some(stays) = &raw.stays else { continue };
+            if !stays_after_nothing(part, step, id, raw) {
+                continue;
+            }
+            let (name, of) = (draft.resource(id).name, step.name);
+            report.add(
+                Problem::error(
+                    stays.at.clone(),
+                    format!("no step on `{name}` leads to step `{of}` of part `{}`", part.name),
+                )
+                .label("nothing to stay after")
+                .hint("`stays` is for the second of two steps on the same resource; leave it out here"),
             );
         }
     }

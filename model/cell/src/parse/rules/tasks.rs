@@ -95,8 +95,7 @@ fn numbers_fit(
 /// The programs of the steps that an activity is for.
 fn programs(draft: &DraftCell<'_>, activity: &DraftActivity<'_>) -> Vec<(i64, TextRange)> {
     let of = activity.uses.first().and_then(|part| part.value.of);
-    let steps = draft.parts.iter().flat_map(|part| &part.steps);
-    let on = steps.flat_map(|step| step.on.iter().zip(&step.raw.on));
+    let on = draft.steps().flat_map(|step| step.on.iter().zip(&step.raw.on));
     let mine = on.filter(|(on, _)| **on == of && of.is_some());
     mine.filter_map(|(_, raw)| raw.program.as_ref().map(|program| (program.value, program.at.clone()))).collect()
 }

@@ -4,8 +4,9 @@
 
 use linewright_text::{Problem, Report, TextRange};
 
-use super::plans::STAGES_MAX;
+use super::plans::{STAGES_MAX, stays_after_nothing};
 use crate::parse::draft::{DraftCell, DraftPart, DraftStep};
+use crate::parse::raw::RawOn;
 use crate::routes::{PartSpot, RouteTable, Routes};
 use crate::{ActivityKind, Prototype, ResourceId, Role, StageId};
 
@@ -49,9 +50,9 @@ pub(super) fn routes(draft: &DraftCell<'_>) -> Option<Routes> {
             if step.on.is_empty() {
                 return None;
             }
-            for on in &step.on {
+            for (on, raw) in step.on.iter().zip(&step.raw.on) {
                 let id = on.filter(|id| draft.resource(*id).prototype.is_some_and(Prototype::processes))?;
-                ways.works.push((id, offsets.stage(at, step.from), offsets.stage(at, step.to)));
+                ways.works.push((id, offsets.stage(at, step.from), offsets.stage(at, step.to), raw.staying()));
             }
         }
     }
@@ -79,13 +80,17 @@ pub(super) fn plans_can_be_done(
     report: &mut Report,
 ) {
     let (at, of) = part;
+    if of.steps.iter().any(|step| step.places().any(|(id, raw)| stays_after_nothing(of, step, id, raw))) {
+        return;
+    }
     let offsets = offsets(draft);
-    let comes =
-        |id: ResourceId, step: &DraftStep<'_>| routes.is_reached(PartSpot::work(id)[0], offsets.stage(at, step.from));
+    let comes = |(id, raw): (ResourceId, &RawOn), step: &DraftStep<'_>| {
+        PartSpot::work_from(id, raw.staying()).any(|spot| routes.is_reached(spot, offsets.stage(at, step.from)))
+    };
     let led_to = |step: &&DraftStep<'_>| step.from == 0 || of.steps.iter().any(|before| before.to == step.from);
     let known = of.steps.iter().filter(led_to);
     // What comes after a step that cannot be done cannot be done either; the first is the one to mend.
-    if let Some(step) = known.clone().find(|step| !step.on.iter().flatten().any(|&id| comes(id, step))) {
+    if let Some(step) = known.clone().find(|step| !step.places().any(|on| comes(on, step))) {
         report.add(never_comes(draft, part, step, routes));
         return;
     }
@@ -97,10 +102,10 @@ pub(super) fn plans_can_be_done(
         return;
     }
     for step in known {
-        for (id, raw) in step.on.iter().zip(&step.raw.on).filter_map(|(on, raw)| Some(((*on)?, raw))) {
+        for (id, raw) in step.places() {
             let name = draft.resource(id).name;
             let at_resource: TextRange = raw.resource.as_ref().map_or_else(|| raw.at.clone(), |name| name.at.clone());
-            if !comes(id, step) {
+            if !comes((id, raw), step) {
                 report.add(
                     Problem::error(
                         at_resource,
