@@ -218,7 +218,7 @@ fn what_stands_goes_on_where_it_stood_and_its_order_is_late() {
 #[test]
 fn what_never_ends_is_a_problem_with_its_reason() {
     let problem = |scenario: &str| {
-        let goal = ReplicationGoal { replications: 2, precision: None, most: 2 };
+        let goal = ReplicationGoal { replications: 1, precision: None, most: 1 };
         let figures = saturated(scenario).replicate(&goal, 1);
         figures.last().and_then(|of| of.problem.clone()).map(|problem| problem.to_string()).unwrap_or_default()
     };
