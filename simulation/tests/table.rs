@@ -9,8 +9,11 @@
 //!
 //! Every run is watched by the observer that looks at positions alone: the table turns under nothing.
 
+use std::time::Duration;
+
+use linewright_coordinator_logic::ModeCommand;
 use linewright_line::{AxisId, Line, StationId, parse};
-use linewright_simulation::{LineSim, RunEnd, RunGoal, Scenario, SimOptions, run};
+use linewright_simulation::{LineSim, OperatorAction, RunEnd, RunGoal, Scenario, SimOptions, run};
 use linewright_station_logic::{HappeningKind, StopCause};
 
 use crate::common::*;
@@ -224,6 +227,46 @@ fn an_overload_in_the_middle_of_its_way_is_a_fault_like_any() {
         "#,
     );
     assert_eq!(causes(&sim), [StopCause::Signal]);
+}
+
+/// Its switch is on, and the controller has seen neither that the table left nor that it came.
+#[test]
+fn its_process_dies_as_it_sets_out_and_only_a_person_who_has_looked_ends_the_doubt() {
+    let mut sim = goes(
+        r#"
+        cycles = 1
+        [[step]]
+        when = "cycles >= 1"
+        jam = "table: index"
+        [[step]]
+        when = "table: index is operating"
+        kill = "table"
+        [[step]]
+        after_s = 1
+        restart = "table"
+        [[step]]
+        repair = "table: index"
+        [[step]]
+        when = "all are heard and all are stopped"
+        after_s = 0.3
+        expect = "table is incomplete and table is blocked"
+        [[step]]
+        refused = "auto"
+        "#,
+    );
+    let fault = |sim: &LineSim| sim.controller(TABLE).expect("it runs").fault_text(sim.line());
+    assert!(fault(&sim).contains("index in doubt: LS_in_place"), "{}", fault(&sim));
+    let done = indexes(&sim);
+    sim.act(OperatorAction::Rejoin(TABLE, None)).expect("nothing is started");
+    sim.run_to(sim.now() + Duration::from_millis(300));
+    assert_eq!(fault(&sim), "");
+    for command in [ModeCommand::Start, ModeCommand::Auto] {
+        sim.act(OperatorAction::Command(command)).expect("nothing is started");
+        sim.run_to(sim.now() + Duration::from_millis(300));
+    }
+    sim.run_to(sim.now() + Duration::from_secs(8));
+    assert!(indexes(&sim) >= done + 2, "{}", sim.log().tail(sim.line(), 60));
+    assert_eq!(sim.conflicts(), []);
 }
 
 /// Its switch flickers as the table stands before its index, and goes off for good as it turns: neither is an index.
