@@ -35,7 +35,7 @@ fn judged(descriptions: &[(&str, &Value)]) -> Option<Vec<Option<String>>> {
     }
     let parsed = |of| serde_json::from_str::<Value>(&schema(of)).expect("it is JSON");
     let asked = json!({
-        "schemas": { "line": parsed("line"), "cell": parsed("cell") }, "descriptions": descriptions,
+        "schemas": { "line": parsed("line"), "cell": parsed("cell"), "scenario": parsed("scenario") }, "descriptions": descriptions,
     });
     let mut child = Command::new(&python)
         .args(["-c", SCRIPT])

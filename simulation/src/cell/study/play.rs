@@ -14,7 +14,7 @@ use linewright_line::Tick;
 use super::super::sim::{CellSim, CellSimOptions, StationSpeed};
 use super::super::task_times::TaskTimes;
 use super::course::{Course, CourseEvent};
-use super::{CellStudy, PlayedReplication, Standstill, StudyProblem, seconds};
+use super::{CellStudy, NO_LIMIT, PlayedReplication, Standstill, StudyProblem, seconds};
 use crate::rng::Rng;
 
 /// Stations are heard once and do not change.
@@ -186,6 +186,10 @@ impl StudyRun<'_> {
     fn run_out(&mut self) {
         self.sim.run_on(self.dispatcher, self.sim.now);
         while let Some(at) = self.sim.next_event().filter(|_| self.sim.spins().is_none()) {
+            // Only the limit of an order that does not end is so far away.
+            if at.since(self.sim.now) > NO_LIMIT / 2 {
+                return;
+            }
             self.sim.run_on(self.dispatcher, at);
             if self.is_done() || self.is_stuck() {
                 return;
