@@ -128,6 +128,7 @@ fn rows(text: &str) -> Result<Vec<IoRow>, Vec<RowProblem>> {
     }
     let at = IO_COLUMNS.map(column);
     let mut rows = Vec::new();
+    let (mut counted, mut line) = (0, 1);
     for record in reader.records() {
         let record = record.map_err(unreadable)?;
         let field = |column: usize| at[column].map(|at| record.get(at).unwrap_or("").to_owned());
@@ -135,7 +136,11 @@ fn rows(text: &str) -> Result<Vec<IoRow>, Vec<RowProblem>> {
             continue;
         }
         let [name, address, device] = [0, 1, 2].map(|column| field(column).unwrap_or_default());
-        let line = record.position().map_or(0, csv::Position::line);
+        // The reader's own count of lines is behind where lines end with CR LF.
+        let from = record.position().and_then(|at| usize::try_from(at.byte()).ok()).unwrap_or(counted);
+        let begin = text.len() - text[from..].trim_start_matches(['\r', '\n']).len();
+        line += text.as_bytes()[counted..begin].iter().filter(|&&byte| byte == b'\n').count() as u64;
+        counted = begin;
         rows.push(IoRow { line, name, address, device, station: field(3), comment: field(4) });
     }
     Ok(rows)

@@ -39,6 +39,8 @@ fn tables(of: &str, line: &Line, out: &mut Vec<String>) {
         ];
         let words = renamed.iter().fold(words, |words, (now, then)| words.replace(now, then));
         let words = without(without(words, ", starts: ", ", withdraws"), ", rest: ", ", hold");
+        // What only an index has.
+        let words = without(words, ", turns: 0, least: ", ", hold");
         out.push(format!("{of} {} {} {:016x}", line.station(id).name, words.len(), hash(&words)));
     }
 }

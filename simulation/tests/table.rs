@@ -237,7 +237,7 @@ fn its_process_dies_as_it_sets_out_and_only_a_person_who_has_looked_ends_the_dou
         cycles = 1
         [[step]]
         when = "cycles >= 1"
-        jam = "table: index"
+        stick = "table: index"
         [[step]]
         when = "table: index is operating"
         kill = "table"
@@ -245,7 +245,7 @@ fn its_process_dies_as_it_sets_out_and_only_a_person_who_has_looked_ends_the_dou
         after_s = 1
         restart = "table"
         [[step]]
-        repair = "table: index"
+        clear = "table: index"
         [[step]]
         when = "all are heard and all are stopped"
         after_s = 0.3

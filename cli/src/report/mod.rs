@@ -3,7 +3,7 @@
 //!
 //! The database is read as it is at one moment; whoever writes it is not held up. What is reported are the folds of
 //! [`linewright_coordinator_cell::tracking`] and [`linewright_history::line`] over the events, within a span of time. This
-//! module reads and picks the exit code; each form of output is a module, those of lines in [`line`].
+//! module reads and picks the exit code; each form of output is a module, those of lines in [`mod@line`].
 
 mod csv;
 mod gantt;
