@@ -13,6 +13,9 @@ use std::time::{Duration, Instant};
 use miette::{IntoDiagnostic, WrapErr, miette};
 use tokio::process::{Child, Command};
 
+use crate::files::description;
+use crate::load::Files;
+
 /// How long a child may take to end by itself before it is killed: it has outputs to let go of.
 const END_WITHIN: Duration = Duration::from_secs(2);
 /// A child that ends sooner than this after its start is not started again at once.
@@ -39,13 +42,27 @@ pub struct Children {
     dir: PathBuf,
     /// Where their virtual buses are, if not where everybody's are.
     buses: Option<PathBuf>,
+    /// The descriptions, as they were when the line was started.
+    described: Vec<(PathBuf, String)>,
     restarts: u32,
 }
 
 impl Children {
-    /// No processes yet; logs go to `dir`, and the virtual buses are in `buses` if that is given.
-    pub fn new(dir: &Path, buses: Option<&Path>) -> Self {
-        Children { members: Vec::new(), dir: dir.to_owned(), buses: buses.map(Path::to_owned), restarts: 0 }
+    /// No processes yet, for the line of these descriptions; logs go to `dir`, and the virtual buses are in `buses` if that
+    /// is given.
+    ///
+    /// # Errors
+    /// When a description cannot be read.
+    pub fn new(dir: &Path, buses: Option<&Path>, files: &Files) -> miette::Result<Self> {
+        let files = [&files.line, &files.cell].into_iter().flatten();
+        let described = files.map(|file| Ok((file.clone(), description(file)?))).collect::<miette::Result<_>>()?;
+        Ok(Children {
+            members: Vec::new(),
+            dir: dir.to_owned(),
+            buses: buses.map(Path::to_owned),
+            described,
+            restarts: 0,
+        })
     }
 
     /// Starts this very program again, with `args`.
@@ -65,7 +82,8 @@ impl Children {
     /// Starts again what has ended; gives the names.
     ///
     /// # Errors
-    /// When a child keeps ending right after its start: with the end of its log.
+    /// When a child keeps ending right after its start: with the end of its log. When a description is not the one that the
+    /// others were started with: bits would have other meanings to the new process, and switch other outputs on.
     pub fn revive(&mut self) -> miette::Result<Vec<String>> {
         let mut revived = Vec::new();
         for member in &mut self.members {
@@ -74,6 +92,13 @@ impl Children {
             member.short_lives = if short { member.short_lives + 1 } else { 0 };
             if member.short_lives >= SHORT_LIVES_MAX {
                 return Err(miette!("{} does not stay up ({status}):\n{}", member.name, tail(&member.log)));
+            }
+            if let Some((file, _)) = self.described.iter().find(|(file, before)| !is_still(file, before)) {
+                let (name, file) = (&member.name, file.display());
+                return Err(miette!(
+                    help = "start the line again, with one description for all of it",
+                    "{name} has ended ({status}) and is not started again: {file} is not what the line was started with"
+                ));
             }
             member.child = spawn(&member.args, &member.log, self.buses.as_deref())?;
             member.started = Instant::now();
@@ -96,6 +121,10 @@ impl Children {
         }
         self.members.clear();
     }
+}
+
+fn is_still(file: &Path, before: &str) -> bool {
+    description(file).is_ok_and(|now| now == before)
 }
 
 fn spawn(args: &[String], log: &Path, buses: Option<&Path>) -> miette::Result<Child> {
@@ -135,4 +164,36 @@ fn tail(log: &Path) -> String {
     let text = read().unwrap_or_default();
     let lines: Vec<&str> = text.lines().collect();
     lines[lines.len().saturating_sub(10)..].join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn no_process_is_started_again_with_another_description() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let file = dir.path().join("line.toml");
+        std::fs::write(&file, "name = \"a\"").expect("a file");
+        let files = Files { line: Some(file.clone()), cell: None };
+        let mut children = Children::new(dir.path(), None, &files).expect("the file is there");
+        // The program of this test ends at once.
+        children.start("clamp", vec!["--list".to_owned()]).expect("it starts");
+        let revive = |children: &mut Children| {
+            let until = Instant::now() + Duration::from_secs(30);
+            loop {
+                match children.revive() {
+                    Ok(revived) if revived.is_empty() && Instant::now() < until => {
+                        std::thread::sleep(Duration::from_millis(10))
+                    }
+                    outcome => return outcome,
+                }
+            }
+        };
+        assert_eq!(revive(&mut children).expect("started again").len(), 1);
+        std::fs::write(&file, "name = \"b\"").expect("a file");
+        let refused = revive(&mut children).expect_err("another description").to_string();
+        assert!(refused.contains("clamp has ended") && refused.contains("line.toml is not what"), "{refused}");
+        children.end().await;
+    }
 }

@@ -111,7 +111,7 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     let bus = BusOptions { dir: own.as_ref().map(|own| own.dir().to_owned()), ..BusOptions::default() };
     let scratch = RunDirectory::new(args.state_dir.as_deref())?;
     nothing_runs_yet(&line, &args, &ros, &bus)?;
-    let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir));
+    let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir), &load::files_of(&args.line))?;
     let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, &args.parts, &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &scratch.dir, session.virtual_bus) {
