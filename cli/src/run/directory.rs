@@ -1,8 +1,9 @@
 //! The directory of a run's journals and logs.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use miette::{IntoDiagnostic, WrapErr};
+use miette::{IntoDiagnostic, WrapErr, miette};
 
 /// The directory that was given, or a temporary one.
 pub struct RunDirectory {
@@ -12,12 +13,24 @@ pub struct RunDirectory {
 
 impl RunDirectory {
     pub fn new(given: Option<&Path>) -> miette::Result<Self> {
-        let dir = match given {
-            Some(dir) => dir.to_owned(),
-            None => std::env::temp_dir().join(format!("linewright-run-{}", std::process::id())),
-        };
-        std::fs::create_dir_all(&dir).into_diagnostic().wrap_err_with(|| format!("cannot use {}", dir.display()))?;
-        Ok(RunDirectory { dir, temporary: given.is_none() })
+        let cannot = |dir: &Path| format!("cannot use {}", dir.display());
+        if let Some(dir) = given {
+            std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| cannot(dir))?;
+            return Ok(RunDirectory { dir: dir.to_owned(), temporary: false });
+        }
+        let first = std::env::temp_dir().join(format!("linewright-run-{}", std::process::id()));
+        // A run that failed has left its own, and its number may be this process's now. Its journals are of another line.
+        let others = (2..100).map(|nth| first.with_extension(nth.to_string()));
+        for dir in std::iter::once(first.clone()).chain(others) {
+            match std::fs::create_dir(&dir) {
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                outcome => {
+                    outcome.into_diagnostic().wrap_err_with(|| cannot(&dir))?;
+                    return Ok(RunDirectory { dir, temporary: true });
+                }
+            }
+        }
+        Err(miette!("{} and 98 like it are there; remove those of runs that have ended", first.display()))
     }
 
     /// Removes a temporary directory, unless the run failed: its logs are wanted then.

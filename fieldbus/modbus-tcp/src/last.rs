@@ -13,6 +13,8 @@ const TRANSACTION: u16 = 0xFFFF;
 /// How often, and how far apart, it is looked whether last orders are answered: a tenth of a second in all.
 const TRIES: u32 = 100;
 const PAUSE: Duration = Duration::from_millis(1);
+/// So many pieces of what has come are read at a time: a device that never stops sending holds up no other.
+const PIECES: usize = 16;
 /// After so many of these pauses an order that was refused is sent again.
 const AGAIN: u32 = 10;
 
@@ -58,14 +60,20 @@ impl LastOrder {
         let Ok(own) = self.socket.try_lock() else { return Some(LastOutcome::Gone) };
         let Some(mut socket) = own.as_ref() else { return Some(LastOutcome::Gone) };
         let mut bytes = [0; 64];
-        loop {
+        for _ in 0..PIECES {
             match socket.read(&mut bytes) {
                 Ok(0) => return Some(answer(&self.order, heard).unwrap_or(LastOutcome::Gone)),
                 Ok(read) => heard.extend(&bytes[..read]),
-                Err(error) if error.kind() == ErrorKind::WouldBlock => return answer(&self.order, heard),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
                 Err(_) => return Some(LastOutcome::Gone),
             }
         }
+        answer(&self.order, heard)
+    }
+
+    /// Whether it has a connection, and an order for it.
+    fn is_connected(&self) -> bool {
+        !self.order.is_empty() && self.socket.lock().is_ok_and(|own| own.is_some())
     }
 }
 
@@ -98,12 +106,21 @@ fn answer(order: &[u8], heard: &[u8]) -> Option<LastOutcome> {
 /// Sends all last orders, and waits until they are taken, for a tenth of a second at most; what is refused is sent again
 /// meanwhile. A socket that is closed with an unread answer resets the connection, and the device may never read the order.
 pub fn send_all(lasts: &[LastOrder]) -> Vec<LastOutcome> {
-    let sent: Vec<&LastOrder> = lasts.iter().filter(|last| last.send()).collect();
+    // A device without a connection was reported when it was lost; its own watchdog turns its outputs off.
+    let (sent, unsent): (Vec<_>, Vec<_>) =
+        lasts.iter().filter(|last| last.is_connected()).partition(|last| last.send());
+    for last in unsent {
+        let device = &last.device;
+        tracing::error!("Modbus device {device} was not sent the order to turn its outputs off; they may be on");
+    }
     let outcomes = wait_for(&sent);
     for (last, outcome) in sent.iter().zip(&outcomes) {
         let device = &last.device;
         match outcome {
-            LastOutcome::Taken | LastOutcome::Gone => {}
+            LastOutcome::Taken => {}
+            LastOutcome::Gone => tracing::error!(
+                "Modbus device {device} ended the connection before it answered the order to turn its outputs off; they may be on"
+            ),
             LastOutcome::Refused(code) => tracing::error!(
                 "Modbus device {device} refuses the order to turn its outputs off: {} (exception {code}); they may be on",
                 exception_text(*code)
