@@ -35,7 +35,7 @@ fn a_new_rotary_table_runs_its_cycles() {
     }
     assert_eq!(seen.arrivals("table", "index"), 3);
     // No unit is at a table that turns.
-    let turning = seen.starts().iter().filter(|start| start.what == "table: swing_forward");
+    let turning = seen.starts().iter().filter(|start| start.what == "table: turn");
     let at_it = |what: &String| what.ends_with(": forward") || what.ends_with(": back");
     assert!(turning.clone().count() == 3 && turning.flat_map(|start| &start.beside).all(|what| !at_it(what)));
 }
