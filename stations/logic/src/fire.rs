@@ -42,7 +42,10 @@ impl Controller {
                 self.stop(index, cause);
             }
             TransitionKind::Resume(op, block) => {
-                self.go(op, StationPlace { op, block, stage: MotionStage::Operating }, true)
+                // It may have coasted to its end; but a switch that has been on all the time proves nothing now either.
+                let stopped = &self.marking.tokens[self.token_of(op)];
+                let counts = stopped.left_start || stopped.awaits_image;
+                self.go(op, StationPlace { op, block, stage: MotionStage::Operating }, counts)
             }
             TransitionKind::Retract(op) => self.go(op, StationPlace::undoing(op), true),
             TransitionKind::Again(op) => self.go(op, StationPlace::operating(op), true),

@@ -5,6 +5,7 @@
 //! writer has open, and of a life whether it is the present one. They grow for ever while the situation repeats. Moments in time are left out: a checker keeps
 //! the clock still, and lets things expire by telling the controller so.
 
+use linewright_line::net::MotionStage;
 use linewright_line::{OpId, StationId};
 
 use crate::controller::Controller;
@@ -75,7 +76,12 @@ impl Controller {
         for token in self.tokens() {
             let place = &self.program.places[token.place as usize];
             let moves = place.place.is_operating();
-            let flags = if moves { [token.left_start, token.driven, token.awaits_image] } else { [false; 3] };
+            let flags = match place.place.stage {
+                MotionStage::Operating => [token.left_start, token.driven, token.awaits_image],
+                // Only whether its switch counts when it goes on.
+                MotionStage::Incomplete => [token.left_start || token.awaits_image, false, false],
+                MotionStage::Completed => [false; 3],
+            };
             let run = if moves { token.run as i64 } else { 0 };
             out.extend([i64::from(token.place), run, i64::from(flags[0]), i64::from(flags[1]), i64::from(flags[2])]);
             if place.turns != 0 {

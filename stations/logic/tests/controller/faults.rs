@@ -55,6 +55,27 @@ fn a_switch_stuck_on_from_the_start_completes_nothing() {
 }
 
 #[test]
+fn a_switch_stuck_on_completes_nothing_after_a_stop_either() {
+    let mut rig = Rig::new(alone(1, &[r(6), r(6)]));
+    rig.set(complete_bit(OpId(0), false), true);
+    rig.mode(ControlMode::Manual);
+    for _ in 0..3 {
+        rig.advance(true);
+        assert!(rig.drives(0));
+        rig.wait_ms(100);
+        rig.advance(false);
+        assert_eq!(rig.marking(), [StationPlace::incomplete(OpId(0))], "let go half-way, it is not done");
+    }
+    // Seen off, it counts: also where the motion has coasted to its end.
+    rig.set(complete_bit(OpId(0), false), false);
+    rig.advance(true);
+    rig.advance(false);
+    rig.set(complete_bit(OpId(0), false), true);
+    rig.advance(true);
+    assert_eq!(rig.marking(), [StationPlace::completed(OpId(0))]);
+}
+
+#[test]
 fn devices_lost_stops_everything_and_starts_nothing() {
     let mut rig = running();
     rig.devices(false);
