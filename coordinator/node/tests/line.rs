@@ -1,9 +1,9 @@
 //! What is noted of a station from one of its states to the next, and what of it is in the database of a line.
 
 use linewright_coordinator_logic::CompletedCycle;
-use linewright_coordinator_node::cell::LineSituation;
+use linewright_coordinator_node::LineSituation;
 use linewright_coordinator_node::line::{LineHistory, StationObserver};
-use linewright_history::{About, EventKind, HistoryReader, MotionEnd, Note};
+use linewright_history::{About, EventKind, HistoryReader, MotionOutcome, Note};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick, TransferLine};
 use linewright_msgs::StationState;
@@ -21,7 +21,7 @@ fn state(places: [u8; 2], started: [i32; 2]) -> StationState {
     }
 }
 
-fn motion(operation: u16, cycle: i32, (from, to): (u64, u64), end: MotionEnd) -> Note {
+fn motion(operation: u16, cycle: i32, (from, to): (u64, u64), end: MotionOutcome) -> Note {
     Note::Motion { station: 3, operation, cycle, from: AT(from), to: AT(to), end }
 }
 
@@ -46,9 +46,9 @@ fn a_motion_is_from_the_state_that_has_it_to_the_one_that_has_not() {
         (80, state([0, 6], [1, 1])),
     ];
     let expected = [
-        motion(0, 1, (20, 40), MotionEnd::Done),
-        motion(1, 1, (50, 60), MotionEnd::Stopped),
-        motion(1, 1, (70, 80), MotionEnd::Undone),
+        motion(0, 1, (20, 40), MotionOutcome::Done),
+        motion(1, 1, (50, 60), MotionOutcome::Stopped),
+        motion(1, 1, (70, 80), MotionOutcome::Undone),
     ];
     assert_eq!(notes(&mut observer, &seen), expected);
 }
@@ -57,11 +57,11 @@ fn a_motion_is_from_the_state_that_has_it_to_the_one_that_has_not() {
 fn a_motion_between_two_states_is_counted_without_times() {
     let mut observer = StationObserver::new(2);
     let whole = [(10, state([0, 3], [0, 0])), (90, state([3, 0], [1, 0]))];
-    assert_eq!(notes(&mut observer, &whole), [motion(0, 1, (90, 90), MotionEnd::Unseen)]);
+    assert_eq!(notes(&mut observer, &whole), [motion(0, 1, (90, 90), MotionOutcome::Unseen)]);
     // The end of one and the beginning of the next.
     let mut observer = StationObserver::new(2);
     let again = [(10, state([1, 0], [1, 0])), (90, state([1, 0], [2, 0])), (95, state([3, 0], [2, 0]))];
-    let expected = [motion(0, 1, (90, 90), MotionEnd::Unseen), motion(0, 2, (90, 95), MotionEnd::Done)];
+    let expected = [motion(0, 1, (90, 90), MotionOutcome::Unseen), motion(0, 2, (90, 95), MotionOutcome::Done)];
     assert_eq!(notes(&mut observer, &again), expected);
     // The counts of another life, or of another generation, say nothing of this.
     let other = StationState { boot_id: 2, ..state([3, 0], [7, 0]) };

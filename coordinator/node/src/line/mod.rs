@@ -17,8 +17,8 @@ use linewright_msgs::StationState;
 use linewright_simulation::LinePlan;
 use linewright_station_shell::NewestBySequence;
 
-use crate::cell::LineSituation;
 use crate::node::CoordinatorLoop;
+use crate::situation::LineSituation;
 pub use observer::StationObserver;
 
 /// A note at least this often, so that a report knows until when the line was observed.
@@ -35,14 +35,14 @@ pub struct LineHistory {
     origin: Tick,
     stations: Vec<StationObserver>,
     newest: Vec<NewestBySequence>,
-    /// How the line stands, as the database was told; none where it has yet to be told everything.
+    /// The situation noted last; none before everything has been noted.
     noted: Option<LineSituation>,
     note_due: Tick,
     notes: Vec<Note>,
 }
 
 /// What the database is about.
-pub fn about(line: &Line) -> LineAbout {
+fn about(line: &Line) -> LineAbout {
     let plan = LinePlan::of(line);
     let schedule = plan.schedule(usize::try_from(PLANNED_CYCLE).unwrap_or(0) + 1);
     let planned = |id: StationId| {
@@ -120,12 +120,15 @@ impl LineHistory {
             }
             Some(_) => {}
             None => {
-                let all_well = LineSituation { heard: vec![true; situation.heard.len()], ..LineSituation::new(0) };
-                let all_well = LineSituation { devices: all_well.heard.clone(), ..all_well };
+                // The mode is always noted, stations only where they are not well.
+                let all_well = LineSituation {
+                    starts: !situation.starts,
+                    heard: vec![true; situation.heard.len()],
+                    devices: vec![true; situation.devices.len()],
+                    ..LineSituation::new(0)
+                };
                 self.notes.push(Note::Began {});
-                self.notes.push(Note::Mode { name: situation.mode.name().to_owned(), starts: situation.starts });
-                let changes = situation.notes_since(&all_well);
-                self.notes.extend(changes.filter(|note| !matches!(note, Note::Mode { .. })));
+                self.notes.extend(situation.notes_since(&all_well));
                 for (index, observer) in self.stations.iter_mut().enumerate() {
                     observer.begin(index_number(index), at, &mut self.notes);
                 }
@@ -183,7 +186,7 @@ fn index_number(index: usize) -> u16 {
 }
 
 impl CoordinatorLoop {
-    /// Tells the cell, or the database of the line, how the line stands.
+    /// Passes the situation to the cell, or to the database of the line.
     pub(crate) fn tell_situation(&mut self, at: Tick) {
         let coordinator = self.shell.coordinator();
         let order = coordinator.order();
