@@ -121,7 +121,7 @@ struct JsonChartRow {
 impl From<&Spread> for JsonSpread {
     fn from(of: &Spread) -> Self {
         let [least, median, p90, p99, most] =
-            [of.least, of.median, of.p90, of.p99, of.most].map(|time| (of.count > 0).then(|| time.as_secs_f64()));
+            [of.least, of.median, of.p90, of.p99, of.most].map(|time| (of.count > 0).then_some(time.as_secs_f64()));
         JsonSpread { count: of.count, least, mean: mean(of).map(|mean| mean.as_secs_f64()), median, p90, p99, most }
     }
 }

@@ -264,3 +264,14 @@ fn what_finds_no_room_is_refused_and_nothing_waits() {
     feed.end_within(Duration::from_millis(50));
     assert!(began.elapsed() < Duration::from_secs(2), "{:?}", began.elapsed());
 }
+
+/// A thread that ends without a word is a failure as well.
+#[test]
+fn a_thread_that_panics_is_a_failure() {
+    let feed = HistoryFeed::of_notes(|| panic!("as a bug would"));
+    let has_failed = (0..1000).any(|_| {
+        std::thread::sleep(Duration::from_millis(5));
+        feed.failed().is_some()
+    });
+    assert!(has_failed, "{:?}", feed.failed());
+}
