@@ -65,7 +65,8 @@ enum CliCommand {
     Nets(nets::Args),
     /// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
     Analyse(analyse::Args),
-    /// Run a line's controllers against the simulated plant in virtual time: its bar chart, cycle time, faults.
+    /// Simulate a line by its own controllers, or a cell, in virtual time: bar chart, cycle time, faults; what to expect of a
+    /// cell.
     Simulate(simulate::Args),
     /// Report what a flexible cell has done, from its database: how busy and how down, times of parts, lateness of orders.
     Report(report::Args),
@@ -94,7 +95,7 @@ enum CliCommand {
     /// Show which resources of a running cell are left out; give alarm of one, leave it out, count on it again,
     /// or reset its station.
     Resource(cell::ResourceArgs),
-    /// Show the line as it runs.
+    /// Show a line or a cell as it runs.
     Watch(watch::Args),
     /// Look at a CAN bus and its CANopen nodes, and talk to them: scan, status, nmt, sdo, monitor, record, replay.
     Can(can::CanArgs),

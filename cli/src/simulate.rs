@@ -16,6 +16,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use linewright_line::Line;
+use linewright_simulation::cell::{PRECISION_PERCENT, REPLICATIONS_MAX};
 use linewright_simulation::{LineSim, Network, RunEnd, RunGoal, Scenario, SimOptions};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
@@ -25,7 +26,7 @@ use report::SimulationReport;
 
 /// A scenario may be this large.
 const SCENARIO_BYTES_MAX: usize = 1 << 20;
-/// Cycles that are run when nobody says how many.
+/// Cycles that are run where no number is given.
 const CYCLES: usize = 3;
 /// More are no more informative.
 const CYCLES_MAX: usize = 10_000_000;
@@ -48,7 +49,7 @@ pub struct Args {
     #[arg(long, value_name = "DB")]
     record: Option<PathBuf>,
     /// Of a cell: how often to simulate it, each time with other chance [default: what the scenario says, or 1].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=REPLICATIONS_MAX))]
     replications: Option<u32>,
     /// Of a cell: as many replications as it takes until throughput and time in the cell are known so precisely, as 5%.
     #[arg(long, value_name = "PERCENT", value_parser = precision)]
@@ -56,7 +57,7 @@ pub struct Args {
     /// Of a cell: how many replications are played at once [default: as many as there are processors]. The result is the same.
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZero<u16>>,
-    /// How many cycles of the whole line to run [default: what the scenario says, or 3].
+    /// Of a line: how many cycles to run [default: what the scenario says, or 3].
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=CYCLES_MAX as u64))]
     cycles: Option<u64>,
     /// What everything random follows from.
@@ -65,14 +66,16 @@ pub struct Args {
     /// What is to be made, and what people and bad luck do meanwhile: a TOML file, see docs/simulate.md.
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
-    /// What a message between nodes takes, in milliseconds [default: what the scenario says, or 1].
+    /// What a message between nodes takes, in milliseconds [default: of a line what the scenario says,
+    /// or 1; of a cell 0].
     #[arg(long, value_name = "MS", value_parser = millis)]
     delay: Option<Duration>,
-    /// What it may take longer, drawn for each message, in milliseconds [default: what the scenario says, or 0].
+    /// What it may take longer, drawn for each message, in milliseconds [default: of a line what the scenario
+    /// says, or 0; of a cell 0].
     #[arg(long, value_name = "MS", value_parser = millis)]
     jitter: Option<Duration>,
-    /// How much longer or shorter than described a motion, or a station's task, may take, in percent [default: what the
-    /// scenario says, or 0].
+    /// How much longer or shorter than described a motion, or a station's task, may take, in percent [default: of a line
+    /// what the scenario says, or 0; of a cell 0].
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     variation: Option<f64>,
     /// Of a line: carry images in CAN frames and messages, through managers, devices and gateway, as on the machine. Slower.
@@ -81,10 +84,10 @@ pub struct Args {
     /// Print one JSON object instead of text.
     #[arg(long)]
     json: bool,
-    /// Write the bar chart as SVG.
+    /// Of a line: write the bar chart as SVG.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Write everything that happened, a line of text each.
+    /// Of a line: write everything that happened, a line of text each.
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
 }
@@ -106,7 +109,12 @@ fn percent(text: &str) -> Result<f64, String> {
 fn precision(text: &str) -> Result<f64, String> {
     let percent = text.strip_suffix('%').unwrap_or(text).trim_end();
     let percent: f64 = percent.parse().map_err(|_| "not a number of percent".to_owned())?;
-    if (0.1..=50.0).contains(&percent) { Ok(percent / 100.0) } else { Err("between 0.1 and 50 percent".to_owned()) }
+    let (best, worst) = PRECISION_PERCENT;
+    if (best..=worst).contains(&percent) {
+        Ok(percent / 100.0)
+    } else {
+        Err(format!("between {best} and {worst} percent"))
+    }
 }
 
 /// Runs the command.

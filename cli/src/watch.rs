@@ -27,10 +27,10 @@ use crate::run::chart::RollingChart;
 use crate::states::LineJson;
 use cell::{CellWatchJson, OutOfService};
 
-/// Show a line or a cell as it runs.
+/// Options of `watch`.
 #[derive(Debug, ClapArgs)]
 pub struct Args {
-    /// The directory of the line or cell, or the line's description file.
+    /// The directory of a line or cell, or its description file.
     line: PathBuf,
     /// Print one picture and end.
     #[arg(long)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::support::command::{Scratch, json, linewright, shipped, text};
+use crate::support::command::{Scratch, json, linewright, linewright_in, shipped, text};
 
 fn new(kind: &str, options: &[&str]) -> std::process::Output {
     linewright(&[&["new", kind], options].concat())
@@ -36,14 +36,13 @@ fn a_name_is_one_that_the_reader_takes_and_the_directory_is_called_like_it() {
     for wrong in ["Of-mine", "2nd", "a__b", ""] {
         let output = new("cell", &["--name", wrong]);
         assert_eq!(output.status.code(), Some(2), "{wrong}");
-        assert!(text(&output.stderr).contains("cannot be the name of a line: lower-case letters"), "{output:?}");
+        assert!(
+            text(&output.stderr).contains("cannot be the name of a line or cell: lower-case letters"),
+            "{output:?}"
+        );
     }
     let scratch = Scratch::new();
-    let run = |words: &[&str]| {
-        let _no_rig = crate::support::turn::beside_no_rig();
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_linewright"));
-        command.args(words).current_dir(scratch.path(".")).output().expect("the command starts")
-    };
+    let run = |words: &[&str]| linewright_in(&scratch.path("."), words);
     let said = run(&["new", "cell", "--name", "laundry"]);
     assert!(text(&said.stdout).contains("next:  linewright check laundry\n"), "{said:?}");
     assert!(scratch.read("laundry/cell.toml").contains("\nname = \"laundry\"  # the ROS namespace"));

@@ -154,8 +154,8 @@ fn a_part_of_a_cell_takes_as_long_as_its_activities() {
     let part = shown.lines().find(|line| line.starts_with("part 1 (1)")).expect("its row");
     assert_eq!(part.split_whitespace().collect::<Vec<_>>()[3..], ["0.000", "s", "13.500", "s", "13.500", "s"]);
     // 7.5 of 13.5 s, and twice 3 of them.
-    for (resource, busy) in [("robot_2", "55.6 %"), ("robot_1", "44.4 %"), ("human", "0.0 %")] {
-        assert!(shown.lines().any(|line| line.starts_with(resource) && line.contains(busy)), "{resource}: {shown}");
+    for (resource, worked) in [("robot_2", "55.6 %"), ("robot_1", "44.4 %"), ("human", "0.0 %")] {
+        assert!(shown.lines().any(|line| line.starts_with(resource) && line.contains(worked)), "{resource}: {shown}");
     }
     assert!(shown.contains("3.000 s  `robot_2.process` with part 1 starts: no competing candidate"), "{shown}");
 }
@@ -217,7 +217,7 @@ fn what_is_not_for_a_cell_or_not_for_a_line_is_refused() {
 
 /// A planner's day: orders, breakdowns, several replications, and their figures with intervals.
 #[test]
-fn what_to_expect_of_a_cell_comes_with_its_intervals_whatever_the_number_of_threads() {
+fn what_to_expect_of_a_cell_comes_with_its_intervals() {
     let scenario = shipped().join("../workcell-c1/scenarios/production.toml");
     let scenario = scenario.to_str().unwrap();
     let output = cell("workcell-c1", &["--scenario", scenario, "--replications", "4", "--threads", "3", "--json"]);
@@ -232,12 +232,8 @@ fn what_to_expect_of_a_cell_comes_with_its_intervals_whatever_the_number_of_thre
     let m2 = &found["resources"][2];
     assert_eq!(m2["name"], "M2");
     assert!(m2["down"]["mean"].as_f64().is_some_and(|down| (down - 0.5 / 23.0).abs() < 1e-9), "{m2}");
-    assert_eq!(
-        output.stdout,
-        cell("workcell-c1", &["--scenario", scenario, "--replications", "4", "--threads", "1", "--json"]).stdout
-    );
     let precise =
-        json(&cell("workcell-c1", &["--scenario", scenario, "--replications", "5", "--precision", "20%", "--json"]));
+        json(&cell("workcell-c1", &["--scenario", scenario, "--replications", "2", "--precision", "20%", "--json"]));
     assert!(precise["ok"] == true && precise["replications"].as_u64().is_some_and(|n| n >= 5), "{precise}");
 }
 
@@ -253,4 +249,21 @@ fn a_cell_that_stands_for_good_is_a_failure_with_its_reason() {
     let said = cell("workcell-c1", &["--scenario", &path]);
     assert!(text(&said.stderr).contains("a breakdown needs `repair_s`"), "{said:?}");
     assert!(text(&simulate(&["--replications", "3"]).stderr).contains("are for cells; "));
+}
+
+/// What is about several replications needs them; the decisions of the only one are in its JSON.
+#[test]
+fn threads_are_for_several_replications_and_why_is_for_one() {
+    let refused = cell("workcell-c1", &["--threads", "2"]);
+    assert!(!refused.status.success(), "{refused:?}");
+    assert!(text(&refused.stderr).contains("--threads is for several replications"), "{refused:?}");
+    let scratch = Scratch::new();
+    let path = scratch.file("s.toml", "[[order]]\npart = \"A\"\n");
+    let decisions = |options: &[&str]| {
+        let output = cell("workcell-c1", &[&["--scenario", &path, "--json"], options].concat());
+        json(&output)["runs"][0]["decisions"].as_array().map(|all| all.iter().map(|of| of["why"].to_string()).collect())
+    };
+    let why: Option<Vec<String>> = decisions(&["--why"]);
+    assert!(why.as_ref().is_some_and(|all| all.iter().any(|of| of.contains("load M1"))), "{why:?}");
+    assert_eq!(decisions(&[]), None::<Vec<String>>);
 }

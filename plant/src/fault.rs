@@ -29,9 +29,9 @@ pub enum MotionFault {
     Break = 3,
     /// It moves the wrong way, at a quarter of its speed, as far as where it came from.
     SlipBack = 4,
-    /// It moves, but the hand that it closes takes nothing.
+    /// It moves, but the gripper that it closes takes nothing.
     Miss = 5,
-    /// It moves, but the hand that it has closed holds nothing fast: a part that lies nowhere else falls.
+    /// It moves, but the gripper that it has closed holds nothing fast: a part that lies nowhere else falls.
     Drop = 6,
 }
 
@@ -74,8 +74,8 @@ impl MotionFault {
             MotionFault::Slip => &["It moves at a quarter of its speed."],
             MotionFault::Break => &["It does not move, and its fault signal comes on."],
             MotionFault::SlipBack => &["It moves the wrong way."],
-            MotionFault::Miss => &["It moves, but the hand that it closes takes nothing."],
-            MotionFault::Drop => &["It moves, but the hand that it has closed holds nothing fast."],
+            MotionFault::Miss => &["It moves, but the gripper that it closes takes nothing."],
+            MotionFault::Drop => &["It moves, but the gripper that it has closed holds nothing fast."],
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
@@ -28,45 +29,34 @@ enum InjectedFault {
 }
 
 /// What goes wrong with a whole device.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum DeviceTrouble {
+    /// The device falls silent
     Silent,
+    /// The device boots
     Reboot,
+    /// It boots and does not come up
     NoBoot,
+    /// Its heartbeats cease, all else goes on
     NoHeartbeat,
+    /// It says to be another product (object 1018h:02) and boots
     Identity,
+    /// It refuses its heartbeat time (object 1017h) and boots
     Refuse,
+    /// It reports an overload of its outputs (emergency 2310h)
     Emergency,
+    /// It is off the bus for a second
     BusOff,
+    /// A twentieth of the frames to and from it is lost, a twentieth doubled
     Lossy,
 }
 
-/// Those of devices, by their words on the command line, and what happens. Those of motions are [`MotionFault::ALL`].
-const TROUBLES: [(DeviceTrouble, &str, &str); 9] = [
-    (DeviceTrouble::Silent, "silent", "The device falls silent"),
-    (DeviceTrouble::Reboot, "reboot", "The device boots"),
-    (DeviceTrouble::NoBoot, "no-boot", "It boots and does not come up"),
-    (DeviceTrouble::NoHeartbeat, "no-heartbeat", "Its heartbeats cease, all else goes on"),
-    (DeviceTrouble::Identity, "identity", "It says to be another product (object 1018h:02) and boots"),
-    (DeviceTrouble::Refuse, "refuse", "It refuses its heartbeat time (object 1017h) and boots"),
-    (DeviceTrouble::Emergency, "emergency", "It reports an overload of its outputs (emergency 2310h)"),
-    (DeviceTrouble::BusOff, "bus-off", "It is off the bus for a second"),
-    (DeviceTrouble::Lossy, "lossy", "A twentieth of the frames to and from it is lost, a twentieth doubled"),
-];
-
-const VARIANTS: [InjectedFault; MotionFault::ALL.len() + TROUBLES.len() + 1] = {
-    let mut all = [InjectedFault::Clear; MotionFault::ALL.len() + TROUBLES.len() + 1];
-    let mut at = 0;
-    while at < MotionFault::ALL.len() {
-        all[at] = InjectedFault::Motion(MotionFault::ALL[at]);
-        at += 1;
-    }
-    while at < MotionFault::ALL.len() + TROUBLES.len() {
-        all[at] = InjectedFault::Device(TROUBLES[at - MotionFault::ALL.len()].0);
-        at += 1;
-    }
-    all
-};
+/// Every fault, in the order of the help.
+static VARIANTS: LazyLock<Vec<InjectedFault>> = LazyLock::new(|| {
+    let motions = MotionFault::ALL.into_iter().map(InjectedFault::Motion);
+    let devices = DeviceTrouble::value_variants().iter().copied().map(InjectedFault::Device);
+    motions.chain(devices).chain([InjectedFault::Clear]).collect()
+});
 
 impl ValueEnum for InjectedFault {
     fn value_variants<'a>() -> &'a [Self] {
@@ -74,26 +64,20 @@ impl ValueEnum for InjectedFault {
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        let (name, about) = self.words()?;
-        Some(PossibleValue::new(name).help(about))
+        match self {
+            InjectedFault::Motion(fault) => {
+                Some(PossibleValue::new(fault.name()).help(fault.about().first()?.trim_end_matches('.')))
+            }
+            InjectedFault::Device(trouble) => trouble.to_possible_value(),
+            InjectedFault::Clear => Some(PossibleValue::new(CLEAR_WORD).help("All is well again")),
+        }
     }
 }
 
 impl InjectedFault {
-    /// Its word on the command line, and what happens.
-    fn words(self) -> Option<(&'static str, &'static str)> {
-        match self {
-            InjectedFault::Motion(fault) => Some((fault.name(), fault.about().first()?.trim_end_matches('.'))),
-            InjectedFault::Device(trouble) => {
-                TROUBLES.iter().find(|(known, ..)| *known == trouble).map(|(_, name, about)| (*name, *about))
-            }
-            InjectedFault::Clear => Some((CLEAR_WORD, "All is well again")),
-        }
-    }
-
     /// Its name on the command line.
-    fn name(self) -> &'static str {
-        self.words().map_or("", |(name, _)| name)
+    fn name(self) -> String {
+        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
     }
 
     /// What happens to a motion (`Some(None)`: nothing any more), if it happens to one.

@@ -1,8 +1,7 @@
 //! `linewright new`: writes the description of a new line or cell, to be read and changed by hand.
 //!
 //! The text of a transfer line comes from [`linewright_line::TransferLine`], others lie beside this file; this module only
-//! decides what it is called and where it goes, and never writes over a description that somebody may have changed unless
-//! told to.
+//! decides what it is called and where it goes. An existing description is replaced with `--force` alone.
 
 use std::fs::{OpenOptions, create_dir_all};
 use std::io::{ErrorKind, Write};
@@ -26,9 +25,9 @@ enum NewKind {
     /// A line: a transfer bar with a number of clamp-and-mill pairs along it.
     TransferLine(TransferLineArgs),
     /// A line: a rotary indexing table with four stations around it, which are of one station type.
-    RotaryTable(Place),
+    RotaryTable(NewTarget),
     /// A flexible cell: a rack, a washer, a dryer, and a robot that carries parts between them.
-    Cell(Place),
+    Cell(NewTarget),
 }
 
 #[derive(Debug, clap::Args)]
@@ -40,12 +39,12 @@ struct TransferLineArgs {
     #[arg(long, default_value_t = 1.0, value_parser = time_scale)]
     time_scale: f64,
     #[command(flatten)]
-    place: Place,
+    place: NewTarget,
 }
 
 /// What it is called, and where it goes.
 #[derive(Debug, clap::Args)]
-struct Place {
+struct NewTarget {
     /// Its name, which is the ROS namespace: lower-case letters, digits and single `_`, a letter first.
     #[arg(long, value_parser = name)]
     name: Option<String>,
@@ -60,7 +59,7 @@ struct Place {
 /// The same rule as the reader's.
 fn name(word: &str) -> Result<String, String> {
     let mut report = Report::default();
-    ros_name(&Located::new(word.to_owned(), 0..word.len()), "line", &mut report);
+    ros_name(&Located::new(word.to_owned(), 0..word.len()), "line or cell", &mut report);
     match report.into_problems("", word).into_vec().pop() {
         None => Ok(word.to_owned()),
         Some(problem) => Err(format!("{}: {}", problem.message, problem.hint.unwrap_or_default())),
@@ -89,31 +88,31 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         NewKind::TransferLine(args) => {
             let line = TransferLine { machines: args.machines, time_scale: args.time_scale };
             let dir = args.place.write("transfer-line", &[("line.toml", &line.text())])?;
-            next(&dir, "", "");
+            next(&dir, "");
         }
         NewKind::RotaryTable(place) => {
             let dir = place.write("rotary-table", &[("line.toml", include_str!("rotary-table/line.toml"))])?;
-            next(&dir, "", "");
+            next(&dir, "");
         }
         NewKind::Cell(place) => {
             let cell = include_str!("washing-cell/cell.toml");
             let line = include_str!("washing-cell/line.toml");
             let dir = place.write("washing-cell", &[("cell.toml", cell), ("line.toml", line)])?;
-            next(&dir, " --parts bowl=3", " --parts bowl=3");
+            next(&dir, " --parts bowl=3");
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
 /// What to do with it.
-fn next(dir: &Path, simulate: &str, run: &str) {
+fn next(dir: &Path, options: &str) {
     let dir = dir.display();
     crate::out::say!("next:  linewright check {dir}");
-    crate::out::say!("       linewright simulate {dir}{simulate}");
-    crate::out::say!("       linewright run {dir}{run}");
+    crate::out::say!("       linewright simulate {dir}{options}");
+    crate::out::say!("       linewright run {dir}{options}");
 }
 
-impl Place {
+impl NewTarget {
     /// Writes the files; gives back their directory.
     fn write(&self, kind: &str, files: &[(&str, &str)]) -> miette::Result<PathBuf> {
         let dir = match (&self.dir, &self.name) {

@@ -245,7 +245,7 @@ fn activities(story: &ReportSource, to: &mut Recording) -> Result<(), McapError>
     for done in &story.activities {
         let (Some(ended), Some(entry)) = (done.ended, story.about.sheet.entry(done.mode)) else { continue };
         let late = story.planned.get(&done.firing).map(|(from, _)| {
-            let seconds = |tick: Tick| tick.as_micros() as f64 / 1e6;
+            let seconds = |tick: Tick| tick.as_secs_f64();
             seconds(done.began) - seconds(*from)
         });
         let message = json!({
@@ -267,24 +267,24 @@ fn events(story: &ReportSource, to: &mut Recording) -> miette::Result<Result<(),
     let mut written = Ok(());
     let take = |event: HistoryEvent| {
         if event.at >= story.from && written.is_ok() {
-            written = say_event(story, to, &event);
+            written = say_event(to, &story.about.cell, &event_row(story, &event), event.at);
         }
     };
     story.reader.each(story.to, take).map_err(failed)?;
     Ok(written)
 }
 
-fn say_event(story: &ReportSource, to: &mut Recording, event: &HistoryEvent) -> Result<(), McapError> {
-    let row = event_row(story, event);
+/// An event of the cell or line that is called so.
+pub fn say_event(to: &mut Recording, name: &str, row: &EventRow, at: Tick) -> Result<(), McapError> {
     let data: Value = serde_json::from_str(&row.data).unwrap_or_default();
     let message = json!({"log": row.log, "kind": row.kind, "station": row.station, "activity": row.activity,
         "part": row.part, "firing": row.firing, "data": data});
-    to.say("/events", Schema::Event, event.at, &message)?;
-    to.say("/log", Schema::Log, event.at, &log_line(&story.about.cell, &row, event.at))
+    to.say("/events", Schema::Event, at, &message)?;
+    to.say("/log", Schema::Log, at, &log_line(name, row, at))
 }
 
 /// An event as a line of `foxglove.Log`.
-pub fn log_line(name: &str, row: &EventRow, at: Tick) -> Value {
+fn log_line(name: &str, row: &EventRow, at: Tick) -> Value {
     let level = match row.kind.as_str() {
         "decided" | "acknowledged" | "memory" | "order-ended" | "planned" | "observed" => DEBUG,
         "raised" | "order-failed" | "alarm" | "mismatch" | "down" | "missing" | "emergency-stop" | "fault" => WARNING,

@@ -51,7 +51,7 @@ pub struct Args {
     /// Write the Gantt chart, plan above actual, as SVG; of a line the bar chart of one cycle.
     #[arg(long, value_name = "FILE")]
     gantt: Option<PathBuf>,
-    /// Print the Gantt chart as text as well.
+    /// Print the Gantt chart as text as well; of a line the bar chart of one cycle.
     #[arg(long, conflicts_with = "json")]
     chart: bool,
     /// Of a line: draw this cycle [default: the newest in which every operation was done].

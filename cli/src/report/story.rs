@@ -11,7 +11,7 @@ use miette::miette;
 
 use super::when::{self, Zone};
 
-/// The span that is asked for, as far as the database has it: after the last event nobody knows anything.
+/// The span that is asked for, as far as the database has it: after its last event nothing is recorded.
 ///
 /// # Errors
 /// What is wrong with the database, or with the span.

@@ -67,7 +67,7 @@ fn naive(text: &str) -> Option<NaiveDateTime> {
 
 /// A time for people and machines: RFC 3339, or seconds of a simulation.
 pub fn show(tick: Tick, clock: TimeBase, zone: Zone) -> String {
-    let seconds = || format!("{:.3} s", tick.as_micros() as f64 / 1e6);
+    let seconds = || format!("{:.3} s", tick.as_secs_f64());
     let utc = i64::try_from(tick.as_micros()).ok().and_then(DateTime::from_timestamp_micros);
     match (clock, utc, zone) {
         (TimeBase::Simulated, ..) | (TimeBase::Unix, None, _) => seconds(),

@@ -140,7 +140,7 @@ fn critical(line: &Line, report: &SimulationReport) -> Vec<Critical> {
 fn conflicts(line: &Line, sim: &LineSim) -> Vec<JsonConflict> {
     let seen = sim.conflicts().iter();
     seen.map(|seen| JsonConflict {
-        at_s: seen.at.as_micros() as f64 / 1e6,
+        at_s: seen.at.as_secs_f64(),
         why: line.conflicts[seen.conflict].why.clone(),
         positions: seen.positions.clone(),
     })
@@ -151,7 +151,7 @@ fn faults(line: &Line, sim: &LineSim) -> Vec<JsonFault> {
     let faults = sim.record().faults().iter();
     faults
         .map(|fault| JsonFault {
-            at_s: fault.at.as_micros() as f64 / 1e6,
+            at_s: fault.at.as_secs_f64(),
             operation: op_text(line, (fault.station, fault.op)),
             cause: fault.cause.text(),
         })

@@ -156,7 +156,7 @@ fn rows(sim: &LineSim, plan: &LinePlan, cycle: i32, critical: Option<&CriticalPa
                 station: id,
                 op,
                 planned: planned.map(|p| (p.start as f64 / 1e6, p.end as f64 / 1e6)),
-                simulated: motion.map(|m| (m.start.as_micros() as f64 / 1e6, m.end.as_micros() as f64 / 1e6)),
+                simulated: motion.map(|m| (m.start.as_secs_f64(), m.end.as_secs_f64())),
                 is_critical,
             });
         }

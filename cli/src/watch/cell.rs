@@ -1,8 +1,8 @@
 //! The live view of a flexible cell: alarms with their answers, what is left out and why, how recovery goes on, stations,
 //! parts and production orders.
 //!
-//! Pure: the newest state in, lines of text out. What does not fit the screen is counted, and what somebody has to see to
-//! comes first.
+//! Pure: the newest state in, lines of text out. What does not fit the screen is counted where there is a line for it, and
+//! what somebody has to see to comes first.
 
 use std::collections::BTreeMap;
 
@@ -287,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn what_somebody_has_to_see_to_is_whole_at_sixty_columns_and_what_does_not_fit_is_counted() {
+    fn what_needs_an_answer_is_whole_at_sixty_columns_and_the_rest_is_counted() {
         let lines = drawn((60, 24));
         assert!(lines.len() <= 24 && lines.iter().all(|line| line.chars().count() <= 60), "{lines:#?}");
         let whole = whole(&lines);
@@ -324,7 +324,7 @@ mod tests {
         assert!(!whole.contains("sunday") && !whole.contains(" more"), "{lines:#?}");
     }
 
-    /// However small the screen: never more lines than it has, and whatever is not shown is counted.
+    /// However small the screen: never more lines than it has.
     #[test]
     fn a_picture_is_never_higher_than_its_screen() {
         let all = drawn((60, usize::MAX)).len();

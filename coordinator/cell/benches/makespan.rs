@@ -104,7 +104,7 @@ fn play(table: &Arc<CellTable>, dispatcher: &mut dyn Dispatcher, parts: u64) -> 
     assert_eq!(player.state().left(), parts, "all is done");
     let ends = out.records.iter().filter(|record| matches!(record.fact, RecordKind::Ended { .. }));
     let end = ends.map(|record| record.at).max().unwrap_or(Tick::ZERO);
-    (end.as_micros() as f64 / 1e6, timed.all / timed.asked.max(1), timed.longest)
+    (end.as_secs_f64(), timed.all / timed.asked.max(1), timed.longest)
 }
 
 /// Orders of so many parts of each product.

@@ -151,7 +151,7 @@ fn each_part_has_a_slot_of_its_own_in_the_store() {
 
 /// In a stack the position is the level: nothing lies above what is fetched.
 #[test]
-fn in_a_stack_the_robot_is_told_the_level() {
+fn in_a_lifo_buffer_orders_name_the_level() {
     let stack = C1.replacen("random-access-store", "lifo-buffer", 1);
     for seed in 0..5 {
         let mut world = world(made(&stack, Supply::Batch(&[2, 1])), 4, seed);

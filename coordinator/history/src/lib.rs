@@ -30,7 +30,7 @@ mod writer;
 pub use about::{About, CellAbout, LineAbout, LineOperation, LineStation, TimeBase};
 pub use error::HistoryError;
 pub use event::{EventKind, HistoryEvent};
-pub use note::{MotionEnd, Note};
+pub use note::{MotionOutcome, Note};
 pub use reader::HistoryReader;
 pub use recorder::{HistoryFeed, RecordSource};
 pub use writer::History;

@@ -67,7 +67,7 @@ pub enum Note {
         from: Tick,
         #[serde(with = "micros")]
         to: Tick,
-        end: MotionEnd,
+        end: MotionOutcome,
     },
     /// A station stood in auto and waited.
     Waited {
@@ -117,7 +117,7 @@ impl Note {
 /// How a motion has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum MotionEnd {
+pub enum MotionOutcome {
     Done,
     /// The motion back was completed.
     Undone,

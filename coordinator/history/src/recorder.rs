@@ -187,7 +187,10 @@ impl HistoryFeed {
 
     /// Why nothing is written any more; none as long as it is. The cell goes on without it.
     pub fn failed(&self) -> Option<String> {
-        self.shared.failed.lock().ok().and_then(|failed| failed.clone())
+        // In this order: a thread that gives up says why before it ends.
+        let has_ended = self.thread.as_ref().is_some_and(JoinHandle::is_finished);
+        let why = self.shared.failed.lock().ok().and_then(|failed| failed.clone());
+        why.or_else(|| has_ended.then(|| "the thread that writes the database has ended".to_owned()))
     }
 
     /// Returns when all that was offered is in the database.

@@ -11,7 +11,9 @@ mod gateway_topics;
 pub mod line;
 mod node;
 mod remembered;
+mod situation;
 mod topics;
 mod waiting;
 
 pub use node::{CoordinatorNodeError, CoordinatorOptions, run};
+pub use situation::LineSituation;

@@ -19,10 +19,11 @@ use linewright_station_logic::Founding;
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
-use crate::cell::{CellError, CellNodeOptions, CellThread, LineSituation};
+use crate::cell::{CellError, CellNodeOptions, CellThread};
 use crate::gateway_topics::{GatewayTopics, inputs_message};
 use crate::line::LineHistory;
 use crate::remembered::remembered;
+use crate::situation::LineSituation;
 use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
 
 /// Why the coordinator's node cannot run, or had to end.
@@ -123,7 +124,7 @@ pub(crate) struct CoordinatorLoop {
     pub(crate) behind: Vec<GatewayTopics>,
     /// What is wrong with the devices of stations that have a bus of their own, as they tell it.
     troubles: Vec<String>,
-    /// What the cell, or the database of the line, is told of the line.
+    /// How the line stands, for the cell or the database.
     pub(crate) situation: LineSituation,
     /// The database of a line; none where there is a cell, or none can be used.
     pub(crate) history: Option<LineHistory>,

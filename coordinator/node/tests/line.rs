@@ -1,9 +1,9 @@
 //! What is noted of a station from one of its states to the next, and what of it is in the database of a line.
 
 use linewright_coordinator_logic::CompletedCycle;
-use linewright_coordinator_node::cell::LineSituation;
+use linewright_coordinator_node::LineSituation;
 use linewright_coordinator_node::line::{LineHistory, StationObserver};
-use linewright_history::{About, EventKind, HistoryReader, MotionEnd, Note};
+use linewright_history::{About, EventKind, History, HistoryReader, LineAbout, MotionOutcome, Note, TimeBase};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick, TransferLine};
 use linewright_msgs::StationState;
@@ -21,7 +21,7 @@ fn state(places: [u8; 2], started: [i32; 2]) -> StationState {
     }
 }
 
-fn motion(operation: u16, cycle: i32, (from, to): (u64, u64), end: MotionEnd) -> Note {
+fn motion(operation: u16, cycle: i32, (from, to): (u64, u64), end: MotionOutcome) -> Note {
     Note::Motion { station: 3, operation, cycle, from: AT(from), to: AT(to), end }
 }
 
@@ -46,9 +46,9 @@ fn a_motion_is_from_the_state_that_has_it_to_the_one_that_has_not() {
         (80, state([0, 6], [1, 1])),
     ];
     let expected = [
-        motion(0, 1, (20, 40), MotionEnd::Done),
-        motion(1, 1, (50, 60), MotionEnd::Stopped),
-        motion(1, 1, (70, 80), MotionEnd::Undone),
+        motion(0, 1, (20, 40), MotionOutcome::Done),
+        motion(1, 1, (50, 60), MotionOutcome::Stopped),
+        motion(1, 1, (70, 80), MotionOutcome::Undone),
     ];
     assert_eq!(notes(&mut observer, &seen), expected);
 }
@@ -57,11 +57,11 @@ fn a_motion_is_from_the_state_that_has_it_to_the_one_that_has_not() {
 fn a_motion_between_two_states_is_counted_without_times() {
     let mut observer = StationObserver::new(2);
     let whole = [(10, state([0, 3], [0, 0])), (90, state([3, 0], [1, 0]))];
-    assert_eq!(notes(&mut observer, &whole), [motion(0, 1, (90, 90), MotionEnd::Unseen)]);
+    assert_eq!(notes(&mut observer, &whole), [motion(0, 1, (90, 90), MotionOutcome::Unseen)]);
     // The end of one and the beginning of the next.
     let mut observer = StationObserver::new(2);
     let again = [(10, state([1, 0], [1, 0])), (90, state([1, 0], [2, 0])), (95, state([3, 0], [2, 0]))];
-    let expected = [motion(0, 1, (90, 90), MotionEnd::Unseen), motion(0, 2, (90, 95), MotionEnd::Done)];
+    let expected = [motion(0, 1, (90, 90), MotionOutcome::Unseen), motion(0, 2, (90, 95), MotionOutcome::Done)];
     assert_eq!(notes(&mut observer, &again), expected);
     // The counts of another life, or of another generation, say nothing of this.
     let other = StationState { boot_id: 2, ..state([3, 0], [7, 0]) };
@@ -178,4 +178,57 @@ fn a_line_goes_on_without_a_database_that_cannot_be_used() {
         history.situation(AT(1), &now)
     };
     assert!((0..500_u64).take_while(goes_on).count() < 500, "it is reported that nothing is written");
+}
+
+/// A disk that hangs: when it takes notes again, the observation begins anew, a second after the note that found no room.
+#[test]
+fn a_database_that_hangs_leaves_a_gap_and_the_observation_begins_anew_a_second_later() {
+    let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+    let path = dir.path().join("line.db");
+    let about = LineAbout {
+        line: line.name.clone(),
+        title: String::new(),
+        clock: TimeBase::Unix,
+        stations: vec![],
+        cycle_us: 0,
+    };
+    drop(History::open(&path, &about).expect("opens"));
+    let ((goes_on, hangs), its) = (std::sync::mpsc::channel::<()>(), path.clone());
+    let open = move || {
+        hangs.recv().expect("it goes on");
+        History::open(&its, &about)
+    };
+    let mut history = LineHistory::with(open, &line, AT(0));
+    let mut now = in_auto(&line);
+    // More notes than there is room for, within a second.
+    for micros in 0..3000 {
+        now.starts = !now.starts;
+        assert!(history.situation(Tick::from_micros(10_000 + micros), &now), "nothing has failed");
+    }
+    goes_on.send(()).expect("it hangs");
+    let begun = || {
+        let mut begun = Vec::new();
+        let mut count = 0;
+        let reader = HistoryReader::open(&path).expect("opens");
+        let take = |event: linewright_history::HistoryEvent| {
+            count += 1;
+            if matches!(event.what, EventKind::Note(Note::Began {})) {
+                begun.push(event.at);
+            }
+        };
+        reader.each(Tick::NEVER, take).expect("reads");
+        (begun, count)
+    };
+    let written = (0..1000).any(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        begun().1 >= 1000
+    });
+    assert!(written, "the queue is written");
+    for millis in [500, 1000, 1100] {
+        assert!(history.situation(AT(millis), &now), "nothing has failed");
+    }
+    history.end(AT(1200));
+    let (begun, _) = begun();
+    assert_eq!(begun.len(), 2);
+    assert_eq!(begun[1].since(begun[0]), std::time::Duration::from_millis(1090));
 }

@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     sim.run(&mut rules, Tick::NEVER);
     for record in &sim.log {
         if let RecordKind::Started { mode, part, .. } = record.fact {
-            println!("{:>9.3} s  {}", record.at.as_micros() as f64 / 1e6, named(sim.state().table(), mode, part));
+            println!("{:>9.3} s  {}", record.at.as_secs_f64(), named(sim.state().table(), mode, part));
         }
     }
     println!("{} of {} parts have left", sim.state().left(), batch.iter().sum::<u32>());

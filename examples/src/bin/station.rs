@@ -43,12 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => {}
         }
         for event in out.events.drain(..) {
-            println!(
-                "{:>7.3} s  cycle {}: {}",
-                now.as_micros() as f64 / 1e6,
-                event.cycle,
-                event.text(&line, StationId(0))
-            );
+            println!("{:>7.3} s  cycle {}: {}", now.as_secs_f64(), event.cycle, event.text(&line, StationId(0)));
         }
     }
     println!("at the end: {}", feeder.operation_text(&line));

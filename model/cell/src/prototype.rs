@@ -118,7 +118,7 @@ impl Prototype {
         self.actions().contains(&ResourceAction::Process)
     }
 
-    /// Whether whoever takes a part from it or puts one into it has to know where: in a row only the ends are reached.
+    /// Whether a part has a position in it that orders can name; of a `fifo-buffer` only the ends are reached.
     pub fn has_positions(self) -> bool {
         matches!(self, Prototype::RandomAccessStore | Prototype::LifoBuffer)
     }

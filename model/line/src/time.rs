@@ -32,6 +32,11 @@ impl Tick {
         self.0
     }
 
+    /// Seconds since the origin, to be shown or computed with.
+    pub fn as_secs_f64(self) -> f64 {
+        self.0 as f64 / 1e6
+    }
+
     /// The time from `earlier` to `self`; zero where `earlier` is later.
     pub fn since(self, earlier: Tick) -> Duration {
         Duration::from_micros(self.0.saturating_sub(earlier.0))

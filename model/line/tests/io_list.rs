@@ -101,25 +101,6 @@ fn a_list_binds_what_no_device_carries_yet() {
 }
 
 #[test]
-fn a_device_within_braces_keeps_its_comments_within_braces() {
-    let text = TransferLine::default().text();
-    let start = text.find("[[device]]\nname = \"clamp 1 io\"").expect("there");
-    let (before, rest) = text.split_at(text.find("[[device]]").expect("there"));
-    let devices: String =
-        rest.split("[[device]]").skip(1).map(|d| d.split("\n# ----").next().expect("first")).collect();
-    assert!(!devices.is_empty() && start > 0);
-    // One device is enough: the others are lost, so the result is refused, and says what it is.
-    let inline = format!(
-        "device = [{{ name = \"clamp 1 io\", station = \"clamp_1\", node = 3, inputs = [\"LS_open\"] }}]\n{before}"
-    );
-    let rows = [IoRow { comment: Some("x".to_owned()), ..row("LS_open", "%IX0.0", "clamp 1 io") }];
-    let error = with_io_list("line.toml", &inline, &rows).expect_err("signals are missing");
-    let IoListError::Result(problems) = error else { panic!("{error:?}") };
-    assert!(problems.iter().all(|problem| !problem.message.contains("TOML")), "{problems:#}");
-    assert!(problems.iter().any(|problem| problem.message.contains("has an output `open`")), "{problems:#}");
-}
-
-#[test]
 fn rows_that_are_wrong_are_named_with_their_column_and_nothing_is_taken() {
     let text = TransferLine::default().text();
     let at = |line, row: IoRow| IoRow { line, ..row };

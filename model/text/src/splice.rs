@@ -19,11 +19,11 @@ const NEAR_LINES: usize = 12;
 pub struct Splice {
     text: String,
     pieces: Vec<Piece>,
-    notes: Vec<Note>,
+    notes: Vec<SpliceNote>,
 }
 
 #[derive(Clone, Debug)]
-struct Note {
+struct SpliceNote {
     at: TextRange,
     label: String,
     /// The word that differs from copy to copy, for problems that are the same but for it.
@@ -56,7 +56,7 @@ impl Splice {
     /// A reason for stretches: `label` is written at `at` of the old text. `varies` is the word in messages that differs
     /// from copy to copy.
     pub fn note(&mut self, at: TextRange, label: impl Into<String>, varies: &str) -> NoteId {
-        self.notes.push(Note { at, label: label.into(), varies: varies.to_owned() });
+        self.notes.push(SpliceNote { at, label: label.into(), varies: varies.to_owned() });
         NoteId(self.notes.len() - 1)
     }
 
@@ -108,7 +108,7 @@ impl Splice {
         let noted = kept.into_iter().map(|(problem, note, more)| match note {
             None => problem,
             Some(NoteId(note)) => {
-                let Note { at, label, .. } = &self.notes[note];
+                let SpliceNote { at, label, .. } = &self.notes[note];
                 let label = if more == 0 { label.clone() } else { format!("{label}, and {more} more") };
                 noted_at(old, problem, at, label)
             }

@@ -11,7 +11,7 @@ use distrs::Normal;
 use crate::rng::Rng;
 
 /// The longest time that is drawn, in seconds: some thirty years. Beyond that nothing is simulated.
-const LONGEST_S: f64 = 1e9;
+pub(super) const LONGEST_S: f64 = 1e9;
 
 /// A distribution of numbers that are not below zero.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -32,13 +32,16 @@ pub use distribution::Distribution;
 pub use estimate::Estimate;
 pub use floor::{ShopFloor, Work};
 pub use operator::SimulatedOperator;
-pub use scenario::{BreakdownPattern, CellScenario, FailureClock, OrderArrivals, ScriptedFault, StationFault};
+pub use scenario::{
+    BreakdownPattern, CellScenario, FailureClock, OrderArrivals, PRECISION_PERCENT, REPLICATIONS_MAX, ScriptedFault,
+    StationFault,
+};
 pub use sim::{CellSim, CellSimOptions, StationSpeed};
 pub use station::{BegunTask, SimulatedStation};
 pub use store::{InMemory, RecordStore};
 pub use study::{
     CellStudy, OrderFigures, PlayedReplication, ReplicationFigures, ReplicationGoal, ResourceFigures, Standstill,
-    StudyOptions, StudyProblem,
+    StudyOptions, StudyProblem, UNCHANGED, UNDISTURBED,
 };
 pub use task_times::TaskTimes;
 pub use truth::{InspectionResult, PartTruth};

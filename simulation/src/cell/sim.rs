@@ -187,8 +187,8 @@ impl CellSim {
         while !self.is_over() && self.goes_on(dispatcher, until) {}
     }
 
-    /// Goes on until a time, also while nothing happens: something may that whoever plays does to stations. It ends before
-    /// where time does not go on.
+    /// Goes on until a time, also while nothing happens, since the caller may change stations then. Ends early where time
+    /// does not go on.
     pub fn run_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
         while self.spins().is_none() && self.goes_on(dispatcher, until) {}
     }

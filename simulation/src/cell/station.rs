@@ -104,7 +104,7 @@ impl SimulatedStation {
         }
     }
 
-    /// It breaks down: what it is doing stands still, and what it is told waits.
+    /// It breaks down: what it is doing stands still, and what it is ordered waits.
     pub fn stand(&mut self, now: Tick) {
         self.meter(now);
         self.stands.get_or_insert(now);
@@ -133,7 +133,7 @@ impl SimulatedStation {
         self.metered = now;
     }
 
-    /// From when on the time of what it is told now counts: as long as it stands, nothing goes on.
+    /// From when on the time of a new order counts: as long as it stands, nothing goes on.
     fn counts_from(&self, now: Tick) -> Tick {
         self.stands.unwrap_or(now)
     }

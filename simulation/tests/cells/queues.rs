@@ -103,7 +103,7 @@ fn waiting_times_of_m_m_1_and_m_d_1_are_those_of_theory() {
     agrees(estimate(&m_m_1, |of| of.inside), 1.0, 0.15);
     for all in [&m_m_1, &m_d_1] {
         agrees(estimate(all, |of| of.throughput), 180.0, 0.05);
-        agrees(estimate(all, |of| of.resources[1].busy), 0.5, 0.05);
+        agrees(estimate(all, |of| of.resources[1].worked), 0.5, 0.05);
     }
     // The same orders come in both: common random numbers.
     let orders = |of: &[ReplicationFigures]| of[0].each.iter().map(|order| order.released).collect::<Vec<_>>();
@@ -126,17 +126,17 @@ fn a_machine_is_available_for_mtbf_of_mtbf_and_mttr() {
     "#;
     let all = figures_of(&saturated(scenario), 8);
     agrees(estimate(&all, |of| of.resources[1].down), 0.2, 0.1);
-    agrees(estimate(&all, |of| of.resources[1].busy), 0.8, 0.03);
+    agrees(estimate(&all, |of| of.resources[1].worked), 0.8, 0.03);
     agrees(estimate(&all, |of| of.throughput), 0.8 * 360.0, 0.03);
     assert!(
-        all.iter().all(|of| (of.resources[1].busy + of.resources[1].down - 1.0).abs() < 1e-9),
+        all.iter().all(|of| (of.resources[1].worked + of.resources[1].down - 1.0).abs() < 1e-9),
         "always one of both"
     );
 }
 
 /// Half idle, it fails half as often by its own work as by the calendar.
 #[test]
-fn who_fails_by_working_fails_less_when_there_is_less_to_do() {
+fn breakdowns_by_operating_time_are_fewer_with_less_work() {
     let scenario = |clock: &str| {
         format!(
             "duration_s = 80000\n[[arrivals]]\npart = \"A\"\nevery_s = 20\n[[breakdown]]\nresource = \"M\"\nclock = \
@@ -209,7 +209,7 @@ fn what_stands_goes_on_where_it_stood_and_its_order_is_late() {
         let of = &all[0];
         assert_eq!((of.in_time, of.tardiness, of.tardiness_sum), (Some(0.5), Some(15.0), Some(30.0)));
         assert!(
-            (of.resources[1].down - 40.0 / 210.0).abs() < 1e-9 && (of.resources[1].busy - 50.0 / 210.0).abs() < 1e-9
+            (of.resources[1].down - 40.0 / 210.0).abs() < 1e-9 && (of.resources[1].worked - 50.0 / 210.0).abs() < 1e-9
         );
         assert_eq!(of.lead, Some((80.0 + 10.0) / 2.0));
     }

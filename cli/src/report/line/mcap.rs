@@ -3,14 +3,13 @@
 
 use std::path::Path;
 
-use linewright_history::line::LineState;
-use linewright_history::{HistoryEvent, MotionEnd};
+use linewright_history::{HistoryEvent, MotionOutcome};
 use linewright_line::Tick;
 use miette::miette;
 use serde_json::{Value, json};
 
 use super::LineSource;
-use crate::report::mcap::{McapError, Recording, Schema, log_line};
+use crate::report::mcap::{McapError, Recording, Schema, say_event};
 use crate::report::rows::EventRow;
 use crate::report::story::failed;
 
@@ -23,7 +22,7 @@ pub fn write(source: &LineSource, path: &Path) -> miette::Result<()> {
     let mut written = Ok(());
     let take = |event: HistoryEvent| {
         if event.at >= source.report.span.0 && written.is_ok() {
-            written = say_event(source, &mut recording, &event);
+            written = say_event(&mut recording, &source.about.line, &row(source, &event), event.at);
         }
     };
     source.reader.each(source.report.span.1, take).map_err(failed)?;
@@ -33,11 +32,7 @@ pub fn write(source: &LineSource, path: &Path) -> miette::Result<()> {
 fn line(source: &LineSource, to: &mut Recording) -> Result<(), McapError> {
     let (from, until) = source.report.span;
     for ((begin, _), state) in source.tracking.states(until).filter(|((_, end), _)| *end > from) {
-        let (state, cause) = match state {
-            LineState::Unrecorded => ("not recorded", String::new()),
-            LineState::Producing => ("producing", String::new()),
-            LineState::Stopped(of) => (of.kind.name(), of.text.clone()),
-        };
+        let (state, cause) = state.words();
         to.say("/line", Schema::Line, begin.max(from), &json!({"state": state, "cause": cause}))?;
     }
     let planned = source.report.figures.planned_run_time.map(|time| time.as_secs_f64());
@@ -55,7 +50,7 @@ fn stations(source: &LineSource, to: &mut Recording) -> Result<(), McapError> {
     for (of, track) in std::iter::zip(&source.about.stations, source.tracking.stations()) {
         let topic = format!("/stations/{}", of.name);
         let mut edges: Vec<(Tick, bool, &str, String)> = Vec::new();
-        for motion in track.motions.iter().filter(|motion| motion.end != MotionEnd::Unseen && motion.to > from) {
+        for motion in track.motions.iter().filter(|motion| motion.end != MotionOutcome::Unseen && motion.to > from) {
             let name = of.operations.get(motion.operation).map(|of| of.name.clone()).unwrap_or_default();
             edges.push((motion.from.max(from), true, "busy", name.clone()));
             edges.push((motion.to, false, "busy", name));
@@ -99,13 +94,4 @@ pub fn row(source: &LineSource, event: &HistoryEvent) -> EventRow {
         data,
         ..EventRow::default()
     }
-}
-
-fn say_event(source: &LineSource, to: &mut Recording, event: &HistoryEvent) -> Result<(), McapError> {
-    let row = row(source, event);
-    let data: Value = serde_json::from_str(&row.data).unwrap_or_default();
-    let message = json!({"log": null, "kind": row.kind, "station": row.station, "activity": row.activity,
-        "part": null, "firing": null, "data": data});
-    to.say("/events", Schema::Event, event.at, &message)?;
-    to.say("/log", Schema::Log, event.at, &log_line(&source.about.line, &row, event.at))
 }

@@ -9,7 +9,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use linewright_coordinator_cell::tracking::Spread;
-use linewright_history::line::{Asked, CycleChart, Figure, LineReport, LineStationReport, LineTracking, StopCause};
+use linewright_history::line::{
+    CycleChart, Figure, LineReport, LineStationReport, LineStopCause, LineTracking, ReportParameters,
+};
 use linewright_history::{HistoryReader, LineAbout};
 use linewright_line::Tick;
 use miette::{IntoDiagnostic, WrapErr, miette};
@@ -47,7 +49,8 @@ impl LineSource {
     ) -> miette::Result<Self> {
         let mut tracking = LineTracking::new(about.clone());
         reader.each(span.1, |event| tracking.take(&event)).map_err(failed)?;
-        let report = tracking.report(span, &Asked { planned_busy: planned_busy(args)?, rejected: args.rejected });
+        let report =
+            tracking.report(span, &ReportParameters { planned_busy: planned_busy(args)?, rejected: args.rejected });
         let chart = tracking.chart(args.cycle, span);
         if let Some(number) = args.cycle.filter(|_| chart.is_none()) {
             let known = tracking.stations().iter().flat_map(|of| &of.motions).map(|of| of.cycle);
@@ -206,7 +209,7 @@ fn mean(of: &Spread) -> Option<Duration> {
 }
 
 /// A cause of stops, in words.
-fn cause(of: &StopCause) -> String {
+fn cause(of: &LineStopCause) -> String {
     if of.text.is_empty() { of.kind.name().to_owned() } else { format!("{}: {}", of.kind.name(), of.text) }
 }
 

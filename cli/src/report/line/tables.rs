@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use linewright_coordinator_cell::tracking::Spread;
-use linewright_history::MotionEnd;
+use linewright_history::MotionOutcome;
 use linewright_history::line::{Figure, LineState, LineStationReport, PlannedRow, Stretch, TrendPart};
 use miette::{IntoDiagnostic, WrapErr};
 use serde::Serialize;
 
-use super::{LineSource, cause, figures, mean};
+use super::{LineSource, figures, mean};
 use crate::report::csv::{events, table};
 
 /// Everything that is reported.
@@ -37,15 +37,16 @@ struct JsonCycles {
     trend: Vec<JsonTrend>,
 }
 
+/// Null where there is nothing to count.
 #[derive(Serialize)]
 struct JsonSpread {
     count: usize,
-    least: f64,
+    least: Option<f64>,
     mean: Option<f64>,
-    median: f64,
-    p90: f64,
-    p99: f64,
-    most: f64,
+    median: Option<f64>,
+    p90: Option<f64>,
+    p99: Option<f64>,
+    most: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -120,7 +121,7 @@ struct JsonChartRow {
 impl From<&Spread> for JsonSpread {
     fn from(of: &Spread) -> Self {
         let [least, median, p90, p99, most] =
-            [of.least, of.median, of.p90, of.p99, of.most].map(|time| time.as_secs_f64());
+            [of.least, of.median, of.p90, of.p99, of.most].map(|time| (of.count > 0).then_some(time.as_secs_f64()));
         JsonSpread { count: of.count, least, mean: mean(of).map(|mean| mean.as_secs_f64()), median, p90, p99, most }
     }
 }
@@ -136,7 +137,7 @@ impl LineReportJson {
         };
         let stops = report.stops.iter().map(|stop| JsonStop {
             kind: stop.cause.kind.name(),
-            cause: cause(&stop.cause),
+            cause: stop.cause.text.clone(),
             times: stop.times,
             total_s: stop.total.as_secs_f64(),
             longest_s: stop.longest.as_secs_f64(),
@@ -289,14 +290,13 @@ pub fn csv(source: &LineSource, dir: &Path) -> miette::Result<()> {
     table(dir, "wait.csv", waits)?;
     let stops = source.tracking.states(to).filter(|(stretch, _)| stretch.1 >= from);
     let stops = stops.filter_map(|(stretch, state)| {
-        let (kind, cause) = match state {
-            LineState::Producing => return None,
-            LineState::Unrecorded => ("not recorded", String::new()),
-            LineState::Stopped(of) => (of.kind.name(), of.text.clone()),
-        };
+        if *state == LineState::Producing {
+            return None;
+        }
+        let (kind, cause) = state.words();
         let (start, end, start_us, end_us) = span(stretch);
         let duration_s = stretch.1.since(stretch.0).as_secs_f64();
-        Some(StopRow { kind, cause, start, end, start_us, end_us, duration_s })
+        Some(StopRow { kind, cause: cause.to_owned(), start, end, start_us, end_us, duration_s })
     });
     table(dir, "stop.csv", stops)?;
     let planned_s = source.report.figures.planned_run_time.map(|time| time.as_secs_f64());
@@ -311,11 +311,11 @@ pub fn csv(source: &LineSource, dir: &Path) -> miette::Result<()> {
     events(&source.reader, source.report.span, dir, |event| super::mcap::row(source, event))
 }
 
-pub fn how(end: MotionEnd) -> &'static str {
+fn how(end: MotionOutcome) -> &'static str {
     match end {
-        MotionEnd::Done => "done",
-        MotionEnd::Undone => "undone",
-        MotionEnd::Stopped => "stopped",
-        MotionEnd::Unseen => "unseen",
+        MotionOutcome::Done => "done",
+        MotionOutcome::Undone => "undone",
+        MotionOutcome::Stopped => "stopped",
+        MotionOutcome::Unseen => "unseen",
     }
 }

@@ -1,9 +1,8 @@
 //! The one object that `--json` prints of a cell.
 
 use linewright_cell::Cell;
-use linewright_coordinator_cell::RecordKind;
 use linewright_coordinator_cell::compile::CompiledCell;
-use linewright_coordinator_cell::texts;
+use linewright_coordinator_cell::{Record, RecordKind, texts};
 use linewright_line::Tick;
 use linewright_simulation::cell::CellSim;
 use serde::Serialize;
@@ -40,7 +39,7 @@ struct JsonResource {
     name: String,
     prototype: String,
     capacity: u32,
-    busy: f64,
+    worked: f64,
     taken_mean: f64,
     taken_most: u32,
 }
@@ -53,10 +52,22 @@ struct JsonActivity {
     end_s: Option<f64>,
 }
 
+/// What was decided at a moment, and why.
 #[derive(Serialize)]
-struct Decision {
+pub struct Decision {
     at_s: f64,
     why: Vec<String>,
+}
+
+impl Decision {
+    /// All of a run.
+    pub fn all(sim: &CellSim) -> Vec<Self> {
+        let decision = |record: &Record| {
+            let RecordKind::Decided { started, held, .. } = &record.fact else { return None };
+            Some(Decision { at_s: record.at.as_secs_f64(), why: texts::decision(&sim.table, started, held) })
+        };
+        sim.log.iter().filter_map(decision).collect()
+    }
 }
 
 impl CellSimulationJson {
@@ -69,7 +80,7 @@ impl CellSimulationJson {
         error: Option<&str>,
         why: bool,
     ) -> Self {
-        let seconds = |tick: Tick| tick.as_micros() as f64 / 1e6;
+        let seconds = |tick: Tick| tick.as_secs_f64();
         let parts = made.parts.iter().map(|part| JsonPart {
             part: part.part.0,
             of: part.product.and_then(|of| cell.part_types.get(of)).map(|of| of.name.clone()).unwrap_or_default(),
@@ -80,7 +91,7 @@ impl CellSimulationJson {
             name: of.name.clone(),
             prototype: of.prototype.clone(),
             capacity: of.capacity,
-            busy: of.load(made.report.observed).unwrap_or(0.0),
+            worked: of.load(made.report.observed).unwrap_or(0.0),
             taken_mean: of.taken,
             taken_most: of.most,
         });
@@ -90,10 +101,6 @@ impl CellSimulationJson {
             start_s: seconds(done.began),
             end_s: done.ended.map(seconds),
         });
-        let decisions = sim.log.iter().filter_map(|record| {
-            let RecordKind::Decided { started, held, .. } = &record.fact else { return None };
-            Some(Decision { at_s: seconds(record.at), why: texts::decision(&sim.table, started, held) })
-        });
         CellSimulationJson {
             cell: cell.name.clone(),
             ok: error.is_none(),
@@ -102,7 +109,7 @@ impl CellSimulationJson {
             parts: parts.collect(),
             resources: resources.collect(),
             activities: activities.collect(),
-            decisions: why.then(|| decisions.collect()),
+            decisions: why.then(|| Decision::all(sim)),
         }
     }
 }

@@ -14,16 +14,15 @@ mod study;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::compile::{CompiledCell, OrderTiming, compile_cell, dispatcher, planner};
+use linewright_coordinator_cell::compile::{CompiledCell, compile_cell, dispatcher, planner};
 use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::why_not;
 use linewright_coordinator_cell::{ActivityPhase, PlayerState};
 use linewright_line::{Line, Tick};
-use linewright_simulation::cell::{CellSim, CellSimOptions};
+use linewright_simulation::cell::{CellSim, CellSimOptions, StudyProblem, UNCHANGED, UNDISTURBED};
 use miette::miette;
 
 use super::Args;
@@ -35,10 +34,6 @@ use made::ProductionResult;
 const PARTS_MAX: u32 = 100_000;
 /// Of so many parts at most it is said why they have not been finished.
 const STUCK_MAX: usize = 10;
-/// Nothing is lost here, so nothing is repeated, and nobody is killed.
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(10), grace: Duration::from_secs(10) };
-/// Stations are heard once and do not change.
-const PERIOD: Duration = Duration::from_secs(3600);
 
 /// So many parts of a type, as `A=3`.
 pub fn parts(text: &str) -> Result<(String, u32), String> {
@@ -58,23 +53,28 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
     if let Some((option, _)) = of_lines.iter().find(|(_, given)| *given) {
         return Err(miette!("{option} is for lines; {} describes a cell", file.display()));
     }
+    let is_study = args.scenario.is_some() || args.replications.is_some() || args.precision.is_some();
+    if args.threads.is_some() && !is_study {
+        return Err(miette!("--threads is for several replications: add --replications, --precision or --scenario"));
+    }
     let line = beside(file, args.json)?;
     let parsed = load::cell(file, line.as_ref())?;
     if !args.json {
         load::warn(file, &parsed.warnings);
     }
     let cell = parsed.cell;
-    if args.scenario.is_some() || args.replications.is_some() || args.precision.is_some() {
+    if is_study {
         return study::run(args, &cell, line.as_ref());
     }
     let batch = batch(&cell, &args.parts)?;
-    let played = compile_cell(&cell, line.as_ref(), Supply::Batch(&batch), PACE).map_err(|error| miette!("{error}"))?;
+    let played =
+        compile_cell(&cell, line.as_ref(), Supply::Batch(&batch), UNDISTURBED).map_err(|error| miette!("{error}"))?;
     let delay = args.delay.unwrap_or_default();
     let options = CellSimOptions {
         seed: args.seed,
         pace: linewright_simulation::cell::StationSpeed::Nominal { spread: args.variation.unwrap_or(0.0) },
         delay: (delay, delay + args.jitter.unwrap_or_default()),
-        period: PERIOD,
+        period: UNCHANGED,
         ..CellSimOptions::default()
     };
     let stations = line.as_ref().map_or(cell.controllers.len(), |line| line.stations.len());
@@ -91,8 +91,7 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
     }
     let made = ProductionResult::new(&cell, &played, &sim.log);
     if let Some(history) = &mut history {
-        record::write(history, &sim.log)?;
-        plan.as_ref().map_or(Ok(()), |plan| record::write_plan(history, plan, &made.activities))?;
+        record::write(history, &sim.log, plan.as_ref(), &made.activities)?;
     }
     let asked: u32 = batch.iter().sum();
     let error = error(&sim, &played, asked, made.end);
@@ -143,16 +142,15 @@ fn error(sim: &CellSim, played: &CompiledCell, asked: u32, end: Tick) -> Option<
     if left >= asked {
         return None;
     }
-    let end_s = end.as_micros() as f64 / 1e6;
+    let end_s = end.as_secs_f64();
     let mut lines = vec![match sim.spins() {
         None => {
             format!("{left} of {asked} parts finished; no further event after {end_s:.3} s")
         }
-        Some(mode) => format!(
-            "{left} of {asked} parts finished; endless loop of activities without duration at {end_s:.3} s, last \
-             `{}`: give it a `time_s`",
-            state.table().mode_name(mode)
-        ),
+        Some(mode) => {
+            let activity = state.table().mode_name(mode).to_owned();
+            format!("{left} of {asked} parts finished; {}", StudyProblem::Spins { activity, at_s: end_s })
+        }
     }];
     let failed = state.firings().filter_map(|firing| match firing.phase {
         ActivityPhase::Failed(cause) => Some((firing, cause)),

@@ -32,23 +32,19 @@ pub fn begin(path: &Path, cell: &Cell, line: Option<&Line>, played: &CompiledCel
     History::create(path, &about).map_err(|error| miette!("{error}"))
 }
 
-/// Writes all records.
-pub fn write(history: &mut History, records: &[Record]) -> miette::Result<()> {
+/// Writes all records, and when each activity was planned at first, if it was.
+pub fn write(
+    history: &mut History,
+    records: &[Record],
+    plan: Option<&ScheduleFollower>,
+    activities: &[FinishedActivity],
+) -> miette::Result<()> {
     for (batch, first) in records.chunks(BATCH).zip((1..).step_by(BATCH)) {
         history.feed(first, batch).map_err(|error| miette!("{error}"))?;
     }
-    Ok(())
-}
-
-/// Writes down when each activity was planned at first, if it was.
-pub fn write_plan(
-    history: &mut History,
-    plan: &ScheduleFollower,
-    activities: &[FinishedActivity],
-) -> miette::Result<()> {
     let key = |done: &FinishedActivity| ((done.mode, done.part, done.began), done.firing);
     let firings: BTreeMap<_, FiringId> = activities.iter().map(key).collect();
-    for bar in plan.bars() {
+    for bar in plan.into_iter().flat_map(ScheduleFollower::bars) {
         let (Some((from, to)), Some((began, _))) = (bar.promised, bar.actual) else { continue };
         if let Some(&firing) = firings.get(&(bar.mode, bar.part, began)) {
             history.note(began, &Note::Planned { firing, from, to }).map_err(|error| miette!("{error}"))?;

@@ -19,7 +19,7 @@ pub fn decisions(sim: &CellSim) -> String {
         let RecordKind::Decided { started, held, .. } = &record.fact else { continue };
         for line in texts::decision(&sim.table, started, held) {
             // Writing to a string does not fail.
-            let _ = writeln!(text, "{:>10.3} s  {line}", record.at.as_micros() as f64 / 1e6);
+            let _ = writeln!(text, "{:>10.3} s  {line}", record.at.as_secs_f64());
         }
     }
     text
@@ -36,7 +36,7 @@ pub fn cause(cause: &ActivityFailure) -> String {
 
 /// Parts and resources.
 pub fn text(cell: &Cell, made: &ProductionResult, asked: u32) -> String {
-    let seconds = |tick: linewright_line::Tick| tick.as_micros() as f64 / 1e6;
+    let seconds = |tick: linewright_line::Tick| tick.as_secs_f64();
     let done = made.parts.iter().filter(|part| part.left.is_some()).count();
     let mut text = format!("{}\n{done} of {asked} parts done in {:.3} s\n", cell.title, seconds(made.end));
     let _ = writeln!(text, "\n{:<24} {:>12} {:>12} {:>12}", "part", "entered", "done", "in the cell");
@@ -52,11 +52,11 @@ pub fn text(cell: &Cell, made: &ProductionResult, asked: u32) -> String {
     if made.parts.len() > LISTED_MAX {
         let _ = writeln!(text, "and {} more; --json has all of them", made.parts.len() - LISTED_MAX);
     }
-    let _ = writeln!(text, "\n{:<24} {:>12} {:>12} {:>12}", "resource", "busy", "taken", "at most");
+    let _ = writeln!(text, "\n{:<24} {:>12} {:>12} {:>12}", "resource", "worked", "taken", "at most");
     for (id, of) in cell.resource_ids().zip(&made.report.resources) {
         let resource = cell.resource(id);
         // A store does nothing by itself, and a robot has nothing to be taken.
-        let busy = match of.load(made.report.observed).filter(|_| !resource.prototype.stores()) {
+        let worked = match of.load(made.report.observed).filter(|_| !resource.prototype.stores()) {
             Some(load) => format!("{:.1} %", load * 100.0),
             None => "-".to_owned(),
         };
@@ -65,7 +65,7 @@ pub fn text(cell: &Cell, made: &ProductionResult, asked: u32) -> String {
         } else {
             ["-".to_owned(), "-".to_owned()]
         };
-        let _ = writeln!(text, "{:<24} {busy:>12} {taken:>12} {most:>12}", resource.name);
+        let _ = writeln!(text, "{:<24} {worked:>12} {taken:>12} {most:>12}", resource.name);
     }
     text
 }

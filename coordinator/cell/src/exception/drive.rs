@@ -306,7 +306,7 @@ impl Coordination {
     }
 
     /// What the sensor of a resource should say of the marking; none if parts are in it of which it may see one or not: in a
-    /// row they come to the end by themselves, and nobody knows when.
+    /// `fifo-buffer` they come to the end by themselves, at an unknown time.
     fn expected(&self, resource: ResourceId) -> Option<bool> {
         let of = self.state.table().handling().resource(resource)?;
         let has = |cells: &[CellId]| cells.iter().any(|&cell| self.state.marking().count(cell) > 0);

@@ -39,7 +39,7 @@ pub(crate) fn tenths(seconds: f64) -> f64 {
 
 /// A time for operators, in tenths of a second.
 fn moment(at: Tick) -> String {
-    format!("{} s", tenths(at.as_micros() as f64 / 1e6))
+    format!("{} s", tenths(at.as_secs_f64()))
 }
 
 fn whom(part: Option<PartId>) -> String {

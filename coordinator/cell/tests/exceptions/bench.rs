@@ -72,7 +72,7 @@ impl Bench {
     }
 
     pub fn seconds_later(&mut self, seconds: f64) {
-        let now = self.sim.now.as_micros() as f64 / 1e6;
+        let now = self.sim.now.as_secs_f64();
         self.until(now + seconds);
     }
 

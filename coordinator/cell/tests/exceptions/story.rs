@@ -32,7 +32,7 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     assert_eq!(told, [bench.station("robot"), bench.station("m1")]);
     // "a watchdog can be included in the corresponding active task. When the maximum time of an operation has been reached
     // (detection)" (L229): 24 s for the robot, which is less than the 26 s for M1.
-    let limit = firing.began.as_micros() as f64 / 1e6 + 24.0;
+    let limit = firing.began.as_secs_f64() + 24.0;
     bench.until(limit - 0.01);
     assert_eq!(bench.firing(LOAD).map(|firing| firing.phase), Some(ActivityPhase::Running));
     bench.news();
@@ -65,7 +65,7 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
     );
     assert_eq!(alarm.words, ["in-store", "in-machine", "scrap"]);
     // It stands until somebody answers; nothing else happens to the part meanwhile.
-    let later = bench.sim.now.as_micros() as f64 / 1e6 + 600.0;
+    let later = bench.sim.now.as_secs_f64() + 600.0;
     bench.news();
     bench.until(later);
     assert_eq!((bench.news(), bench.alarm().id, tokens(&bench)), (vec![], alarm.id, [0, 0, 0]));

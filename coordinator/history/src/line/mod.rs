@@ -21,10 +21,11 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use crate::event::{EventKind, HistoryEvent};
-use crate::{LineAbout, MotionEnd, Note};
+use crate::{LineAbout, MotionOutcome, Note};
 
 pub use report::{
-    Asked, CycleChart, Figure, LineFigures, LineReport, LineStationReport, PlannedRow, StopTotal, TrendPart, WaitTotal,
+    CycleChart, Figure, LineFigures, LineReport, LineStationReport, PlannedRow, ReportParameters, StopTotal, TrendPart,
+    WaitTotal,
 };
 pub use spans::{Spans, Stretch};
 
@@ -56,7 +57,7 @@ impl StopKind {
 
 /// Why a line stood.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct StopCause {
+pub struct LineStopCause {
     pub kind: StopKind,
     /// Which station, and what; empty where the kind says all.
     pub text: String,
@@ -67,7 +68,18 @@ pub struct StopCause {
 pub enum LineState {
     Unrecorded,
     Producing,
-    Stopped(StopCause),
+    Stopped(LineStopCause),
+}
+
+impl LineState {
+    /// In words: the state or the kind of its cause, and the cause's text.
+    pub fn words(&self) -> (&'static str, &str) {
+        match self {
+            LineState::Unrecorded => ("not recorded", ""),
+            LineState::Producing => ("producing", ""),
+            LineState::Stopped(of) => (of.kind.name(), &of.text),
+        }
+    }
 }
 
 /// A motion of an operation.
@@ -77,7 +89,7 @@ pub struct LineMotion {
     pub cycle: i32,
     pub from: Tick,
     pub to: Tick,
-    pub end: MotionEnd,
+    pub end: MotionOutcome,
 }
 
 /// A station stood and waited.
@@ -142,17 +154,9 @@ impl LineTracking {
         }
     }
 
-    pub fn about(&self) -> &LineAbout {
-        &self.about
-    }
-
     /// The stations, by number.
     pub fn stations(&self) -> &[StationTrack] {
         &self.stations
-    }
-
-    pub fn cycles(&self) -> &[LineCycle] {
-        &self.cycles
     }
 
     /// How the line was, one after the other; the last until `to`.
@@ -218,9 +222,8 @@ impl LineTracking {
         let goes_on = match (&self.now.1, &next) {
             (LineState::Stopped(is), LineState::Stopped(next)) => {
                 let is_operators = is_at_home && next.kind == StopKind::Operator;
-                let is_graver = next.kind > is.kind && is.kind != StopKind::Starting;
-                let is_begun_by_it = is.kind == StopKind::Starting && next.kind != StopKind::Starting;
-                !(is_graver || is_begun_by_it || is_operators && is.kind != StopKind::Operator)
+                let is_graver = next.kind > is.kind;
+                !(is_graver || is_operators && is.kind != StopKind::Operator)
             }
             (is, next) => is == next,
         };
@@ -250,7 +253,7 @@ impl LineTracking {
             let of = self.about.stations.get(usize::from(*station));
             of.map_or_else(|| format!("station {station}"), |of| of.name.clone())
         };
-        let stopped = |kind, text| LineState::Stopped(StopCause { kind, text });
+        let stopped = |kind, text| LineState::Stopped(LineStopCause { kind, text });
         if mode == "e-stop" {
             stopped(StopKind::EmergencyStop, String::new())
         } else if let Some((station, text)) = self.known.faults.first_key_value() {

@@ -10,15 +10,15 @@ use std::time::Duration;
 use linewright_coordinator_cell::tracking::Spread;
 use linewright_line::Tick;
 
-use super::{LineCycle, LineState, LineTracking, Spans, StationTrack, StopCause, StopKind, Stretch};
-use crate::MotionEnd;
+use super::{LineCycle, LineState, LineStopCause, LineTracking, Spans, StationTrack, StopKind, Stretch};
+use crate::MotionOutcome;
 
 /// In so many parts of the span a trend is shown.
 const TREND_PARTS_MAX: usize = 10;
 
 /// What a report needs and no note says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Asked {
+pub struct ReportParameters {
     /// PBT, the planned busy time in the span: a shift calendar is nowhere recorded.
     pub planned_busy: Option<Duration>,
     /// How many of the items were not good.
@@ -61,7 +61,7 @@ impl LineFigures {
 /// Stops of one cause.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StopTotal {
-    pub cause: StopCause,
+    pub cause: LineStopCause,
     pub times: u64,
     pub total: Duration,
     pub longest: Duration,
@@ -154,7 +154,7 @@ fn share(part: Duration, whole: Duration, why: &str) -> Figure {
 
 impl LineTracking {
     /// What is reported of a span, which ends no later than what was taken.
-    pub fn report(&self, span: Stretch, asked: &Asked) -> LineReport {
+    pub fn report(&self, span: Stretch, asked: &ReportParameters) -> LineReport {
         let within = || self.states(span.1).filter_map(|(of, state)| Some((clipped(of, span)?, state)));
         let is = |wanted: &LineState| Spans::of(within().filter(|(_, state)| *state == wanted).map(|(of, _)| of));
         let producing = is(&LineState::Producing);
@@ -180,7 +180,13 @@ impl LineTracking {
         }
     }
 
-    fn figures(&self, producing: &Spans, delay: Duration, cycles: &[LineCycle], asked: &Asked) -> LineFigures {
+    fn figures(
+        &self,
+        producing: &Spans,
+        delay: Duration,
+        cycles: &[LineCycle],
+        asked: &ReportParameters,
+    ) -> LineFigures {
         let production = producing.total();
         let (planned_us, produced) = (self.about.cycle_us, cycles.len() as u64);
         let planned = (planned_us > 0).then(|| Duration::from_micros(planned_us));
@@ -228,7 +234,7 @@ impl LineTracking {
     /// A cycle, planned and measured: the one of this number, or the newest in which every operation was done; none if there
     /// is none.
     pub fn chart(&self, number: Option<i32>, span: Stretch) -> Option<CycleChart> {
-        let is_shown = |end: MotionEnd| matches!(end, MotionEnd::Done | MotionEnd::Stopped);
+        let is_shown = |end: MotionOutcome| matches!(end, MotionOutcome::Done | MotionOutcome::Stopped);
         let cycle = number.or_else(|| self.newest_whole(span))?;
         let of = |track: &StationTrack| -> Vec<_> {
             track.motions.iter().filter(|of| of.cycle == cycle && is_shown(of.end)).copied().collect()
@@ -244,7 +250,9 @@ impl LineTracking {
                     station,
                     operation,
                     planned: planned.planned_us.map(|(from, to)| (from as f64 / 1e6, to as f64 / 1e6)),
-                    measured: own.map(|of| (seconds(of.from), seconds(of.to), of.end == MotionEnd::Stopped)).collect(),
+                    measured: own
+                        .map(|of| (seconds(of.from), seconds(of.to), of.end == MotionOutcome::Stopped))
+                        .collect(),
                 });
             }
         }
@@ -255,7 +263,7 @@ impl LineTracking {
     fn newest_whole(&self, span: Stretch) -> Option<i32> {
         let mut done: BTreeMap<i32, usize> = BTreeMap::new();
         for of in self.stations.iter().flat_map(|track| &track.motions) {
-            if of.end == MotionEnd::Done && of.from >= span.0 && of.to <= span.1 {
+            if of.end == MotionOutcome::Done && of.from >= span.0 && of.to <= span.1 {
                 *done.entry(of.cycle).or_default() += 1;
             }
         }
@@ -265,14 +273,14 @@ impl LineTracking {
 }
 
 fn stops<'s>(states: impl Iterator<Item = (Stretch, &'s LineState)>) -> Vec<StopTotal> {
-    let mut by_cause: BTreeMap<&StopCause, (u64, Duration, Duration)> = BTreeMap::new();
+    let mut by_cause: BTreeMap<&LineStopCause, (u64, Duration, Duration)> = BTreeMap::new();
     for ((from, to), state) in states {
         if let LineState::Stopped(cause) = state {
             let (took, entry) = (to.since(from), by_cause.entry(cause).or_default());
             *entry = (entry.0 + 1, entry.1 + took, entry.2.max(took));
         }
     }
-    let total = |(cause, (times, total, longest)): (&StopCause, (u64, Duration, Duration))| StopTotal {
+    let total = |(cause, (times, total, longest)): (&LineStopCause, (u64, Duration, Duration))| StopTotal {
         cause: cause.clone(),
         times,
         total,
@@ -286,7 +294,7 @@ fn stops<'s>(states: impl Iterator<Item = (Stretch, &'s LineState)>) -> Vec<Stop
 fn station(name: &str, track: &StationTrack, producing: &Spans, span: Stretch) -> LineStationReport {
     let mut rest = producing.clone();
     let is_in_span = |at: Tick| at > span.0 && at <= span.1;
-    let timed = track.motions.iter().filter(|of| of.end != MotionEnd::Unseen);
+    let timed = track.motions.iter().filter(|of| of.end != MotionOutcome::Unseen);
     let busy = rest.take(&Spans::of(timed.map(|of| (of.from, of.to))));
     let mut by_cause: BTreeMap<&str, Vec<Stretch>> = BTreeMap::new();
     for wait in &track.waits {
@@ -300,16 +308,17 @@ fn station(name: &str, track: &StationTrack, producing: &Spans, span: Stretch) -
     };
     let mut waits: Vec<WaitTotal> = by_cause.into_iter().map(wait).filter(|wait| !wait.total.is_zero()).collect();
     waits.sort_by_key(|wait| Reverse(wait.total));
-    let count =
-        |end: &[MotionEnd]| track.motions.iter().filter(|of| end.contains(&of.end) && is_in_span(of.to)).count() as u64;
+    let count = |end: &[MotionOutcome]| {
+        track.motions.iter().filter(|of| end.contains(&of.end) && is_in_span(of.to)).count() as u64
+    };
     LineStationReport {
         name: name.to_owned(),
         busy,
         waits,
         other: rest.total(),
-        motions: count(&[MotionEnd::Done, MotionEnd::Undone]),
-        stopped: count(&[MotionEnd::Stopped]),
-        unseen: count(&[MotionEnd::Unseen]),
+        motions: count(&[MotionOutcome::Done, MotionOutcome::Undone]),
+        stopped: count(&[MotionOutcome::Stopped]),
+        unseen: count(&[MotionOutcome::Unseen]),
         faults: track.faults.iter().filter(|at| is_in_span(**at)).count() as u64,
     }
 }

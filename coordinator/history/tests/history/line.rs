@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use linewright_history::line::{Asked, LineReport, LineState, LineTracking, StopKind};
+use linewright_history::line::{LineReport, LineState, LineTracking, ReportParameters, StopKind};
 use linewright_history::{
-    EventKind, History, HistoryEvent, HistoryFeed, HistoryReader, LineAbout, LineOperation, LineStation, MotionEnd,
+    EventKind, History, HistoryEvent, HistoryFeed, HistoryReader, LineAbout, LineOperation, LineStation, MotionOutcome,
     Note, TimeBase,
 };
 use linewright_line::Tick;
@@ -35,7 +35,7 @@ fn mode(name: &str, starts: bool) -> Note {
     Note::Mode { name: name.to_owned(), starts }
 }
 
-fn motion(station: u16, operation: u16, cycle: i32, (from, to): (u64, u64), end: MotionEnd) -> Note {
+fn motion(station: u16, operation: u16, cycle: i32, (from, to): (u64, u64), end: MotionOutcome) -> Note {
     Note::Motion { station, operation, cycle, from: AT(from), to: AT(to), end }
 }
 
@@ -57,15 +57,15 @@ fn example() -> Vec<(u64, Note)> {
         // 1 s not heard, then the operator's; the second until all have acknowledged is part of that stop.
         (4_000, mode("auto", false)),
         (5_000, mode("auto", true)),
-        (8_000, motion(0, 0, 1, (5_000, 8_000), MotionEnd::Done)),
+        (8_000, motion(0, 0, 1, (5_000, 8_000), MotionOutcome::Done)),
         (8_000, waited(1, "bar: lift (cycle 1), for close", 5_000, 8_000)),
-        (10_000, motion(1, 0, 1, (8_000, 10_000), MotionEnd::Done)),
+        (10_000, motion(1, 0, 1, (8_000, 10_000), MotionOutcome::Done)),
         (10_000, waited(0, "clamp: close (cycle 1), for lower", 8_000, 10_000)),
-        (14_000, motion(0, 1, 1, (10_000, 14_000), MotionEnd::Done)),
+        (14_000, motion(0, 1, 1, (10_000, 14_000), MotionOutcome::Done)),
         (14_000, waited(1, "bar: lift (cycle 2), for close", 10_000, 14_000)),
         (15_000, Note::Cycle { number: 1, took_us: 10_000_000 }),
         // 5 s of the second cycle: 3 s until the fault, 2 s after it. 7 s of fault.
-        (18_000, motion(0, 0, 2, (15_000, 18_000), MotionEnd::Stopped)),
+        (18_000, motion(0, 0, 2, (15_000, 18_000), MotionOutcome::Stopped)),
         (18_000, fault(0, "lift: watchdog")),
         (18_010, mode("stand-by", false)),
         (20_000, mode("manual", false)),
@@ -96,7 +96,7 @@ fn tracked(notes: &[(u64, Note)]) -> LineTracking {
 #[test]
 fn an_example_by_hand() {
     let tracking = tracked(&example());
-    let asked = Asked { planned_busy: Some(MS(40_000)), rejected: Some(1) };
+    let asked = ReportParameters { planned_busy: Some(MS(40_000)), rejected: Some(1) };
     let report = tracking.report((AT(1_000), AT(42_000)), &asked);
     // 5 to 18, 25 to 30, 40 to 42.
     assert_eq!((report.producing, report.unrecorded), (MS(20_000), MS(5_000)));
@@ -131,11 +131,11 @@ fn an_example_by_hand() {
 #[test]
 fn what_cannot_be_known_is_left_out_with_its_reason() {
     let tracking = tracked(&example());
-    let of = tracking.report((AT(1_000), AT(42_000)), &Asked::default()).figures;
+    let of = tracking.report((AT(1_000), AT(42_000)), &ReportParameters::default()).figures;
     assert!(of.availability.unwrap_err().contains("PBT"));
     assert!(of.quality_ratio.unwrap_err().contains("GQ"));
     assert!(of.oee.is_err() && of.effectiveness.is_ok());
-    let asked = Asked { planned_busy: Some(MS(19_000)), rejected: Some(3) };
+    let asked = ReportParameters { planned_busy: Some(MS(19_000)), rejected: Some(3) };
     let of = tracking.report((AT(1_000), AT(42_000)), &asked).figures;
     assert!(of.availability.unwrap_err().contains("less than"), "not over 100 %");
     assert!(of.quality_ratio.unwrap_err().contains("more were rejected"));
@@ -200,8 +200,8 @@ fn parts_sum_to_the_whole_and_nothing_is_over_100_percent() {
                     4 => Note::Station { station, lost: below(2) == 0 },
                     5 => Note::Device { station, device: String::new(), lost: below(2) == 0 },
                     6 => fault(station, ["", "", "stuck", "watchdog"][usize::from(other)]),
-                    7 => motion(station, other, number, (from, now), MotionEnd::Done),
-                    8 => motion(station, other, number, (from, now), MotionEnd::Stopped),
+                    7 => motion(station, other, number, (from, now), MotionOutcome::Done),
+                    8 => motion(station, other, number, (from, now), MotionOutcome::Stopped),
                     9 => waited(station, ["a", "b", "c", "d"][usize::from(other)], from, now),
                     _ => Note::Cycle { number, took_us: below(9_000_000) },
                 },
@@ -210,7 +210,7 @@ fn parts_sum_to_the_whole_and_nothing_is_over_100_percent() {
         let tracking = tracked(&notes);
         let from = below(now + 1);
         let span = (AT(from), AT(from + below(now - from + 1)));
-        let asked = Asked { planned_busy: Some(MS(below(40_000))), rejected: Some(below(4)) };
+        let asked = ReportParameters { planned_busy: Some(MS(below(40_000))), rejected: Some(below(4)) };
         sums_to_the_whole(&tracking, &tracking.report(span, &asked));
     }
 }
@@ -248,7 +248,7 @@ fn notes_of_a_line_go_through_the_database() {
     History::open(&path, &LineAbout { cycle_us: 9, ..about() }).unwrap();
 }
 
-/// A disk that takes nothing: what finds no room is refused, and whoever offers does not wait.
+/// A disk that takes nothing: what finds no room is refused, and offering does not wait.
 #[test]
 fn what_finds_no_room_is_refused_and_nothing_waits() {
     let (_dir, path) = scratch();
@@ -263,4 +263,15 @@ fn what_finds_no_room_is_refused_and_nothing_waits() {
     assert!((1000..3000).contains(&taken), "{taken}");
     feed.end_within(Duration::from_millis(50));
     assert!(began.elapsed() < Duration::from_secs(2), "{:?}", began.elapsed());
+}
+
+/// A thread that ends without a word is a failure as well.
+#[test]
+fn a_thread_that_panics_is_a_failure() {
+    let feed = HistoryFeed::of_notes(|| panic!("as a bug would"));
+    let has_failed = (0..1000).any(|_| {
+        std::thread::sleep(Duration::from_millis(5));
+        feed.failed().is_some()
+    });
+    assert!(has_failed, "{:?}", feed.failed());
 }

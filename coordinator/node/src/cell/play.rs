@@ -31,11 +31,11 @@ use tokio::sync::{mpsc, oneshot, watch};
 use super::history::{HistoryFeeder, begin};
 use super::log::{CellLog, CellLogError, known};
 use super::pending_replies::{AnsweringOperator, PendingReplies, Requester, denied_all};
-use super::situation::{IsolatedStations, LineSituation};
 use super::topics::{CellInbound, CellPublishers, open};
 use super::why::why;
 use super::wire;
 use super::words::describe;
+use crate::situation::{IsolatedStations, LineSituation};
 
 /// Why a cell cannot be played, or not any more.
 #[derive(Debug, Error)]

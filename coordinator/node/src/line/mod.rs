@@ -1,8 +1,8 @@
 //! What a line does, into the database beside the loop.
 //!
 //! Nothing waits for it: notes go through a bounded queue to a thread of their own. Where there is no room for one, nothing
-//! more is offered until there is; then the observation *begins* anew and says how everything stands, and a report has a gap.
-//! A database that fails is reported once, and the line goes on without.
+//! more is offered for a second; then the observation *begins* anew and says how everything stands, and a report has a gap.
+//! A database that fails, or hangs for a minute, is reported once, and the line goes on without.
 
 mod observer;
 
@@ -10,21 +10,25 @@ use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use linewright_coordinator_logic::CompletedCycle;
-use linewright_history::{History, HistoryFeed, LineAbout, LineOperation, LineStation, Note, TimeBase};
+use linewright_history::{History, HistoryError, HistoryFeed, LineAbout, LineOperation, LineStation, Note, TimeBase};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::StationState;
 use linewright_simulation::LinePlan;
 use linewright_station_shell::NewestBySequence;
 
-use crate::cell::LineSituation;
 use crate::node::CoordinatorLoop;
+use crate::situation::LineSituation;
 pub use observer::StationObserver;
 
 /// A note at least this often, so that a report knows until when the line was observed.
 const NOTE_EVERY: Duration = Duration::from_secs(60);
 /// How long the end of the process waits for what is not written yet.
 const END: Duration = Duration::from_secs(1);
+/// After notes have found no room, the observation begins anew this much later at the earliest.
+const BEGIN_EVERY: Duration = Duration::from_secs(1);
+/// A database that takes nothing for so long is reported.
+const HANGS: Duration = Duration::from_secs(60);
 /// The cycle that is drawn as planned: by then the line has run in.
 const PLANNED_CYCLE: i32 = 10;
 
@@ -35,14 +39,18 @@ pub struct LineHistory {
     origin: Tick,
     stations: Vec<StationObserver>,
     newest: Vec<NewestBySequence>,
-    /// How the line stands, as the database was told; none where it has yet to be told everything.
+    /// The situation noted last; none before everything has been noted.
     noted: Option<LineSituation>,
+    /// The observation does not begin before.
+    begin_due: Tick,
+    /// Since when notes have found no room, and whether that is reported.
+    no_room: Option<(Tick, bool)>,
     note_due: Tick,
     notes: Vec<Note>,
 }
 
 /// What the database is about.
-pub fn about(line: &Line) -> LineAbout {
+fn about(line: &Line) -> LineAbout {
     let plan = LinePlan::of(line);
     let schedule = plan.schedule(usize::try_from(PLANNED_CYCLE).unwrap_or(0) + 1);
     let planned = |id: StationId| {
@@ -72,14 +80,21 @@ pub fn about(line: &Line) -> LineAbout {
 impl LineHistory {
     /// Feeds the database in `dir`, which is made if there is none. Nothing is waited for.
     pub fn begin(dir: &Path, line: &Line, now: Tick) -> Self {
-        let wall = Tick::ZERO + SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let (path, of) = (dir.join("line.db"), line.clone());
+        Self::with(move || History::open(&path, &about(&of)), line, now)
+    }
+
+    /// The same with a database that is opened so, by the thread that feeds it.
+    pub fn with(open: impl FnOnce() -> Result<History, HistoryError> + Send + 'static, line: &Line, now: Tick) -> Self {
+        let wall = Tick::ZERO + SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         LineHistory {
-            feed: HistoryFeed::of_notes(move || History::open(&path, &about(&of))),
+            feed: HistoryFeed::of_notes(open),
             origin: wall - now.since(Tick::ZERO),
             stations: line.stations.iter().map(|station| StationObserver::new(station.operations.len())).collect(),
             newest: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
             noted: None,
+            begin_due: now,
+            no_room: None,
             note_due: now,
             notes: Vec::new(),
         }
@@ -107,6 +122,12 @@ impl LineHistory {
             tracing::error!("{why}; the line continues without a database");
             return false;
         }
+        if let Some((since, is_reported @ false)) = &mut self.no_room
+            && now.since(*since) >= HANGS
+        {
+            *is_reported = true;
+            tracing::error!("the database has taken nothing for {} s; the line continues", HANGS.as_secs());
+        }
         let at = self.at(now);
         match &mut self.noted {
             Some(noted) if *noted != *situation => {
@@ -119,13 +140,17 @@ impl LineHistory {
                 noted.clone_from(situation);
             }
             Some(_) => {}
+            None if now < self.begin_due => {}
             None => {
-                let all_well = LineSituation { heard: vec![true; situation.heard.len()], ..LineSituation::new(0) };
-                let all_well = LineSituation { devices: all_well.heard.clone(), ..all_well };
+                // The mode is always noted, stations only where they are not well.
+                let all_well = LineSituation {
+                    starts: !situation.starts,
+                    heard: vec![true; situation.heard.len()],
+                    devices: vec![true; situation.devices.len()],
+                    ..LineSituation::new(0)
+                };
                 self.notes.push(Note::Began {});
-                self.notes.push(Note::Mode { name: situation.mode.name().to_owned(), starts: situation.starts });
-                let changes = situation.notes_since(&all_well);
-                self.notes.extend(changes.filter(|note| !matches!(note, Note::Mode { .. })));
+                self.notes.extend(situation.notes_since(&all_well));
                 for (index, observer) in self.stations.iter_mut().enumerate() {
                     observer.begin(index_number(index), at, &mut self.notes);
                 }
@@ -166,9 +191,16 @@ impl LineHistory {
         self.note_due = now + NOTE_EVERY;
         let is_begun = self.noted.is_some();
         let mut notes = self.notes.drain(..);
-        if is_begun && !notes.all(|note| self.feed.offer_note(at, note)) {
+        if !is_begun {
+            return;
+        }
+        if notes.all(|note| self.feed.offer_note(at, note)) {
+            self.no_room = None;
+        } else {
             drop(notes);
             self.noted = None;
+            self.begin_due = now + BEGIN_EVERY;
+            self.no_room.get_or_insert((now, false));
         }
     }
 }
@@ -183,7 +215,7 @@ fn index_number(index: usize) -> u16 {
 }
 
 impl CoordinatorLoop {
-    /// Tells the cell, or the database of the line, how the line stands.
+    /// Passes the situation to the cell, or to the database of the line.
     pub(crate) fn tell_situation(&mut self, at: Tick) {
         let coordinator = self.shell.coordinator();
         let order = coordinator.order();

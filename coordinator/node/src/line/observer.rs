@@ -3,7 +3,7 @@
 //! Pure: states in, notes out. States are whole and the newest alone is kept on its way, so a motion may pass between two of
 //! them: the counts show that, and it is noted without times.
 
-use linewright_history::{MotionEnd, Note};
+use linewright_history::{MotionOutcome, Note};
 use linewright_line::Tick;
 use linewright_msgs::StationState;
 
@@ -88,16 +88,16 @@ impl StationObserver {
         match self.open[operation] {
             Some(open) if is_moving && open.is_back == is_back && open.cycle == started => return,
             // It has ended, and another one has begun since.
-            Some(open) if is_moving => out.push(motion(open.cycle, at, MotionEnd::Unseen)),
+            Some(open) if is_moving => out.push(motion(open.cycle, at, MotionOutcome::Unseen)),
             Some(open) => {
                 let end = match place {
-                    StationState::PLACE_INCOMPLETE | StationState::PLACE_UNDO_INCOMPLETE => MotionEnd::Stopped,
-                    _ if open.is_back => MotionEnd::Undone,
-                    _ => MotionEnd::Done,
+                    StationState::PLACE_INCOMPLETE | StationState::PLACE_UNDO_INCOMPLETE => MotionOutcome::Stopped,
+                    _ if open.is_back => MotionOutcome::Undone,
+                    _ => MotionOutcome::Done,
                 };
                 out.push(motion(open.cycle, open.from, end));
             }
-            None if started > before && !is_moving => out.push(motion(started, at, MotionEnd::Unseen)),
+            None if started > before && !is_moving => out.push(motion(started, at, MotionOutcome::Unseen)),
             None => {}
         }
         self.open[operation] = is_moving.then_some(OpenMotion { from: at, cycle: started, is_back });
@@ -131,7 +131,7 @@ impl StationObserver {
         for (operation, open) in self.open.iter_mut().enumerate() {
             if let Some(OpenMotion { from, cycle, .. }) = open.take() {
                 let operation = u16::try_from(operation).unwrap_or(u16::MAX);
-                out.push(Note::Motion { station, operation, cycle, from, to: at, end: MotionEnd::Stopped });
+                out.push(Note::Motion { station, operation, cycle, from, to: at, end: MotionOutcome::Stopped });
             }
         }
         self.wait(station, at, None, out);

@@ -153,8 +153,8 @@ keys! {
 
     /// A task that a station is ordered to do.
     pub(super) struct RawOrder is "an order" {
-        /// By name, at most 16: a whole number, `"step.program"` where a machine works, or `"ST.position"` where a store or
-        /// stack takes part: the position, from 1, that the part has there.
+        /// By name, at most 16: a whole number, `"step.program"` where a machine works, or `"ST.position"` where a
+        /// `random-access-store` or `lifo-buffer` takes part: the position, from 1, that the part has there.
         parameters: Vec<(LocatedName, Located<Scalar>)> = scalars(PARAMETERS_MAX).or_default(),
         /// The station, at most once in an activity.
         station: Option<LocatedName> = text().required(),

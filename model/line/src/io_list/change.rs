@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use linewright_text::{Problem, TEXT_MAX, suggestion};
 
-use super::devices::Device;
+use super::devices::WrittenDevice;
 use super::{BitAddress, IoDirection, IoRow, RowProblem};
 
 /// A description with a list in it.
@@ -27,7 +27,7 @@ struct Placed<'a> {
 }
 
 /// The devices with all rows in them, or everything that is wrong with rows.
-pub(super) fn changed(before: &[Device], rows: &[IoRow]) -> Result<Vec<Device>, Vec<RowProblem>> {
+pub(super) fn changed(before: &[WrittenDevice], rows: &[IoRow]) -> Result<Vec<WrittenDevice>, Vec<RowProblem>> {
     let mut problems = Vec::new();
     let placed: Vec<Placed<'_>> = rows.iter().filter_map(|row| place(before, row, &mut problems)).collect();
     each_once(before, &placed, &mut problems);
@@ -112,7 +112,7 @@ fn trim(before: &[String], after: &mut Vec<String>) {
     }
 }
 
-fn place<'a>(devices: &[Device], row: &'a IoRow, problems: &mut Vec<RowProblem>) -> Option<Placed<'a>> {
+fn place<'a>(devices: &[WrittenDevice], row: &'a IoRow, problems: &mut Vec<RowProblem>) -> Option<Placed<'a>> {
     let before = problems.len();
     let mut add = |column, message| problems.push(RowProblem { line: row.line, column, message });
     let device = devices.iter().position(|device| device.name == row.device);
@@ -148,7 +148,7 @@ fn place<'a>(devices: &[Device], row: &'a IoRow, problems: &mut Vec<RowProblem>)
 }
 
 /// Reports bits, and signals of one owner, that have two rows.
-fn each_once(devices: &[Device], placed: &[Placed<'_>], problems: &mut Vec<RowProblem>) {
+fn each_once(devices: &[WrittenDevice], placed: &[Placed<'_>], problems: &mut Vec<RowProblem>) {
     let mut bits = HashMap::new();
     let mut names = HashMap::new();
     for Placed { row, device, at } in placed {
@@ -167,7 +167,7 @@ fn each_once(devices: &[Device], placed: &[Placed<'_>], problems: &mut Vec<RowPr
 }
 
 /// What is different, in words.
-pub(super) fn differences(before: &[Device], after: &[Device]) -> Vec<String> {
+pub(super) fn differences(before: &[WrittenDevice], after: &[WrittenDevice]) -> Vec<String> {
     let (old, new) = (places(before), places(after));
     let mut all: Vec<&(&str, &str)> = new.keys().chain(old.keys().filter(|key| !new.contains_key(*key))).collect();
     all.sort_unstable();
@@ -192,7 +192,7 @@ pub(super) fn differences(before: &[Device], after: &[Device]) -> Vec<String> {
 }
 
 /// Where each signal is, with its comment, by owner and name.
-fn places(devices: &[Device]) -> BTreeMap<(&str, &str), (String, Option<&String>)> {
+fn places(devices: &[WrittenDevice]) -> BTreeMap<(&str, &str), (String, Option<&String>)> {
     let mut places = BTreeMap::new();
     for device in devices {
         for direction in [IoDirection::Input, IoDirection::Output] {

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 use super::IoDirection;
 
 /// A device with its bits, as it is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Device {
+pub(super) struct WrittenDevice {
     pub name: String,
     /// Its station, or `console`.
     pub owner: String,
@@ -20,7 +20,7 @@ pub(super) struct Device {
     place: Option<usize>,
 }
 
-impl Device {
+impl WrittenDevice {
     pub fn bits(&self, direction: IoDirection) -> &[String] {
         match direction {
             IoDirection::Input => &self.inputs,
@@ -42,7 +42,7 @@ impl Device {
 }
 
 /// The devices of the written out description `all`; those of `own`, the text itself, have their places.
-pub(super) fn read(own: &DocumentMut, all: &DocumentMut) -> Vec<Device> {
+pub(super) fn read(own: &DocumentMut, all: &DocumentMut) -> Vec<WrittenDevice> {
     let places: BTreeMap<String, usize> =
         tables(own).iter().enumerate().filter_map(|(place, table)| Some((text(*table, "name")?, place))).collect();
     let read = tables(all).into_iter().filter_map(|table| {
@@ -57,7 +57,7 @@ pub(super) fn read(own: &DocumentMut, all: &DocumentMut) -> Vec<Device> {
         let comments = comments.into_iter().flat_map(|comments| {
             comments.iter().filter_map(|(name, comment)| Some((name.to_owned(), comment.as_str()?.to_owned())))
         });
-        Some(Device {
+        Some(WrittenDevice {
             owner,
             inputs: list(table, "inputs"),
             outputs: list(table, "outputs"),
@@ -89,18 +89,15 @@ fn list(table: &dyn TableLike, key: &str) -> Vec<String> {
 }
 
 /// The text with the devices as they are in `after`; what has not changed stays as it is written.
-pub(super) fn write(text: &str, before: &[Device], after: &[Device]) -> String {
+pub(super) fn write(text: &str, before: &[WrittenDevice], after: &[WrittenDevice]) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else { return text.to_owned() };
     for (before, after) in before.iter().zip(after).filter(|(before, after)| before != after) {
         let Some(place) = after.place else { continue };
-        // A table within braces has tables within braces; elsewhere each comment has a line of its own.
-        let (table, no_comments): (Option<&mut dyn TableLike>, Item) = match document.get_mut("device") {
-            Some(Item::ArrayOfTables(tables)) => {
-                (tables.get_mut(place).map(|table| table as &mut dyn TableLike), Item::Table(Table::new()))
-            }
+        let table: Option<&mut dyn TableLike> = match document.get_mut("device") {
+            Some(Item::ArrayOfTables(tables)) => tables.get_mut(place).map(|table| table as &mut dyn TableLike),
             Some(Item::Value(Value::Array(list))) => {
                 let table = list.get_mut(place).and_then(Value::as_inline_table_mut);
-                (table.map(|table| table as &mut dyn TableLike), Item::Value(Value::InlineTable(InlineTable::new())))
+                table.map(|table| table as &mut dyn TableLike)
             }
             _ => continue,
         };
@@ -111,7 +108,7 @@ pub(super) fn write(text: &str, before: &[Device], after: &[Device]) -> String {
             }
         }
         if before.comments != after.comments {
-            write_comments(table, &after.comments, no_comments);
+            write_comments(table, &after.comments);
         }
     }
     document.to_string()
@@ -137,13 +134,14 @@ fn write_bits(table: &mut dyn TableLike, key: &str, bits: &[String]) {
     }
 }
 
-fn write_comments(table: &mut dyn TableLike, comments: &BTreeMap<String, String>, none: Item) {
+fn write_comments(table: &mut dyn TableLike, comments: &BTreeMap<String, String>) {
     if comments.is_empty() {
         table.remove("comments");
         return;
     }
     if table.get("comments").and_then(Item::as_table_like).is_none() {
-        table.insert("comments", none);
+        // Within braces it becomes one within braces.
+        table.insert("comments", Item::Table(Table::new()));
     }
     let Some(written) = table.get_mut("comments").and_then(Item::as_table_like_mut) else { return };
     let gone: Vec<String> =
@@ -155,5 +153,21 @@ fn write_comments(table: &mut dyn TableLike, comments: &BTreeMap<String, String>
         if written.get(name).and_then(Item::as_str) != Some(comment) {
             written.insert(name, toml_edit::value(comment.as_str()));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_within_braces_keeps_its_comments_within_braces() {
+        let text = "device = [{ name = \"io\", station = \"s\", inputs = [\"a\"] }]\n";
+        let document: DocumentMut = text.parse().expect("TOML");
+        let before = read(&document, &document);
+        let mut after = before.clone();
+        after[0].comments.insert("a".to_owned(), "x".to_owned());
+        let expected = "device = [{ name = \"io\", station = \"s\", inputs = [\"a\"], comments = { a = \"x\" } }]\n";
+        assert_eq!(write(text, &before, &after), expected);
     }
 }

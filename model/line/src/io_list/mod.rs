@@ -14,7 +14,7 @@ use linewright_text::{Problem, Problems};
 pub use address::{BitAddress, IoDirection};
 pub use change::IoChange;
 
-use devices::Device;
+use devices::WrittenDevice;
 
 /// A row of an I/O list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -92,7 +92,7 @@ pub fn with_io_list(file_name: &str, text: &str, rows: &[IoRow]) -> Result<IoCha
 }
 
 /// The devices with bits, those of station types written out.
-fn read(file_name: &str, text: &str) -> Result<Vec<Device>, IoListError> {
+fn read(file_name: &str, text: &str) -> Result<Vec<WrittenDevice>, IoListError> {
     let failed = |problems: Problems| IoListError::Description(Box::new(problems));
     let expanded = crate::expand(file_name, text).map_err(failed)?;
     let toml = |text: &str| text.parse::<toml_edit::DocumentMut>().map_err(|error| not_toml(file_name, text, &error));

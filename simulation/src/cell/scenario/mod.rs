@@ -16,7 +16,7 @@ use linewright_text::{Keys, Report, Shape};
 
 use super::distribution::Distribution;
 
-pub use raw::FailureClock;
+pub use raw::{FailureClock, PRECISION_PERCENT, REPLICATIONS_MAX};
 
 /// What a cell has to make in a simulation, and what happens meanwhile.
 #[derive(Clone, Debug)]
@@ -88,7 +88,7 @@ pub struct ScriptedFault {
 pub enum StationFault {
     /// It stands, and that is known: the resource is left out until it is repaired.
     Break,
-    /// It stands, and nobody notices: it is counted on.
+    /// It stands, and this is not known: it is ordered to work as before, and what it is to do waits.
     Stick,
     /// It works again.
     Clear,

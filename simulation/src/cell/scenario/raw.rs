@@ -5,11 +5,9 @@ use linewright_text::{
     whole, within, word,
 };
 
-use super::super::distribution::Distribution;
+use super::super::distribution::{Distribution, LONGEST_S};
 use crate::scenario::faults::{FaultOf, faults};
 
-/// The longest time, in seconds: some thirty years.
-const LONGEST_S: f64 = 1e9;
 /// The shortest time that anything random takes in the mean, in seconds: a shorter one is none.
 const SHORTEST_S: f64 = 1e-3;
 /// At most so many orders, steps and others of a kind.
@@ -17,7 +15,9 @@ const LIST_MAX: usize = 10_000;
 /// At most so many patterns of activities, or orders to be after.
 const NAMES_MAX: usize = 1000;
 /// The most replications.
-const REPLICATIONS_MAX: i64 = 10_000;
+pub const REPLICATIONS_MAX: i64 = 10_000;
+/// How precise figures can be asked for, in percent: at best and at worst.
+pub const PRECISION_PERCENT: (f64, f64) = (0.1, 50.0);
 /// Confidence in percent, where nothing is said.
 pub(super) const CONFIDENCE: f64 = 95.0;
 /// The highest and the lowest priority.
@@ -75,7 +75,7 @@ keys! {
         replications: Option<Located<i64>> = whole(1, REPLICATIONS_MAX),
         /// As many replications as it takes until throughput and time in the cell are known up to this part of them, 0.1
         /// to 50.
-        precision as "precision_percent": Option<Located<f64>> = within(0.1, 50.0),
+        precision as "precision_percent": Option<Located<f64>> = within(PRECISION_PERCENT.0, PRECISION_PERCENT.1),
         /// How sure it is to be that the true mean is within the interval, 50 to 99.9.
         confidence as "confidence_percent": f64 = within(50.0, 99.9).or(CONFIDENCE),
         /// Production orders that are known from the beginning, at most 10000.

@@ -1,6 +1,6 @@
 //! What one replication says of a cell: its figures, from its records, without what was over before the warm-up's end.
 //!
-//! Times of resources are those of ISO 22400-2. *Busy* is the actual unit processing time (AUPT): the time in which the
+//! Times of resources are those of ISO 22400-2. *Worked* is the actual unit processing time (AUPT): the time in which the
 //! resource worked on or carried a part, without the time in which it stood meanwhile. *Down* is the actual unit down time
 //! (ADOT). Both are parts of the observed time, which is the planned busy time (PBT) here: a simulation plans no pauses.
 
@@ -58,7 +58,7 @@ pub struct ReplicationFigures {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResourceFigures {
     /// The part of the time in which it worked or carried; of several at once, of what it could.
-    pub busy: f64,
+    pub worked: f64,
     /// The part of the time in which it stood.
     pub down: f64,
     /// How much of its room was taken in the mean.
@@ -134,7 +134,7 @@ impl CellStudy {
             let down = played.stood.iter().filter(|stood| stood.resource.index() == index);
             let down: f64 = down.map(|stood| within(stood.from, Some(stood.to), from, played.end)).sum();
             let work = of.work.as_secs_f64() - stood.get(&index).copied().unwrap_or(0.0);
-            ResourceFigures { busy: share(work) / f64::from(of.capacity.max(1)), down: share(down), taken: of.taken }
+            ResourceFigures { worked: share(work) / f64::from(of.capacity.max(1)), down: share(down), taken: of.taken }
         };
         summary.resources.iter().enumerate().map(resource).collect()
     }

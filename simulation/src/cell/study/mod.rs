@@ -34,7 +34,9 @@ pub use figures::{OrderFigures, ReplicationFigures, ResourceFigures};
 pub use several::ReplicationGoal;
 
 /// Nothing is lost, so nothing is repeated, and the coordinator is not killed.
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(3600), grace: Duration::from_secs(10) };
+pub const UNDISTURBED: OrderTiming = OrderTiming { refresh: Duration::from_secs(3600), grace: Duration::from_secs(10) };
+/// How often stations whose states do not change are heard.
+pub const UNCHANGED: Duration = Duration::from_secs(86_400);
 /// How long an order may take: what stands is repaired and goes on, so no time limit of the description counts.
 const NO_LIMIT: Duration = Duration::from_secs(3_000_000_000);
 
@@ -111,7 +113,7 @@ impl CellStudy {
         let mut cell = cell.clone();
         let orders = cell.activities.iter_mut().flat_map(|activity| &mut activity.orders);
         orders.for_each(|order| order.limit = Some(NO_LIMIT));
-        let played = compile_cell(&cell, line, Supply::Open, PACE)?;
+        let played = compile_cell(&cell, line, Supply::Open, UNDISTURBED)?;
         let stations = line.map_or(cell.controllers.len(), |line| line.stations.len());
         let table = Arc::new(played.table.clone());
         Ok(CellStudy { cell, scenario, options, played, table, stations })
@@ -137,5 +139,5 @@ impl CellStudy {
 
 /// Seconds since the beginning.
 fn seconds(at: Tick) -> f64 {
-    at.as_micros() as f64 / 1e6
+    at.as_secs_f64()
 }

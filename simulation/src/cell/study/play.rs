@@ -14,11 +14,9 @@ use linewright_line::Tick;
 use super::super::sim::{CellSim, CellSimOptions, StationSpeed};
 use super::super::task_times::TaskTimes;
 use super::course::{Course, CourseEvent};
-use super::{CellStudy, NO_LIMIT, PlayedReplication, Standstill, StudyProblem, seconds};
+use super::{CellStudy, NO_LIMIT, PlayedReplication, Standstill, StudyProblem, UNCHANGED, seconds};
 use crate::rng::Rng;
 
-/// Stations are heard once and do not change.
-const PERIOD: Duration = Duration::from_secs(86_400);
 /// Where no activity has begun or ended for so long, and no station works, none will: described times are a day at most.
 const QUIET: Duration = Duration::from_secs(2 * 86_400);
 
@@ -30,7 +28,7 @@ impl CellStudy {
             seed,
             pace: StationSpeed::Nominal { spread: self.options.spread },
             delay: self.options.delay,
-            period: PERIOD,
+            period: UNCHANGED,
             ..CellSimOptions::default()
         };
         let mut sim = CellSim::new(self.table.clone(), self.stations, options);

@@ -4,6 +4,8 @@ use linewright_line::Tick;
 use linewright_simulation::cell::{CellStudy, Estimate, ReplicationFigures, ResourceFigures};
 use serde::Serialize;
 
+use super::super::json::Decision;
+
 /// Everything that came out. Times are seconds, shares are of 1.
 #[derive(Serialize)]
 pub struct StudyJson {
@@ -43,7 +45,7 @@ struct JsonEstimate {
 #[derive(Serialize)]
 struct JsonResourceEstimates {
     name: String,
-    busy: Option<JsonEstimate>,
+    worked: Option<JsonEstimate>,
     down: Option<JsonEstimate>,
     taken: Option<JsonEstimate>,
 }
@@ -59,6 +61,8 @@ struct JsonRun {
     /// Of one replication alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     each: Option<Vec<JsonOrder>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    decisions: Option<Vec<Decision>>,
 }
 
 #[derive(Serialize)]
@@ -73,8 +77,13 @@ struct JsonOrder {
 }
 
 impl StudyJson {
-    /// Of replications that were played.
-    pub fn new(study: &CellStudy, figures: &[ReplicationFigures], error: Option<&str>) -> Self {
+    /// Of replications that were played; with all decisions of the only one, if they are asked for.
+    pub fn new(
+        study: &CellStudy,
+        figures: &[ReplicationFigures],
+        mut decisions: Option<Vec<Decision>>,
+        error: Option<&str>,
+    ) -> Self {
         let confidence = study.scenario().confidence;
         let of = |value: &dyn Fn(&ReplicationFigures) -> Option<f64>| {
             JsonEstimate::of(figures.iter().filter_map(value).collect(), confidence)
@@ -86,7 +95,7 @@ impl StudyJson {
             };
             JsonResourceEstimates {
                 name: name.to_owned(),
-                busy: of(&|of| of.busy),
+                worked: of(&|of| of.worked),
                 down: of(&|of| of.down),
                 taken: of(&|of| of.taken),
             }
@@ -112,7 +121,7 @@ impl StudyJson {
             tardiness_sum_s: of(&|of| of.tardiness_sum),
             tardiness_max_s: of(&|of| of.tardiness_max),
             resources: names.enumerate().map(resource).collect(),
-            runs: figures.iter().map(|of| JsonRun::new(of, figures.len() == 1)).collect(),
+            runs: figures.iter().map(|of| JsonRun::new(of, figures.len() == 1, decisions.take())).collect(),
         }
     }
 }
@@ -125,8 +134,8 @@ impl JsonEstimate {
 }
 
 impl JsonRun {
-    fn new(of: &ReplicationFigures, with_orders: bool) -> Self {
-        let seconds = |tick: Tick| tick.as_micros() as f64 / 1e6;
+    fn new(of: &ReplicationFigures, with_orders: bool, decisions: Option<Vec<Decision>>) -> Self {
+        let seconds = |tick: Tick| tick.as_secs_f64();
         let each = of.each.iter().map(|order| JsonOrder {
             order: order.name.clone(),
             part: order.product.clone(),
@@ -144,6 +153,7 @@ impl JsonRun {
             time_in_cell_s: of.in_cell,
             tardiness_s: of.tardiness,
             each: with_orders.then(|| each.collect()),
+            decisions,
         }
     }
 }

@@ -18,13 +18,14 @@ use linewright_simulation::cell::{CellScenario, CellStudy, PlayedReplication, Re
 use miette::miette;
 
 use super::super::{Args, SCENARIO_BYTES_MAX};
+use super::json::Decision;
 use super::made::ProductionResult;
 use super::{batch, record};
 use crate::files;
 use crate::out::{self, say};
 
 /// With a precision there are no more replications than this.
-const REPLICATIONS_MAX: usize = 1000;
+const PRECISE_MAX: usize = 1000;
 
 /// Runs the command for a cell that was read.
 pub fn run(args: &Args, cell: &Cell, line: Option<&Line>) -> miette::Result<ExitCode> {
@@ -53,11 +54,13 @@ pub fn run(args: &Args, cell: &Cell, line: Option<&Line>) -> miette::Result<Exit
         planned: args.planned,
     };
     let study = CellStudy::new(cell, line, scenario, options).map_err(|error| miette!("{error}"))?;
+    let mut decisions = None;
     let figures = if is_one {
         let played = one(args, &study, line)?;
+        decisions = (args.why && args.json).then(|| Decision::all(&played.sim));
         vec![study.figures(&played)]
     } else {
-        let goal = ReplicationGoal { replications, precision, most: REPLICATIONS_MAX.max(replications) };
+        let goal = ReplicationGoal { replications, precision, most: PRECISE_MAX.max(replications) };
         let threads = args
             .threads
             .map(|threads| usize::from(threads.get()))
@@ -74,7 +77,7 @@ pub fn run(args: &Args, cell: &Cell, line: Option<&Line>) -> miette::Result<Exit
         (None, None) => None,
     };
     if args.json {
-        out::json(&json::StudyJson::new(&study, &figures, error.as_deref()))?;
+        out::json(&json::StudyJson::new(&study, &figures, decisions, error.as_deref()))?;
     } else {
         say!("{}", show::text(&study, &figures).trim_end());
         if let Some(error) = &error {
@@ -90,11 +93,8 @@ fn one(args: &Args, study: &CellStudy, line: Option<&Line>) -> miette::Result<Pl
     let mut history = args.record.as_deref().map(begin).transpose()?;
     let played = study.play(0);
     if let Some(history) = &mut history {
-        record::write(history, &played.sim.log)?;
-        if let Some(plan) = &played.plan {
-            let made = ProductionResult::new(study.cell(), study.played(), &played.sim.log);
-            record::write_plan(history, plan, &made.activities)?;
-        }
+        let made = ProductionResult::new(study.cell(), study.played(), &played.sim.log);
+        record::write(history, &played.sim.log, played.plan.as_ref(), &made.activities)?;
     }
     if args.why && !args.json {
         say!("{}", super::show::decisions(&played.sim));

@@ -85,18 +85,18 @@ fn number(estimate: Option<Estimate>) -> String {
 
 fn resources(text: &mut String, study: &CellStudy, figures: &[ReplicationFigures]) {
     let confidence = study.scenario().confidence;
-    let _ = writeln!(text, "\n{:<24} {:>18} {:>18} {:>18}", "resource", "busy, %", "down, %", "taken");
+    let _ = writeln!(text, "\n{:<24} {:>18} {:>18} {:>18}", "resource", "worked, %", "down, %", "taken");
     for (index, resource) in study.cell().resources.iter().enumerate() {
         let estimate = |of: &dyn Fn(&ResourceFigures) -> f64| {
             let values: Vec<f64> = figures.iter().filter_map(|of| of.resources.get(index)).map(of).collect();
             Estimate::of(values.into_iter(), confidence)
         };
         // A store does nothing by itself.
-        let busy = estimate(&|of| of.busy * 100.0).filter(|_| !resource.prototype.stores());
+        let worked = estimate(&|of| of.worked * 100.0).filter(|_| !resource.prototype.stores());
         let down = estimate(&|of| of.down * 100.0).filter(|of| of.mean > 0.0);
         let taken = estimate(&|of| of.taken).filter(|of| of.mean > 0.0);
-        let [busy, down, taken] = [busy, down, taken].map(number);
-        let _ = writeln!(text, "{:<24} {busy:>18} {down:>18} {taken:>18}", resource.name);
+        let [worked, down, taken] = [worked, down, taken].map(number);
+        let _ = writeln!(text, "{:<24} {worked:>18} {down:>18} {taken:>18}", resource.name);
     }
 }
 
@@ -107,7 +107,7 @@ fn orders(text: &mut String, of: &ReplicationFigures) {
         "order", "parts", "released", "due", "done", "late"
     );
     for order in of.each.iter().take(LISTED_MAX) {
-        let at = |tick: linewright_line::Tick| format!("{:.3} s", tick.as_micros() as f64 / 1e6);
+        let at = |tick: linewright_line::Tick| format!("{:.3} s", tick.as_secs_f64());
         let name = format!("{} ({})", order.name, order.product);
         let _ = writeln!(
             text,

@@ -96,7 +96,7 @@ pub(super) fn parameters_are_there(draft: &DraftCell<'_>, activity: &DraftActivi
                         let name = draft.resource(store).name;
                         report.add(
                             Problem::error(at(), format!("`{name}` has no position in `{}`", activity.name))
-                                .hint("a part has a position in a store or stack that it comes from or goes to"),
+                                .hint("a part has a position in a `random-access-store` or `lifo-buffer` that it comes from or goes to"),
                         );
                     }
                 }

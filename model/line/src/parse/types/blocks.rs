@@ -3,10 +3,7 @@
 use linewright_text::TextRange;
 use toml_edit::{Item, Table};
 
-use super::BESIDE;
-
-/// Nothing that a description may contain is deeper.
-const DEPTH_MAX: usize = 8;
+use super::{BESIDE, DEPTH_MAX};
 
 /// Whose a block is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +15,7 @@ pub(super) enum BlockOwner {
     Others,
 }
 
-pub(super) struct Block<'a> {
+pub(super) struct TextBlock<'a> {
     pub owner: BlockOwner,
     pub path: Vec<&'a str>,
     is_list: bool,
@@ -34,12 +31,12 @@ pub(super) struct Blocks<'a> {
     /// Where the keys above the first header end.
     pub preamble: usize,
     /// In the order of the text.
-    pub all: Vec<Block<'a>>,
+    pub all: Vec<TextBlock<'a>>,
     /// Where the last block ends.
     pub rest: usize,
 }
 
-impl Block<'_> {
+impl TextBlock<'_> {
     /// The header of a type's block in the station's place: `[[station.operation]]`, `[[device]]`, `[device.drive]`.
     pub fn header(&self) -> String {
         let beside = self.path.get(1).is_some_and(|key| BESIDE.contains(key));
@@ -75,7 +72,7 @@ pub(super) fn blocks<'a>(root: &'a Table, text: &str) -> Blocks<'a> {
 }
 
 struct Walk<'a> {
-    blocks: Vec<Block<'a>>,
+    blocks: Vec<TextBlock<'a>>,
     /// Where values end.
     ends: Vec<usize>,
 }
@@ -115,7 +112,7 @@ impl<'a> Walk<'a> {
     fn block(&mut self, table: &Table, path: &[&'a str], owner: BlockOwner, is_list: bool) {
         if let Some(at) = table.span() {
             let body = at.end..at.end;
-            self.blocks.push(Block { owner, path: path.to_vec(), is_list, lead: at.start, at, body });
+            self.blocks.push(TextBlock { owner, path: path.to_vec(), is_list, lead: at.start, at, body });
         }
     }
 }

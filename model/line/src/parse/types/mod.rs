@@ -10,12 +10,14 @@ mod read;
 
 use linewright_text::{BYTES_MAX, NoteId, Problem, Report, Splice, TextRange};
 
-use blocks::{Block, BlockOwner};
-use pattern::{Edit, Part};
+use blocks::{BlockOwner, TextBlock};
+use pattern::{PatternPart, TypeEdit};
 use read::{StationType, TypedStation};
 
 /// Keys of a type that are written beside the station, not in it.
 const BESIDE: [&str; 4] = ["arrow", "conflict", "device", "sensor"];
+/// Nothing in a description is deeper.
+const DEPTH_MAX: usize = 32;
 
 /// The text with every station of a type written out; the text itself where there is none. `None`, and problems, where
 /// that cannot be done.
@@ -38,16 +40,14 @@ pub(super) fn expand(text: &str, report: &mut Report) -> Option<Splice> {
     let mut writer = Writer { text, types: &types, blocks: &blocks.all, splice: Splice::default() };
     writer.splice.copy(text, 0..blocks.preamble, None);
     for block in &blocks.all {
-        match block.owner {
-            BlockOwner::Type(_) => {}
-            BlockOwner::Station(nth) if stations.iter().any(|station| station.nth == nth) => {
-                let station = stations.iter().find(|station| station.nth == nth)?;
-                if block.path.len() == 1 {
-                    writer.station(block, station);
-                } else if block.path[1..] != ["parameters"] {
-                    writer.splice.end_line();
-                    writer.splice.copy(text, block.lead..block.body.end, None);
-                }
+        let typed = match block.owner {
+            BlockOwner::Type(_) => continue,
+            BlockOwner::Station(nth) => stations.iter().find(|station| station.nth == nth),
+            BlockOwner::Others => None,
+        };
+        match typed {
+            Some(station) if block.path.len() == 1 => {
+                writer.station(block, station);
                 if writer.splice.text().len() > BYTES_MAX {
                     report.add(
                         Problem::error(
@@ -60,7 +60,8 @@ pub(super) fn expand(text: &str, report: &mut Report) -> Option<Splice> {
                     return None;
                 }
             }
-            BlockOwner::Station(_) | BlockOwner::Others => {
+            Some(_) if block.path[1..] == ["parameters"] => {}
+            Some(_) | None => {
                 writer.splice.end_line();
                 writer.splice.copy(text, block.lead..block.body.end, None);
             }
@@ -74,13 +75,13 @@ pub(super) fn expand(text: &str, report: &mut Report) -> Option<Splice> {
 struct Writer<'a> {
     text: &'a str,
     types: &'a [StationType<'a>],
-    blocks: &'a [Block<'a>],
+    blocks: &'a [TextBlock<'a>],
     splice: Splice,
 }
 
 impl Writer<'_> {
     /// A station with what its type says.
-    fn station(&mut self, block: &Block<'_>, station: &TypedStation) {
+    fn station(&mut self, block: &TextBlock<'_>, station: &TypedStation) {
         let of = &self.types[station.kind];
         let label = format!("station `{}` is of this type", station.name.value);
         let note = self.splice.note(station.of.at.clone(), label, &station.name.value);
@@ -108,7 +109,7 @@ impl Writer<'_> {
     }
 
     /// A stretch of the text with its edits.
-    fn stretch(&mut self, range: TextRange, edits: &[Edit], station: &TypedStation, note: Option<NoteId>) {
+    fn stretch(&mut self, range: TextRange, edits: &[TypeEdit], station: &TypedStation, note: Option<NoteId>) {
         let mut at = range.start;
         let first = edits.partition_point(|edit| edit.at.start < range.start);
         for edit in edits[first..].iter().take_while(|edit| edit.at.end <= range.end) {
@@ -133,10 +134,10 @@ impl Writer<'_> {
         }
     }
 
-    fn edit(&mut self, edit: &Edit, station: &TypedStation, note: Option<NoteId>) {
+    fn edit(&mut self, edit: &TypeEdit, station: &TypedStation, note: Option<NoteId>) {
         match &edit.parts[..] {
             [] => {}
-            [Part::Parameter(parameter)] => {
+            [PatternPart::Parameter(parameter)] => {
                 let value = &station.values[*parameter];
                 let what = format!("`{}` of station `{}` stands here", value.name, station.name.value);
                 let note = self.splice.note(edit.at.clone(), what, "");
@@ -144,8 +145,8 @@ impl Writer<'_> {
             }
             parts => {
                 let words = parts.iter().map(|part| match part {
-                    Part::Words(words) => words.as_str(),
-                    Part::Parameter(parameter) => station.values[*parameter].words.as_str(),
+                    PatternPart::Words(words) => words.as_str(),
+                    PatternPart::Parameter(parameter) => station.values[*parameter].words.as_str(),
                 });
                 let text = pattern::quoted(&words.collect::<String>());
                 self.splice.put(&text, edit.at.clone(), note);

@@ -4,29 +4,34 @@ use linewright_text::{LocatedName, Problem, Report, TextRange, suggestion};
 
 /// A stretch of the text and what stands there instead.
 #[derive(Clone, Debug)]
-pub(super) struct Edit {
+pub(super) struct TypeEdit {
     pub at: TextRange,
     /// Nothing where the stretch is left out.
-    pub parts: Vec<Part>,
+    pub parts: Vec<PatternPart>,
 }
 
 /// A part of a text.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Part {
+pub(super) enum PatternPart {
     Words(String),
     /// The parameter of this number.
     Parameter(usize),
 }
 
-impl Edit {
+impl TypeEdit {
     /// A stretch that is left out.
     pub fn out(at: TextRange) -> Self {
-        Edit { at, parts: Vec::new() }
+        TypeEdit { at, parts: Vec::new() }
     }
 }
 
 /// The parts of a text in a type; `None` where it has no braces. Braces of its own are written twice.
-pub(super) fn parts(text: &str, at: &TextRange, parameters: &[LocatedName], report: &mut Report) -> Option<Vec<Part>> {
+pub(super) fn parts(
+    text: &str,
+    at: &TextRange,
+    parameters: &[LocatedName],
+    report: &mut Report,
+) -> Option<Vec<PatternPart>> {
     if !text.contains(['{', '}']) {
         return None;
     }
@@ -52,9 +57,9 @@ pub(super) fn parts(text: &str, at: &TextRange, parameters: &[LocatedName], repo
         match parameters.iter().position(|parameter| parameter.value == name) {
             Some(parameter) => {
                 if !words.is_empty() {
-                    parts.push(Part::Words(std::mem::take(&mut words)));
+                    parts.push(PatternPart::Words(std::mem::take(&mut words)));
                 }
-                parts.push(Part::Parameter(parameter));
+                parts.push(PatternPart::Parameter(parameter));
             }
             None => {
                 let known = parameters.iter().map(|parameter| parameter.value.as_str());
@@ -68,7 +73,7 @@ pub(super) fn parts(text: &str, at: &TextRange, parameters: &[LocatedName], repo
     }
     words.push_str(rest);
     if !words.is_empty() {
-        parts.push(Part::Words(words));
+        parts.push(PatternPart::Words(words));
     }
     Some(parts)
 }
@@ -84,7 +89,7 @@ mod tests {
 
     use super::*;
 
-    fn read(text: &str) -> (Option<Vec<Part>>, Vec<String>) {
+    fn read(text: &str) -> (Option<Vec<PatternPart>>, Vec<String>) {
         let known = ["name", "io"].map(|name| Located::new(name.to_owned(), 0..0));
         let mut report = Report::default();
         let parts = parts(text, &(0..1), &known, &mut report);
@@ -93,12 +98,12 @@ mod tests {
 
     #[test]
     fn parameters_stand_in_braces() {
-        let words = |words: &str| Part::Words(words.to_owned());
+        let words = |words: &str| PatternPart::Words(words.to_owned());
         assert_eq!(read("plain"), (None, vec![]));
-        assert_eq!(read("{io}"), (Some(vec![Part::Parameter(1)]), vec![]));
+        assert_eq!(read("{io}"), (Some(vec![PatternPart::Parameter(1)]), vec![]));
         assert_eq!(
             read("{name}: close {{{io}}}").0,
-            Some(vec![Part::Parameter(0), words(": close {"), Part::Parameter(1), words("}")])
+            Some(vec![PatternPart::Parameter(0), words(": close {"), PatternPart::Parameter(1), words("}")])
         );
         assert_eq!(read("é{é}").1, ["unknown parameter `{é}` of this type"]);
         for open in ["{name", "a}b", "{", "}", "{{}"] {

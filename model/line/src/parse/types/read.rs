@@ -3,14 +3,12 @@
 use linewright_text::{Fields, Keys, Located, LocatedName, Problem, Report, TEXT_MAX, TextRange, suggestion, tag};
 use toml_edit::{Item, Table, TableLike, Value};
 
-use super::BESIDE;
-use super::pattern::{Edit, parts};
+use super::pattern::{TypeEdit, parts};
+use super::{BESIDE, DEPTH_MAX};
 use crate::parse::raw::RawStationType;
 
 /// The parameter that every type has.
 const NAME: &str = "name";
-/// Nothing in a description is deeper.
-const DEPTH_MAX: usize = 32;
 
 pub(super) struct StationType<'a> {
     name: LocatedName,
@@ -18,7 +16,7 @@ pub(super) struct StationType<'a> {
     parameters: Vec<LocatedName>,
     table: &'a Table,
     /// In the order of the text.
-    pub edits: Vec<Edit>,
+    pub edits: Vec<TypeEdit>,
     /// What is written inline and stands beside the station: header, place, keys with their values.
     pub inline: Vec<(&'static str, TextRange, Vec<TextRange>)>,
 }
@@ -34,7 +32,7 @@ pub(super) struct TypedStation {
     /// By parameter of its type.
     pub values: Vec<ParameterValue>,
     /// What of its keys is not written out.
-    pub cuts: Vec<Edit>,
+    pub cuts: Vec<TypeEdit>,
 }
 
 pub(super) struct ParameterValue {
@@ -105,7 +103,7 @@ impl StationType<'_> {
     fn read_edits(&mut self, report: &mut Report) {
         let table = self.table;
         for key in [NAME, "parameters"] {
-            self.edits.extend(entry(table, key).map(Edit::out));
+            self.edits.extend(entry(table, key).map(TypeEdit::out));
         }
         let mut used = vec![false; self.parameters.len()];
         for (key, item) in table.iter().filter(|(key, _)| ![NAME, "parameters"].contains(key)) {
@@ -115,11 +113,11 @@ impl StationType<'_> {
             texts(item, 0, &mut |text, at| {
                 if let Some(parts) = parts(text, &at, &self.parameters, report) {
                     for part in &parts {
-                        if let super::Part::Parameter(parameter) = part {
+                        if let super::PatternPart::Parameter(parameter) = part {
                             used[*parameter] = true;
                         }
                     }
-                    self.edits.push(Edit { at, parts });
+                    self.edits.push(TypeEdit { at, parts });
                 }
             });
         }
@@ -160,7 +158,7 @@ impl StationType<'_> {
                 ),
             }
         }
-        self.edits.extend(entry(self.table, header).map(Edit::out));
+        self.edits.extend(entry(self.table, header).map(TypeEdit::out));
     }
 }
 
@@ -269,8 +267,8 @@ fn station<'a>(
             );
         }
     }
-    let cuts = ["type", "parameters"].into_iter().filter_map(|key| entry(table, key)).map(Edit::out);
-    let mut cuts: Vec<Edit> = cuts.collect();
+    let cuts = ["type", "parameters"].into_iter().filter_map(|key| entry(table, key)).map(TypeEdit::out);
+    let mut cuts: Vec<TypeEdit> = cuts.collect();
     cuts.sort_by_key(|edit| edit.at.start);
     Some(TypedStation { nth, name, of, kind, values: values?, cuts })
 }

@@ -1,5 +1,5 @@
-//! What the rest of the coordinator tells the cell: whether activities may start, and what the cell's database keeps of it;
-//! and what it hears from the cell.
+//! How the line stands, for the cell and for the database of the line or cell; and what the cell answers: which stations are
+//! not treated like the others.
 
 use std::collections::BTreeSet;
 
@@ -43,7 +43,7 @@ impl IsolatedStations {
 }
 
 impl LineSituation {
-    /// Of a line of so many stations that has just begun: nothing may start, and nobody was heard.
+    /// Of a line of so many stations that has just begun: nothing may start, and no station was heard.
     pub fn new(stations: usize) -> Self {
         LineSituation {
             starts: false,
