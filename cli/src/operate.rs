@@ -123,9 +123,9 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
         let why = format!("hand-mode buttons act in hand mode only; the mode is {mode}");
         return answer(&client, args, &stations, Some(why));
     }
-    let motions = motions(&client, &stations);
-    hold(&mut client, args.seconds, |client, held| client.hold(if held { &names } else { "" })).await?;
-    let refusal = refusal(&client, &stations, &motions);
+    let say = |client: &OperatorClient, held| client.hold(if held { &names } else { "" });
+    let has_moved = hold(&mut client, args.seconds, &stations, say).await?;
+    let refusal = (!has_moved).then(|| refusal(&client, &stations));
     answer(&client, args, &stations, refusal)
 }
 
@@ -142,9 +142,9 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
             match until_mode(&mut client, id, StationState::MODE_MANUAL).await? {
                 Err(mode) => Some(format!("a panel acts in manual mode only; the mode is {mode}")),
                 Ok(()) => {
-                    let motions = motions(&client, &[id]);
-                    hold(&mut client, args.seconds, |_, held| publisher.send(Flag { data: held })).await?;
-                    refusal(&client, &[id], &motions)
+                    let say = |_: &OperatorClient, held| publisher.send(Flag { data: held });
+                    let has_moved = hold(&mut client, args.seconds, &[id], say).await?;
+                    (!has_moved).then(|| refusal(&client, &[id]))
                 }
             }
         }
@@ -189,11 +189,8 @@ fn motions(client: &OperatorClient, stations: &[StationId]) -> Motions {
     stations.iter().map(|id| client.station(*id).map(of)).collect()
 }
 
-/// Why a button that was held has moved nothing; `None` if something has moved since `before`.
-fn refusal(client: &OperatorClient, stations: &[StationId], before: &Motions) -> Option<String> {
-    if motions(client, stations) != *before {
-        return None;
-    }
+/// Why a button that was held has moved nothing.
+fn refusal(client: &OperatorClient, stations: &[StationId]) -> String {
     let why = |id: &StationId| {
         let name = &client.line().station(*id).name;
         match client.station(*id) {
@@ -201,7 +198,7 @@ fn refusal(client: &OperatorClient, stations: &[StationId], before: &Motions) ->
             None => format!("no state received from {name}"),
         }
     };
-    Some(stations.iter().map(why).collect::<Vec<_>>().join("\n"))
+    stations.iter().map(why).collect::<Vec<_>>().join("\n")
 }
 
 /// Prints what has become of a press.
@@ -278,16 +275,26 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
 }
 
 /// Sends "released", then "held" repeatedly for so many seconds, then "released", and receives what follows.
-async fn hold(client: &mut OperatorClient, seconds: f64, say: impl Fn(&OperatorClient, bool)) -> miette::Result<()> {
+/// Gives whether anything has moved meanwhile: a motion that was let go half-way stands at the end as it stood before.
+async fn hold(
+    client: &mut OperatorClient,
+    seconds: f64,
+    stations: &[StationId],
+    say: impl Fn(&OperatorClient, bool),
+) -> miette::Result<bool> {
     // The release of an earlier press may have been lost, and silence is no release.
     release(client, &say).await?;
+    let before = motions(client, stations);
+    let mut has_moved = false;
     let until = tokio::time::Instant::now() + Duration::from_secs_f64(seconds);
     while tokio::time::Instant::now() < until {
         say(client, true);
         client.listen(REPEAT.min(until - tokio::time::Instant::now())).await?;
+        has_moved |= motions(client, stations) != before;
     }
     release(client, &say).await?;
-    client.listen(ANSWER).await
+    client.listen(ANSWER).await?;
+    Ok(has_moved || motions(client, stations) != before)
 }
 
 /// Sends "released" more than once: one message can get lost.

@@ -57,6 +57,33 @@ fn a_mill_that_breaks_goes_home_by_its_path_and_does_the_round_again() {
 }
 
 #[test]
+fn auto_is_refused_while_a_station_is_half_way_along_its_recovery_path() {
+    let (sim, end) = play(
+        r#"
+        cycles = 3
+        [[step]]
+        when = "cycles >= 1 and mill_1: feed main slide is operating"
+        after_s = 0.3
+        break = "mill_1: feed main slide"
+        [[step]]
+        when = "line is stand-by and all are stopped"
+        clear = "mill_1: feed main slide"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        jog = "mill_1: return"
+        [[step]]
+        command = "auto"
+        "#,
+    );
+    // The command is given again and again, and refused: nothing would lead the mill home in auto.
+    let log = sim.log().tail(sim.line(), 5);
+    assert_ne!(end, RunEnd::Done, "{log}");
+    assert!(log.contains("auto refused in manual: mill_1: operation incomplete"), "{log}");
+}
+
+#[test]
 fn an_emergency_stop_leaves_everything_where_it_is_and_only_manual_leads_out() {
     let sim = played(
         r#"

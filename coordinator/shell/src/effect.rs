@@ -110,7 +110,8 @@ pub fn heard(report: &StationReport) -> StationView {
         at_home: report.at_home,
         round: report.round,
         stopped: report.stopped,
-        incomplete: !report.incomplete.is_empty(),
+        // Between two motions of its recovery path nothing of it is incomplete, and in auto nothing leads on there.
+        incomplete: !report.incomplete.is_empty() || report.recovering_home,
         selector_manual: report.selector_manual,
         devices_valid: report.devices_valid,
         generation: report.generation,

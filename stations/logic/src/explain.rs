@@ -170,6 +170,10 @@ impl Controller {
             reasons.push(StationWait::Concurrent { op: self.op_name(line, other.op) }.text());
             return;
         }
+        if self.marking.path.is_some() && place.block == Block::Recovery {
+            reasons.push(StationWait::RecoveryPath.text());
+            return;
+        }
         if self.explain_order(line, place, reasons) {
             return;
         }

@@ -164,6 +164,7 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
         StationWait::PanelAtRest { .. } => StationWait::PanelAtRest { is_reversible: true },
             StationWait::PanelAtRest { is_reversible: false };
         StationWait::Selector => StationWait::Selector;
+        StationWait::RecoveryPath => StationWait::RecoveryPath;
         StationWait::Mode(_) => StationWait::Mode(ControlMode::StandBy);
         StationWait::EStop => StationWait::EStop;
         StationWait::Position { .. } => StationWait::Position { detail, own };

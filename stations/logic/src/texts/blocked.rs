@@ -54,6 +54,8 @@ pub enum StationWait<'a> {
     EStop,
     /// Advance at the station's panel; return leads no further back.
     PanelAdvance { op: &'a str, is_undone: bool },
+    /// Return, which leads on along the recovery path. In no other mode than manual does anything lead on there.
+    RecoveryPath,
     /// What measured positions forbid; the detail of [`StopCause::Interlock`].
     Position { detail: &'a str, own: &'a str },
     /// What the recovery path needs; another wait.
@@ -152,6 +154,9 @@ impl StationWait<'_> {
             }
             StationWait::PanelAdvance { op, is_undone: false } => {
                 format!("advance at its panel; no return: {op} cannot be undone")
+            }
+            StationWait::RecoveryPath => {
+                "return at its panel in manual: it is on its recovery path, half-way home".to_owned()
             }
             StationWait::Position { detail, own } => format!("{detail}, for {own}"),
             StationWait::WayHome { cause } => format!("{cause}, needed on the recovery path"),
