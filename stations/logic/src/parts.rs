@@ -78,9 +78,7 @@ pub(crate) struct StationMarking {
     /// The marking was read off the switches, or follows from a marking that was. False after a start away from home, and with
     /// a record that may be older than the mechanism's place.
     pub placed: bool,
-    /// The index of which it is not certain whether it is done, or at which place. Only [`Controller::rejoin`] ends that.
-    ///
-    /// [`Controller::rejoin`]: crate::Controller
+    /// The index of which it is not certain whether it is done, or at which place. Only a rejoin ends that.
     pub doubtful: Option<OpId>,
     /// The lost position of which an event was given last (see `interlock`).
     pub lost_position: Option<(OpId, InputId)>,
