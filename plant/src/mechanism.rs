@@ -55,6 +55,8 @@ struct Index {
     by: f64,
     /// It has come to the next place under the output that is on.
     rests: bool,
+    /// How many places it has left behind.
+    left: u64,
 }
 
 /// One axis with everything that acts on it.
@@ -88,7 +90,12 @@ impl Mechanism {
             drives: Vec::new(),
             switches: Vec::new(),
             state: AxisState::standing(station.axes[axis].home),
-            index: station.axes[axis].index.map(|by| Index { home: station.axes[axis].home, by, rests: false }),
+            index: station.axes[axis].index.map(|by| Index {
+                home: station.axes[axis].home,
+                by,
+                rests: false,
+                left: 0,
+            }),
             moving: None,
             opposed: false,
             begun: 0,
@@ -135,6 +142,12 @@ impl Mechanism {
             Some(index) if index.is_at_end(at) => at - index.by,
             Some(_) | None => at,
         }
+    }
+
+    /// How many places an endless axis has come on by, whatever its station makes of it.
+    pub(crate) fn indexes(&self, now: Tick) -> u64 {
+        let at = self.state.position(now);
+        self.index.map_or(0, |index| index.left + u64::from(index.is_at_end(at)))
     }
 
     /// Whether it stands at `at`, as a switch there sees it. What only passes does not stand.
@@ -256,6 +269,7 @@ impl Mechanism {
         index.rests = at.is_some() && (index.rests || (self.moving.is_some() && here >= index.home + index.by));
         let chosen = chosen.filter(|_| !index.rests)?;
         if index.is_at_end(here) && self.moving.is_none() {
+            index.left += 1;
             let from = here - index.by;
             self.state.place(now, from);
         }

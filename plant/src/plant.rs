@@ -198,6 +198,11 @@ impl Plant {
         self.stations[station.index()][axis.index()].position(self.now)
     }
 
+    /// How many places an endless axis has come on by since the beginning.
+    pub fn indexes(&self, station: StationId, axis: AxisId) -> u64 {
+        self.stations[station.index()][axis.index()].indexes(self.now)
+    }
+
     /// Puts an axis where something else than an output has moved it to: a drive, which knows its own laws of motion.
     pub fn place(&mut self, now: Tick, station: StationId, axis: AxisId, at: f64) {
         self.advance(now);

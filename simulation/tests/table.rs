@@ -12,13 +12,14 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::{AxisId, Line, StationId, parse};
+use linewright_line::{AxisId, Line, OpId, StationId, parse};
 use linewright_simulation::{LineSim, OperatorAction, RunEnd, RunGoal, Scenario, SimOptions, run};
-use linewright_station_logic::{HappeningKind, StopCause};
+use linewright_station_logic::StopCause;
 
 use crate::common::*;
 
 const TABLE: StationId = StationId(0);
+const INDEX: OpId = OpId(0);
 
 fn line() -> Line {
     let text = include_str!("../../examples/rotary-table.toml");
@@ -36,6 +37,10 @@ fn goes(text: &str) -> LineSim {
         let (sim, end) = run(&line, options, &goal).expect("the line compiles");
         assert_eq!(end, RunEnd::Done, "frames: {frames}\n{}", sim.log().tail(sim.line(), 60));
         assert_eq!(sim.conflicts(), []);
+        // Unless it is in doubt, its controller has counted what the table has done.
+        if sim.controller(TABLE).is_some_and(|table| table.position_lost().is_none()) {
+            assert_eq!(counted(&sim), indexes(&sim), "frames: {frames}");
+        }
         sim
     };
     play(true);
@@ -46,10 +51,45 @@ fn causes(sim: &LineSim) -> Vec<StopCause> {
     sim.record().faults().iter().filter(|fault| fault.station == TABLE).map(|fault| fault.cause).collect()
 }
 
-/// How far the table has gone, in indexes, judged by when its switch came on: nothing else is looked at.
-fn indexes(sim: &LineSim) -> usize {
-    let completed = |what: &HappeningKind| matches!(what, HappeningKind::Completed(..));
-    sim.log().of(TABLE).filter(|(_, event)| completed(&event.what)).count()
+/// By how many places the table has come on, as the mechanism has it and no controller.
+fn indexes(sim: &LineSim) -> u64 {
+    sim.plant_of(TABLE).indexes(TABLE, AxisId(0))
+}
+
+/// The same as its controller counts it, since the counts were founded.
+fn counted(sim: &LineSim) -> u64 {
+    let done = sim.controller(TABLE).expect("it runs").done(INDEX);
+    u64::try_from(done).expect("it counts from 0")
+}
+
+fn fault(sim: &LineSim) -> String {
+    sim.controller(TABLE).expect("it runs").fault_text(sim.line())
+}
+
+fn act(sim: &mut LineSim, action: OperatorAction, ms: u64) {
+    sim.act(action).expect("nothing is started");
+    sim.run_to(sim.now() + Duration::from_millis(ms));
+}
+
+/// A person has looked, and confirms; an index that is half-way is led on. Then all goes on, and is counted as it is done.
+fn confirmed(sim: &mut LineSim, within: Option<OpId>) {
+    assert!(fault(sim).contains("index in doubt: LS_in_place"), "{}", fault(sim));
+    act(sim, OperatorAction::Rejoin(TABLE, within), 300);
+    if within.is_some() {
+        act(sim, OperatorAction::Command(ModeCommand::Manual), 300);
+        for (down, ms) in [(true, 1500), (false, 100)] {
+            act(sim, OperatorAction::Panel { station: TABLE, advance: true, down }, ms);
+        }
+    }
+    assert_eq!(fault(sim), "");
+    let before = indexes(sim);
+    for command in [ModeCommand::Start, ModeCommand::Auto] {
+        act(sim, OperatorAction::Command(command), 300);
+    }
+    sim.run_to(sim.now() + Duration::from_secs(8));
+    assert!(counted(sim) >= 2, "{}", sim.log().tail(sim.line(), 60));
+    assert_eq!(counted(sim), indexes(sim) - before);
+    assert_eq!(sim.conflicts(), []);
 }
 
 #[test]
@@ -61,10 +101,10 @@ fn cycle_for_cycle_the_table_brings_the_parts_on_by_one_place() {
 }
 
 #[test]
-fn a_table_that_jams_half_way_is_led_on_to_the_next_place() {
-    let sim = goes(
+fn a_table_that_jams_half_way_is_named_and_led_on_to_the_next_place() {
+    let mut sim = goes(
         r#"
-        cycles = 3
+        cycles = 1
         [[step]]
         when = "cycles >= 1 and table: index is operating"
         after_s = 0.5
@@ -80,7 +120,7 @@ fn a_table_that_jams_half_way_is_led_on_to_the_next_place() {
         command = "manual"
         [[step]]
         when = "all obey manual"
-        press = "table: return"
+        press = "table: advance"
         for_s = 0.3
         [[step]]
         after_s = 0.1
@@ -91,21 +131,20 @@ fn a_table_that_jams_half_way_is_led_on_to_the_next_place() {
         [[step]]
         after_s = 0.1
         expect = "drill is home"
-        [[step]]
-        jog = "table: advance"
-        expect = "table: index is done"
-        [[step]]
-        command = "auto"
         "#,
     );
-    assert_eq!((causes(&sim), indexes(&sim)), (vec![StopCause::Watchdog], 3));
+    assert_eq!(causes(&sim), [StopCause::Watchdog]);
+    let before = indexes(&sim);
+    assert_eq!(counted(&sim), before);
+    confirmed(&mut sim, Some(INDEX));
 }
 
+/// Its switch is on, and it may stand at either place: neither its drive nor a restart ends that.
 #[test]
-fn a_table_that_does_not_set_out_is_found() {
-    let sim = goes(
+fn a_table_that_does_not_set_out_is_in_doubt_over_a_restart_too() {
+    let mut sim = goes(
         r#"
-        cycles = 2
+        cycles = 1
         [[step]]
         when = "cycles >= 1"
         stick = "table: index"
@@ -115,16 +154,59 @@ fn a_table_that_does_not_set_out_is_found() {
         [[step]]
         clear = "table: index"
         [[step]]
+        kill = "table"
+        [[step]]
+        after_s = 1
+        restart = "table"
+        [[step]]
+        when = "all are heard and all are stopped"
+        after_s = 0.3
+        refused = "auto"
+        [[step]]
         command = "manual"
         [[step]]
         when = "all obey manual"
-        jog = "table: advance"
-        expect = "table: index is done"
+        press = "table: advance"
+        for_s = 1.0
         [[step]]
-        command = "auto"
+        after_s = 0.1
+        expect = "table is incomplete and table is blocked"
         "#,
     );
-    assert_eq!((causes(&sim), indexes(&sim)), (vec![StopCause::SwitchStuck], 2));
+    assert_eq!(causes(&sim), [StopCause::SwitchStuck]);
+    assert_eq!(counted(&sim), indexes(&sim));
+    confirmed(&mut sim, None);
+}
+
+/// The table comes to its next place and its controller does not see it: it is not turned on once more.
+#[test]
+fn a_table_whose_switch_is_stuck_as_it_turns_is_in_doubt() {
+    let mut sim = goes(
+        r#"
+        cycles = 1
+        [[step]]
+        when = "cycles >= 1 and table: index is operating"
+        input_on = "table: LS_in_place"
+        [[step]]
+        when = "line is stand-by and all are stopped"
+        after_s = 0.2
+        expect = "table is incomplete and table is blocked"
+        [[step]]
+        input_free = "table: LS_in_place"
+        [[step]]
+        command = "manual"
+        [[step]]
+        when = "all obey manual"
+        press = "table: advance"
+        for_s = 1.5
+        [[step]]
+        after_s = 0.1
+        expect = "table is incomplete and table is blocked"
+        "#,
+    );
+    assert_eq!(causes(&sim), [StopCause::SwitchStuck]);
+    assert_eq!(indexes(&sim), counted(&sim) + 1, "one index, which is not counted, and no other after it");
+    confirmed(&mut sim, None);
 }
 
 #[test]
@@ -254,25 +336,13 @@ fn its_process_dies_as_it_sets_out_and_only_a_person_who_has_looked_ends_the_dou
         refused = "auto"
         "#,
     );
-    let fault = |sim: &LineSim| sim.controller(TABLE).expect("it runs").fault_text(sim.line());
-    assert!(fault(&sim).contains("index in doubt: LS_in_place"), "{}", fault(&sim));
-    let done = indexes(&sim);
-    sim.act(OperatorAction::Rejoin(TABLE, None)).expect("nothing is started");
-    sim.run_to(sim.now() + Duration::from_millis(300));
-    assert_eq!(fault(&sim), "");
-    for command in [ModeCommand::Start, ModeCommand::Auto] {
-        sim.act(OperatorAction::Command(command)).expect("nothing is started");
-        sim.run_to(sim.now() + Duration::from_millis(300));
-    }
-    sim.run_to(sim.now() + Duration::from_secs(8));
-    assert!(indexes(&sim) >= done + 2, "{}", sim.log().tail(sim.line(), 60));
-    assert_eq!(sim.conflicts(), []);
+    confirmed(&mut sim, None);
 }
 
 /// Its switch flickers as the table stands before its index, and goes off for good as it turns: neither is an index.
 #[test]
 fn a_switch_that_flickers_where_the_index_begins_stops_the_line_in_doubt() {
-    let sim = goes(
+    let mut sim = goes(
         r#"
         cycles = 1
         [[step]]
@@ -304,6 +374,6 @@ fn a_switch_that_flickers_where_the_index_begins_stops_the_line_in_doubt() {
         "#,
     );
     assert!(matches!(causes(&sim)[..], [StopCause::IndexDoubtful { .. }]), "{:?}", causes(&sim));
-    let table = sim.controller(TABLE).expect("it runs");
-    assert!(table.fault_text(sim.line()).contains("index in doubt: LS_in_place"), "{}", table.fault_text(sim.line()));
+    assert_eq!(counted(&sim), indexes(&sim));
+    confirmed(&mut sim, None);
 }

@@ -84,7 +84,7 @@ pub struct Controller {
     pub(crate) rules: Rules,
     pub(crate) boot_id: u64,
     /// How old a message or an image may become.
-    stale: Duration,
+    pub(crate) stale: Duration,
     panel: Panel,
     pub(crate) now: Tick,
     pub(crate) marking: StationMarking,
@@ -129,6 +129,7 @@ impl Controller {
                 causes_of_stop: vec![StopCause::Released; described.operations.len()],
                 unconfirmed: restore == Restore::Fresh,
                 placed: restore == Restore::Fresh,
+                doubtful: None,
                 lost_position: None,
             },
             counts: Counts {

@@ -103,7 +103,7 @@ impl Controller {
             None if ends.len() > 1 && (is_lost || self.marking().any(not_home)) => {
                 StationWait::Rejoin(doubt, RejoinAdvice::Several { ops: &ends }).text()
             }
-            None if forgot && self.marking().any(not_home) => {
+            None if is_doubtful || (forgot && self.marking().any(not_home)) => {
                 let may_be = self
                     .counts
                     .done

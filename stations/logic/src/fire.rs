@@ -26,7 +26,7 @@ use linewright_line::{OpId, Tick};
 
 use crate::controller::{Controller, NO_DELAY};
 use crate::event::{HappeningKind, StopCause};
-use crate::parts::{RunCommand, Token, Turn};
+use crate::parts::{IndexProgress, RunCommand, Token};
 use crate::program::path_index;
 
 impl Controller {
@@ -114,7 +114,8 @@ impl Controller {
         // An index that goes on is the one that was stopped.
         let stopped = self.marking.tokens[index];
         let goes_on = self.program.places[usize::from(stopped.place)].turns != 0;
-        let (turn, turned) = if goes_on { (stopped.turn, stopped.turned) } else { (Turn::AtStart, Duration::ZERO) };
+        let (progress, turned) =
+            if goes_on { (stopped.progress, stopped.turned) } else { (IndexProgress::AtStart, Duration::ZERO) };
         self.marking.tokens[index] = Token {
             place: table,
             run,
@@ -124,8 +125,9 @@ impl Controller {
             driven: false,
             deadline: Tick::NEVER,
             remaining: self.program.places[table as usize].watchdog,
-            turn,
+            progress,
             turned,
+            last_driven: if goes_on { stopped.last_driven } else { Tick::ZERO },
         };
         self.note(HappeningKind::Started(place.op, place.block));
     }
@@ -259,7 +261,7 @@ impl Controller {
 
     pub(crate) fn stop(&mut self, index: usize, cause: StopCause) {
         let place = self.place(&self.marking.tokens[index]).stopped();
-        self.marking.tokens[index].turned = self.time_driven(&self.marking.tokens[index]);
+        self.index_stops(index);
         self.arrive(index, place);
         self.marking.causes_of_stop[place.op.index()] = cause;
         self.note(HappeningKind::Stopped(place.op, place.block, cause));
@@ -279,8 +281,8 @@ impl Controller {
             StopCause::IndexDoubtful { op, input }
         } else if let Some(cause) = self.unsafe_motion(index) {
             cause
-        } else if token.driven && self.now >= token.deadline {
-            let has_left = if table.turns == 0 { token.left_start } else { token.turn != Turn::AtStart };
+        } else if self.is_late(token) {
+            let has_left = if table.turns == 0 { token.left_start } else { token.progress != IndexProgress::AtStart };
             if has_left { StopCause::Watchdog } else { StopCause::SwitchStuck }
         } else {
             StopCause::Released

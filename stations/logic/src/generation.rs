@@ -18,7 +18,7 @@ use crate::controller::Controller;
 use crate::event::{HappeningKind, StopCause};
 use crate::ignored::Ignored;
 use crate::panel::Founding;
-use crate::parts::{RunCommand, Token, Turn};
+use crate::parts::{IndexProgress, RunCommand, Token};
 
 impl Token {
     /// It stands in this place, and nothing of its motion has been driven.
@@ -32,8 +32,9 @@ impl Token {
             driven: false,
             deadline: Tick::NEVER,
             remaining: std::time::Duration::ZERO,
-            turn: Turn::Unseen,
-            turned: std::time::Duration::MAX,
+            progress: IndexProgress::Unseen,
+            turned: std::time::Duration::ZERO,
+            last_driven: Tick::ZERO,
         }
     }
 }
@@ -172,6 +173,7 @@ impl Controller {
         }
         self.views.generation = 0;
         self.marking.path = None;
+        self.marking.doubtful = None;
         self.refresh_path();
         self.agreement.pending = None;
         (self.marking.unconfirmed, self.marking.placed) = (false, true);

@@ -21,6 +21,7 @@ use linewright_line::{InputId, OpId};
 
 use crate::controller::Controller;
 use crate::event::StopCause;
+use crate::parts::Token;
 use crate::position_guard::{PositionGuard, PositionsKnown};
 use crate::program::{CompiledTransition, Program, path_index};
 use crate::views::Comparability;
@@ -100,24 +101,29 @@ impl Controller {
 
     /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.
     pub fn position_lost(&self) -> Option<(OpId, InputId)> {
-        if !self.rules.positions || !self.image.valid || self.marking.path.is_some() || self.marking.unconfirmed {
-            return None;
-        }
-        if let Some(doubtful) = self.doubtful_index() {
-            return Some(doubtful);
-        }
+        // A doubt is one without devices too.
+        let doubtful = self.doubtful_index().filter(|_| self.rules.positions);
+        doubtful.or_else(|| {
+            let missing = |token: &Token| first_missing(self.place(token).op, self.rest_off(token));
+            self.tokens().iter().find_map(missing)
+        })
+    }
+
+    /// The switches of axes that stand still while this token stands where it does, and that are off.
+    pub(crate) fn rest_off(&self, token: &Token) -> u128 {
+        let place = self.place(token);
         // A station that is not at home claims nothing of its axes until it is led there.
-        let claims = |place: StationPlace| {
-            !place.is_incomplete() || self.marking.causes_of_stop[place.op.index()] != StopCause::NotAtHome
-        };
-        let tokens = self.tokens().iter().filter(|token| claims(self.place(token)));
-        tokens.map(|token| token.place).find_map(|place| self.rest_missing(place))
+        let claims = !place.is_incomplete() || self.marking.causes_of_stop[place.op.index()] != StopCause::NotAtHome;
+        let is_judged = self.rules.positions && self.image.valid && self.marking.path.is_none() && claims;
+        if !is_judged || self.marking.unconfirmed {
+            return 0;
+        }
+        self.program.places[usize::from(token.place)].rest & !self.image.bits
     }
 
     fn rest_missing(&self, place: u16) -> Option<(OpId, InputId)> {
         let table = &self.program.places[usize::from(place)];
-        let off = table.rest & !self.image.bits;
-        (off != 0).then(|| (table.place.op, InputId(off.trailing_zeros() as u16)))
+        first_missing(table.place.op, table.rest & !self.image.bits)
     }
 
     /// Why the motions that a transition starts may not start; none where they may, or where it starts none.
@@ -169,4 +175,8 @@ impl Controller {
         let lost = if checked { self.rest_missing(token.place) } else { None };
         lost.map(|(op, input)| StopCause::PositionLost { op, input })
     }
+}
+
+fn first_missing(op: OpId, off: u128) -> Option<(OpId, InputId)> {
+    (off != 0).then(|| (op, InputId(off.trailing_zeros() as u16)))
 }

@@ -60,6 +60,7 @@ mod explain_order;
 mod fire;
 mod generation;
 mod ignored;
+mod index;
 mod interlock;
 mod order;
 mod panel;
@@ -75,7 +76,6 @@ mod slot;
 mod step;
 mod tasks;
 mod texts;
-mod turn;
 mod views;
 mod withdraw;
 

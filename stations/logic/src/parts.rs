@@ -42,15 +42,17 @@ pub(crate) struct Token {
     /// While not driven: what is left of the watchdog.
     pub remaining: Duration,
     /// Of an index, what its switch has shown since it began, also while it is stopped.
-    pub turn: Turn,
+    pub progress: IndexProgress,
     /// Of an index, how long it was driven before it was stopped last.
     pub turned: Duration,
+    /// Of an index, when it was driven last.
+    pub last_driven: Tick,
 }
 
 /// What the switch of an index has shown since the index began. Where it begins and where it ends the switch is on, so what
 /// it shows at a moment says too little.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Turn {
+pub(crate) enum IndexProgress {
     /// It was not seen all the time: after a restart, or after the devices were lost where it had begun.
     Unseen,
     /// On ever since.
@@ -59,8 +61,6 @@ pub(crate) enum Turn {
     Away,
     /// Off, and on again: at the next place.
     Arrived,
-    /// On, and it may be either place; or it has left the next one. A person must look.
-    Doubtful,
 }
 
 /// Where the station stands.
@@ -78,6 +78,8 @@ pub(crate) struct StationMarking {
     /// The marking was read off the switches, or follows from a marking that was. False after a start away from home, and with
     /// a record that may be older than the mechanism's place.
     pub placed: bool,
+    /// The index of which it is not certain whether it is done, or at which place. Only a rejoin ends that.
+    pub doubtful: Option<OpId>,
     /// The lost position of which an event was given last (see `interlock`).
     pub lost_position: Option<(OpId, InputId)>,
 }

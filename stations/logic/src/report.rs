@@ -94,6 +94,8 @@ pub struct StationSnapshot {
     pub started: Vec<i32>,
     /// The irreversible operation whose recovery path it is on.
     pub path: Option<OpId>,
+    /// The index of which it is not certain whether it is done.
+    pub doubtful: Option<OpId>,
     /// The next number for a request.
     pub next_request: u64,
     /// What it was told, if it works on order.

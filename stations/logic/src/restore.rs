@@ -31,6 +31,7 @@ impl Controller {
         self.counts.done = snapshot.done;
         self.counts.started = snapshot.started;
         self.marking.path = snapshot.path;
+        self.marking.doubtful = snapshot.doubtful;
         self.agreement.next_request = snapshot.next_request;
         if let (Some(orders), Some(kept)) = (&mut self.orders, snapshot.order) {
             **orders = OrderSlot::restored(kept);
@@ -53,6 +54,9 @@ impl Controller {
         }
         if snapshot.path.is_some_and(|op| !self.program.paths.contains(&op)) {
             return Err("recovery path not in the net");
+        }
+        if snapshot.doubtful.is_some_and(|op| !known(op) || self.program.index_switch(op) == 0) {
+            return Err("doubt of an operation that is no index");
         }
         let Some(first) = snapshot.marking.first() else { return Err("no marked place") };
         let step = self.program.step_of[first.op.index()];
@@ -86,6 +90,7 @@ impl Controller {
             done: self.counts.done.clone(),
             started: self.counts.started.clone(),
             path: self.marking.path,
+            doubtful: self.marking.doubtful,
             next_request: self.agreement.next_request,
             order: self.orders.as_ref().map(|orders| orders.memory()),
         }

@@ -85,7 +85,7 @@ impl Controller {
             let run = if moves { token.run as i64 } else { 0 };
             out.extend([i64::from(token.place), run, i64::from(flags[0]), i64::from(flags[1]), i64::from(flags[2])]);
             if place.turns != 0 {
-                out.push(token.turn as i64);
+                out.push(token.progress as i64);
             }
         }
         let relative = |count: i32| i64::from(count) - i64::from(origin);
@@ -110,7 +110,7 @@ impl Controller {
             out.extend(word(bits));
         }
         out.extend([i64::from(self.image.valid), self.levels.mode as i64, i64::from(self.marking.unconfirmed)]);
-        out.push(i64::from(self.marking.placed));
+        out.push(i64::from(self.marking.placed) | i64::from(self.marking.doubtful.is_some()) << 1);
         out.push(i64::from(self.views.generation != 0));
         self.commands.situation(self.now, out);
         match &self.agreement.pending {

@@ -8,7 +8,7 @@ use linewright_line::{BRANCHES_MAX, Tick};
 
 use crate::controller::{Controller, NO_DELAY, StationOutbox};
 use crate::event::{HappeningKind, StopCause};
-use crate::parts::{PASSES_MAX, PendingWithdrawal, RunCommand, Turn};
+use crate::parts::{IndexProgress, PASSES_MAX, PendingWithdrawal, RunCommand, Token};
 use crate::peer_set::PeerSet;
 use crate::program::{Causal, ConditionRow, bit};
 use crate::withdraw::WithdrawalState;
@@ -58,9 +58,10 @@ impl Controller {
     /// Notes that a position is lost, or measured again.
     fn follow_position(&mut self) {
         let lost = self.position_lost();
-        // An axis that is on its way is missed nowhere; whether it is where it should be shows when it has come to rest.
+        // An axis that is on its way is missed nowhere; whether it is where it should be shows when it has come to rest, in an
+        // image that is valid.
         let moves = self.tokens().iter().any(|token| self.place(token).is_operating());
-        if lost != self.marking.lost_position && (lost.is_some() || !moves) {
+        if lost != self.marking.lost_position && (lost.is_some() || (!moves && self.image.valid)) {
             self.marking.lost_position = lost;
             self.due.report = true;
             self.note(match lost {
@@ -199,15 +200,17 @@ impl Controller {
         self.act(&chosen[..count], mode)
     }
 
+    /// Whether its watchdog has run out.
+    pub(crate) fn is_late(&self, token: &Token) -> bool {
+        token.driven && self.now >= token.deadline
+    }
+
     /// The row that lets a token move, if there is one.
     #[inline]
     fn choose(&mut self, index: usize, word: u128, mode: ControlMode) -> Option<u16> {
         let token = self.marking.tokens[index];
-        let table = &self.program.places[token.place as usize];
         let mut word = word;
-        if table.turns != 0 {
-            self.follow_turn(index);
-        }
+        self.follow_index(index);
         let table = &self.program.places[token.place as usize];
         if table.complete != 0 {
             word |= self.motion_bits(index);
@@ -233,7 +236,8 @@ impl Controller {
     /// Fault, arrival and loss of hold of an operating token.
     #[inline]
     fn motion_bits(&mut self, index: usize) -> u128 {
-        let is_unsafe = self.unsafe_motion(index).is_some();
+        let is_unsafe = self.marking.doubtful.is_some() || self.unsafe_motion(index).is_some();
+        let late = self.is_late(&self.marking.tokens[index]);
         let token = &mut self.marking.tokens[index];
         let table = &self.program.places[token.place as usize];
         let on = self.image.bits & table.complete != 0;
@@ -245,11 +249,9 @@ impl Controller {
         }
         let has_arrived = match table.turns {
             0 => on && own && token.left_start,
-            _ => token.turn == Turn::Arrived,
+            _ => token.progress == IndexProgress::Arrived && self.marking.doubtful.is_none(),
         };
         let mut bits = if has_arrived { bit::ARRIVED } else { 0 };
-        let late = token.driven && self.now >= token.deadline;
-        let is_unsafe = is_unsafe || (table.turns != 0 && token.turn == Turn::Doubtful);
         if is_unsafe || !self.image.valid || late || self.image.bits & table.fault != 0 {
             bits |= bit::FAULT;
         }

@@ -52,6 +52,9 @@ struct StationRecord {
     done: Vec<i32>,
     started: Vec<i32>,
     path: Option<u16>,
+    /// The index that is in doubt; a station without one has the record that it had before there were any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    doubtful: Option<u16>,
     next_request: u64,
     /// The generation of the counts; 0 for none.
     #[serde(default)]
@@ -151,6 +154,7 @@ pub fn to_record(line: &Line, station: StationId, snapshot: &StationSnapshot, ho
         done: snapshot.done.clone(),
         started: snapshot.started.clone(),
         path: snapshot.path.map(|op| op.0),
+        doubtful: snapshot.doubtful.map(|op| op.0),
         next_request: snapshot.next_request,
         generation: snapshot.generation,
         placed: snapshot.placed,
@@ -206,6 +210,7 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
         done: record.done,
         started: record.started,
         path,
+        doubtful: record.doubtful.map(OpId),
         next_request: record.next_request,
         generation,
         placed: is_newest && record.placed,
@@ -284,6 +289,21 @@ mod tests {
             r#"{"station":"feeder","operations":["push","pull back"],"marking":[[1,3]],"cycle":0,"done":[0,0],"started":[0,0],"path":null,"next_request":1,"generation":0,"placed":true,"host":"host"}"#
         );
         assert_eq!(from_record(&line, StationId(0), record.as_bytes(), "host").expect("its own record"), kept);
+    }
+
+    #[test]
+    fn the_doubt_of_an_index_is_kept() {
+        let line = line(include_str!("../../../examples/rotary-table.toml"));
+        let mut kept = snapshot(&line);
+        let without = to_record(&line, StationId(0), &kept, "host");
+        assert!(!String::from_utf8_lossy(&without).contains("doubtful"), "as before there were any");
+        assert_eq!(from_record(&line, StationId(0), &without, "host").expect("its own record").doubtful, None);
+        kept.doubtful = Some(OpId(0));
+        let with = to_record(&line, StationId(0), &kept, "host");
+        // Also where it is not the newest record: it is looked at once too often.
+        for host in ["host", "another start"] {
+            assert_eq!(from_record(&line, StationId(0), &with, host).expect("its own record").doubtful, Some(OpId(0)));
+        }
     }
 
     #[test]

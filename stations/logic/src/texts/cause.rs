@@ -45,8 +45,7 @@ impl StopCause {
                 line.operation((own, op)).name
             ),
             StopCause::IndexDoubtful { op, input } => format!(
-                "index in doubt: {} is on, and it is not certain whether `{}` is done; look at the mechanism, then \
-                 confirm with rejoin",
+                "index in doubt: {} does not tell whether `{}` is done; look at the mechanism, then confirm with rejoin",
                 line.input_text(Owner::Station(own), input),
                 line.operation((own, op)).name
             ),

@@ -3,6 +3,8 @@
 //! An index is never taken back, and a cycle in which it is done twice has lost its parts. So a station with an endless axis
 //! has no way home along which its round would be done again: nothing else in it is irreversible.
 
+use std::time::Duration;
+
 use linewright_text::{Problem, Report};
 
 use super::operations::same_place;
@@ -11,9 +13,12 @@ use crate::parse::draft::{DraftLine, DraftOperation, DraftStation};
 use crate::parse::raw::ModuleKind;
 
 /// Applies the rules for the endless axes of a station.
-pub(super) fn check(station: &DraftStation<'_>, report: &mut Report) {
+pub(super) fn check(station: &DraftStation<'_>, stale: Duration, report: &mut Report) {
     let mut indexes = station.operations.iter().filter(|op| op.by().is_some());
-    indexes.clone().for_each(|index| has_no_way_back(index, report));
+    for index in indexes.clone() {
+        has_no_way_back(index, report);
+        passes_no_place_unseen(index, stale, report);
+    }
     goes_one_way_to_one_switch(station, report);
     let Some(first) = indexes.next() else { return };
     if station.is_task_driven() {
@@ -57,6 +62,32 @@ fn has_no_way_back(index: &DraftOperation<'_>, report: &mut Report) {
         report.add(
             Problem::error(path.at.clone(), format!("`{name}` turns an endless axis and has a `recovery_path`"))
                 .hint("leave it out: the only way out of an index is onward"),
+        );
+    }
+}
+
+/// Its switch is seen in images, and may be stuck: until that is found the next place must not be passed.
+fn passes_no_place_unseen(index: &DraftOperation<'_>, stale: Duration, report: &mut Report) {
+    let Some(duration) = &index.raw.duration else { return };
+    let (name, takes) = (index.name, duration.value.as_secs_f64());
+    if duration.value <= stale * 2 {
+        let stale = stale.as_millis();
+        report.add(
+            Problem::error(duration.at.clone(), format!("`{name}` takes {takes} s, but `stale_ms` is {stale} ms"))
+                .hint("an index takes longer than twice `stale_ms`: its switch is seen in images, and one may be that old"),
+        );
+    }
+    if let Some(watchdog) = &index.raw.watchdog
+        && watchdog.value >= duration.value * 2
+    {
+        let limit = watchdog.value.as_secs_f64();
+        report.add(
+            Problem::error(
+                watchdog.at.clone(),
+                format!("the watchdog of index `{name}` is {limit} s, but it takes {takes} s"),
+            )
+            .also(&duration.at, "takes this long")
+            .hint("it must be less than twice `duration_s`: with a switch that is stuck the axis would come to the place after the next"),
         );
     }
 }

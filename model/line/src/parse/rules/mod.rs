@@ -49,6 +49,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     frames::check(draft, report);
     modbus::check(draft, report);
     analogue::check(draft, report);
+    let stale = draft.raw.timing.stale.as_ref().map_or(crate::Timing::default().stale, |stale| stale.value);
     for station in &draft.stations {
         stations::station_has_operations(station, report);
         stations::panel_is_complete(station, report);
@@ -70,7 +71,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
             motion::motions_chain(station, report);
             hand::sequences_end(station, report);
         }
-        endless::check(station, report);
+        endless::check(station, stale, report);
         motion::axes_are_moved(station, report);
         recovery::paths_are_reversible_and_earlier(station, report);
         recovery::paths_lead_home(station, report);
