@@ -129,6 +129,7 @@ fn rows(text: &str) -> Result<Vec<IoRow>, Vec<RowProblem>> {
     let at = IO_COLUMNS.map(column);
     let mut rows = Vec::new();
     let (mut counted, mut line) = (0, 1);
+    let mut problems = Vec::new();
     for record in reader.records() {
         let record = record.map_err(unreadable)?;
         let field = |column: usize| at[column].map(|at| record.get(at).unwrap_or("").to_owned());
@@ -141,9 +142,16 @@ fn rows(text: &str) -> Result<Vec<IoRow>, Vec<RowProblem>> {
         let begin = text.len() - text[from..].trim_start_matches(['\r', '\n']).len();
         line += text.as_bytes()[counted..begin].iter().filter(|&&byte| byte == b'\n').count() as u64;
         counted = begin;
+        let mut wrong = |message: &str| problems.push(RowProblem { line, column: "", message: message.to_owned() });
+        if record.iter().any(|field| field.contains('\n')) {
+            wrong("a field goes on in the next line: a quote is not closed");
+        }
+        if record.iter().skip(headers.len()).any(|field| !field.is_empty()) {
+            wrong("more fields than the first line has columns: a text with the separator in it stands in quotes");
+        }
         rows.push(IoRow { line, name, address, device, station: field(3), comment: field(4) });
     }
-    Ok(rows)
+    if problems.is_empty() { Ok(rows) } else { Err(problems) }
 }
 
 fn refused(error: &IoListError, list: &Path) -> miette::Report {
@@ -192,6 +200,10 @@ mod tests {
             let text = format!("\u{feff}{header}\r\n{}\r\n\r\n{}\r\n", line(" a "), line("b"));
             assert_eq!(rows(&text).expect("read"), [row(2, "a"), row(4, "b")], "{separator:?}");
         }
+        let unclosed = rows("name,address,device\na,%IX0.0,\"far side\nb,%IX0.1,clamp\n").expect_err("not closed");
+        assert_eq!((unclosed[0].line, unclosed.len()), (2, 1), "{unclosed:?}");
+        let longer = rows("name;address;device;comment\na;%IX0.0;clamp;near; above\n").expect_err("five fields");
+        assert!(longer[0].message.starts_with("more fields"), "{longer:?}");
         let short = rows("name,address,device\nx\n").expect("read");
         assert_eq!((short[0].device.as_str(), &short[0].comment, &short[0].station), ("", &None, &None));
     }

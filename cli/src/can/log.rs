@@ -31,7 +31,7 @@ pub struct DumpArgs {
 
 /// `linewright candump`
 pub async fn dump(args: DumpArgs) -> miette::Result<ExitCode> {
-    let mut bus = open(&args.interface)?;
+    let mut bus = open(&args.interface, None)?;
     let interface = args.interface.as_str();
     each(&mut bus, args.count, |frame| {
         crate::out::line(format_args!("{}", candump::log_line(since_epoch(), interface, frame)))

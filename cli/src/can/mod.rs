@@ -56,11 +56,14 @@ enum CanCommand {
 }
 
 /// `linewright can`
-pub async fn run(args: CanArgs) -> miette::Result<ExitCode> {
-    let mut bus = open(&args.bus)?;
+pub async fn run(args: CanArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    if let CanCommand::Status(status) = &args.command {
+        return status::run(&args.bus, status, ros).await;
+    }
+    let mut bus = open(&args.bus, None)?;
     match args.command {
         CanCommand::Scan(args) => scan::run(&mut bus, &args).await,
-        CanCommand::Status(status) => status::run(bus, &args.bus, &status).await,
+        CanCommand::Status(_) => unreachable!("it has its line's buses"),
         CanCommand::Nmt(args) => nmt::run(&mut bus, &args).await,
         CanCommand::Sdo(command) => sdo::run(&mut bus, &command).await,
         CanCommand::Monitor(monitor) => log::monitor(&mut bus, &args.bus, &monitor).await,
@@ -69,9 +72,11 @@ pub async fn run(args: CanArgs) -> miette::Result<ExitCode> {
     }
 }
 
-/// Joins a bus, and says on standard error which it is: a virtual one is a place of its own.
-fn open(name: &str) -> miette::Result<Bus> {
-    let bus = Bus::open(name, &options(name, None)?).into_diagnostic()?;
+/// Joins a bus, and says on standard error which it is: a virtual one is a place of its own. Of several of this name that of
+/// run `run`, if it has one.
+fn open(name: &str, run: Option<&str>) -> miette::Result<Bus> {
+    let run = run.filter(|run| !find_bus(name, Some(run)).is_empty());
+    let bus = Bus::open(name, &options(name, run)?).into_diagnostic()?;
     crate::out::complain!("{}", bus.describe());
     Ok(bus)
 }

@@ -10,6 +10,7 @@ use linewright_canopen::codec::NmtState;
 use linewright_canopen::{BusOutbox, MANAGER_NODE, Manager, NodeId};
 use linewright_fieldbus::{Bus, Clock};
 use linewright_line::{Device, DeviceBus, Line, Tick};
+use linewright_node_shell::RosArgs;
 use miette::IntoDiagnostic as _;
 use serde::Serialize;
 use tokio::time::{Instant, timeout_at};
@@ -81,12 +82,14 @@ impl ListenedBus {
 }
 
 /// `bus` is the line's; stations' own buses are opened by their names.
-pub async fn run(bus: Bus, interface: &str, args: &StatusArgs) -> miette::Result<ExitCode> {
+pub async fn run(interface: &str, args: &StatusArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
+    let of_run = super::run_of(&line, ros)?;
+    let bus = super::open(interface, Some(&of_run))?;
     let mut buses = vec![ListenedBus::new(interface, bus, &line)?];
     let mut nodes = Vec::new();
     for own in own_buses(&line, interface) {
-        match super::open(own) {
+        match super::open(own, Some(&of_run)) {
             Ok(bus) => buses.push(ListenedBus::new(own, bus, &line)?),
             Err(error) => nodes.extend(line.devices_on(own).map(|device| not_asked(&line, device, &error.to_string()))),
         }

@@ -14,7 +14,9 @@ fn rig(kind: &str) -> (Scratch, Rig) {
         .output()
         .expect("the command starts");
     assert!(made.status.success(), "{made:?}");
-    let text = scratch.read("made/line.toml") + TIMING;
+    // Images may be a second old here, and an index takes more than twice that.
+    let slow = scratch.read("made/line.toml").replace("duration_s = 1.0  #", "duration_s = 2.5  #");
+    let text = slow.replace("watchdog_s = 1.8  #", "watchdog_s = 4.5  #") + TIMING;
     assert!(text.contains("[[station_type]]") && text.contains("name = \"made_by_hand\""), "{text}");
     let rig = Rig::new(&linewright_line::expand("line.toml", &text).expect("types are right"));
     rig.file("line.toml", &text);

@@ -95,7 +95,7 @@ fn after_a_reset_only_manual_leads_out_of_the_emergency_stop() {
     for command in [C::Start, C::Stop, C::Auto, C::Hand] {
         let mut bench = Bench::in_mode(M::EStop);
         assert_eq!(bench.command(C::Reset), None);
-        check(&mut bench, (M::EStop, command, M::EStop, LATCHED));
+        check(&mut bench, (M::EStop, command, M::EStop, "commands in this mode: manual"));
     }
     let mut bench = Bench::in_mode(M::EStop);
     assert_eq!(bench.command(C::Reset), None);

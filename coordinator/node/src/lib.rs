@@ -4,7 +4,7 @@
 //! these it is the gateway: input images go to the stations by message, output images come back, with age and
 //! validity. What may be energised is decided in [`linewright_coordinator_logic::Gateway`], which mode the line is in
 //! in [`linewright_coordinator_logic::Coordinator`]; this crate performs it. Of a flexible cell
-//! [`cell`] keeps on disk what happens, of a line [`line`].
+//! [`cell`] keeps on disk what happens, of a line [`mod@line`].
 
 pub mod cell;
 mod gateway_topics;

@@ -42,9 +42,11 @@ impl Controller {
                 self.stop(index, cause);
             }
             TransitionKind::Resume(op, block) => {
-                // It may have coasted to its end; but a switch that has been on all the time proves nothing now either.
+                // It may have coasted to its end; but a switch that has been on all the time proves nothing now either, unless
+                // that was reported as its fault: the person who goes on has looked at it.
                 let stopped = &self.marking.tokens[self.token_of(op)];
-                let counts = stopped.left_start || stopped.awaits_image;
+                let is_reported = self.marking.causes_of_stop[op.index()] == StopCause::SwitchStuck;
+                let counts = stopped.left_start || stopped.awaits_image || is_reported;
                 self.go(op, StationPlace { op, block, stage: MotionStage::Operating }, counts)
             }
             TransitionKind::Retract(op) => self.go(op, StationPlace::undoing(op), true),

@@ -78,7 +78,7 @@ impl Controller {
             let moves = place.place.is_operating();
             let flags = match place.place.stage {
                 MotionStage::Operating => [token.left_start, token.driven, token.awaits_image],
-                // Only whether its switch counts when it goes on.
+                // Only whether its switch counts when it goes on; the cause of the stop is not asked where nothing sticks.
                 MotionStage::Incomplete => [token.left_start || token.awaits_image, false, false],
                 MotionStage::Completed => [false; 3],
             };

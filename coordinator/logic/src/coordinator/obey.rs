@@ -31,6 +31,9 @@ impl Coordinator {
             (M::EStop, C::Reset) => self.reset(),
             (M::EStop, C::Manual) if self.estop => vec![ModeRefusal::EStop],
             (M::EStop, C::Manual) | (M::StandBy, C::Manual) => self.go_manual(),
+            (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) if !self.estop => {
+                vec![ModeRefusal::WrongMode(vec![C::Manual])]
+            }
             (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) => vec![ModeRefusal::EStop],
             (M::Home, C::Start) => {
                 self.found();
