@@ -13,7 +13,7 @@
 //! over the same records as everywhere else, and SQL is for people ([`schema`](mod@self) has views for them).
 //!
 //! A line has no log: its coordinator gives notes alone, with what they say of the line's state given anew wherever some may
-//! be missing, and [`line`] folds them.
+//! be missing, and [`mod@line`] folds them.
 //!
 //! *Only this crate knows SQL.* It has no clock: times are those of the records.
 
