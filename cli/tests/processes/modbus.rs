@@ -67,8 +67,11 @@ fn a_station_runs_in_modbus_stops_at_once_and_names_a_device_that_is_gone() {
         let state = heard.station("clamp_1");
         !state.devices_valid && state.blocked_by.iter().any(|text| text.contains(&by_name))
     });
+    // The console's device is silent too, half a second later: without it the line is in emergency stop.
+    operator.wait("the console is lost", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
     send_signal("CONT", plant);
     operator.wait("its devices are back", |heard| heard.all(|state| state.devices_valid));
+    operator.order("reset", StationState::MODE_STANDBY);
     operator.recover();
     operator.cycles(1);
     operator.go_home();
