@@ -9,10 +9,14 @@ use crate::files::description;
 
 /// The description file of a line that a path means: itself, or `line.toml` in the directory, or beside a cell's.
 pub fn file_of(path: &Path) -> PathBuf {
-    match (path.is_dir(), cell_file(path)) {
-        (true, _) => path.join("line.toml"),
-        (false, Some(cell)) => cell.with_file_name("line.toml"),
-        (false, None) => path.to_owned(),
+    line_file(path, cell_file(path).as_deref())
+}
+
+fn line_file(path: &Path, cell: Option<&Path>) -> PathBuf {
+    match cell {
+        _ if path.is_dir() => path.join("line.toml"),
+        Some(cell) => cell.with_file_name("line.toml"),
+        None => path.to_owned(),
     }
 }
 
@@ -40,12 +44,11 @@ const CELL: &str = "cell.toml";
 /// The descriptions that a path means: those in the directory; with a cell's the line beside it, if there is one; with any
 /// other file, a line's, that alone.
 pub fn files_of(path: &Path) -> Files {
-    let line = file_of(path);
-    match cell_file(path) {
-        // Whatever is missing is said of the line's description, which is the usual one.
-        None => Files { line: Some(line), cell: None },
-        cell => Files { line: Some(line).filter(|file| file.is_file()), cell },
-    }
+    let cell = cell_file(path);
+    let line = line_file(path, cell.as_deref());
+    // Without either file, the error is about the line's, which is the usual one.
+    let line = Some(line).filter(|file| cell.is_none() || file.is_file());
+    Files { line, cell }
 }
 
 /// Reads and parses the description of a cell, whose stations are those of `line`.

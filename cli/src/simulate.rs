@@ -30,6 +30,8 @@ const SCENARIO_BYTES_MAX: usize = 1 << 20;
 const CYCLES: usize = 3;
 /// More are no more informative.
 const CYCLES_MAX: usize = 10_000_000;
+/// Least and greatest variation of durations, in percent.
+const VARIATION_PERCENT: (f64, f64) = (0.0, 90.0);
 
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -76,7 +78,7 @@ pub struct Args {
     jitter: Option<Duration>,
     /// How much longer or shorter than described a motion, or a station's task, may take, in percent [default: of a line
     /// what the scenario says, or 0; of a cell 0].
-    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    #[arg(long, value_name = "PERCENT", value_parser = variation)]
     variation: Option<f64>,
     /// Of a line: carry images in CAN frames and messages, through managers, devices and gateway, as on the machine. Slower.
     #[arg(long)]
@@ -101,19 +103,22 @@ fn millis(text: &str) -> Result<Duration, String> {
     }
 }
 
-fn percent(text: &str) -> Result<f64, String> {
-    let percent: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.0..=90.0).contains(&percent) { Ok(percent / 100.0) } else { Err("between 0 and 90 percent".to_owned()) }
+fn variation(text: &str) -> Result<f64, String> {
+    percent(text, VARIATION_PERCENT)
 }
 
 fn precision(text: &str) -> Result<f64, String> {
+    percent(text, PRECISION_PERCENT)
+}
+
+/// A share, written in percent within limits.
+fn percent(text: &str, (least, most): (f64, f64)) -> Result<f64, String> {
     let percent = text.strip_suffix('%').unwrap_or(text).trim_end();
     let percent: f64 = percent.parse().map_err(|_| "not a number of percent".to_owned())?;
-    let (best, worst) = PRECISION_PERCENT;
-    if (best..=worst).contains(&percent) {
+    if (least..=most).contains(&percent) {
         Ok(percent / 100.0)
     } else {
-        Err(format!("between {best} and {worst} percent"))
+        Err(format!("between {least} and {most} percent"))
     }
 }
 

@@ -25,7 +25,7 @@ use crate::interrupts::Interrupts;
 use crate::load;
 use crate::run::chart::RollingChart;
 use crate::states::LineJson;
-use cell::{CellWatchJson, OutOfService};
+use cell::{CellWatchJson, ReasonsByResource};
 
 /// Options of `watch`.
 #[derive(Debug, ClapArgs)]
@@ -73,7 +73,7 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut ticks = tokio::time::interval(PICTURE_EVERY);
     let mut reasons = tokio::time::interval(REASONS_EVERY);
     // A reply is waited for beside the picture.
-    let mut asked: Option<LocalBoxFuture<'static, OutOfService>> = None;
+    let mut asked: Option<LocalBoxFuture<'static, ReasonsByResource>> = None;
     let mut interrupts = Interrupts::listen()?;
     loop {
         tokio::select! {
@@ -104,7 +104,7 @@ async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
     }
 }
 
-async fn answered(asked: &mut Option<LocalBoxFuture<'static, OutOfService>>) -> OutOfService {
+async fn answered(asked: &mut Option<LocalBoxFuture<'static, ReasonsByResource>>) -> ReasonsByResource {
     match asked {
         Some(asked) => asked.await,
         None => std::future::pending().await,
@@ -128,7 +128,7 @@ pub struct WatchState {
     /// Lines above the picture, e.g. where the buses are.
     pub head: Vec<String>,
     /// Of a cell: why resources are left out.
-    pub out_of_service: OutOfService,
+    pub out_of_service: ReasonsByResource,
 }
 
 /// Seconds since the Unix epoch, as the stamps count them.
@@ -144,7 +144,7 @@ impl WatchState {
             chart: RollingChart::new(line),
             messages: VecDeque::new(),
             head: Vec::new(),
-            out_of_service: OutOfService::new(),
+            out_of_service: ReasonsByResource::new(),
         }
     }
 

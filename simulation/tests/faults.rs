@@ -11,6 +11,18 @@ use crate::common::*;
 
 const MILL: StationId = StationId(2);
 
+/// The mill's main slide breaks down half-way, and is repaired.
+const MILL_BREAKS: &str = r#"
+    cycles = 3
+    [[step]]
+    when = "cycles >= 1 and mill_1: feed main slide is operating"
+    after_s = 0.3
+    break = "mill_1: feed main slide"
+    [[step]]
+    when = "line is stand-by and all are stopped"
+    clear = "mill_1: feed main slide"
+"#;
+
 #[test]
 fn a_jam_in_auto_stops_one_and_lets_the_others_finish_then_a_person_goes_on() {
     let shipped = include_str!("../../launch-config/lines/transfer-line/scenarios/jammed-clamp.toml");
@@ -29,16 +41,8 @@ fn a_jam_in_auto_stops_one_and_lets_the_others_finish_then_a_person_goes_on() {
 
 #[test]
 fn a_mill_that_breaks_goes_home_by_its_path_and_does_the_round_again() {
-    let sim = played(
-        r#"
-        cycles = 3
-        [[step]]
-        when = "cycles >= 1 and mill_1: feed main slide is operating"
-        after_s = 0.3
-        break = "mill_1: feed main slide"
-        [[step]]
-        when = "line is stand-by and all are stopped"
-        clear = "mill_1: feed main slide"
+    let sim = played(&format!(
+        r#"{MILL_BREAKS}
         expect = "mill_1 is incomplete"
         [[step]]
         command = "manual"
@@ -50,24 +54,16 @@ fn a_mill_that_breaks_goes_home_by_its_path_and_does_the_round_again() {
         expect = "mill_1 is home and mill_1: feed main slide == 1"
         [[step]]
         command = "auto"
-        "#,
-    );
+        "#
+    ));
     assert_eq!(sim.record().cycles(), 3);
     assert!(sim.record().withdrawn() > 0, "the round is taken back");
 }
 
 #[test]
 fn auto_is_refused_while_a_station_is_half_way_along_its_recovery_path() {
-    let (sim, end) = play(
-        r#"
-        cycles = 3
-        [[step]]
-        when = "cycles >= 1 and mill_1: feed main slide is operating"
-        after_s = 0.3
-        break = "mill_1: feed main slide"
-        [[step]]
-        when = "line is stand-by and all are stopped"
-        clear = "mill_1: feed main slide"
+    let (sim, end) = play(&format!(
+        r#"{MILL_BREAKS}
         [[step]]
         command = "manual"
         [[step]]
@@ -75,8 +71,8 @@ fn auto_is_refused_while_a_station_is_half_way_along_its_recovery_path() {
         jog = "mill_1: return"
         [[step]]
         command = "auto"
-        "#,
-    );
+        "#
+    ));
     // The command is given again and again, and refused: nothing would lead the mill home in auto.
     let log = sim.log().tail(sim.line(), 5);
     assert_ne!(end, RunEnd::Done, "{log}");

@@ -57,23 +57,21 @@ enum CanCommand {
 
 /// `linewright can`
 pub async fn run(args: CanArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
-    if let CanCommand::Status(status) = &args.command {
-        return status::run(&args.bus, status, ros).await;
-    }
-    let mut bus = open(&args.bus, None)?;
-    match args.command {
-        CanCommand::Scan(args) => scan::run(&mut bus, &args).await,
-        CanCommand::Status(_) => unreachable!("it has its line's buses"),
-        CanCommand::Nmt(args) => nmt::run(&mut bus, &args).await,
-        CanCommand::Sdo(command) => sdo::run(&mut bus, &command).await,
-        CanCommand::Monitor(monitor) => log::monitor(&mut bus, &args.bus, &monitor).await,
-        CanCommand::Record(args) => log::record(&mut bus, &args).await,
-        CanCommand::Replay(args) => log::replay(&mut bus, &args).await,
+    let open = || open(&args.bus, None);
+    match &args.command {
+        CanCommand::Scan(args) => scan::run(&mut open()?, args).await,
+        // The line has its buses.
+        CanCommand::Status(status) => status::run(&args.bus, status, ros).await,
+        CanCommand::Nmt(args) => nmt::run(&mut open()?, args).await,
+        CanCommand::Sdo(command) => sdo::run(&mut open()?, command).await,
+        CanCommand::Monitor(monitor) => log::monitor(&mut open()?, &args.bus, monitor).await,
+        CanCommand::Record(args) => log::record(&mut open()?, args).await,
+        CanCommand::Replay(args) => log::replay(&mut open()?, args).await,
     }
 }
 
-/// Joins a bus, and says on standard error which it is: a virtual one is a place of its own. Of several of this name that of
-/// run `run`, if it has one.
+/// Opens a bus and prints on standard error which it is: virtual buses of one name may exist in several directories. Of
+/// these the one of run `run`, if there is one.
 fn open(name: &str, run: Option<&str>) -> miette::Result<Bus> {
     let run = run.filter(|run| !find_bus(name, Some(run)).is_empty());
     let bus = Bus::open(name, &options(name, run)?).into_diagnostic()?;

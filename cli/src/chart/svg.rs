@@ -37,6 +37,26 @@ pub struct SvgStyle {
     pub planned: &'static str,
 }
 
+/// A chart with a row for each operation: planned bars in the upper half of a row, actual ones in the lower.
+pub const BY_OPERATION: SvgStyle = SvgStyle {
+    defs: "",
+    width: 720.0,
+    row: 26.0,
+    top: 64.0,
+    bottom: 20.0,
+    grid: 16.0,
+    times: TimeLabels::Above,
+    baseline: 17.0,
+    plan: (4.0, 9.0),
+    done: (13.0, 9.0),
+    failed: "none",
+    outline: "",
+    planned: "",
+};
+/// Average width of a letter of [`BY_OPERATION`], in plain and in bold type.
+pub const LETTER: f64 = 6.8;
+pub const BOLD: f64 = 8.0;
+
 /// Position of the times.
 pub enum TimeLabels {
     Above,

@@ -6,16 +6,13 @@ use std::fmt::Write as _;
 use linewright_line::{Line, OpId, Station};
 
 use super::report::{OperationRow, SimulationReport};
-use crate::chart::svg::{PLANNED, SvgChart, SvgStyle, TimeLabels};
+use crate::chart::svg::{BOLD, BY_OPERATION, LETTER, PLANNED, SvgChart, SvgStyle};
 use crate::chart::{ActivityBar, BarChart, BarRow};
 
 /// Characters for the time.
 const WIDTH: usize = 60;
 /// The margin for names, at least: the legend wants this much.
 const LABELS_MIN: f64 = 320.0;
-/// What a letter takes on average, in plain and in bold type.
-const LETTER: f64 = 6.8;
-const BOLD: f64 = 8.0;
 const BAR: f64 = 9.0;
 const SIMULATED: &str = "#2f6fb0";
 const CRITICAL: &str = "#c0392b";
@@ -23,18 +20,7 @@ const CRITICAL: &str = "#c0392b";
 const STYLE: SvgStyle = SvgStyle {
     defs: "<marker id=\"tip\" viewBox=\"0 0 8 8\" refX=\"8\" refY=\"4\" markerWidth=\"7\" markerHeight=\"7\" \
            orient=\"auto\"><path d=\"M0 0L8 4L0 8z\" fill=\"#555\"/></marker>",
-    width: 720.0,
-    row: 26.0,
-    top: 64.0,
-    bottom: 20.0,
-    grid: 16.0,
-    times: TimeLabels::Above,
-    baseline: 17.0,
-    plan: (4.0, BAR),
-    done: (4.0 + BAR, BAR),
-    failed: "none",
-    outline: "",
-    planned: "",
+    ..BY_OPERATION
 };
 
 fn chart(line: &Line, rows: &[OperationRow]) -> BarChart {

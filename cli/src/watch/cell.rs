@@ -14,7 +14,7 @@ use super::wrapped;
 use crate::cell::{CellJson, is_over};
 
 /// Why resources are left out, by their names, as far as the coordinator has answered.
-pub type OutOfService = BTreeMap<String, Vec<String>>;
+pub type ReasonsByResource = BTreeMap<String, Vec<String>>;
 
 /// Lines under a head; each entry is wrapped already.
 struct Section {
@@ -25,7 +25,7 @@ struct Section {
 /// What a cell looks like, in at most `height` lines of `width` characters.
 pub fn picture<'s>(
     cell: &CellState,
-    out: &OutOfService,
+    out: &ReasonsByResource,
     stations: impl Iterator<Item = (&'s str, Option<&'s StationState>)>,
     is_line_stopped: bool,
     now: f64,
@@ -178,7 +178,7 @@ struct JsonOutOfService {
 }
 
 impl CellWatchJson {
-    pub fn of(state: &CellState, out: &OutOfService) -> Self {
+    pub fn of(state: &CellState, out: &ReasonsByResource) -> Self {
         let some = |number: u64| (number != 0).then_some(number);
         let part = |of: &PartState| JsonPart {
             part: of.id,

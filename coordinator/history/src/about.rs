@@ -24,11 +24,30 @@ impl From<&LineAbout> for About {
 }
 
 impl About {
+    /// What this database is about and what was expected, where they differ.
     pub(crate) fn difference(&self, expected: &About) -> Option<(String, String)> {
+        let (is, other) = (self.name(), expected.name());
+        if is != other {
+            return Some((is, other));
+        }
+        if self.clock() != expected.clock() {
+            let of = |about: &About| match about.clock() {
+                TimeBase::Unix => format!("{is} that has run"),
+                TimeBase::Simulated => format!("a simulation of {is}"),
+            };
+            return Some((of(self), of(expected)));
+        }
         match (self, expected) {
             (About::Cell(is), About::Cell(expected)) => is.difference(expected),
             (About::Line(is), About::Line(expected)) => is.difference(expected),
-            (is, expected) => Some((is.name(), expected.name())),
+            (_, _) => None,
+        }
+    }
+
+    fn clock(&self) -> TimeBase {
+        match self {
+            About::Cell(of) => of.clock,
+            About::Line(of) => of.clock,
         }
     }
 
@@ -76,10 +95,6 @@ pub struct LineOperation {
 impl LineAbout {
     /// What differs, as [`CellAbout::difference`]. Planned times may differ: the newest count.
     fn difference(&self, expected: &LineAbout) -> Option<(String, String)> {
-        let name = |of: &LineAbout| format!("line `{}`", of.line);
-        if (&self.line, self.clock) != (&expected.line, expected.clock) {
-            return Some((name(self), name(expected)));
-        }
         let names = |of: &LineAbout| -> Vec<(String, Vec<String>)> {
             let operations = |of: &LineStation| of.operations.iter().map(|of| of.name.clone()).collect();
             of.stations.iter().map(|of| (of.name.clone(), operations(of))).collect()
@@ -117,18 +132,7 @@ pub enum TimeBase {
 impl CellAbout {
     /// What is different in a database that is about this, if it cannot be used for `expected`: what it is about, and what
     /// it should be. Times, titles and what stations are called may differ.
-    pub(crate) fn difference(&self, expected: &CellAbout) -> Option<(String, String)> {
-        let of = |cell: &str| format!("cell `{cell}`");
-        if self.cell != expected.cell {
-            return Some((of(&self.cell), of(&expected.cell)));
-        }
-        if self.clock != expected.clock {
-            let of = |clock| match clock {
-                TimeBase::Unix => "a cell that has run".to_owned(),
-                TimeBase::Simulated => "a simulation".to_owned(),
-            };
-            return Some((of(self.clock), of(expected.clock)));
-        }
+    fn difference(&self, expected: &CellAbout) -> Option<(String, String)> {
         let other = || format!("another description of cell `{}` ({:016x})", self.cell, self.table);
         (self.table != expected.table).then(|| (other(), format!("this one ({:016x})", expected.table)))
     }

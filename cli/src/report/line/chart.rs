@@ -3,34 +3,17 @@
 use linewright_history::line::{CycleChart, PlannedRow};
 
 use super::LineSource;
-use crate::chart::svg::{PLANNED, SvgChart, SvgStyle, TimeLabels};
+use crate::chart::svg::{BOLD, BY_OPERATION, LETTER, PLANNED, SvgChart, SvgStyle};
 use crate::chart::{ActivityBar, BarChart, BarRow};
 
 /// Characters for the time.
 const WIDTH: usize = 80;
 /// The margin for names, at least: the legend wants this much.
 const LABELS_MIN: f64 = 240.0;
-/// What a letter takes on average, in plain and in bold type.
-const LETTER: f64 = 6.8;
-const BOLD: f64 = 8.0;
 const MEASURED: &str = "#2f6fb0";
 const STOPPED: &str = "#c0392b";
 
-const STYLE: SvgStyle = SvgStyle {
-    defs: "",
-    width: 720.0,
-    row: 26.0,
-    top: 64.0,
-    bottom: 20.0,
-    grid: 16.0,
-    times: TimeLabels::Above,
-    baseline: 17.0,
-    plan: (4.0, 9.0),
-    done: (13.0, 9.0),
-    failed: STOPPED,
-    outline: "",
-    planned: "planned ",
-};
+const STYLE: SvgStyle = SvgStyle { failed: STOPPED, planned: "planned ", ..BY_OPERATION };
 
 fn chart(source: &LineSource, of: &CycleChart) -> BarChart {
     let row = |row: &PlannedRow| {

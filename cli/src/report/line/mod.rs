@@ -24,7 +24,7 @@ use crate::out::{self, say};
 /// So many causes of waits are listed for a station; JSON and CSV have all.
 const WAITS_MAX: usize = 5;
 
-/// What the database of a line says of a span.
+/// The records of a line's database within a span of time, and the report made of them.
 pub struct LineSource {
     pub reader: HistoryReader,
     pub about: LineAbout,
@@ -39,7 +39,7 @@ impl LineSource {
     /// Reads the database.
     ///
     /// # Errors
-    /// What is wrong with it, or with what is asked.
+    /// The database cannot be read, or the arguments do not fit it.
     pub fn read(
         reader: HistoryReader,
         about: LineAbout,
@@ -208,7 +208,7 @@ fn mean(of: &Spread) -> Option<Duration> {
     u32::try_from(of.count).ok().filter(|count| *count > 0).map(|count| of.total / count)
 }
 
-/// A cause of stops, in words.
+/// A cause of stops as text: its kind, and the recorded text if there is one.
 fn cause(of: &LineStopCause) -> String {
     if of.text.is_empty() { of.kind.name().to_owned() } else { format!("{}: {}", of.kind.name(), of.text) }
 }

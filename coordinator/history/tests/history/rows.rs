@@ -102,7 +102,7 @@ fn a_database_is_about_one_cell_and_one_description() {
     assert!(why.contains("is about cell `workcell_c1`, not about cell `another`; move it away"), "{why}");
     assert!(refused(&|about| about.table += 1).contains("another description of cell `workcell_c1`"));
     assert!(
-        refused(&|about| about.clock = TimeBase::Simulated).contains("is about a cell that has run, not about a sim")
+        refused(&|about| about.clock = TimeBase::Simulated).contains("that has run, not about a simulation of cell")
     );
     // Other times do not make another cell: the newest are those that reports go by.
     let mut about = of.about.clone();

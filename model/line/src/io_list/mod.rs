@@ -9,7 +9,7 @@ mod address;
 mod change;
 mod devices;
 
-use linewright_text::{Problem, Problems};
+use linewright_text::{Problems, Report, document};
 
 pub use address::{BitAddress, IoDirection};
 pub use change::IoChange;
@@ -95,12 +95,10 @@ pub fn with_io_list(file_name: &str, text: &str, rows: &[IoRow]) -> Result<IoCha
 fn read(file_name: &str, text: &str) -> Result<Vec<WrittenDevice>, IoListError> {
     let failed = |problems: Problems| IoListError::Description(Box::new(problems));
     let expanded = crate::expand(file_name, text).map_err(failed)?;
-    let toml = |text: &str| text.parse::<toml_edit::DocumentMut>().map_err(|error| not_toml(file_name, text, &error));
-    let (own, all) = (toml(text).map_err(failed)?, toml(&expanded).map_err(failed)?);
-    Ok(devices::read(&own, &all))
-}
-
-fn not_toml(file_name: &str, text: &str, error: &toml_edit::TomlError) -> Problems {
-    let message = format!("this is not TOML: {}", error.message().trim_end().replace('\n', ", "));
-    Problems::new(file_name, text, vec![Problem::error(error.span().unwrap_or(0..0), message)])
+    let toml = |text: &str| {
+        let mut report = Report::default();
+        let document = document(text, &mut report).map(toml_edit::Document::into_mut);
+        report.close(document, file_name, text).map(|(document, _)| document).map_err(failed)
+    };
+    Ok(devices::read(&toml(text)?, &toml(&expanded)?))
 }

@@ -79,7 +79,7 @@ keys! {
         /// How sure it is to be that the true mean is within the interval, 50 to 99.9.
         confidence as "confidence_percent": f64 = within(50.0, 99.9).or(CONFIDENCE),
         /// Production orders that are known from the beginning, at most 10000.
-        orders as "order": Vec<RawOrder> = tables(LIST_MAX),
+        orders as "order": Vec<RawScenarioOrder> = tables(LIST_MAX),
         /// Production orders that come one after the other.
         arrivals: Vec<RawArrivals> = tables(LIST_MAX),
         /// Activities that take other times than described, by chance.
@@ -87,11 +87,11 @@ keys! {
         /// Resources that break down by chance, and are repaired.
         breakdowns as "breakdown": Vec<RawBreakdown> = tables(LIST_MAX),
         /// What happens at certain times, in their order.
-        steps as "step": Vec<RawStep> = tables(LIST_MAX),
+        steps as "step": Vec<RawScenarioStep> = tables(LIST_MAX),
     }
 
     /// A production order, as `linewright order` submits it.
-    pub(super) struct RawOrder is "an order" {
+    pub(super) struct RawScenarioOrder is "an order" {
         /// Its name; `order 1` and so on if left out.
         name: Option<LocatedName> = text(),
         /// The part type.
@@ -154,7 +154,7 @@ keys! {
     }
 
     /// A moment, and what happens then.
-    pub(super) struct RawStep is "a step" {
+    pub(super) struct RawScenarioStep is "a step" {
         /// Not before this moment, in seconds from the beginning.
         at_s as "at_s": Option<Located<f64>> = within(0.0, LONGEST_S),
         /// This much later still, in seconds.

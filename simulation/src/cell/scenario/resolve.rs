@@ -8,7 +8,7 @@ use linewright_line::Tick;
 use linewright_plant::MotionFault;
 use linewright_text::{Located, LocatedName, Problem, Report, TextRange, suggestion};
 
-use super::raw::{RawArrivals, RawBreakdown, RawCellScenario, RawOrder, RawStep, RawTime};
+use super::raw::{RawArrivals, RawBreakdown, RawCellScenario, RawScenarioOrder, RawScenarioStep, RawTime};
 use super::{BreakdownPattern, CellScenario, OrderArrivals, ScriptedFault, StationFault, moment};
 use crate::scenario::faults::FaultOf;
 
@@ -78,7 +78,12 @@ fn is_name(name: &LocatedName, report: &mut Report) -> bool {
     fits
 }
 
-fn orders(cell: &Cell, raw: &[RawOrder], names: &mut OrderNames, report: &mut Report) -> Vec<ProductionOrderRequest> {
+fn orders(
+    cell: &Cell,
+    raw: &[RawScenarioOrder],
+    names: &mut OrderNames,
+    report: &mut Report,
+) -> Vec<ProductionOrderRequest> {
     let mut orders: Vec<ProductionOrderRequest> = Vec::new();
     for (index, raw) in raw.iter().enumerate() {
         let product = part(cell, raw.part.as_ref(), report);
@@ -228,7 +233,7 @@ fn breakable(cell: &Cell, name: &LocatedName, report: &mut Report) -> Option<Res
     Some(id)
 }
 
-fn faults(cell: &Cell, raw: &[RawStep], report: &mut Report) -> Vec<ScriptedFault> {
+fn faults(cell: &Cell, raw: &[RawScenarioStep], report: &mut Report) -> Vec<ScriptedFault> {
     let (mut now, mut found) = (Tick::ZERO, Vec::new());
     for raw in raw {
         now = now.max(raw.at_s.as_ref().map_or(now, |at| moment(at.value)));

@@ -136,8 +136,3 @@ impl CellStudy {
         mix(self.options.seed).wrapping_add(replication as u64)
     }
 }
-
-/// Seconds since the beginning.
-fn seconds(at: Tick) -> f64 {
-    at.as_secs_f64()
-}

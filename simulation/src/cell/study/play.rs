@@ -14,7 +14,7 @@ use linewright_line::Tick;
 use super::super::sim::{CellSim, CellSimOptions, StationSpeed};
 use super::super::task_times::TaskTimes;
 use super::course::{Course, CourseEvent};
-use super::{CellStudy, NO_LIMIT, PlayedReplication, Standstill, StudyProblem, UNCHANGED, seconds};
+use super::{CellStudy, NO_LIMIT, PlayedReplication, Standstill, StudyProblem, UNCHANGED};
 use crate::rng::Rng;
 
 /// Where no activity has begun or ended for so long, and no station works, none will: described times are a day at most.
@@ -99,7 +99,7 @@ impl StudyRun<'_> {
             }
             if let Some(mode) = self.sim.spins() {
                 let activity = self.sim.table.mode_name(mode).to_owned();
-                return Err(StudyProblem::Spins { activity, at_s: seconds(self.sim.now) });
+                return Err(StudyProblem::Spins { activity, at_s: self.sim.now.as_secs_f64() });
             }
             if end.is_none() && self.is_done() {
                 let ends = self.sim.state().production().orders().filter_map(|order| order.ended);
@@ -136,7 +136,7 @@ impl StudyRun<'_> {
 
     fn submit(&mut self, orders: &[ProductionOrderRequest]) -> Result<(), StudyProblem> {
         self.sim.say(self.dispatcher, &[PlayerInput::Production(0, ProductionCommand::Submit(orders))]);
-        let at_s = seconds(self.sim.now);
+        let at_s = self.sim.now.as_secs_f64();
         match self.sim.told.pop() {
             Some(Ok(_)) => Ok(()),
             Some(Err(ProductionCommandError::Request(problems))) => {
@@ -208,6 +208,6 @@ impl StudyRun<'_> {
 
     fn stuck(&self) -> StudyProblem {
         let state = self.sim.state();
-        StudyProblem::Stuck { left: state.left(), inside: state.parts().len(), at_s: seconds(self.progressed) }
+        StudyProblem::Stuck { left: state.left(), inside: state.parts().len(), at_s: self.progressed.as_secs_f64() }
     }
 }

@@ -51,10 +51,19 @@ impl CellStudy {
 
     /// Whether throughput and time in the cell are known so precisely.
     pub fn is_precise(&self, figures: &[ReplicationFigures], precision: f64) -> bool {
-        let confidence = self.scenario.confidence;
-        let throughput = Estimate::of(figures.iter().map(|of| of.throughput), confidence);
-        let in_cell = Estimate::of(figures.iter().filter_map(|of| of.in_cell), confidence);
-        [throughput, in_cell].iter().all(|estimate| estimate.is_some_and(|estimate| estimate.is_within(precision)))
+        let is_within = |estimate: Option<Estimate>| estimate.is_some_and(|estimate| estimate.is_within(precision));
+        is_within(self.estimate(figures, |of| Some(of.throughput)))
+            && is_within(self.estimate(figures, |of| of.in_cell))
+    }
+
+    /// A figure over several replications, with the scenario's confidence; none if no replication has it.
+    pub fn estimate(
+        &self,
+        figures: &[ReplicationFigures],
+        value: impl Fn(&ReplicationFigures) -> Option<f64>,
+    ) -> Option<Estimate> {
+        let values: Vec<f64> = figures.iter().filter_map(value).collect();
+        Estimate::of(values.into_iter(), self.scenario.confidence)
     }
 
     fn side_by_side(&self, numbers: Range<usize>, threads: usize) -> Vec<ReplicationFigures> {

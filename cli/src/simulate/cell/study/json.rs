@@ -84,15 +84,10 @@ impl StudyJson {
         mut decisions: Option<Vec<Decision>>,
         error: Option<&str>,
     ) -> Self {
-        let confidence = study.scenario().confidence;
-        let of = |value: &dyn Fn(&ReplicationFigures) -> Option<f64>| {
-            JsonEstimate::of(figures.iter().filter_map(value).collect(), confidence)
-        };
+        let of =
+            |value: &dyn Fn(&ReplicationFigures) -> Option<f64>| study.estimate(figures, value).map(JsonEstimate::from);
         let resource = |(index, name): (usize, &str)| {
-            let of = |value: &dyn Fn(&ResourceFigures) -> f64| {
-                let values = figures.iter().filter_map(|of| of.resources.get(index)).map(value);
-                JsonEstimate::of(values.collect(), confidence)
-            };
+            let of = |value: &dyn Fn(&ResourceFigures) -> f64| of(&|figures| figures.resources.get(index).map(value));
             JsonResourceEstimates {
                 name: name.to_owned(),
                 worked: of(&|of| of.worked),
@@ -107,7 +102,7 @@ impl StudyJson {
             ok: error.is_none(),
             error: error.map(str::to_owned),
             replications: figures.len(),
-            confidence,
+            confidence: study.scenario().confidence,
             warm_up_s: study.scenario().warm_up.as_secs_f64(),
             throughput_per_h: of(&|of| Some(of.throughput)),
             inside: of(&|of| Some(of.inside)),
@@ -126,10 +121,9 @@ impl StudyJson {
     }
 }
 
-impl JsonEstimate {
-    fn of(values: Vec<f64>, confidence: f64) -> Option<Self> {
-        let Estimate { mean, half_width, n } = Estimate::of(values.into_iter(), confidence)?;
-        Some(JsonEstimate { mean, half_width, n })
+impl From<Estimate> for JsonEstimate {
+    fn from(Estimate { mean, half_width, n }: Estimate) -> Self {
+        JsonEstimate { mean, half_width, n }
     }
 }
 

@@ -16,10 +16,7 @@ pub fn text(study: &CellStudy, figures: &[ReplicationFigures]) -> String {
     }
     text.push('\n');
     heading(&mut text, study, figures);
-    let confidence = study.scenario().confidence;
-    let estimate = |of: &dyn Fn(&ReplicationFigures) -> Option<f64>| {
-        Estimate::of(figures.iter().filter_map(of).collect::<Vec<_>>().into_iter(), confidence)
-    };
+    let estimate = |of: &dyn Fn(&ReplicationFigures) -> Option<f64>| study.estimate(figures, of);
     let rows: [(&str, &str, Option<Estimate>); 11] = [
         ("throughput", "parts/h", estimate(&|of| Some(of.throughput))),
         ("parts inside", "", estimate(&|of| Some(of.inside))),
@@ -84,12 +81,10 @@ fn number(estimate: Option<Estimate>) -> String {
 }
 
 fn resources(text: &mut String, study: &CellStudy, figures: &[ReplicationFigures]) {
-    let confidence = study.scenario().confidence;
     let _ = writeln!(text, "\n{:<24} {:>18} {:>18} {:>18}", "resource", "worked, %", "down, %", "taken");
     for (index, resource) in study.cell().resources.iter().enumerate() {
         let estimate = |of: &dyn Fn(&ResourceFigures) -> f64| {
-            let values: Vec<f64> = figures.iter().filter_map(|of| of.resources.get(index)).map(of).collect();
-            Estimate::of(values.into_iter(), confidence)
+            study.estimate(figures, |figures| figures.resources.get(index).map(of))
         };
         // A store does nothing by itself.
         let worked = estimate(&|of| of.worked * 100.0).filter(|_| !resource.prototype.stores());

@@ -1,6 +1,6 @@
 //! The shipped flexible cell in virtual time: three parts of each type, and when each activity begins.
 //!
-//! `cargo run -p linewright-examples --bin cell`
+//! `cargo run -p linewright-examples --bin flexible_cell`
 
 use std::error::Error;
 use std::sync::Arc;
