@@ -7,18 +7,14 @@
 #![cfg_attr(feature = "engine", no_main)]
 
 use libfuzzer_sys::fuzz_target;
-
-#[path = "../../plant/tests/any_frames/mod.rs"]
-mod devices;
-#[path = "../../fieldbus/protocol/tests/any_frames/mod.rs"]
-mod manager;
+use linewright_testkit::{device_frames, manager_frames};
 
 fuzz_target!(|input: &[u8]| {
     let Some((which, script)) = input.split_first() else { return };
     if which & 1 == 0 {
-        manager::Bench::new().play(script);
+        manager_frames::Bench::new().play(script);
     } else {
-        devices::Bench::new().play(script);
+        device_frames::Bench::new().play(script);
     }
 });
 

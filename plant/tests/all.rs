@@ -2,9 +2,7 @@
 
 mod alone;
 mod analogue;
-mod any_frames;
 mod bus_load;
-mod common;
 mod dbc_devices;
 mod device;
 mod drive_bench;

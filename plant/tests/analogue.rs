@@ -8,8 +8,8 @@ use linewright_line::{
     Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, Follows, InputId, Lag, OutputId, When,
 };
 
-use crate::common::{BACK, FORWARD, FRONT, line};
 use crate::managed::Managed;
+use linewright_testkit::presses::{BACK, FORWARD, FRONT, line};
 
 const PRESSURE_OK: u128 = 1 << 5;
 const PRESSURE_LOW: u128 = 1 << 6;

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use crate::any_frames::Bench;
+use linewright_testkit::device_frames::Bench;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use crate::common::*;
 use linewright_line::{InputId, OutputId, Owner, Tick};
 use linewright_plant::{MotionFault, Plant, PlantOptions};
+use linewright_testkit::presses::*;
 use proptest::prelude::*;
 
 const OWNER: Owner = Owner::Station(PRESS);

@@ -5,7 +5,7 @@ use linewright_line::{AxisId, DeviceBus, StationId, Tick, parse};
 use linewright_plant::{PlantOptions, Rack};
 
 use crate::alone::Alone;
-use crate::common::line;
+use linewright_testkit::presses::line;
 
 const DRIVES: &str = include_str!("../../model/line/tests/descriptions/drives.toml");
 

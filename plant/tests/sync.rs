@@ -6,8 +6,8 @@ use std::time::Duration;
 use linewright_canopen::BusEvent;
 use linewright_line::{Tick, Timing, Transmission};
 
-use crate::common::{FORWARD, line};
 use crate::managed::Managed;
+use linewright_testkit::presses::{FORWARD, line};
 
 /// The first device alone, operational, with inputs on every second SYNC and outputs on each. `watches` is whether the
 /// device itself knows how often SYNC comes.

@@ -4,8 +4,8 @@ use linewright_canopen::NodeId;
 use linewright_line::Owner;
 use linewright_plant::FrameFaults;
 
-use crate::common::line;
 use crate::managed::Managed;
+use linewright_testkit::presses::line;
 
 /// Press 1 (node 4) and the console (node 10) are up.
 fn up() -> Managed {

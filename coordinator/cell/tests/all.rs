@@ -5,7 +5,5 @@ mod exceptions;
 mod planning;
 mod player;
 mod recovery;
-#[path = "../../../stations/logic/tests/samples.rs"]
-mod samples;
 mod steps;
 mod texts;

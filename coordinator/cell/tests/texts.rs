@@ -18,7 +18,7 @@ use linewright_line::{StationId, Tick};
 use linewright_orders::TaskRefusal;
 
 use crate::player::dispatch::rules::machine;
-use crate::samples::{listed, samples};
+use linewright_testkit::samples::{listed, samples};
 
 const MODE: ModeId = ModeId(5);
 const OTHER: ModeId = ModeId(6);

@@ -5,7 +5,5 @@ mod cycle_time;
 mod isolated;
 mod mode_table;
 mod on_order;
-#[path = "../../../stations/logic/tests/samples.rs"]
-mod samples;
 mod texts;
 mod watchfulness;

@@ -5,7 +5,7 @@ use linewright_coordinator_logic::{ModeCommand, ModeRefusal, ModeText, RefusedCo
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, TransferLine, parse};
 
-use crate::samples::{listed, samples};
+use linewright_testkit::samples::{listed, samples};
 
 fn reasons() -> Vec<ModeRefusal> {
     let station = StationId(1);

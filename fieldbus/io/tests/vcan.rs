@@ -2,8 +2,6 @@
 //!
 //! `vcan_uml.sh` next to this file runs it inside a user-mode Linux, on machines whose own kernel has no CAN.
 
-#[path = "../../protocol/tests/crowd/mod.rs"]
-mod crowd;
 #[path = "vcan/load.rs"]
 mod load;
 
@@ -17,6 +15,7 @@ use linewright_canopen::{BusEvent, CanopenMessage, Frame, FrameKind, Manager};
 use linewright_fieldbus::bus::Transport;
 use linewright_fieldbus::{Bus, BusOptions, Clock, Driver};
 use linewright_line::Timing;
+use linewright_testkit::crowd;
 
 const INTERFACE: &str = "vcan0";
 

@@ -9,10 +9,7 @@ use std::time::Duration;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-
-#[path = "../tests/crowd/mod.rs"]
-mod crowd;
-use crowd::{Crowd, inputs, owner};
+use linewright_testkit::crowd::{self, Crowd, inputs, owner};
 
 #[global_allocator]
 static ALLOCATOR: divan::AllocProfiler = divan::AllocProfiler::system();

@@ -2,5 +2,4 @@
 //!
 //! Another is `allocations`, which counts them, with an allocator for its whole program.
 
-mod any_frames;
 mod frames;

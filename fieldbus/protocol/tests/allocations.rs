@@ -1,8 +1,7 @@
 //! Steady process data allocate nothing: frames in, images, frames out, heartbeats and refreshes.
 
-mod crowd;
-use crowd::Crowd;
 use linewright_canopen::{Frame, IgnoreReason};
+use linewright_testkit::crowd::Crowd;
 
 #[test]
 fn a_second_of_126_devices_after_the_first_allocates_nothing() {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use linewright_canopen::Frame;
 use proptest::prelude::*;
 
-use crate::any_frames::Bench;
+use linewright_testkit::manager_frames::Bench;
 
 /// A script in which devices are brought up and looked after now and then, so that it comes to process data.
 fn script() -> impl Strategy<Value = Vec<u8>> {

@@ -6,7 +6,7 @@ use linewright_text::Problems;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 use proptest::prelude::*;
 
-use crate::common::{ASSEMBLY, C1};
+use linewright_testkit::cells::{ASSEMBLY, C1};
 
 /// Parses, and checks what must hold of any outcome.
 fn survives(text: &str) {

@@ -3,7 +3,7 @@
 use linewright_cell::parse;
 use linewright_text::Problem;
 
-use crate::common::{ASSEMBLY, ASSEMBLY_LINE, C1, C1_LINE, edited};
+use linewright_testkit::cells::{ASSEMBLY, ASSEMBLY_LINE, C1, C1_LINE, edited};
 
 fn base(name: &str) -> String {
     match name {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_cell::{ActivityKind, DispatchRule, LeftOut, ParameterSource, Prototype, StopOf, Whereabouts};
 
-use crate::common::{ASSEMBLY, C1, cell};
+use linewright_testkit::cells::{ASSEMBLY, C1, cell};
 
 /// A1, seed 000, L2029-2035: robot 1 loads robot 2: 3, loads the human: 2, unloads robot 2: 3, unloads the human: 2; robot 2
 /// works on part 1: 7.5; the human on part 2: 5, on part 3: 4. One time unit is a second here.

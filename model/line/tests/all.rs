@@ -1,7 +1,6 @@
 //! All tests of this crate as one program: programs of their own would each be linked with all that they share.
 
 mod analogue;
-mod common;
 mod devices;
 mod drives;
 mod fields;

@@ -1,6 +1,4 @@
 //! All tests of this crate as one program: programs of their own would each be linked with all that they share.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
 mod end_to_end;
 mod modbus;

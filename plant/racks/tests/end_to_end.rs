@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use crate::common::*;
 use linewright_canopen::sdo::{self, ObjectId};
 use linewright_canopen::{BusEvent, Manager, NodeId};
 use linewright_fieldbus::bus::{self, Transport};
@@ -11,6 +10,7 @@ use linewright_fieldbus_seam::InputImage;
 use linewright_line::{DeviceBus as BusName, Line, Owner};
 use linewright_plant::{FAULT_INDEX, PlantOptions};
 use linewright_racks::{RackOptions, run_plant};
+use linewright_testkit::presses::*;
 
 const LINE_BUS: &str = "vcan-line";
 const WAIT: Duration = Duration::from_secs(20);

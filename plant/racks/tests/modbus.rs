@@ -3,7 +3,6 @@
 use std::process::Command;
 use std::time::Duration;
 
-use crate::common::*;
 use linewright_fieldbus::Clock;
 use linewright_fieldbus::bus::{self, Transport};
 use linewright_fieldbus_seam::{Fieldbus, InputImage};
@@ -13,6 +12,7 @@ use linewright_line::{
 use linewright_modbus_tcp::ModbusTcp;
 use linewright_plant::PlantOptions;
 use linewright_racks::{RackOptions, run_plant};
+use linewright_testkit::presses::*;
 use tokio_modbus::client::{Context, Reader, tcp};
 use tokio_modbus::{ExceptionCode, Slave};
 

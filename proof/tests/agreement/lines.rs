@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_line::{Conflict, Line, OpId, StateSpan, StationId};
 
-use super::build::{arrow, beside, i, line, r, station, transfer_line};
+use linewright_testkit::built::{arrow, beside, i, line, r, station, transfer_line};
 
 /// Nothing expires while the clock stands still, but a lease of zero would.
 pub fn without_haste(mut line: Line) -> Line {

@@ -6,8 +6,6 @@
 //! newest; stations restart from what they kept. It is slow. Where both see every state they must see equally many.
 
 mod actions;
-#[path = "../../../model/line/tests/common/mod.rs"]
-mod build;
 pub mod lines;
 mod oracle;
 mod search;

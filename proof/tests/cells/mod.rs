@@ -8,17 +8,13 @@ mod recovery;
 mod shipped;
 mod table;
 
-/// The texts of the shipped cells, and what is made of texts: those of the descriptions' own tests.
-#[path = "../../../model/cell/tests/common/mod.rs"]
-mod texts;
-
 use std::path::Path;
 
 use linewright_cell::Cell;
 use linewright_line::Line;
 use linewright_proof::cell::{CellExploration, CellProperty, Checked, Verdict, check};
 
-pub use texts::{ASSEMBLY, C1, cell, edited};
+pub use linewright_testkit::cells::{ASSEMBLY, C1, cell, edited};
 
 /// A shipped cell and its line, with more at the end of the line's description.
 #[track_caller]

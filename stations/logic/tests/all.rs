@@ -2,9 +2,6 @@
 //!
 //! Only `allocations` is another, because it counts allocations, with an allocator for its whole program.
 
-#[path = "../../../model/line/tests/common/mod.rs"]
-mod build;
 mod controller;
 mod orders;
-mod samples;
 mod texts;

@@ -7,7 +7,7 @@ use linewright_station_logic::{
     CompileError, HappeningKind, Ignored, PositionDoubt, RejoinAdvice, StationHappening, StationWait, StopCause,
 };
 
-use crate::samples::{listed, samples};
+use linewright_testkit::samples::{listed, samples};
 
 const TRANSFER: StationId = StationId(0);
 const CLAMP: StationId = StationId(1);

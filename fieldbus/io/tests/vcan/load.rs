@@ -15,8 +15,8 @@ use linewright_canopen::{BusEvent, CanopenMessage, Frame, IgnoreReason, Manager}
 use linewright_fieldbus::{Clock, Driver};
 use linewright_line::Timing;
 
-use super::crowd::{self, BITS, OF_ONE_OWNER};
 use super::{alone, open, run, say};
+use linewright_testkit::crowd::{self, BITS, OF_ONE_OWNER};
 
 /// Bit rates of CiA 301 in kbit/s, and what 90 % of each are in frames of eight bytes with half of their possible stuff
 /// bits. The first is tried, and what it carries decides.

@@ -8,7 +8,7 @@
 use linewright_cell::net::{Detail, net};
 use linewright_nets::coloured::{Colours, explore, unfold};
 
-use crate::common::{ASSEMBLY, C1, cell, edited};
+use linewright_testkit::cells::{ASSEMBLY, C1, cell, edited};
 
 /// States, steps, deadlocks.
 fn counts(text: &str, waiting: &[u32]) -> (usize, usize, usize) {

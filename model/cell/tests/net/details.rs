@@ -6,7 +6,7 @@ use linewright_cell::net::{CellNet, Detail, Origin, Supply, TransitionPhase, net
 use linewright_nets::coloured::{ColouredNet, explore};
 
 use super::{mode, names, play};
-use crate::common::{ASSEMBLY, C1, cell, edited};
+use linewright_testkit::cells::{ASSEMBLY, C1, cell, edited};
 
 fn made(text: &str, detail: Detail, waiting: &[u32]) -> CellNet {
     net(&cell(text), detail, waiting).expect("it is small")

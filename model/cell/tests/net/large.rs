@@ -5,7 +5,7 @@ use std::fmt::Write;
 use linewright_cell::net::{Detail, net};
 use linewright_nets::coloured::{Colours, unfold};
 
-use crate::common::cell;
+use linewright_testkit::cells::cell;
 
 /// Groups of two machines and a robot around a store, and one part type for each group that is worked on twice.
 fn large(groups: usize) -> String {

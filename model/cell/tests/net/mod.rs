@@ -3,13 +3,7 @@
 mod counts;
 mod details;
 mod large;
-#[path = "../../../nets/tests/coloured/named.rs"]
-mod named;
 mod published;
-/// The published cell as one net, written from the source's pages; its own tests say which arcs are printed.
-#[path = "../../../nets/tests/coloured/cell.rs"]
-#[allow(dead_code)]
-mod source;
 mod twin;
 
-use named::{mode, names, play};
+use linewright_testkit::coloured::{mode, names, play};

@@ -10,7 +10,7 @@ use linewright_line::{ButtonId, Line, OpId, StationId};
 use proptest::prelude::*;
 
 use super::generate::station_alone;
-use crate::common::transfer_line;
+use linewright_testkit::built::transfer_line;
 
 fn is_possible(on: &BTreeSet<Var>) -> bool {
     let has = |var| on.contains(&var);

@@ -11,7 +11,7 @@ use linewright_line::net::{ControlMode, StationNet};
 use linewright_line::{Line, OpId, StationId};
 
 use super::words::{cell, number};
-use crate::common::{alone, i, r};
+use linewright_testkit::built::{alone, i, r};
 
 const AUTO: ControlMode = ControlMode::Auto;
 const HAND: ControlMode = ControlMode::Hand;
@@ -145,8 +145,8 @@ fn hand_types_have_the_conditions_of_figure_21() {
 
 #[test]
 fn one_button_for_back_and_next_means_on_if_the_arrows_hold_and_back_if_not() {
-    let shared = crate::common::station("clamp", 0, &[r(6), r(6)], 0, true);
-    let line = crate::common::line(vec![shared], Vec::new());
+    let shared = linewright_testkit::built::station("clamp", 0, &[r(6), r(6)], 0, true);
+    let line = linewright_testkit::built::line(vec![shared], Vec::new());
     assert_eq!(found(&line, OpId(0), "t4", HAND), "h_b↑ ¬IVC");
     assert_eq!(found(&line, OpId(0), "t11", HAND), "h_b↑ IVC");
 }

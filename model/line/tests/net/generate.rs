@@ -7,7 +7,7 @@
 use linewright_line::Line;
 use proptest::prelude::*;
 
-use crate::common::{Op, alone, line, r, station};
+use linewright_testkit::built::{Op, alone, line, r, station};
 
 /// One hand-mode sequence: its hand types, and for each operation whether it may be irreversible and grouped.
 fn sequence() -> impl Strategy<Value = Vec<Op>> {

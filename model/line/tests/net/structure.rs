@@ -6,7 +6,7 @@ use linewright_nets::{explore, state_machine_verdict};
 use proptest::prelude::*;
 
 use super::generate::station_alone;
-use crate::common::{alone, beside, i, r, transfer_line};
+use linewright_testkit::built::{alone, beside, i, r, transfer_line};
 
 /// More markings than any generated station has.
 const MARKINGS_MAX: usize = 200_000;

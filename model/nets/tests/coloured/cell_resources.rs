@@ -9,8 +9,8 @@ use linewright_nets::coloured::{
     ColouredBuilder, ColouredNet, Colours, Domain, Fusion, explore, fuse, id, proj, unfold,
 };
 
-use super::cell::{Variant, cell, transitions, work_plan};
 use super::names;
+use linewright_testkit::published_cell::{Variant, cell, transitions, work_plan};
 
 /// Robot 1: free, or on one of its two ways, loading or unloading.
 fn robot() -> ColouredNet {

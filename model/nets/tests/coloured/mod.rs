@@ -10,10 +10,9 @@ mod example;
 mod flows;
 mod grammar;
 mod lifo;
-mod named;
 mod problems;
 mod random;
 mod slow;
 mod watchdog;
 
-use named::{mode, names, play};
+use linewright_testkit::coloured::{mode, names, play};

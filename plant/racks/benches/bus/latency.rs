@@ -10,7 +10,9 @@ use linewright_canopen::{BusEvent, CanopenMessage, Frame, Manager};
 use linewright_fieldbus::{Bus, Clock, Driver};
 use linewright_line::Timing;
 
-use super::{Place, block_on, crowd, of};
+use linewright_testkit::crowd;
+
+use super::{Place, block_on, of};
 
 const ROUNDS: u16 = 500;
 /// A line is mostly asleep, and so is everybody here between two frames.

@@ -11,9 +11,6 @@
 //! `cargo bench -p linewright-racks --bench bus [-- WHAT]`; in a user-mode Linux, where the kernel has no CAN:
 //! `LINEWRIGHT_PYTHON=… fieldbus/io/tests/vcan_uml.sh target/release/deps/bus-…`.
 
-#[path = "../../../../fieldbus/protocol/tests/crowd/mod.rs"]
-mod crowd;
-
 mod boot;
 mod latency;
 mod rate;

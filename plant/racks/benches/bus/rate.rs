@@ -11,7 +11,9 @@ use linewright_canopen::Manager;
 use linewright_fieldbus::{Bus, Clock, Driver};
 use linewright_line::Timing;
 
-use super::{Place, block_on, crowd};
+use linewright_testkit::crowd;
+
+use super::{Place, block_on};
 
 const DEVICES: u8 = 126;
 const REPEATS: usize = 5;

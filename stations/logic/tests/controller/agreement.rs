@@ -5,7 +5,7 @@ use linewright_line::{Line, OpId, StationId};
 use linewright_station_logic::{Restore, StationReport, WithdrawalAnswer, WithdrawalRequest};
 
 use super::rig::{Rig, peer_says};
-use crate::build::{arrow, line, r, station};
+use linewright_testkit::built::{arrow, line, r, station};
 
 const A: StationId = StationId(0);
 const B: StationId = StationId(1);

@@ -4,7 +4,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId};
 
 use super::rig::{Rig, peer_says};
-use crate::build::{alone, arrow, i, line, r, station};
+use linewright_testkit::built::{alone, arrow, i, line, r, station};
 
 #[test]
 fn auto_runs_the_operations_in_the_order_of_the_chart_and_counts_the_cycle() {

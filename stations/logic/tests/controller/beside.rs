@@ -5,10 +5,10 @@ use linewright_line::{OpId, StationId};
 use linewright_station_logic::{StationReport, WithdrawalAnswer};
 
 use super::rig::{Rig, peer_says};
-use crate::build::{actuator_bit, alone, arrow, beside, complete_bit, line, r, station};
+use linewright_testkit::built::{actuator_bit, alone, arrow, beside, complete_bit, line, r, station};
 
 /// op 0, then op 1 beside op 2, then op 3, which is home.
-fn group() -> Vec<crate::build::Op> {
+fn group() -> Vec<linewright_testkit::built::Op> {
     vec![r(6), r(6), beside(6), r(6)]
 }
 

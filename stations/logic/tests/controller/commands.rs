@@ -6,7 +6,7 @@ use linewright_line::net::ControlMode;
 use linewright_station_logic::{Handled, Ignored, PanelCommand, StationInput};
 
 use super::rig::Rig;
-use crate::build::{PANEL, alone, r};
+use linewright_testkit::built::{PANEL, alone, r};
 
 fn rig() -> Rig {
     Rig::new(alone(1, &[r(6), r(6)]))

@@ -5,7 +5,7 @@ use linewright_line::{OpId, StationId};
 use linewright_station_logic::StopCause;
 
 use super::rig::Rig;
-use crate::build::{alone, complete_bit, i, r};
+use linewright_testkit::built::{alone, complete_bit, i, r};
 
 fn running() -> Rig {
     let mut rig = Rig::new(alone(1, &[r(6), r(6)]));

@@ -4,7 +4,7 @@ use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{HandMode, OpId, StationId};
 
 use super::rig::Rig;
-use crate::build::{alone, line, r, station};
+use linewright_testkit::built::{alone, line, r, station};
 
 fn in_hand_mode(home: usize, types: &[u8]) -> Rig {
     let ops: Vec<_> = types.iter().map(|&t| r(t)).collect();
@@ -49,7 +49,7 @@ fn a_motion_that_arrives_while_its_button_is_up_completes_when_it_is_down() {
     rig.hold(button);
     rig.release(button);
     rig.set(u128::MAX, false);
-    rig.set(crate::build::complete_bit(OpId(0), false), true);
+    rig.set(linewright_testkit::built::complete_bit(OpId(0), false), true);
     assert_eq!(rig.report().done, [0, 0]);
     rig.hold(button);
     assert_eq!(rig.report().done, [1, 0]);
@@ -171,7 +171,7 @@ fn two_buttons_pressed_in_one_image_mean_forward() {
 fn a_shared_button_goes_on_if_the_arrows_hold_back_if_not_and_nowhere_if_it_is_not_known() {
     let clamp = station("clamp", 0, &[r(6), r(6)], 0, true);
     let bar = station("bar", 1, &[r(6), r(6)], 8, false);
-    let arrows = vec![crate::build::arrow((1, 0), (0, 1), 0)];
+    let arrows = vec![linewright_testkit::built::arrow((1, 0), (0, 1), 0)];
     let both = line(vec![clamp, bar], arrows);
     let press = |bar_says: Option<&[i32]>| {
         let mut rig = Rig::new(both.clone());

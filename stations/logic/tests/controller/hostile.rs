@@ -11,7 +11,7 @@ use linewright_station_logic::{
 use proptest::prelude::*;
 
 use super::rig::{Rig, peer_says};
-use crate::build::{arrow, i, line, r, station};
+use linewright_testkit::built::{arrow, i, line, r, station};
 
 fn pair() -> Line {
     let stations = vec![station("a", 2, &[r(1), i(1, &[0]), r(2)], 0, false), station("b", 1, &[r(6), r(6)], 8, false)];
@@ -110,7 +110,7 @@ proptest! {
             };
             controller.step(now, &mut out);
             let moving: u128 = controller.marking().filter(|p| p.is_operating())
-                .map(|p| crate::build::actuator_bit(p.op, p.block == linewright_line::net::Block::Recovery)).sum();
+                .map(|p| linewright_testkit::built::actuator_bit(p.op, p.block == linewright_line::net::Block::Recovery)).sum();
             prop_assert_eq!(out.outputs & !moving, 0, "only an operating place drives");
             let report = controller.report();
             for op in 0..report.done.len() {

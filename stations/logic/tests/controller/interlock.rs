@@ -9,7 +9,7 @@ use linewright_station_logic::{
     StationInput, StationOutbox, StationReport,
 };
 
-use crate::build::transfer_line;
+use linewright_testkit::built::transfer_line;
 
 const BAR: StationId = StationId(0);
 const CLAMP: StationId = StationId(1);

@@ -5,10 +5,10 @@ use linewright_line::{OpId, StationId};
 use linewright_station_logic::{StationReport, WithdrawalRequest};
 
 use super::rig::{Rig, peer_says};
-use crate::build::{alone, arrow, complete_bit, i, line, r, station};
+use linewright_testkit::built::{alone, arrow, complete_bit, i, line, r, station};
 
 /// Faulted in `op`, in auto, then in manual with the fault gone.
-fn faulted(home: usize, ops: &[crate::build::Op], op: u16) -> Rig {
+fn faulted(home: usize, ops: &[linewright_testkit::built::Op], op: u16) -> Rig {
     let mut rig = Rig::new(alone(home, ops));
     rig.mode(ControlMode::Auto);
     for before in 0..op {

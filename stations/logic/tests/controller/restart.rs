@@ -5,7 +5,7 @@ use linewright_line::{OpId, StationId};
 use linewright_station_logic::{CompileError, Controller, Restore, StationSnapshot};
 
 use super::rig::Rig;
-use crate::build::{alone, i, r};
+use linewright_testkit::built::{alone, i, r};
 
 fn restarted(rig: &Rig) -> Rig {
     Rig::of(rig.line.clone(), rig.station, Restore::From(rig.controller.snapshot()))

@@ -11,7 +11,7 @@ use linewright_station_logic::{
     Controller, ModeOrder, NO_DELAY, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
 };
 
-use crate::build::{actuator_bit, complete_bit};
+use linewright_testkit::built::{actuator_bit, complete_bit};
 
 /// How often commands and views are refreshed while time passes, as the shipped timing has it.
 const REFRESH: Duration = Duration::from_millis(50);

@@ -3,7 +3,7 @@
 use linewright_line::net::ControlMode;
 
 use super::rig::Rig;
-use crate::build::{alone, i, r};
+use linewright_testkit::built::{alone, i, r};
 
 type Counts = (i32, Vec<i32>, Vec<i32>);
 

@@ -3,8 +3,6 @@
 //! The devices take every setting, are of the profile that is asked for, and send what they are told to. They share
 //! nothing with those of the simulated plant.
 
-#![allow(dead_code)] // Each program uses its share.
-
 use std::time::Duration;
 
 use linewright_canopen::codec::{NmtCommand, NmtState, Payload};

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 /// The samples, each behind the pattern that it fits. A variant without an arm does not compile.
+#[macro_export]
 macro_rules! samples {
     ($kind:ty { $($pattern:pat => $($sample:expr),+;)+ }) => {{
         #[allow(dead_code)]
@@ -19,7 +20,7 @@ macro_rules! samples {
         samples
     }};
 }
-pub(crate) use samples;
+pub use samples;
 
 /// The heading, and one line for each sample: variant and text.
 pub fn listed<T: Debug>(heading: &str, samples: &[T], text: impl Fn(&T) -> String) -> String {

@@ -1,4 +1,4 @@
-//! Coloured nets by the names of their modes. The tests of cells use it as well.
+//! Coloured nets by the names of their modes.
 
 use linewright_nets::coloured::{ColouredMarking, ColouredNet, NetMode};
 

@@ -2,7 +2,6 @@
 //!
 //! The result is not parsed, so nothing here is checked beyond what the builder itself makes sure of: hand types form
 //! sequences, buttons follow the sequences, every signal has a bit of its own, and motions chain along one axis each.
-#![allow(dead_code, reason = "each test binary uses its part")]
 
 use std::time::Duration;
 
@@ -165,6 +164,6 @@ pub fn alone(home: usize, ops: &[Op]) -> Line {
 
 /// The shipped transfer line.
 pub fn transfer_line() -> Line {
-    let text = include_str!("../../../../launch-config/lines/transfer-line/line.toml");
+    let text = include_str!("../../launch-config/lines/transfer-line/line.toml");
     linewright_line::parse("line.toml", text).unwrap_or_else(|e| panic!("the shipped line is sound: {e:?}")).line
 }

@@ -1,12 +1,11 @@
 //! The shipped cells, as texts and parsed.
-#![allow(dead_code)]
 
 use linewright_cell::{Cell, parse};
 
-pub const C1: &str = include_str!("../../../../launch-config/lines/workcell-c1/cell.toml");
-pub const ASSEMBLY: &str = include_str!("../../../../launch-config/lines/assembly-cell/cell.toml");
-pub const C1_LINE: &str = include_str!("../../../../launch-config/lines/workcell-c1/line.toml");
-pub const ASSEMBLY_LINE: &str = include_str!("../../../../launch-config/lines/assembly-cell/line.toml");
+pub const C1: &str = include_str!("../../launch-config/lines/workcell-c1/cell.toml");
+pub const ASSEMBLY: &str = include_str!("../../launch-config/lines/assembly-cell/cell.toml");
+pub const C1_LINE: &str = include_str!("../../launch-config/lines/workcell-c1/line.toml");
+pub const ASSEMBLY_LINE: &str = include_str!("../../launch-config/lines/assembly-cell/line.toml");
 
 /// The cell of a sound text without a line.
 #[track_caller]

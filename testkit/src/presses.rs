@@ -3,8 +3,6 @@
 //!
 //! Each press: input 0 is on in front, 1 at the back, 2 when the advance has failed; output 0 advances, 1 returns.
 
-#![allow(dead_code)] // Each test binary uses its share.
-
 use std::time::Duration;
 
 use linewright_line::{
