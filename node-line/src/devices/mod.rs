@@ -105,7 +105,7 @@ impl Devices {
         })
     }
 
-    /// Waits for a request; hand it to [`Devices::ask`]. Cancel safe.
+    /// Waits for a request; pass it to [`Devices::ask`]. Cancel safe.
     pub async fn next(&mut self) -> DeviceServiceRequest {
         match self.from.recv().await {
             Some(asked) => asked,

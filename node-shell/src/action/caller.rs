@@ -24,11 +24,11 @@ pub enum GoalError {
     /// The goal was rejected: its id is in use, or too many are under way.
     #[error("{action}: the goal was rejected")]
     Rejected { action: String },
-    /// The middleware has failed, or what it brought makes no sense.
+    /// The middleware has failed, or its answer is invalid.
     #[error("{action}: {reason}")]
     Middleware {
         action: String,
-        /// Its words.
+        /// The middleware's text.
         reason: String,
     },
 }
