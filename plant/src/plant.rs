@@ -212,7 +212,6 @@ impl Plant {
 
     /// Number of times that drives both ways of one axis have come on at once. A controller must never do that; the
     /// axis then stands still.
-    /// stands still.
     pub fn alarms(&self) -> u64 {
         self.alarms
     }

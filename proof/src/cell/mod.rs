@@ -41,7 +41,7 @@ pub use verdict::{CellProperty, Checked, GroupExplored};
 /// At most so many places and transitions of the ordinary net: a thousand resources need a tenth of it.
 const NODES_MAX: usize = 1_000_000;
 
-/// What is explored, and how far.
+/// Subject and extent of an exploration.
 #[derive(Clone, Debug)]
 pub struct CellExploration<'c> {
     pub cell: &'c Cell,
