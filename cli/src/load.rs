@@ -42,7 +42,7 @@ const CELL: &str = "cell.toml";
 pub fn files_of(path: &Path) -> Files {
     let line = file_of(path);
     match cell_file(path) {
-        // Whatever is missing is said of the line's description, which is the usual one.
+        // Whatever is missing is reported for the line's description, which is the usual one.
         None => Files { line: Some(line), cell: None },
         cell => Files { line: Some(line).filter(|file| file.is_file()), cell },
     }
@@ -85,14 +85,14 @@ pub fn line(path: &Path, quiet: bool) -> miette::Result<Line> {
     Ok(line)
 }
 
-/// Says on standard error what is doubtful in a description.
+/// Prints the warnings on a description on standard error.
 pub fn warn(file: &Path, warnings: &[Problem]) {
     for warning in warnings {
         crate::out::complain!("{}:{}:{}: warning: {}", file.display(), warning.line, warning.column, warning.message);
     }
 }
 
-/// Adds what the devices' own files say, which lie beside the description.
+/// Adds the content of the devices' own files, which are beside the description.
 pub fn with_device_files(line: &mut Line, path: &Path, quiet: bool) -> miette::Result<()> {
     let file = file_of(path);
     crate::devices::complete(line, file.parent().unwrap_or(Path::new("")), quiet)?;

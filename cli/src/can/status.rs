@@ -42,7 +42,7 @@ struct StatusNode {
     is: String,
 }
 
-/// What was heard on one bus.
+/// State of listening on one bus.
 struct ListenedBus {
     interface: String,
     bus: Bus,
@@ -62,7 +62,7 @@ impl ListenedBus {
         while let Ok(frame) = timeout_at(until, self.bus.recv()).await {
             let frame = frame.into_diagnostic()?;
             self.survey.hear(clock.now(), &frame);
-            // It takes what it hears as the line's own manager does; what it would send is not sent.
+            // Frames go in as into the line's own manager; its own are not sent.
             self.plain.handle(clock.now(), &frame, &mut BusOutbox::default());
         }
         Ok(())
@@ -154,7 +154,7 @@ fn long_enough(line: &Line) -> Duration {
     (line.timing.heartbeat * 4).max(slowest) + Duration::from_millis(50)
 }
 
-/// The description's CANopen devices on this bus, then whoever else was heard.
+/// The description's CANopen devices on this bus, then other nodes that sent.
 fn nodes(line: &Line, interface: &str, survey: &BusScan, now: Tick, listened: Duration) -> Vec<StatusNode> {
     let canopen = line.devices_on(interface).filter_map(|device| Some((device, device.node_id()?)));
     let described = canopen.map(|(device, node)| {

@@ -8,9 +8,9 @@ use crate::chart::{ActivityBar, BarChart, BarRow};
 
 /// Characters for the time.
 const WIDTH: usize = 80;
-/// The margin for names, at least: the legend wants this much.
+/// Least margin for names: the legend needs this much.
 const LABELS_MIN: f64 = 240.0;
-/// What a letter takes on average, in plain and in bold type.
+/// Average width of a letter, in plain and in bold type.
 const LETTER: f64 = 6.8;
 const BOLD: f64 = 8.0;
 const MEASURED: &str = "#2f6fb0";
