@@ -1,5 +1,5 @@
-//! Who is between stations and devices: a gateway that is replaced, and a console that falls silent. What stations' devices
-//! suffer is in `fault_matrix`.
+//! Nodes between stations and devices: a gateway that is replaced, and a console that falls silent. Faults of stations'
+//! devices are in `fault_matrix`.
 
 use std::time::Duration;
 

@@ -28,7 +28,7 @@ fn patient(text: &str) -> String {
     patient + TIMING
 }
 
-/// Whether there is a bus to test on; says so if not.
+/// Whether there is no bus to test on; prints it if so.
 fn no_bus() -> bool {
     let missing = !PathBuf::from("/sys/class/net").join(BUS).exists();
     if missing {
@@ -55,7 +55,7 @@ fn own(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/real_bus").join(name)
 }
 
-/// The built command, with nobody else's ROS settings.
+/// The built command, without inherited ROS settings.
 fn linewright(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
     for other in ["ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "RUST_LOG"] {
