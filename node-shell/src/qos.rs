@@ -8,7 +8,7 @@
 //! | | reliability | durability | history | for |
 //! |---|---|---|---|---|
 //! | [`latched_state`] | reliable | transient local | keep last 1 | whole states |
-//! | [`command`] | reliable | volatile | keep last 1 | what an operator wants now |
+//! | [`command`] | reliable | volatile | keep last 1 | operator commands |
 //! | [`event`] | reliable | volatile | keep last 100 | what happened |
 //! | [`service`] | reliable | volatile | keep last 10 | requests and answers, as rclcpp has them |
 //! | [`repeated`] | best effort | volatile | keep last 1 | mode orders, and process images at the scan rate |

@@ -8,7 +8,7 @@
 //!   a hand opens         what it held stays in the nest it reaches, if that is free; else it falls
 //!   a hand moves away    with what it holds; a closed clamp keeps its part
 //!   a hand comes         what it holds is in the nest as well, if that is free and open
-//!   a hand closes        it has what lies where it reaches; or nothing, and nobody is told
+//!   a hand closes        it has the part that it reaches; or nothing, without a report
 //! ```
 //!
 //! The position of a store at which a hand is follows from the outputs with the number, at the moment its axes come to

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   auto ── a second coordinator is started ──▶ it ends: it came second                      auto goes on
-//!   auto ── another one that does not end ──▶ stand-by, nothing moves, everybody names it
+//!   auto ── another one that does not end ──▶ stand-by, nothing moves, all nodes name it
 //!        ── the emergency stop of the other ──▶ every station in it ── the other one ends ──▶ recovered ──▶ auto
 //! ```
 

@@ -308,7 +308,7 @@ impl Comm {
         }
     }
 
-    /// From now, not from the last one: a caller who is late does not get a burst.
+    /// From now, not from the last one: a caller that is late does not get a burst.
     fn schedule_heartbeat(&mut self, now: Tick) {
         self.next_heartbeat = if self.heartbeat.is_zero() { Tick::NEVER } else { now + self.heartbeat };
     }

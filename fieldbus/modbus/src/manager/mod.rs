@@ -166,7 +166,7 @@ impl ModbusManager {
     /// The inputs of `owner` as they stand at `now`; `None` if none of its devices is here.
     pub fn inputs(&self, now: Tick, owner: Owner) -> Option<InputImage> {
         let image = self.images.iter().find(|image| image.owner == owner)?.inputs;
-        // Checked again here, so that a caller who polls late does not read a dead device as a live one.
+        // Checked again here, so that a caller that polls late does not read a dead device as a live one.
         Some(InputImage { valid: image.valid && self.are_trusted(now, owner), ..image })
     }
 

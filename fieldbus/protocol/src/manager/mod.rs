@@ -257,7 +257,7 @@ impl Manager {
     /// The inputs of `owner` as they stand at `now`.
     pub fn inputs(&self, now: Tick, owner: Owner) -> InputImage {
         let image = self.images.iter().find(|i| i.owner == owner).map_or(InputImage::NEVER, |i| i.inputs);
-        // Checked again here, so that a caller who polls late does not read a dead device as a live one.
+        // Checked again here, so that a caller that polls late does not read a dead device as a live one.
         InputImage { valid: image.valid && self.are_trusted(now, owner), ..image }
     }
 
