@@ -1,4 +1,4 @@
-//! What the messages, services and actions of a line have in common.
+//! Common traits of the messages, services and actions of a line.
 
 use crate::invalid::{ITEMS_MAX, Invalid, TEXT_BYTES_MAX, at_most};
 use serde::{Deserialize, Serialize};

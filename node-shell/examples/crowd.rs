@@ -1,4 +1,4 @@
-//! How many processes on one host find each other, and how fast.
+//! Number of processes on one host that discover each other, and the time it takes.
 //!
 //! `crowd N [seconds] [hz]` starts N processes that each publish a latched station state and subscribe to those of all
 //! others, and prints when each had received all of them. Run it again inside `unshare -n` with multicast switched on

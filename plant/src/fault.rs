@@ -1,4 +1,4 @@
-//! What can be made to go wrong, and by which number over CAN.
+//! Injectable faults, and their numbers over CAN.
 
 use linewright_canopen::codec::Abort;
 

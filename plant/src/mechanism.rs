@@ -1,7 +1,7 @@
 //! One station's mechanisms: axes, what drives them, and the switches they press.
 //!
-//! A description speaks of operations; an axis has only drives (an output that pulls it towards a position) and
-//! switches (an input that is on at a position). The translation is here.
+//! A description has operations; an axis has only drives (an output that pulls it towards a position) and switches (an
+//! input that is on at a position). The translation is here.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! What a simulated device can be made to suffer on the bus, commanded as over CAN: each begins, shows, and is cleared.
+//! Injected faults of a simulated device on the bus, commanded as over CAN: each begins, shows, and is cleared.
 
 use linewright_canopen::NodeId;
 use linewright_line::Owner;

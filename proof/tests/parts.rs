@@ -1,4 +1,4 @@
-//! What the whole line can reach, some part of it can: lines with a mistake in them, whole and in parts.
+//! A conflict that the whole line can reach, some part of it can: lines with a mistake in them, whole and in parts.
 
 use linewright_line::Line;
 use linewright_proof::explore::{LineExploration, Verdict};

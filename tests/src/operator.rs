@@ -1,4 +1,4 @@
-//! What people do: commands, panels, buttons; and how they bring a line back.
+//! Actions of operators: commands, panels, buttons; and the recovery of a line.
 
 use std::time::Duration;
 

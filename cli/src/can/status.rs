@@ -34,7 +34,7 @@ pub struct StatusArgs {
 struct StatusNode {
     /// The interface of its bus; `None` for a device that is not on CAN.
     bus: Option<String>,
-    /// `None` for a device that speaks no CANopen.
+    /// `None` for a device without CANopen.
     node: Option<u8>,
     name: Option<String>,
     owner: Option<String>,
@@ -47,7 +47,7 @@ struct ListenedBus {
     interface: String,
     bus: Bus,
     survey: BusScan,
-    /// Devices that speak no CANopen.
+    /// Devices without CANopen.
     plain: Manager,
 }
 
@@ -147,7 +147,7 @@ fn not_asked(line: &Line, device: &Device, why: &str) -> StatusNode {
     }
 }
 
-/// Four heartbeats; where devices speak no CANopen, as long as the slowest of their messages may stay away.
+/// Four heartbeats; with devices without CANopen, the longest time limit of their messages.
 fn long_enough(line: &Line) -> Duration {
     let heard = line.devices.iter().filter_map(|device| device.frames()?.bound.as_ref());
     let slowest = heard.flat_map(|bound| bound.heard.iter().map(|heard| heard.timeout)).max().unwrap_or_default();

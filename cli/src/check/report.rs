@@ -1,4 +1,4 @@
-//! What a check finds, as data: the JSON of `--json`, and what the tables are made from.
+//! Result of a check, as data: the JSON of `--json`, and the source of the tables.
 
 use linewright_line::{ParsedLine, Problem, Problems};
 use linewright_proof::cell::APART;
@@ -31,7 +31,7 @@ const TASKS: &str = "whether tasks in conflict are ordered at once: a cell's des
 pub struct CheckReport {
     /// The line's name; none if there is none, or its description could not be understood.
     pub line: Option<String>,
-    /// Nothing speaks against running it.
+    /// All checks, explorations and barriers hold.
     pub ok: bool,
     pub stations: Vec<StructureReport>,
     /// Checks of the whole line.

@@ -1,4 +1,4 @@
-//! What came out of a simulation, as numbers, and the same as text.
+//! Result of a simulation, as numbers and as text.
 //!
 //! Pure: it is given a simulation that has ended.
 

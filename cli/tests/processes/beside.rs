@@ -161,7 +161,7 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
         "{again}"
     );
 
-    // A command that speaks to the simulated devices finds their bus.
+    // A command for the simulated devices finds their bus.
     let stuck = ["clamp_1", "stick", "--operation", "advance clamp", "--bus", "rig-line"];
     let told = machine.ends(domain, &["fail"], &line, &stuck);
     assert!(told.status.success(), "{told:?}");

@@ -1,4 +1,4 @@
-//! Devices that are not digital CANopen I/O: a pressure that is measured, and a probe that speaks no CANopen, in a line of
+//! Devices that are not digital CANopen I/O: a pressure that is measured, and a probe without CANopen, in a line of
 //! real processes.
 
 use std::process::Output;

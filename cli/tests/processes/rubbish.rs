@@ -120,7 +120,7 @@ fn states(late: &StationState, round: u32) -> Vec<StationState> {
     ]
 }
 
-/// Truncated, overlong and lying bytes under the true type and quality of service of a topic.
+/// Truncated, overlong and false bytes under the true type and quality of service of a topic.
 fn bytes<M: RosMessage + 'static>(node: &mut RosNode, topic: &str, qos: QosProfile) -> Sender {
     let publisher: Publisher<Raw<M>> = node.publisher(topic, qos).expect("a topic");
     Box::new(move |_| {

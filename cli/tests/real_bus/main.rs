@@ -1,8 +1,8 @@
 //! Whole programs on a real CAN interface, beside programs of others.
 //!
-//! What the virtual bus cannot show: that kernel, `candump` and a foreign CANopen stack understand us as we understand
-//! ourselves. Needs an interface `vcan0`; `cargo xtask test` boots a kernel that has one where this one has not. The tests
-//! with Python need its packages `canopen` and `python-can`; `LINEWRIGHT_PYTHON` names the interpreter.
+//! Tests beyond the virtual bus: kernel, `candump` and a foreign CANopen stack decode our frames as we do. Needs an
+//! interface `vcan0`; `cargo xtask test` boots a kernel that has one where this one has not. The tests with Python need
+//! its packages `canopen` and `python-can`; `LINEWRIGHT_PYTHON` names the interpreter.
 //!
 //! The guest has one slow processor, so ages and leases are patient here.
 

@@ -149,7 +149,7 @@ impl Seen {
         self.arrivals.get(&(station.to_owned(), operation.to_owned())).copied().unwrap_or(0)
     }
 
-    /// An input of a station; off until its device has spoken.
+    /// An input of a station; off until its device has sent.
     pub fn input(&self, station: &str, name: &str) -> bool {
         self.known(station, name) == Some(true)
     }

@@ -35,8 +35,8 @@ pub struct ModbusTcp {
 }
 
 impl ModbusTcp {
-    /// The bus of those of these devices that speak Modbus. Nothing is connected before [`Fieldbus::next`] is called, within
-    /// a tokio runtime.
+    /// The bus of the Modbus devices among these. Nothing is connected before [`Fieldbus::next`] is called, within a
+    /// tokio runtime.
     pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>, clock: Clock) -> Self {
         let manager = ModbusManager::new(devices);
         let addresses = manager.addresses().map(|(address, unit, _)| (address, unit));

@@ -1,7 +1,7 @@
 //! The buses of one node as one.
 //!
-//! An owner's devices may hang on several. Its image is valid if each part is, and a loss on one bus lets go of the outputs
-//! on all others: whatever was set was decided without knowing of it.
+//! An owner's devices may hang on several. Its image is valid if each part is, and a loss on one bus lets go of the
+//! outputs on all others: they were set before the loss was known.
 
 use std::future::poll_fn;
 use std::task::Poll;
@@ -110,8 +110,8 @@ impl Joined {
         image
     }
 
-    /// Sets the output image of `owner`; see [`Fieldbus::set_outputs`]. Everything is off instead where a device was lost after
-    /// [`Joined::take_inputs`]: the image was decided without knowing of it.
+    /// Sets the output image of `owner`; see [`Fieldbus::set_outputs`]. Everything is off instead where a device was
+    /// lost after [`Joined::take_inputs`]: the image was decided before the loss was known.
     pub fn set_outputs(&mut self, owner: Owner, image: u128) {
         let image = if self.is_overtaken(owner) { 0 } else { image };
         self.buses.iter_mut().for_each(|bus| bus.set_outputs(owner, image));

@@ -1,4 +1,4 @@
-//! How a record stands in a file: behind a head with its length, its number, which records were on the disk when it was
+//! Form of a record in a file: behind a head with its length, its number, the number of records on the disk when it was
 //! written, and a checksum over all of that and the record.
 //!
 //! Numbers rise by one over the whole life of a log, so a frame that an older file has left in a block of the disk is not

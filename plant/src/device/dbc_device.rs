@@ -37,7 +37,7 @@ struct ReceivedFrame {
     outputs: u128,
 }
 
-/// A simulated device that speaks no CANopen.
+/// A simulated device without CANopen.
 #[derive(Debug)]
 pub struct DbcDeviceNode {
     sent: Vec<SentFrame>,

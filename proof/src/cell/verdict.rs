@@ -55,7 +55,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Whether every property holds; a remark does not speak against the cell.
+    /// Whether every property holds; a remark counts as holding.
     pub fn holds(&self) -> bool {
         self.properties.iter().all(|property| matches!(property.verdict, Verdict::Holds | Verdict::Remark))
     }

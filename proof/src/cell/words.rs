@@ -1,4 +1,4 @@
-//! What a transition of a cell's net does, and what a marking lacks, in the words of the description.
+//! Effects of a cell net's transitions, and tokens that a marking lacks, in the words of the description.
 
 use linewright_cell::net::{Origin, PlaceMeaning, TransitionPhase};
 use linewright_cell::{Activity, ActivityKind, Cell, ResourceId, Role, StageMove};

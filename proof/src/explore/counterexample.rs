@@ -11,7 +11,7 @@ use super::state::ComposedState;
 use super::station::{PanelKey, StationAct};
 use super::system::{System, SystemMove};
 
-/// What led to a state, in words and as a bar chart.
+/// Path to a state, in words and as a bar chart.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinePath {
     /// Steps, in order: `clamp_1: starts advance clamp`.

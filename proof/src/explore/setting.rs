@@ -1,4 +1,4 @@
-//! What is explored, and how freely.
+//! Subject and freedom of an exploration.
 //!
 //! The line is taken out of time: views, leases and watchdogs do not run out by themselves. What running out would do
 //! is among what may happen anyway: a watchdog is a failing motion, a lapsed lease is a change of mode, and a stale

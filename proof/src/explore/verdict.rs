@@ -57,7 +57,7 @@ pub struct LineExplored {
 }
 
 impl LineExplored {
-    /// Whether every property holds; a remark does not speak against the line.
+    /// Whether every property holds; a remark counts as holding.
     pub fn holds(&self) -> bool {
         self.properties.iter().all(|property| matches!(property.verdict, Verdict::Holds | Verdict::Remark))
     }

@@ -1,6 +1,6 @@
 //! Random lines: well formed, and the same for the same seed.
 //!
-//! What is generated is what [`linewright_line::parse`] accepts, and [`text`] writes it the way it is read: motions
+//! Generated lines are accepted by [`linewright_line::parse`], and [`text`] writes them in the form it reads: motions
 //! chain along their axes and lead home, hand-mode types form sequences, recovery paths take back what has been done
 //! since home, neighbours in one another's way have the arrows that keep them apart. [`break_it`] then spoils a line in
 //! one known way. A check is credible if it accepts all of the first and finds the second.

@@ -1,4 +1,4 @@
-//! What came out of a simulation of a cell, from its records: parts, activities, and how much resources worked.
+//! Result of a simulation of a cell, from its records: parts, activities, and utilisation of resources.
 
 use linewright_cell::Cell;
 use linewright_coordinator_cell::Record;

@@ -83,7 +83,7 @@ enum ModbusChange {
 }
 
 impl ModbusManager {
-    /// The manager of those of these devices that speak Modbus. Nothing is done before the first [`ModbusManager::poll`].
+    /// The manager of the Modbus devices among these. Nothing is done before the first [`ModbusManager::poll`].
     pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>) -> Self {
         let mut peers = Vec::new();
         let mut images: Vec<OwnerImage> = Vec::new();
@@ -189,7 +189,7 @@ impl ModbusManager {
         }
     }
 
-    /// Turns all outputs of an owner off: what was set was decided without knowing of a loss.
+    /// Turns all outputs of an owner off: they were set before a loss was known.
     fn let_go(&mut self, now: Tick, owner: Owner, out: &mut ModbusOutbox) {
         self.images.iter_mut().filter(|image| image.owner == owner).for_each(|image| image.outputs = 0);
         for peer in self.peers.iter_mut().filter(|peer| peer.owner == owner) {

@@ -44,7 +44,7 @@ impl fmt::Display for NodeId {
     }
 }
 
-/// One message of the predefined connection set, as far as Linewright speaks it.
+/// One message of the predefined connection set, as far as Linewright uses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CanopenMessage {
     /// Network management order, COB-ID 0x000 (CiA 301 §7.2.8.3.1). `node` `None` addresses all.

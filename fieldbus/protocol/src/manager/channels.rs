@@ -32,11 +32,11 @@ use crate::sdo::SdoWrite;
 /// The first process data object with channels, and how many there are.
 const FIRST: u8 = 2;
 const OBJECTS: usize = 3;
-/// How often the device sends its channels when nothing changes (event timer).
+/// Period at which the device sends its channels when nothing changes (event timer).
 const EVERY: Duration = Duration::from_millis(100);
 /// So many in a row may be missing.
 const MISSING: u32 = 3;
-/// How long the device waits at least between two frames, in 100 µs: a noisy input changes all the time.
+/// Least time between two frames of the device, in 100 µs: a noisy input changes all the time.
 const INHIBIT: u16 = 50;
 /// Transmission type: when something changes, and by the event timer.
 const EVENT_DRIVEN: u8 = 255;
@@ -49,7 +49,8 @@ struct ChannelInput {
     of: AnalogueInput,
     /// Its last number; `None` since the last boot or loss.
     number: Option<i16>,
-    /// Which of its limits' inputs are on, by its numbers since the last that was none; kept for showing after a loss.
+    /// For each of its limits' inputs whether it is on, by its numbers since the last invalid one; kept for display
+    /// after a loss.
     on: Vec<bool>,
     /// Why it counts as no measurement; `None` while it is one.
     broken: Option<BrokenChannel>,
@@ -68,7 +69,7 @@ struct BrokenChannel {
 pub(super) struct AnalogueChannels {
     inputs: Vec<ChannelInput>,
     outputs: Vec<AnalogueOutput>,
-    /// How long inputs may stay away, and how long they are measurements again before that counts.
+    /// Most time between inputs, and time for which they are measurements again before that counts.
     within: Duration,
     /// The image its owner set last.
     image: u128,

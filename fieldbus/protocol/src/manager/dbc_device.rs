@@ -33,7 +33,7 @@ pub struct DbcDeviceState<'a> {
     pub live: bool,
     /// Something of it has come in time, whatever it was.
     pub heard: bool,
-    /// How often it was live and then was not.
+    /// Number of times it was live and then was not.
     pub losses: u32,
     pub is: String,
 }
@@ -59,7 +59,7 @@ pub(super) struct DbcDevice {
     pub owner: Owner,
     heard: Vec<ReceivedMessage>,
     told: Vec<PublishedMessage>,
-    /// How often each message has been sent: in several forms it is one to the device.
+    /// Number of times each message has been sent: in several forms it is one to the device.
     counts: BTreeMap<FrameId, u64>,
     live: bool,
     losses: u32,
@@ -332,7 +332,7 @@ impl Manager {
         Ok(())
     }
 
-    /// Takes a frame of a device that speaks no CANopen; false if it is none.
+    /// Takes a frame of a device without CANopen; false if it is none.
     pub(super) fn take_plain(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) -> bool {
         let Some(id) = frame.frame_id().filter(|_| !self.plains.is_empty()) else { return false };
         let Some((at, outcome)) =
@@ -358,7 +358,7 @@ impl Manager {
         self.plains.iter().map(DbcDevice::deadline).fold(Tick::NEVER, Tick::min)
     }
 
-    /// Every device that speaks no CANopen as it is at `now`, in the order of the description.
+    /// Every device without CANopen as it is at `now`, in the order of the description.
     pub fn plain_statuses(&self, now: Tick) -> impl Iterator<Item = DbcDeviceState<'_>> {
         self.plains.iter().map(move |plain| DbcDeviceState {
             name: &plain.name,

@@ -8,7 +8,7 @@ use crate::sdo::{Abort, ObjectId, TransferError, TransferFailure};
 
 /// Requests that may wait, for all devices together.
 pub const WAITING_MAX: usize = 32;
-/// How long a request may wait for the channel. A boot of some twenty objects takes a fifth of a second.
+/// Most time for which a request waits for the channel. A boot of some twenty objects takes a fifth of a second.
 pub const PATIENCE: Duration = Duration::from_secs(5);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -28,7 +28,7 @@ use crate::sdo::wire::SdoBytes;
 use crate::sdo::{ObjectId, TransferProgress};
 
 pub(super) const ERROR_REGISTER: ObjectId = ObjectId::new(0x1001, 0);
-/// How often it is read while an error stands.
+/// Period of reading it while an error stands.
 const READ_EVERY: Duration = Duration::from_secs(1);
 /// Generic and communication error: bits 0 and 4.
 const WIRE: u8 = 0x11;

@@ -45,7 +45,7 @@ pub enum BusEvent {
         node: NodeId,
         fault: ChannelFault,
     },
-    /// A device that speaks no CANopen is live: all its messages come.
+    /// A device without CANopen is live: all its messages come.
     FramesUp {
         /// The last of its messages that came.
         id: FrameId,

@@ -72,7 +72,7 @@ struct ManagedImage {
 pub struct Manager {
     timing: Timing,
     peers: Vec<Peer>,
-    /// Devices that speak no CANopen.
+    /// Devices without CANopen.
     plains: Vec<DbcDevice>,
     /// Memory of each, in the same order.
     records: Vec<DeviceMemory>,
@@ -231,8 +231,9 @@ impl Manager {
         self.pace.give_back(now, frames);
     }
 
-    /// Lets go of every output of every device: for an orderly end, so nothing waits, and what waited is not sent. (After
-    /// any other end the devices' own heartbeat consumers do it; those that speak no CANopen have none and come first.)
+    /// Lets go of every output of every device: for an orderly end, so nothing waits, and what waited is not sent.
+    /// (After any other end the devices' own heartbeat consumers do it; those without CANopen have none and come
+    /// first.)
     ///
     /// A manager that has never sent anything, because another one was there first, disturbs nothing by ending either.
     pub fn release_outputs(&mut self, now: Tick, out: &mut BusOutbox) {
@@ -273,7 +274,7 @@ impl Manager {
         self.peers.iter().map(|peer| (peer.node, peer.name.as_str(), peer.is_operational()))
     }
 
-    /// How many frames were ignored for `reason`.
+    /// Number of frames ignored for `reason`.
     pub fn ignored(&self, reason: IgnoreReason) -> u64 {
         self.ignored[reason as usize]
     }
@@ -389,7 +390,7 @@ impl Manager {
         }
     }
 
-    /// One of an owner's devices is lost. Its controller decided without knowing: none of its outputs is vouched for.
+    /// One of an owner's devices is lost. Its controller decided before the loss was known: none of its outputs counts.
     pub(super) fn let_go(&mut self, now: Tick, owner: Owner, out: &mut BusOutbox) {
         self.give_image(now, owner, 0, out);
     }
@@ -444,8 +445,8 @@ impl Manager {
 /// Limit on reports of a repeated event.
 const TOLD: Budget = Budget::new(20, Duration::from_millis(100));
 
-/// How long an unanswered order waits before it is repeated, and how often an absent device is probed. Twice a second
-/// is soon enough for an operator who plugs it in, and no load for the bus.
+/// Time until an unanswered order is repeated, and between probes of an absent device. Twice a second is soon enough
+/// for an operator who plugs it in, and no load for the bus.
 const RETRY: Duration = Duration::from_millis(500);
 
 #[cfg(test)]

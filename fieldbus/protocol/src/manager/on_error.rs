@@ -51,8 +51,8 @@ pub(super) fn settings(
     settings
 }
 
-/// How a plan's settings that belong here are taken: those of the description are read back like the manager's own, and
-/// all of them are excused where the description gives a reason.
+/// Marks a plan's settings that belong here: those of the description are read back like the manager's own, and all of
+/// them are excused where the description gives a reason.
 pub(super) fn judged(setup: &DeviceSetup, settings: impl Iterator<Item = SdoWrite>) -> Vec<SdoWrite> {
     let excused = setup.without_error_values.is_some();
     let judge = |setting: SdoWrite| {

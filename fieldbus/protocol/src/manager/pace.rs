@@ -1,4 +1,4 @@
-//! How fast the manager sends: one limit for all devices of its bus.
+//! Rate of the manager's frames: one limit for all devices of its bus.
 //!
 //! An interface queues about ten frames (`txqueuelen`) and drops the rest; a bus of 500 kbit/s carries about four in a
 //! millisecond. Frames for 32 devices at once are far more than that. So frames wait here, not there:
@@ -25,7 +25,7 @@ use crate::frame::Frame;
 
 /// Bus time of an average frame at 500 kbit/s, in µs.
 const FRAME: i64 = 250;
-/// How many frames may go at once after a pause. Less than an interface's queue, which urgent ones need as well.
+/// Most frames at once after a pause. Less than an interface's queue, which urgent ones need as well.
 const BURST: i64 = 8;
 /// Service data go at least this often, however busy the bus is.
 const LEAST: Duration = Duration::from_millis(1);

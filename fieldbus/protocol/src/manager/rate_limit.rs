@@ -13,7 +13,7 @@ use linewright_line::Tick;
 pub(super) const FRAMES_MAX: u32 = 200;
 /// In which they are counted.
 pub(super) const WINDOW: Duration = Duration::from_millis(100);
-/// How long a node has to keep within that to be listened to again.
+/// Time for which a node has to keep within that to be listened to again.
 const CALM: Duration = Duration::from_secs(1);
 
 /// Frame count of a node.

@@ -29,10 +29,10 @@ use super::{MANAGER_NODE, Manager};
 use crate::codec::CanopenMessage;
 use crate::frame::Frame;
 
-/// How often another manager is reported at most while it is there.
+/// Least time between two reports of another manager while it is there.
 const TOLD_EVERY: Duration = Duration::from_secs(5);
 
-/// How far a manager is.
+/// Stage of taking over the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Takeover {
     /// Not polled yet.
@@ -50,11 +50,11 @@ enum Takeover {
 /// State of the watch for another manager.
 #[derive(Debug)]
 pub(super) struct Rival {
-    /// How long another manager is listened for.
+    /// Time for which another manager is listened for.
     listen: Duration,
-    /// How long it is taken to be there after its last heartbeat.
+    /// Time for which it counts as there after its last heartbeat.
     hold: Duration,
-    /// How late a look may be without missing a heartbeat.
+    /// Most delay of a poll without missing a heartbeat.
     slack: Duration,
     stage: Takeover,
     /// First and last arrival of its heartbeat; `None` while this manager is alone.

@@ -7,7 +7,7 @@ use super::event::BusEvent;
 use super::peer::{Peer, PeerPhase};
 use crate::codec::{Emergency, NmtState, NodeId, Profile};
 
-/// How a device is.
+/// Condition of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceCondition {
     /// Silent.
@@ -34,9 +34,9 @@ pub struct DeviceStatus<'a> {
     pub emergency: Option<(Tick, Emergency)>,
     /// By which table its error codes are read.
     pub profile: Profile,
-    /// How often it was operational and then was not.
+    /// Number of times it was operational and then was not.
     pub losses: u32,
-    /// How many of its frames made no sense.
+    /// Number of its frames that were ignored.
     pub ignored: u64,
 }
 

@@ -16,7 +16,7 @@ use crate::sdo::SdoWrite;
 
 /// So many frames of inputs in a row may be missing.
 const MISSING: u32 = 3;
-/// How long inputs that come with SYNC may stay away: three frames, and no shorter than a heartbeat may.
+/// Most time between inputs that come with SYNC: three frames, and no shorter than a heartbeat may.
 pub(super) fn inputs_within(device: &Device, timing: &Timing) -> Option<Duration> {
     let every = device.canopen()?.setup.transmission.inputs_every()?;
     let period = timing.sync?;

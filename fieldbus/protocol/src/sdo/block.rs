@@ -14,8 +14,8 @@ use super::wire::{BlockAck, BlockSegment, SdoBytes};
 pub(super) const BLOCK_MAX: u8 = 127;
 /// Most acknowledgements in a row without progress before the transfer is given up.
 const STALLS_MAX: u8 = 3;
-/// How long a receiver waits within a block before it acknowledges how far it got. Longer than any sender pauses within
-/// one, shorter than senders wait for an acknowledgement.
+/// Wait of a receiver within a block before it acknowledges how far it got. Longer than any sender pauses within one,
+/// shorter than senders wait for an acknowledgement.
 pub(super) const STALL: Duration = Duration::from_millis(250);
 /// The pause between two bursts of segments.
 pub(super) const PACE: Duration = Duration::from_millis(1);
@@ -64,7 +64,7 @@ impl BlockSender {
         self.sent == self.size || (self.sent > 0 && self.next() >= data.len())
     }
 
-    /// Where the next segment begins.
+    /// Offset of the next segment.
     fn next(&self) -> usize {
         self.acked + usize::from(self.sent) * 7
     }

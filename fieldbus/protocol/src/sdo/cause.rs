@@ -1,4 +1,4 @@
-//! What went wrong with a transfer.
+//! Failures of a transfer.
 
 use std::time::Duration;
 

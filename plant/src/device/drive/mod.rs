@@ -72,7 +72,7 @@ pub struct DriveNode {
     homing: HomingPhase,
     /// By motion: its set-point, and whether the axis sticks in it.
     motions: Vec<(MotionGoal, bool)>,
-    /// Where it is stuck, in mechanical increments.
+    /// Position at which it is stuck, in mechanical increments.
     blocked: Option<f64>,
     /// Its encoder is broken.
     broken: bool,

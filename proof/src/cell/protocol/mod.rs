@@ -1,11 +1,11 @@
 //! An activity of a cell as a whole: the real token player, the order protocol, and the real controllers of its stations.
 //!
-//! What may happen: an order or a message to leave one arrives, at any time after it was sent, any number of times or
-//! never; a station's report arrives late or never; motions arrive and fail, inputs that are waited for come and go;
-//! the time of an order is over at the station, at the coordinator, in either order; nodes of stations are started
-//! again, with their memories and without, and so is the coordinator; a person gives alarm, before the activity fails
-//! or afterwards, and gives any permitted answer as soon as there is an alarm. Afterwards anything may start that uses
-//! the same stations.
+//! Events: an order or a message to leave one arrives, at any time after it was sent, any number of times or never; a
+//! station's report arrives late or never; motions arrive and fail, inputs that are waited for come and go; the time of
+//! an order is over at the station, at the coordinator, in either order; nodes of stations are started again, with
+//! their memories and without, and so is the coordinator; a person gives alarm, before the activity fails or
+//! afterwards, and gives any permitted answer as soon as there is an alarm. Afterwards anything may start that uses the
+//! same stations.
 //!
 //! **Why one activity at a time is enough.** What is in progress holds the tokens of all that takes part, so another
 //! activity uses none of its stations meanwhile, but for what may start when it is over, which is explored behind it.

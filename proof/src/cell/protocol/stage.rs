@@ -1,4 +1,4 @@
-//! Where activities begin: the cell is played without a fault, by the real player and the real controllers, until each
+//! Starts of activities: the cell is played without a fault, by the real player and the real controllers, until each
 //! activity can start.
 
 use std::collections::BTreeSet;

@@ -1,12 +1,12 @@
 //! Whether the arrows keep the two states of a conflict apart in forward motion: least sums of lags on the chart.
 //!
-//! What is proved here is proved of forward motion, in every mode and across changes of mode, of a line whose home is
-//! consistent and whose circuits have tokens. That it is not circumvented by taking something back does not follow from
-//! the chart, but from the rule that a count is withdrawn only when nothing has started on it. That rule goes along the
-//! arrows, so it guards an order that follows from arrows and the order in a station. It does not guard one that only
-//! follows from operations starting side by side: of these, each is taken back alone, and the one that waits for an
-//! arrow may be undone while its neighbour is not. So such waits count for the line's going on, but not for keeping a
-//! conflict apart ([`Gap::TakenBack`]).
+//! The proof here is of forward motion, in every mode and across changes of mode, of a line whose home is consistent
+//! and whose circuits have tokens. That it is not circumvented by taking something back does not follow from the chart,
+//! but from the rule that a count is withdrawn only when nothing has started on it. That rule goes along the arrows, so
+//! it guards an order that follows from arrows and the order in a station. It does not guard one that only follows from
+//! operations starting side by side: of these, each is taken back alone, and the one that waits for an arrow may be
+//! undone while its neighbour is not. So such waits count for the line's going on, but not for keeping a conflict apart
+//! ([`Gap::TakenBack`]).
 //!
 //! **What must have come before.** B, in cycle c, has waited for A of cycle c − k if some edge into B leads back to it,
 //! of those that were observed. A start observes the arrows of one mode, auto's or manual's, and any start may be in

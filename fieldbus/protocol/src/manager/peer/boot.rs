@@ -11,7 +11,7 @@ use super::{Peer, PeerPhase};
 use crate::codec::NmtCommand;
 use crate::sdo::TransferFailure;
 
-/// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
+/// Time until a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
 /// that a repair needs no further action.
 pub(in crate::manager) const REFUSED_RETRY: Duration = Duration::from_secs(5);
 

@@ -100,7 +100,7 @@ pub(super) struct Peer {
     pub(super) process: ProcessData,
     pub(super) errors: Errors,
     pub(super) flood: NodeRateLimits,
-    /// How much is reported of it, and how often it is ordered to start and booted.
+    /// Limit of reports of it, and limit of its boots and start orders.
     pub(super) told: Budget,
     pub(super) orders: Budget,
     /// Setting being written while it runs.
@@ -127,9 +127,9 @@ pub(super) struct Peer {
     pub(super) sent: Option<Tick>,
     /// When it became operational.
     pub(super) up_since: Tick,
-    /// How long inputs that come with SYNC may stay away; `None` where they come by event.
+    /// Most time between inputs that come with SYNC; `None` where they come by event.
     pub(super) inputs_within: Option<Duration>,
-    /// How often in a row it has lost SYNC.
+    /// Number of times in a row that it has lost SYNC.
     pub(super) sync_losses: u32,
 }
 
@@ -474,8 +474,8 @@ impl Peer {
     }
 }
 
-/// How often a device is booted and ordered to start: a few times at once, and then twice a second or so. Faster
-/// repetitions are cut off.
+/// Limit on boots and start orders of a device: a few times at once, and then twice a second or so. Faster repetitions
+/// are cut off.
 const ORDERS: Budget = Budget::new(20, Duration::from_millis(200));
 
 /// A process data object for a device: its first, or one with channels, 2 to 4.

@@ -59,7 +59,7 @@ impl Peer {
         }
     }
 
-    /// Takes a frame with which the device speaks by itself, unless there are too many of them.
+    /// Takes an unsolicited frame of the device, unless there are too many of them.
     pub(in crate::manager) fn unless_babbling(
         &mut self,
         now: Tick,

@@ -313,7 +313,7 @@ fn one_that_somebody_stopped_is_left_so_also_after_it_was_not_heard_for_a_while(
         assert!(!frames.iter().any(|frame| frame.starts_with("000#") || frame.starts_with("606#")), "{frames:?}");
         let said = trouble(&bench, CLAMP);
         assert!(said[0].starts_with("clamp (node 06h): stopped by somebody else (NMT)"), "{said:?}");
-        // A device that is made to boot, or put in another state, is wanted back.
+        // A device that is made to boot, or put in another state, is brought up again.
         bench.bring_up(6);
         assert!(bench.inputs(CLAMP).valid);
         // And from then on it is like any other: found stopped, it is woken.

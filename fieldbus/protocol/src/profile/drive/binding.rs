@@ -1,4 +1,4 @@
-//! What a drive is bound to: outputs and inputs of its owner's image, in the drive's increments.
+//! Binding of a drive: outputs and inputs of its owner's image, in the drive's increments.
 
 use linewright_line::{AtRest, Drive as Described, DriveMode, InputId, OutputId};
 
