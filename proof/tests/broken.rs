@@ -1,7 +1,7 @@
 //! Lines with a mistake in them: structure and exploration agree on each, and neither claims too much.
 //!
-//! The verdict of structure on a conflict is compared with every state of forward motion, both ways. Where it is that
-//! the line stops, the line is let run until it does.
+//! The verdict of structure on a conflict is compared with every state of forward motion, both ways. A line that stops
+//! by structure is let run until it does.
 
 use std::collections::BTreeSet;
 

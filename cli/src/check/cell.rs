@@ -34,7 +34,7 @@ const RESOURCES_SHOWN: usize = 12;
 pub struct CellReport {
     /// Its name; none if the description could not be understood.
     pub name: Option<String>,
-    /// Nothing speaks against running it.
+    /// No violation and no error in the text.
     pub ok: bool,
     /// With so many parts at once nothing is wrong; none if nothing was explored.
     pub sound_parts: Option<u32>,

@@ -221,7 +221,7 @@ impl Comm {
         self.lose(behaviour, HEARTBEAT_LOST, out)
     }
 
-    /// A source of outputs or inputs that it depends on has stopped; `code` is the emergency for it.
+    /// The heartbeat or SYNC that it depends on has stopped; `code` is the emergency for it.
     pub fn lose(&mut self, behaviour: Behaviour, code: u16, out: &mut DeviceOutbox) -> CommChange {
         self.lost_at = None;
         self.error_register = COMMUNICATION_ERROR;

@@ -26,7 +26,7 @@ impl StateTally {
     }
 }
 
-/// Violation of a property.
+/// State that must never be reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Violation {
     /// Both states of a conflict hold.

@@ -1,7 +1,7 @@
 //! Properties of a line by its structure, without playing it: of each station's net, of the mode decision, and of the
 //! timing bar chart as an event graph. It takes time linear in the size of the line, or nearly, so it is what scales.
 //!
-//! It covers one station, and the forward motion of all of them. Effects of faults, operators and delayed messages on
+//! It covers each station, and the forward motion of all of them. Effects of faults, operators and delayed messages on
 //! the composed line are for [`crate::explore`].
 
 pub mod chart;
@@ -33,7 +33,7 @@ pub struct StructureReport {
 pub struct Check {
     /// Name of the check.
     pub name: String,
-    /// Result.
+    /// Whether it holds.
     pub ok: bool,
     /// Why, or why not.
     pub reason: String,

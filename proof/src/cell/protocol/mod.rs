@@ -132,7 +132,7 @@ pub fn check_protocol(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityExplo
 /// Properties of a cell that follow.
 pub fn properties(found: &[ActivityExplored]) -> Vec<CellProperty> {
     let states: usize = found.iter().map(|one| one.states).sum();
-    // Without alarms given by hand this property is undecided.
+    // Without alarms given by hand this property is left out.
     let asked = ALL.iter().filter(|&&name| name != STOPPED || found.iter().any(|one| one.disturbed));
     let all = asked.map(|&name| {
         let wrong = found.iter().find_map(|one| one.wrong.as_ref().filter(|of| of.rule == name).map(|of| (one, of)));

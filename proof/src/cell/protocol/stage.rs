@@ -48,7 +48,7 @@ pub(super) struct ActivityStart {
 }
 
 /// Properties by which two modes are the same to the order protocol: the orders and their stations, and the recovery
-/// from failures.
+/// policy.
 type ModeKind = (Vec<(StationId, Arc<str>)>, Vec<usize>, bool);
 
 fn kind(table: &CellTable, mode: ModeId) -> ModeKind {
