@@ -95,7 +95,7 @@ impl<A: RosAction> ActionCaller<A> {
         Ok(response.return_code == CancelGoalResponseEnum::None)
     }
 
-    /// The newest word on how far it is that has come and was not taken yet.
+    /// Newest feedback not taken yet.
     pub fn feedback(&self, goal: GoalHandle) -> Option<A::Feedback> {
         let received = self.inner.receive_feedback(goal.0).ok().flatten();
         received.map(|WireMessage(feedback)| feedback).filter(|feedback| feedback.validate().is_ok())

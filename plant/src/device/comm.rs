@@ -9,7 +9,7 @@
 //!     └── reset node, reset communication: from every state
 //! ```
 //!
-//! Without a profile: a device that leaves the operational state gets a [`CommChange`], and lets go in its own way.
+//! It has no profile: a device that leaves the operational state gets a [`CommChange`], and lets go in its own way.
 
 use std::time::Duration;
 

@@ -84,7 +84,7 @@ impl BlockSender {
         }
     }
 
-    /// Takes the receiver's word; whether all of `data` has arrived.
+    /// Takes the receiver's acknowledgement; whether all of `data` has arrived.
     pub(super) fn acknowledged(&mut self, ack: BlockAck, data: &[u8]) -> Result<bool, TransferFailure> {
         if ack.good > self.sent {
             return Err(TransferFailure::Sequence { number: ack.good });

@@ -1,7 +1,7 @@
 //! Many devices in their simplest form, and a manager that has brought them up: for figures and counters.
 //!
-//! The devices take every setting, are of the requested profile, and send the frames they are made to. They share
-//! nothing with those of the simulated plant.
+//! The devices take every setting, are of the requested profile, and send the frames required. They share nothing with
+//! those of the simulated plant.
 
 #![allow(dead_code)] // Each program uses its share.
 

@@ -59,9 +59,9 @@ fn what_is_about_the_wire_alone_is_reported() {
     for (frame, stands) in [
         ("086#1081110000000000", false), // overrun
         ("086#2081110000000000", false), // error passive
-        ("086#5081110000000000", true), // another node uses its identifier
+        ("086#5081110000000000", true),  // another node uses its identifier
         ("086#1082110000000000", true),  // outputs not taken
-        ("086#1081130000000000", true), // overrun, and the register has a current
+        ("086#1081130000000000", true),  // overrun, and the register has a current
         ("086#1023000000000000", false), // passed
         ("086#00FF810000000000", true),  // the manufacturer's own
     ] {
