@@ -1,4 +1,4 @@
-//! What `linewright --version` prints: the version, and of a release build the commit it was built from.
+//! Text of `linewright --version`: the version, and of a release build the commit it was built from.
 //!
 //! A development build does not name its commit: it would have to be linked anew after each one.
 

@@ -242,7 +242,7 @@ impl Loaded {
                 let block = vec![nth as u8; 8 << 20];
                 while !ends.load(Ordering::Relaxed) {
                     if load == Load::Disk {
-                        // What cannot be written is no load, and the benchmark goes on.
+                        // A failed write is no load, and the benchmark goes on.
                         let written = File::create(&path).and_then(|mut file| {
                             file.write_all(&block)?;
                             file.sync_all()

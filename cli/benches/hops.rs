@@ -26,7 +26,7 @@ use running::{LINE_BUS, Running, print_samples};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Fast, so that many arrows are followed in little time; the controllers do not know.
+/// Fast, so that many arrows are followed in little time; the controllers are unaffected.
 const TIME_SCALE: f64 = 0.1;
 
 fn main() -> Result<()> {
@@ -44,7 +44,7 @@ fn main() -> Result<()> {
 /// The peer: a message there and back between two processes, over the client library alone.
 ///
 /// Once as fast as it goes, and once at the rhythm of a line, in which every thread it wakes has been asleep: that is
-/// what a hop has to be compared with.
+/// the reference for a hop.
 fn ping(when: &str) -> Result<()> {
     ping_every(when, "1000", "1000")?;
     ping_every(when, "150", "50000")

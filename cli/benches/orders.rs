@@ -1,12 +1,12 @@
-//! From a decision of a cell's coordinator to its station's word that it is doing the order.
+//! From a decision of a cell's coordinator to its station's report that it is doing the order.
 //!
 //! The shipped assembly cell runs as processes, as it would in production, several times as fast so that there are many
-//! orders. Its own records say when an activity was started and when each order was known to have been taken on, both by the
-//! clock of the coordinator: between the two lie the log on disk, a goal over DDS, the station's controller and its journal, and
-//! its state over DDS; and before all that the decision itself, which is short by rules and long where a cell looks ahead and
-//! plans. Beside it, in the same run: a bare goal of the same action that is answered by a bare state, two
-//! participants and nothing else; and a record of the same size brought to disk. A ratio to these is a result; a number of
-//! microseconds on a shared machine is not.
+//! orders. Its own records have the times at which an activity was started and each order acknowledged, both by the
+//! clock of the coordinator: between the two lie the log on disk, a goal over DDS, the station's controller and its
+//! journal, and its state over DDS; and before all that the decision itself, which is short by rules and long where a
+//! cell looks ahead and plans. Beside it, in the same run: a bare goal of the same action that is answered by a bare
+//! state, two participants and nothing else; and a record of the same size brought to disk. A ratio to these is a
+//! result; a number of microseconds on a shared machine is not.
 //!
 //! `cargo bench -p linewright --bench orders [-- PARTS]`; 12 parts by default.
 
@@ -31,7 +31,7 @@ use faster::faster;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// The cell's times are divided by this; its processes do not know.
+/// The cell's times are divided by this; its processes are unaffected.
 const FASTER: f64 = 10.0;
 const PINGS: usize = 300;
 /// A line's rhythm: every thread that is woken has been asleep.
@@ -113,7 +113,7 @@ async fn ping() -> Result<Vec<Duration>> {
         if caller.send(goal).is_err() {
             continue;
         }
-        // What is not answered was sent before both had found each other.
+        // A goal without an answer was sent before discovery.
         let answer = tokio::time::timeout(Duration::from_millis(500), async {
             while heard.recv().await.is_some_and(|state| state.doing_id != id) {}
         });
@@ -126,7 +126,7 @@ async fn ping() -> Result<Vec<Duration>> {
     Ok(times)
 }
 
-/// What a record of the log costs to be safe on this disk.
+/// Time to bring a record of the log to this disk.
 fn to_disk(dir: &Path) -> Result<Vec<Duration>> {
     let mut file = File::create(dir.join("record"))?;
     let mut times = Vec::new();
@@ -168,7 +168,7 @@ fn orders(dir: &Path, parts: u32, plans: bool) -> Result<Vec<Duration>> {
         let Some(record) = event.record() else { return };
         match record.fact {
             RecordKind::Started { orders, .. } => began.extend(orders.into_iter().map(|key| (key, record.at))),
-            // One that has ended before its station was heard again was taken on as well, but nobody knows when.
+            // One that has ended before its station was received again was taken on as well, at an unknown time.
             RecordKind::Acknowledged { key } => times.extend(began.remove(&key).map(|at| record.at.since(at))),
             _ => {}
         }

@@ -58,11 +58,11 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     Ok(if report.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// What is to be said of the line, and the line itself if there is one. With a cell beside it, a line that could not be
-/// understood is no reason not to look at that.
+/// Report on the line, and the line itself if there is one. With a cell beside it, the cell is checked even if the line
+/// could not be parsed.
 fn of_line(args: &Args, file: &Path, with_cell: bool) -> miette::Result<(CheckReport, Option<Line>)> {
     let read = load::parsed(file).and_then(|mut parsed| {
-        // Devices' own files say nothing about the controllers, but a line with a wrong one is not right.
+        // Devices' own files do not concern the controllers, but a line with a wrong one is not right.
         load::with_device_files(&mut parsed.line, file, args.json)?;
         Ok(parsed)
     });

@@ -1,7 +1,7 @@
-//! An operator's view of a running line over ROS 2: the newest state of everybody, what happens, and the commands.
+//! An operator's view of a running line over ROS 2: the newest state of every node, events, and the commands.
 //!
-//! Shared by every subcommand that looks at a line or operates it. It uses the same topics anybody can use with the
-//! stock tools, and knows nothing the nodes do not publish.
+//! Shared by every subcommand that looks at a line or operates it. It uses the same topics as the stock tools, and only
+//! what the nodes publish.
 
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,7 @@ use linewright_station_shell::NewestBySequence;
 use miette::miette;
 use tokio::sync::mpsc;
 
-/// Something newer was heard.
+/// A newer message was received.
 #[derive(Debug)]
 pub enum StateUpdate {
     /// The coordinator's state.
@@ -32,7 +32,7 @@ enum RawState {
     Event(StationEvent),
 }
 
-/// The newest state of one node, and when it was heard.
+/// The newest state of one node, and its time of arrival.
 #[derive(Debug, Clone)]
 struct StampedState<T> {
     state: T,
@@ -71,7 +71,7 @@ pub fn join(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<(RosNode, 
     Ok((node, participant.domain_id()))
 }
 
-/// Error: no coordinator is heard.
+/// Error: no coordinator is found.
 pub fn not_heard(of: &str, domain: u16) -> miette::Report {
     miette!("no coordinator of {of} found on ROS domain {domain}; check that it runs, with the same ROS_DOMAIN_ID")
 }
@@ -164,7 +164,7 @@ impl OperatorClient {
         }
     }
 
-    /// Takes in whatever is heard for as long as `long`.
+    /// Takes in all messages for as long as `long`.
     pub async fn listen(&mut self, long: Duration) -> miette::Result<()> {
         let until = tokio::time::Instant::now() + long;
         while let Ok(heard) = tokio::time::timeout_at(until, self.next()).await {
@@ -201,7 +201,7 @@ impl OperatorClient {
         self.node.publisher(&topic, qos::command()).map_err(|error| miette!("{error}"))
     }
 
-    /// Waits until the coordinator is heard and listens to commands.
+    /// Waits until the coordinator is received and listens to commands.
     pub async fn until_connected(&mut self, within: Duration) -> miette::Result<()> {
         let deadline = Instant::now() + within;
         while Instant::now() < deadline {

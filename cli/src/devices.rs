@@ -1,7 +1,7 @@
-//! What a line's devices' own files (EDS, DCF) add to its description.
+//! Additions to a line's description from its devices' own files (EDS, DCF).
 //!
-//! The description names the file; here it is read and checked against what the description says itself. What both say
-//! must agree: a device that is half of one and half of the other is nobody's intention.
+//! The description names the file; here it is read and compared with the description itself. Where both have a value
+//! they must agree: a mixture of two devices is never intended.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ fn description(path: &Path) -> miette::Result<Eds> {
     read(&path.display().to_string(), &bytes).map_err(miette::Report::new)
 }
 
-/// Adds what the file says.
+/// Adds the content of the file.
 fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
     let Canopen { node_id, setup } = device.canopen_mut().ok_or("it speaks no CANopen")?;
     let node = NodeId::new(*node_id).ok_or("its node id is none")?;
@@ -67,7 +67,7 @@ fn apply(device: &mut Device, eds: &Eds) -> Result<(), String> {
             settings.push(ObjectWrite { index: download.index, sub: download.sub, data });
         }
     }
-    // What the description says itself comes last, and so stays.
+    // The description's own settings come last, and so stay.
     settings.append(&mut setup.settings);
     setup.settings = settings;
     moves(device, eds)?;
@@ -113,7 +113,7 @@ fn lets_go(device: &Device, eds: &Eds) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether the device has an object like this, that can be written with so many bytes.
+/// Checks that the device has an object like this, that can be written with so many bytes.
 fn fits(setting: &ObjectWrite, eds: &Eds, node: NodeId) -> Result<(), String> {
     let ObjectWrite { index, sub, data } = setting;
     let entry = eds.entry(*index, *sub).ok_or_else(|| format!("there is no object {index:04X}h:{sub:02X}"))?;

@@ -1,4 +1,4 @@
-//! The DBC files of a line's devices that speak no CANopen: read, and bound to what the description says in their names.
+//! The DBC files of a line's devices without CANopen: read, and bound to the description by their names.
 
 use std::path::Path;
 
@@ -35,7 +35,7 @@ fn database(path: &Path) -> miette::Result<Database> {
     read(&bytes).map_err(|error| miette!("{}: {error}", path.display()))
 }
 
-/// That no two devices of a bus use the same identifiers: only here all of them are known.
+/// Checks that no two devices of a bus use the same identifiers: only here are all of them loaded.
 fn identifiers_are_one_devices(line: &Line) -> miette::Result<()> {
     for device in line.devices.iter().filter(|device| device.frames().is_some()) {
         let on_bus = line.devices.iter().filter(|other| other.bus == device.bus);

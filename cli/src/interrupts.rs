@@ -1,4 +1,4 @@
-//! Ctrl-C, heard whenever it comes.
+//! Ctrl-C, received whenever it comes.
 //!
 //! `tokio::signal::ctrl_c()` in the arm of a loop's `select!` listens only while it is awaited: a Ctrl-C that comes
 //! while the loop handles something else is lost, and on a busy line that is often. One listener for the whole loop
@@ -19,7 +19,7 @@ impl Interrupts {
     /// The next one, at once if it has come meanwhile. Cancel safe.
     pub async fn next(&mut self) {
         if self.0.recv().await.is_none() {
-            // The runtime hears no signals any more; whoever waits here has other things to do.
+            // The runtime receives no signals any more; callers also wait for other things.
             std::future::pending::<()>().await;
         }
     }

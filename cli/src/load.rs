@@ -88,14 +88,14 @@ pub fn line(path: &Path, quiet: bool) -> miette::Result<Line> {
     Ok(line)
 }
 
-/// Says on standard error what is doubtful in a description.
+/// Prints the warnings on a description on standard error.
 pub fn warn(file: &Path, warnings: &[Problem]) {
     for warning in warnings {
         crate::out::complain!("{}:{}:{}: warning: {}", file.display(), warning.line, warning.column, warning.message);
     }
 }
 
-/// Adds what the devices' own files say, which lie beside the description.
+/// Adds the content of the devices' own files, which are beside the description.
 pub fn with_device_files(line: &mut Line, path: &Path, quiet: bool) -> miette::Result<()> {
     let file = file_of(path);
     crate::devices::complete(line, file.parent().unwrap_or(Path::new("")), quiet)?;

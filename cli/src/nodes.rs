@@ -66,11 +66,11 @@ pub struct PlantArgs {
     bus: String,
 }
 
-/// The CAN interface of the line's bus where nobody says otherwise.
+/// The default CAN interface of the line's bus.
 pub const DEFAULT_BUS: &str = "vcan0";
 
-/// What a node has to be the only one in, on this machine: its name in the ROS domain, the bus it manages, if it does, and
-/// its journal. As long as this is held, the next one who claims the same is refused.
+/// Claims what a node must have alone on this machine: its name in the ROS domain, the bus it manages, if it does, and
+/// its journal. As long as this is held, the next claim to the same is refused.
 fn claim(
     line: &Line,
     ros: &RosArgs,
@@ -125,7 +125,7 @@ fn runtime() -> miette::Result<tokio::runtime::Runtime> {
         .map_err(|error| miette!("cannot start the runtime: {error}"))
 }
 
-/// Turns true on Ctrl-C, on SIGTERM, or when standard input ends and that was asked for.
+/// Turns true on Ctrl-C, on SIGTERM, or when standard input ends, if `end_with_stdin`.
 fn stop_signal(end_with_stdin: bool) -> watch::Receiver<bool> {
     let (stop, stopped) = watch::channel(false);
     if end_with_stdin {
@@ -175,8 +175,8 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     runtime()?.block_on(async {
         let stop = stop_signal(args.common.end_with_stdin);
         let clock = Clock::start();
-        // Each station has a participant of its own: on the loopback address nodes that share one do not hear each
-        // other. The DDS library answers there to where a datagram came from, and has no address for itself.
+        // Each station has a participant of its own: on the loopback address nodes that share one do not receive each
+        // other. The DDS library answers there to a datagram's source, and has no address for itself.
         let open = |_: &StationId| Participant::open(ros).map_err(|error| miette!("{error}"));
         let participants = stations.iter().map(open).collect::<miette::Result<Vec<_>>>()?;
         let nodes = stations.into_iter().zip(&participants).map(|(station, participant)| {

@@ -18,13 +18,13 @@ use crate::client::OperatorClient;
 use crate::load;
 use crate::states::{ModeJson, StationJson, mode_name};
 
-/// How long to wait for a line to be heard.
+/// Most time until a line is received.
 const CONNECT: Duration = Duration::from_secs(5);
-/// How long an answer may take: several refresh periods.
+/// Most time for an answer: several refresh periods.
 const ANSWER: Duration = Duration::from_millis(500);
-/// How long a mode that was given may take until it is in force at every station.
+/// Most time until a mode that was given is in force at every station.
 const MODE: Duration = Duration::from_secs(1);
-/// How often a held button is repeated: well within the time after which it counts as released.
+/// Period at which a held button is repeated: well within the time after which it counts as released.
 const REPEAT: Duration = Duration::from_millis(50);
 
 /// Give an operator's command.
@@ -181,7 +181,7 @@ async fn until_mode(
     }
 }
 
-/// What changes with every motion that starts: places, cycles started, cycles done.
+/// State that changes with every motion that starts: places, cycles started, cycles done.
 type Motions = Vec<Option<(Vec<u8>, Vec<i32>, Vec<i32>)>>;
 
 fn motions(client: &OperatorClient, stations: &[StationId]) -> Motions {

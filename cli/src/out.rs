@@ -37,7 +37,7 @@ pub fn finish() -> Result<(), String> {
     FAILED.get().map_or(Ok(()), |why| Err(why.clone()))
 }
 
-/// Prints what `--json` asks for: one object over several lines.
+/// Prints the output of `--json`: one object over several lines.
 pub fn json(object: &impl serde::Serialize) -> miette::Result<()> {
     line(format_args!("{}", serde_json::to_string_pretty(object).into_diagnostic()?));
     Ok(())

@@ -159,7 +159,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     Ok(if end == RunEnd::Done { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// What the command line says goes before what the scenario says.
+/// The command line overrides the scenario.
 fn told(args: &Args, scenario: Option<&Scenario>) -> (RunGoal, SimOptions) {
     let default = Network::default();
     let network = scenario.map_or(default, |scenario| scenario.network);

@@ -113,14 +113,14 @@ async fn answered(asked: &mut Option<LocalBoxFuture<'static, ReasonsByResource>>
 
 /// Often enough for an eye.
 pub const PICTURE_EVERY: Duration = Duration::from_millis(100);
-/// How often it is asked why resources are left out.
+/// Period of requests for the reasons why resources are left out.
 const REASONS_EVERY: Duration = Duration::from_secs(1);
-/// How much time the bar chart shows.
+/// Time that the bar chart shows, in s.
 const CHART_SECONDS: f64 = 12.0;
-/// How many of the last messages are shown.
+/// Number of the last messages shown.
 const MESSAGES: usize = 6;
 
-/// What the view remembers beside the newest states.
+/// State of the view beside the newest states.
 pub struct WatchState {
     line: Line,
     chart: RollingChart,
@@ -156,7 +156,7 @@ impl WatchState {
         }
     }
 
-    /// Takes what the client heard; gives the message that it adds, if it does.
+    /// Takes an update of the client; gives the message that it adds, if it does.
     pub fn take(&mut self, heard: &StateUpdate) -> Option<String> {
         let StateUpdate::Event(id, event) = heard else { return None };
         let message = self.event(*id, event)?;

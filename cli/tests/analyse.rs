@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::support::command::{Scratch, json as printed, linewright, shipped, text};
 
-/// What is found out about a file, as JSON.
+/// Report on a file, as JSON.
 fn analysed(file: &str, more: &[&str]) -> Value {
     let output = linewright(&[&["analyse", file, "--json"], more].concat());
     assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -88,7 +88,7 @@ fn the_answers_do_not_depend_on_the_threads() {
     let file = scratch.file("ring.pnml", &ring(3, false));
     let answers = |threads| {
         let mut found = analysed(&file, &["--threads", threads]);
-        // How long it took does, and what the threads hold.
+        // Its time varies, and the bytes of the threads.
         let found = found.as_object_mut().unwrap();
         found.remove("seconds");
         found.remove("bytes");
@@ -116,7 +116,8 @@ fn a_ring_in_which_all_wait_is_found_with_the_way_into_it() {
     assert!(table.contains("deadlock-free  no") && table.contains("fire    s_"), "{table}");
 }
 
-/// What holds is found, what does not is played, and what is too large is undecided and not guessed.
+/// Properties that hold are found, others have a counterexample, and those of a net too large are undecided and not
+/// guessed.
 #[test]
 fn facts_counterexamples_and_what_stays_undecided() {
     // Two stations that share a tool, so that no class of nets decides it.
@@ -126,7 +127,7 @@ fn facts_counterexamples_and_what_stays_undecided() {
     let leaves = "a:2 b c d:1 | stay: a d > a d, leave: a d > b d, there: b > c, back: c > b";
     let grows = "idle:1 busy parts | start: idle > busy, end: busy > idle parts, never: idle busy >";
     let (too_large, unknown) = ("states, arcs: more than 2;", Value::Null);
-    // The net, options, facts, what is played, and what is said to be undecided.
+    // The net, options, facts, paths, and open questions.
     let cases = [
         (
             pnml(shared),

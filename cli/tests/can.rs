@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::support::command::{Scratch, json, shipped, text};
 use crate::support::turn::{Turn, beside_no_rig};
 
-/// The shipped line's devices, on a bus nobody else is on.
+/// The shipped line's devices, on a bus of their own.
 struct Devices {
     plant: Child,
     scratch: Scratch,
@@ -45,14 +45,14 @@ impl Devices {
         command.output().expect("the command starts")
     }
 
-    /// What it says when it succeeds.
+    /// Output of a command that succeeds.
     fn says(&self, args: &[&str]) -> String {
         let output = self.can(args);
         assert!(output.status.success(), "{args:?}: {output:?}");
         text(&output.stdout).trim_end().to_owned()
     }
 
-    /// What it says when it fails.
+    /// Error text of a command that fails.
     fn refuses(&self, args: &[&str]) -> String {
         let output = self.can(args);
         assert!(!output.status.success(), "{args:?}: {output:?}");

@@ -81,7 +81,7 @@ fn a_conflict_that_no_arrow_prevents_is_a_failed_check() {
     let reason = failed[0]["reason"].as_str().unwrap();
     assert!(reason.contains("`transfer: 1st lift`") && reason.contains("manual gets round"), "{reason}");
 
-    // Exploring finds it as well, and tells how.
+    // Exploring finds it as well, with a path.
     let plain = linewright(&["check", &file]);
     assert_eq!(plain.status.code(), Some(1));
     let out = text(&plain.stdout);
@@ -105,7 +105,7 @@ fn missed(options: &[&str]) -> Value {
     last.clone()
 }
 
-/// What each rule prevents is tested with the explorer; here, that each option reaches its rule.
+/// The effect of each rule is tested with the explorer; here, that each option reaches its rule.
 #[test]
 fn a_rule_switched_off_has_a_counterexample() {
     let bar = "never: the bar is off its rest while clamp 1 is not open";
@@ -172,7 +172,7 @@ fn all_problems_of_a_text_are_reported_with_their_places() {
     assert!(plain.stdout.is_empty() && text(&plain.stderr).contains("watchdog"), "{plain:?}");
 }
 
-/// What only the DBC file shows to be wrong is a problem of the description all the same, at its place.
+/// An error that only the DBC file shows is a problem of the description all the same, at its place.
 #[test]
 fn names_that_a_dbc_file_does_not_have_are_problems_of_the_text() {
     let scratch = Scratch::new();

@@ -68,7 +68,7 @@ fn without_the_reservation_either_cell_has_a_story() {
         assert!(stuck["help"].as_str().unwrap().contains("`reserve = true`"), "{stuck}");
         let story = &stuck["counterexample"];
         assert!(story["steps"].as_array().unwrap().len() > 3, "{story}");
-        // The robot has a part and nowhere to put it; the machine has one and nobody to take it away.
+        // The robot has a part and nowhere to put it; the machine has one and no carrier for it.
         let needs: Vec<&str> = story["resources"]
             .as_array()
             .unwrap()
@@ -173,7 +173,7 @@ fn a_cell_beside_a_line_is_checked_with_it() {
     assert_eq!((&found["cell"]["name"], verdicts(&found)), (&"transfer_line".into(), vec![]), "{found}");
     assert_eq!(found["cell"]["sound_parts"], Value::Null);
 
-    // A station that the line does not have, and a line that is wrong: both are told.
+    // A station that the line does not have, and a line with an error: both are reported.
     scratch.file(
         "cell.toml",
         &text_without.replacen("prototype = \"robot\"", "prototype = \"robot\"\nstation = \"r\"", 1),
@@ -230,13 +230,13 @@ fn tasks_in_conflict_are_kept_apart_by_the_cell_or_it_is_told_how_they_are_not()
     assert!(out.contains("✗ tasks in conflict are never under way at once: they would meet: after 3 steps"), "{out}");
     assert!(out.contains("2. load M2: R brings A #1 from ST to M2"), "{out}");
     assert!(out.contains("and so: `load M3` and `M2.process` can both start here"), "{out}");
-    // Of a line alone it is not known what is ordered.
+    // For a line alone the orders are unknown.
     std::fs::remove_file(Path::new(&dir).join("cell.toml")).expect("it was there");
     let plain = linewright(&["check", &dir, "--structure"]);
     assert!(text(&plain.stdout).contains("- whether tasks in conflict are ordered at once"), "{plain:?}");
 }
 
-/// What is written is what was checked: as many states, and no deadlock.
+/// The written nets are those that were checked: as many states, and no deadlock.
 #[test]
 fn the_nets_of_a_cell_are_written_and_are_those_that_were_checked() {
     let scratch = Scratch::new();

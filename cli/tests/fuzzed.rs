@@ -81,7 +81,7 @@ fn other_word(line: &str, from: &str, random: &mut Random) -> String {
     line.replacen(word, other, 1)
 }
 
-/// Ended by itself, with a code that says whether it was done, and a text that says why not.
+/// Ended by itself, with an exit code for success or failure, and a text.
 fn assert_answered(output: &Output, about: &str) {
     let (said, error) = (text(&output.stdout), text(&output.stderr));
     let code = output.status.code();

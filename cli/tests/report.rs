@@ -12,7 +12,7 @@ fn file(scratch: &Scratch, name: &str) -> PathBuf {
     scratch.path(name).into()
 }
 
-/// A simulation of workcell C1 that is written into a database; what it said itself.
+/// A simulation of workcell C1 that is written into a database; with its own output.
 fn recorded(scratch: &Scratch, args: &[&str]) -> (PathBuf, Value) {
     let (cell, db) = (shipped().with_file_name("workcell-c1"), file(scratch, "cell.db"));
     let fixed = ["simulate", cell.to_str().unwrap(), "--json", "--record", db.to_str().unwrap()];
@@ -25,7 +25,7 @@ fn report(db: &Path, args: &[&str]) -> Output {
     linewright(&[&["report", db.to_str().unwrap()], args].concat())
 }
 
-/// What was said of an error: lines may be broken anywhere.
+/// The error text: lines may be broken anywhere.
 fn unbroken(output: &Output) -> String {
     text(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "")
 }
@@ -59,7 +59,7 @@ fn what_is_reported_of_a_database_is_what_the_simulation_said() {
     {
         assert!((number(lead, name) - expected).abs() < 1e-6, "{name}: {lead}, not {expected}");
     }
-    // How busy everybody was, from the list of activities.
+    // Utilisation of each resource, from the list of activities.
     for (said, other) in list(&reported, "resources").iter().zip(list(&simulated, "resources")) {
         assert_eq!((&said["name"], &said["taken_most"]), (&other["name"], &other["taken_most"]));
         let machine = format!("{}.process", said["name"].as_str().unwrap());
@@ -110,7 +110,7 @@ fn rows(file: &Path) -> Vec<Row> {
     csv::Reader::from_path(file).unwrap().deserialize().collect::<Result<_, _>>().unwrap()
 }
 
-/// The tables, read back, say what the simulation said; and a recount over the events says what the report says.
+/// The tables, read back, agree with the simulation; and a recount over the events agrees with the report.
 #[test]
 fn tables_are_read_back() {
     let scratch = Scratch::new();
@@ -186,7 +186,7 @@ fn what_cannot_be_reported_is_said_clearly() {
     assert!(refused(&db).contains("is damaged"));
 }
 
-/// What a recording says: of each topic the times, in nanoseconds, and messages.
+/// Content of a recording: of each topic the times, in nanoseconds, and messages.
 fn messages(file: &Path) -> BTreeMap<String, Vec<(u64, Value)>> {
     let bytes = std::fs::read(file).unwrap();
     let mut all: BTreeMap<String, Vec<(u64, Value)>> = BTreeMap::new();

@@ -144,7 +144,8 @@ fn cell(name: &str, args: &[&str]) -> Output {
     linewright(&[&["simulate", dir.to_str().unwrap()], args].concat())
 }
 
-/// Seed 000, L2029-2035: a part 1 is loaded for 3, worked on for 7.5 and unloaded for 3 time units, and nobody else is there.
+/// Seed 000, L2029-2035: a part 1 is loaded for 3, worked on for 7.5 and unloaded for 3 time units, and no other part
+/// is there.
 #[test]
 fn a_part_of_a_cell_takes_as_long_as_its_activities() {
     let output = cell("assembly-cell", &["--parts", "1=1", "--why"]);
@@ -251,7 +252,7 @@ fn a_cell_that_stands_for_good_is_a_failure_with_its_reason() {
     assert!(text(&simulate(&["--replications", "3"]).stderr).contains("are for cells; "));
 }
 
-/// What is about several replications needs them; the decisions of the only one are in its JSON.
+/// Options for several replications need them; the decisions of the only one are in its JSON.
 #[test]
 fn threads_are_for_several_replications_and_why_is_for_one() {
     let refused = cell("workcell-c1", &["--threads", "2"]);

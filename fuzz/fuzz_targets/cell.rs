@@ -32,7 +32,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// Both details have a net, and say the same of it as far as both were seen.
+/// Both details have a net, and the same verdicts as far as both were explored.
 fn explore(cell: &Cell) {
     let room: u32 = cell.resources.iter().map(|resource| resource.capacity).fold(0, u32::saturating_add);
     if cell.resources.len() > RESOURCES_MAX || cell.stages.len() > STAGES_MAX || room > ROOM_MAX {

@@ -1,5 +1,6 @@
-//! Any bytes as a DBC file: a database or an error with a place in it, never a panic. Every message of it is bound, with
-//! every signal as an input and as an output: what is bound lies in its frame, and goes in and out of it again.
+//! Any bytes as a DBC file: a database or an error with a place in it, never a panic. Every message of it is bound,
+//! with every signal as an input and as an output: each bound signal is inside its frame, and goes in and out of it
+//! again.
 
 #![cfg_attr(feature = "engine", no_main)]
 
@@ -11,7 +12,7 @@ use linewright_line::{
     CyclicFrame, DbcName, FrameTable, InputId, OutputId, ReceivedMessageTable, SignalInput, SignalOutput, When,
 };
 
-/// How many messages of a file are bound.
+/// Most messages of a file that are bound.
 const MESSAGES_MAX: usize = 8;
 
 fuzz_target!(|bytes: &[u8]| match read(bytes) {

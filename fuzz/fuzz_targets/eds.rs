@@ -9,7 +9,7 @@ use linewright_fuzz::draw_foreign;
 
 /// No drawing of a few dozen problems is longer, whatever the lines of the file are.
 const DRAWN_MAX: usize = 400_000;
-/// How many entries of a file are given a value.
+/// Most entries of a file that are given a value.
 const SET_MAX: usize = 8;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -54,7 +54,7 @@ fn use_it(eds: &Eds) {
     for download in eds.downloads(node).expect("for its own node") {
         assert!(!matches!(&download.content, DownloadContent::Bytes(bytes) if bytes.len() > limits::FILE_BYTES_MAX));
     }
-    // What has no form in a file is refused; what is not is there when it is read again.
+    // Values without a form in a file are refused; the others are there when it is read again.
     let Ok(dcf) = eds.configure("any.dcf", &configuration) else { return };
     let again = read("any.dcf", &dcf.to_bytes()).expect("what is written can be read");
     assert_eq!(again.node_id(), Some(node));

@@ -1,5 +1,5 @@
 //! Anything from the bus, in any order: to a manager among its devices, and to simulated devices. No panic, bounded
-//! answers, and no output but those that the owner's image, or the process data last sent, says.
+//! answers, and no output but those of the owner's image, or of the process data last sent.
 //!
 //! The benches, shared with the property tests of `linewright_plant` and `linewright_canopen`, describe how a script of
 //! bytes is played and what is checked.

@@ -19,7 +19,7 @@ const LEN_MAX: usize = 1024;
 /// Longer than any answer to one frame: a burst of segments, an abort and a new question.
 const ANSWERS_MAX: usize = 8;
 
-/// One object, and what the server has heard since its last write.
+/// One object, and the frames that the server has received since its last write.
 struct Store {
     object: ObjectId,
     data: Vec<u8>,
@@ -42,8 +42,8 @@ impl Dictionary for Store {
     }
 }
 
-/// Whether the frames end in a transfer of these bytes to this object. Looks at the frames alone and backwards, as the
-/// server does not.
+/// Whether the frames end in a transfer of these bytes to this object. Judged by the frames alone and backwards, unlike
+/// in the server.
 fn justified(heard: &[SdoBytes], object: ObjectId, data: &[u8], before: &[u8]) -> bool {
     let Some((last, earlier)) = heard.split_last() else { return false };
     match ClientFrame::decode(last) {
@@ -118,7 +118,7 @@ struct Bench {
     down: VecDeque<SdoBytes>,
     written: Option<Vec<u8>>,
     was: Vec<u8>,
-    /// Somebody has put a frame on the channel that neither side sent, or sent only once.
+    /// A frame is on the channel that neither side sent, or sent only once.
     tampered: bool,
     done: bool,
 }
@@ -207,7 +207,7 @@ fuzz_target!(|input: &[u8]| {
     bench.client.start(bench.now, &mut out);
     bench.up.extend(out);
     while let Some(op) = next() {
-        // Upper bits say how often or how long.
+        // The upper bits are a number of repetitions or a duration.
         let many = usize::from(op >> 4) + 1;
         match op & 0x0F {
             // Frames arrive as they were sent.
@@ -251,7 +251,7 @@ fuzz_target!(|input: &[u8]| {
                     raw[many % 8] = byte;
                 }
             }
-            // One that nobody sent.
+            // A frame of neither side.
             kind => {
                 bench.tampered = true;
                 let raw: SdoBytes = std::array::from_fn(|_| next().unwrap_or(0));

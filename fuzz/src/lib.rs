@@ -1,4 +1,4 @@
-//! What the targets demand of every list of problems.
+//! Requirements of the targets on every list of problems.
 
 use linewright_diagnostics::Problems;
 use miette::{GraphicalReportHandler, GraphicalTheme};

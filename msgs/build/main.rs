@@ -49,7 +49,7 @@ fn package(dir: &Path, package: &str) -> Result<String, String> {
     Ok(text)
 }
 
-/// What is in a directory, in the order of names: the same text on every machine.
+/// Content of a directory, in the order of names: the same text on every machine.
 fn sorted(dir: &Path) -> Result<Vec<PathBuf>, String> {
     let entries = fs::read_dir(dir).map_err(|e| format!("{}: {e}", dir.display()))?;
     let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();

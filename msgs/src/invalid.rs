@@ -1,8 +1,8 @@
-//! What can be wrong with a message that decoded.
+//! Faults of a message that decoded.
 //!
-//! CDR says where a field ends, not whether its content makes sense: a sequence may be as long as the
-//! datagram allows and an enumeration may carry any number. The bounds here are far above what a line
-//! needs and far below what would hurt a reader.
+//! CDR gives the end of a field, not the validity of its content: a sequence may be as long as the datagram allows and
+//! an enumeration may carry any number. The bounds here are far above what a line needs and far below what would hurt a
+//! reader.
 
 use thiserror::Error;
 
@@ -12,7 +12,7 @@ pub const ITEMS_MAX: usize = 4096;
 /// Most bytes of any string. Texts are for people and for names.
 pub const TEXT_BYTES_MAX: usize = 4096;
 
-/// A text that is not too long for a message: one that is ends in `…`. A message with a longer one reaches nobody.
+/// A text that is not too long for a message: one that is ends in `…`. A message with a longer one is dropped.
 pub fn fitting(text: String) -> String {
     cut(text, TEXT_BYTES_MAX)
 }
@@ -41,16 +41,14 @@ pub enum Invalid {
         /// The bound.
         limit: usize,
     },
-    /// An enumeration carries a number this version does not know.
+    /// An enumeration has a number that is unknown in this version.
     #[error("{field} is {value}, known are {least} to {most}")]
     UnknownValue {
         /// Name of the field.
         field: &'static str,
-        /// What it carried.
+        /// Its value.
         value: u8,
-        /// Smallest known value.
         least: u8,
-        /// Largest known value.
         most: u8,
     },
     /// Two sequences that run in parallel differ in length.

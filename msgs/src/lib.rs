@@ -4,8 +4,8 @@
 //! script (`build/`) the Rust types of this crate. Those of other packages that a line uses stand in `standard/`. Comments in
 //! the files are the documentation here. `tests/golden.rs` compares the bytes on the wire with checked-in ones.
 //!
-//! This crate knows nothing of DDS: it holds data, its structure and its [bounds](Invalid). What
-//! decodes is not yet believable; [`RosMessage::validate`] is called on everything that arrives.
+//! This crate does not use DDS: it holds data, its structure and its [bounds](Invalid). A message that decodes may
+//! still be invalid; [`RosMessage::validate`] is called on everything that arrives.
 
 mod bounded;
 mod interfaces;

@@ -1,6 +1,6 @@
-//! What has to be true of a message besides its lengths.
+//! Validity of a message besides its lengths.
 //!
-//! The list of the messages that are checked here is in `build/generate/write.rs`; all others mean what they say.
+//! The list of the messages that are checked here is in `build/generate/write.rs`; all others are valid as they are.
 
 use crate::invalid::{indices, parallel, present, within};
 use crate::{
@@ -11,7 +11,7 @@ use crate::{
 
 /// Checked when a message is received.
 pub(crate) trait Meaning {
-    /// Whether it makes sense.
+    /// Checks its meaning.
     fn meaning(&self) -> Result<(), Invalid> {
         Ok(())
     }
@@ -105,7 +105,7 @@ impl Meaning for OrderEnd {
     }
 }
 
-/// An end that is known, with a code where one belongs.
+/// Checks that an end is known, with a code where one belongs.
 fn ending(end: u8, code: u16) -> Result<(), Invalid> {
     within("end", end, RunTaskResult::END_DONE, RunTaskResult::END_REFUSED)?;
     let coded = [RunTaskResult::END_FAILED, RunTaskResult::END_REFUSED].contains(&end);
@@ -158,7 +158,7 @@ impl Meaning for CellState {
     }
 }
 
-/// What is wrong with a request is answered, with all else that is.
+/// Faults of a request are reported in the answer, all together.
 impl Meaning for SubmitOrdersRequest {
     fn meaning(&self) -> Result<(), Invalid> {
         self.requests.iter().try_for_each(RosMessage::validate)

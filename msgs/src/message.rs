@@ -1,9 +1,9 @@
-//! What the messages, services and actions of a line have in common.
+//! Common traits of the messages, services and actions of a line.
 
 use crate::invalid::{ITEMS_MAX, Invalid, TEXT_BYTES_MAX, at_most};
 use serde::{Deserialize, Serialize};
 
-/// What can be a field of a message.
+/// Type of a message's field.
 pub trait RosField {
     /// Checks the lengths inside this value; `path` names it in the error.
     fn check_bounds(&self, path: &str) -> Result<(), Invalid>;
@@ -16,33 +16,33 @@ pub trait RosMessage: RosField + Serialize + for<'de> Deserialize<'de> + Send + 
     /// Name within the package.
     const NAME: &'static str;
 
-    /// Checks lengths and meaning. Nothing received is used before this said yes.
+    /// Checks lengths and meaning. Nothing received is used before this succeeds.
     fn validate(&self) -> Result<(), Invalid>;
 }
 
-/// A service: what is asked, and what is answered.
+/// A service: request and response.
 pub trait RosService: Send + Sync + 'static {
     /// ROS 2 package.
     const PACKAGE: &'static str;
     /// Name within the package.
     const NAME: &'static str;
-    /// What is asked.
+    /// Request of the service.
     type Request: RosMessage + Clone;
-    /// What is answered.
+    /// Response of the service.
     type Response: RosMessage;
 }
 
-/// A ROS 2 action: what is wanted, how it ended, and how far it is.
+/// A ROS 2 action: goal, result and feedback.
 pub trait RosAction: Send + Sync + 'static {
     /// ROS 2 package.
     const PACKAGE: &'static str;
     /// Name within the package.
     const NAME: &'static str;
-    /// What is wanted.
+    /// Goal of the action.
     type Goal: RosMessage + Clone;
-    /// How it ended.
+    /// Result of the action.
     type Result: RosMessage + Clone + Default;
-    /// How far it is.
+    /// Feedback of the action.
     type Feedback: RosMessage + Clone;
 }
 

@@ -1,4 +1,4 @@
-//! What Rust programs need beside the fields: images as numbers, and short ways to write small messages.
+//! Additions to the fields for Rust programs: images as numbers, and short ways to write small messages.
 
 use crate::{Bounded, KeyValue, ProcessImage, StationState, Text};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! The bytes on the wire, checked in.
 //!
-//! DO NOT change a file under `golden/` to make this test pass. A difference means that nodes of two
-//! versions no longer understand each other: give the changed message a new name or add a new version
-//! directory beside `v1`, and keep this one passing for as long as `v1` is spoken.
+//! DO NOT change a file under `golden/` to make this test pass. A difference means that nodes of two versions no longer
+//! understand each other: give the changed message a new name or add a new version directory beside `v1`, and keep this
+//! one passing for as long as `v1` is in use.
 //!
 //! `LINEWRIGHT_WRITE_GOLDEN=1` writes files that do not exist yet, and only those.
 

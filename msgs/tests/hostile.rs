@@ -1,9 +1,9 @@
-//! What anybody on the network may send: cut off, too long, or plain noise.
+//! Messages that any host on the network may send: cut off, too long, or plain noise.
 //!
-//! The decoder of the DDS library (`cdr-encoding`, the same crate and version) must answer with an
-//! error. It may not panic, and it may not reserve memory for elements that were only announced:
-//! sequences grow as their elements are read, and every element takes at least one byte of the sample,
-//! so what a sample can make us allocate is a small multiple of its own size.
+//! The decoder of the DDS library (`cdr-encoding`, the same crate and version) must answer with an error. It may not
+//! panic, and it may not reserve memory for elements that were only announced: sequences grow as their elements are
+//! read, and every element takes at least one byte of the sample, so the memory for a sample is a small multiple of its
+//! own size.
 
 use byteorder::LittleEndian;
 use linewright_msgs::{
@@ -149,7 +149,7 @@ proptest! {
         bytes[at] = value;
         if let Some(message) = decode::<StationState>(&bytes) {
             let _ = message.validate();
-            // Whatever it says, it came out of these few bytes.
+            // Whatever its content, it came out of these few bytes.
             prop_assert!(message.done.len() + message.started.len() + message.places.len() <= bytes.len());
         }
     }

@@ -1,4 +1,4 @@
-//! What the build script makes of an interface, what it refuses, and that a ROS 2 workspace builds the same files.
+//! Output of the build script for an interface, its refusals, and the build of the same files in a ROS 2 workspace.
 
 use linewright_msgs::{CORead, DiagnosticStatus, Flag, PACKAGE, RosAction, RosMessage, RosService, RunTask, Text};
 

@@ -98,7 +98,7 @@ fn answer_to_message(line: &Line, own: StationId, answer: &WithdrawalAnswer) -> 
     }
 }
 
-/// Reads what one station says into the form the controller and the coordinator use.
+/// Converts one station's message into the form of the controller and the coordinator.
 ///
 /// # Errors
 /// When the message does not fit the description.
@@ -133,7 +133,7 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
         generation: message.generation,
         measured: message.measured_word(),
         measured_age: Duration::from_millis(message.measured_age_ms.into()),
-        // Which of its switches is off is in its own fault text; here it matters that one is.
+        // Which of its switches is off is in its own fault text; here it matters only that one is.
         position_lost: message.position_lost.then_some((OpId(0), InputId(0))),
         cycle: message.cycle,
         done: message.done.clone(),
@@ -148,7 +148,7 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
         incomplete,
         request: (message.request_number != 0).then_some(WithdrawalRequest { number: message.request_number, ops }),
         answers,
-        // What a station says of its orders is not in this message.
+        // The state of its task order is not in this message.
         order: None,
     };
     Ok((station, report))
@@ -165,7 +165,7 @@ fn answer_from_message(line: &Line, from: StationId, message: &AnswerMessage) ->
     })
 }
 
-/// What kind of event it is in a message, and of which operation.
+/// Kind of an event in a message, and its operation.
 pub fn kind_of(event: &StationHappening) -> (u8, Option<OpId>) {
     match event.what {
         HappeningKind::Started(op, Block::Normal) => (StationEvent::KIND_STARTED, Some(op)),

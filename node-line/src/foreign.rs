@@ -1,8 +1,7 @@
 //! Words from outside, made fit to be quoted in an answer.
 //!
-//! Whoever may send a command may send four thousand characters of it, or characters that move a terminal's cursor. An
-//! answer that repeated them would itself be too long to be a valid message, and nobody would hear it, nor anything
-//! else the same message carries.
+//! A command may have four thousand characters, or characters that move a terminal's cursor. An answer that repeated
+//! them would itself be too long to be a valid message, and would be dropped, with everything else in the same message.
 
 /// Enough of a word to recognise it by.
 const CHARS_MAX: usize = 40;

@@ -1,4 +1,4 @@
-//! What a station's and the coordinator's node share of a line.
+//! The line-specific part common to a station's and the coordinator's node.
 //!
 //! - [`report_to_message`], [`report_from_message`], [`order_from_message`]: between the controller's words and the messages
 //!   that carry them;

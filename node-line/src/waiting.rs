@@ -1,16 +1,16 @@
-//! What arrives while a record is being written, which takes as long as a disk takes.
+//! Queue of arrivals while a record is being written, which takes as long as a disk takes.
 
 use std::collections::VecDeque;
 
 use linewright_fieldbus_seam::News;
 use tokio::sync::mpsc;
 
-/// What has arrived and is not taken yet. A record that takes longer than [`linewright_node_shell::Watchdog::LIMIT`] ends the
-/// process, so this does not grow for ever.
+/// Arrivals not taken yet. A record that takes longer than [`linewright_node_shell::Watchdog::LIMIT`] ends the process,
+/// so this does not grow for ever.
 pub struct Waiting<A> {
     /// Messages, oldest first.
     pub arrived: VecDeque<A>,
-    /// What the bus has brought.
+    /// News from the bus.
     pub news: Vec<News>,
 }
 
@@ -30,7 +30,7 @@ impl<A> Waiting<A> {
         self.arrived.is_empty() && self.news.is_empty()
     }
 
-    /// What the bus has brought, if anything.
+    /// News from the bus, if any.
     pub fn take_news(&mut self) -> Option<Vec<News>> {
         (!self.news.is_empty()).then(|| std::mem::take(&mut self.news))
     }

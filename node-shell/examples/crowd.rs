@@ -1,8 +1,8 @@
-//! How many processes on one host find each other, and how fast.
+//! Number of processes on one host that discover each other, and the time it takes.
 //!
-//! `crowd N [seconds] [hz]` starts N processes that each publish a latched station state and
-//! subscribe to those of all others, and says when each had heard everyone. Run it again inside
-//! `unshare -n` with multicast switched on for `lo` to see the difference multicast makes.
+//! `crowd N [seconds] [hz]` starts N processes that each publish a latched station state and subscribe to those of all
+//! others, and prints when each had received all of them. Run it again inside `unshare -n` with multicast switched on
+//! for `lo` to see the difference multicast makes.
 
 use linewright_msgs::StationState;
 use linewright_node_shell::{Participant, RosArgs, boot_id, forward, qos, stamp};

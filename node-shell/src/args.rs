@@ -10,18 +10,18 @@ use crate::environment::{self, EnvironmentError, Range};
 use crate::names::{Remap, RemapTarget};
 use thiserror::Error;
 
-/// How much is logged (`--log-level`).
+/// Log level (`--log-level`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogLevel {
     /// Everything.
     Debug,
-    /// What happens.
+    /// Normal events.
     Info,
-    /// What should not happen.
+    /// Unexpected events.
     Warn,
-    /// What must not happen.
+    /// Errors.
     Error,
-    /// As `Error`; ROS 2 knows one more level.
+    /// As `Error`; ROS 2 has one more level.
     Fatal,
 }
 
@@ -49,25 +49,25 @@ pub struct Param {
     pub value: ParamValue,
 }
 
-/// What the command line and the environment say about ROS 2.
+/// ROS 2 settings from the command line and the environment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RosArgs {
     /// Remap rules in the order given.
     pub remaps: Vec<Remap>,
-    /// Parameters in the order given; ask [`param`](Self::param).
+    /// Parameters in the order given; see [`param`](Self::param).
     pub params: Vec<Param>,
     pub log_level: Option<LogLevel>,
     pub domain_id: u16,
     /// Discovery range if the environment names one. Nothing named means this machine only.
     pub range: Option<Range>,
-    /// What was understood but has no effect here; log these.
+    /// Arguments without effect here; log these.
     pub warnings: Vec<String>,
 }
 
 /// A command line that cannot be obeyed.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ArgsError {
-    /// Neither an option nor anything else we know.
+    /// Neither an option nor any other known argument.
     #[error("unknown ROS argument '{argument}' (a '--' ends the ROS arguments)")]
     Unknown { argument: String },
     /// An option at the end, without its value.
@@ -78,7 +78,7 @@ pub enum ArgsError {
     Malformed {
         option: String,
         value: String,
-        /// What it should look like.
+        /// Expected form.
         expected: &'static str,
     },
     /// Parameter files are not read.
@@ -94,7 +94,7 @@ pub enum ArgsError {
     Environment(#[from] EnvironmentError),
 }
 
-/// Options rclcpp knows that change nothing here; `true` if a value follows.
+/// Options of rclcpp that change nothing here; `true` if a value follows.
 const WITHOUT_EFFECT: &[(&str, bool)] = &[
     ("-e", true),
     ("--enclave", true),
@@ -206,7 +206,7 @@ fn remap(option: &str, value: String) -> Result<Remap, ArgsError> {
         value,
         expected: "[node:]from:=to, __ns:=/namespace or __node:=name",
     };
-    // "rostopic://" says what a rule is for; there are only topics here.
+    // "rostopic://" names the kind of a rule; there are only topics here.
     let plain = value.replacen("rostopic://", "", 1);
     let Some((node, from, to)) = assignment(&plain) else { return Err(bad(value)) };
     let target = match from {
@@ -249,7 +249,7 @@ fn scalar(text: &str) -> ParamValue {
     if let Ok(number) = text.parse::<i64>() {
         return ParamValue::Integer(number);
     }
-    // Rust also reads "inf" and "nan" as numbers; YAML writes those with a dot, and nobody here needs them.
+    // Rust also reads "inf" and "nan" as numbers; YAML writes those with a dot, and they are not needed here.
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && text.contains(|c: char| c.is_ascii_digit()) => ParamValue::Double(number),
         _ => ParamValue::Text(text.to_owned()),

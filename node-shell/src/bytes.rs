@@ -1,7 +1,7 @@
 //! A message taken as the bytes it came in.
 //!
-//! What a request means depends on who sent it (see [`crate::service`]), and the decoder of the middleware cannot be asked
-//! twice. So it is given a type that takes every byte there is, up to a number beyond which nobody of ours sends.
+//! The meaning of a request depends on its sender (see [`crate::service`]), and the middleware decodes only once. So it
+//! is given a type that takes every byte there is, up to a limit above all valid requests.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use serde::de::{SeqAccess, Visitor};
 use serde::ser::SerializeTuple;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Bytes that some middleware adds behind a message, so that the next one lies well.
+/// Bytes that some middleware adds behind a message, so that the next one is aligned.
 const PADDING_MAX: usize = 3;
 
 /// The message in these bytes, if it is valid, and all that is in them.
@@ -48,7 +48,7 @@ impl<'de, const MAX: usize> Visitor<'de> for UntilTheEnd<MAX> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
         let mut bytes = Vec::new();
-        // The decoder says "no more" by an error; there is nothing else a byte could fail for.
+        // The decoder ends by an error; there is nothing else a byte could fail for.
         while let Ok(Some(byte)) = seq.next_element() {
             bytes.push(byte);
         }

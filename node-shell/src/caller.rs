@@ -1,4 +1,4 @@
-//! Asking a service, for tools and tests.
+//! Service client, for tools and tests.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use ros2_client::{Client, ServiceMapping};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// How a request and its answer find each other; the server's middleware decides.
+/// How an answer is related to its request; the server's middleware decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mapping {
     /// Beside the data, as Fast DDS does.
@@ -28,14 +28,14 @@ impl From<Mapping> for ServiceMapping {
 /// Why there is no answer.
 #[derive(Debug, Error)]
 pub enum CallError {
-    /// Nobody has answered.
+    /// No answer came.
     #[error("{service}: no answer within {} ms", within.as_millis())]
     NoAnswer {
         service: String,
-        /// How long it was waited.
+        /// Time waited.
         within: Duration,
     },
-    /// The answer makes no sense.
+    /// The answer is invalid.
     #[error("{service}: {invalid}")]
     Invalid {
         service: String,
@@ -51,7 +51,7 @@ pub enum CallError {
     },
 }
 
-/// A message as the client library wants it.
+/// A message in the form that the client library needs.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(transparent)]
 pub(crate) struct WireMessage<T>(pub(crate) T);
@@ -61,14 +61,14 @@ impl<T: RosMessage> ros2_client::Message for WireMessage<T> {}
 pub(crate) type RawServiceClient<S> =
     Client<WireMessage<<S as RosService>::Request>, WireMessage<<S as RosService>::Response>>;
 
-/// Asks one service.
+/// Client of one service.
 pub struct Caller<S: RosService> {
     pub(crate) inner: RawServiceClient<S>,
     pub(crate) name: String,
 }
 
 impl<S: RosService> Caller<S> {
-    /// Asks, and waits for the answer. A request sent before the server is discovered gets none: ask again.
+    /// Sends a request, and waits for the answer. A request sent before the server is discovered gets none: repeat it.
     pub async fn call(&self, request: S::Request, within: Duration) -> Result<S::Response, CallError> {
         let service = || self.name.clone();
         let answer = tokio::time::timeout(within, self.inner.async_call_service(WireMessage(request))).await;

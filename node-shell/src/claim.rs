@@ -35,9 +35,9 @@ pub enum ClaimError {
     /// Another process holds it.
     #[error("{what} is already running: {holder}. {advice}")]
     Taken {
-        /// What was claimed.
+        /// The claimed name.
         what: String,
-        /// Who holds it.
+        /// Its holder.
         holder: String,
         /// Remedy.
         advice: &'static str,
@@ -48,7 +48,7 @@ pub enum ClaimError {
     /// The system refuses.
     #[error("cannot claim {what}: {error}")]
     System {
-        /// What was claimed.
+        /// The claimed name.
         what: String,
         /// The system's reason.
         error: io::Error,
@@ -109,7 +109,7 @@ impl Claim {
             File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(failed)?;
         match file.try_lock() {
             Ok(()) => {
-                // For whoever is refused. A full disk costs this text only: the lock is no text.
+                // For refused processes. A full disk costs this text only: the lock is no text.
                 let text = format!("process {}, since {}\n", std::process::id(), clock(SystemTime::now()));
                 let _ = file.set_len(0).and_then(|()| file.write_all(text.as_bytes()));
                 Ok(Claim::File(Some(file)))
@@ -186,8 +186,7 @@ fn described(number: &str, process: &Path) -> String {
     if words.is_empty() { text } else { format!("{text} ({words})") }
 }
 
-/// How long a process has run: the 22nd field of its `stat` is when it began, after the name in parentheses, which may hold
-/// anything.
+/// Age of a process: the 22nd field of its `stat` is its start, after the name in parentheses, which may hold anything.
 fn age_of(process: &Path) -> Option<Duration> {
     let stat = fs::read_to_string(process.join("stat")).ok()?;
     let began: f64 = stat.rsplit_once(')')?.1.split_whitespace().nth(19)?.parse().ok()?;

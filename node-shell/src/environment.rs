@@ -1,26 +1,26 @@
-//! The ROS 2 environment variables that say with whom to talk.
+//! The ROS 2 environment variables that select the communication partners.
 //!
-//! The client library reads none of them, so a node would answer in domain 0 on every interface
-//! whatever its user exported. A value that cannot be honoured is an error, not a guess: a line that
-//! listens to the wrong domain moves at the wrong person's command.
+//! The client library reads none of them, so a node would answer in domain 0 on every interface whatever its user
+//! exported. A value that cannot be honoured is an error, not a guess: a line in the wrong domain moves at the wrong
+//! operator's command.
 
 use thiserror::Error;
 
 /// Highest domain id whose UDP ports exist (RTPS port formula, 16-bit ports).
 pub const DOMAIN_ID_MAX: u16 = 232;
 
-/// How far participants look for each other (`ROS_AUTOMATIC_DISCOVERY_RANGE`).
+/// Discovery range of participants (`ROS_AUTOMATIC_DISCOVERY_RANGE`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Range {
-    /// Everyone the network reaches by multicast.
+    /// All participants that multicast reaches.
     Subnet,
     /// This machine only.
     Localhost,
-    /// Nobody: the participant talks to itself.
+    /// No other participant.
     Off,
 }
 
-/// What the environment says.
+/// Settings from the environment.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Environment {
     /// `ROS_DOMAIN_ID`, 0 when unset.

@@ -1,12 +1,12 @@
-//! Who this process is, and what time it is.
+//! Identity of this process, and the time.
 
 use linewright_msgs::{Header, Time};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::OnceLock;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// A number that is new with every start of the process and never 0. Readers use it to tell a
-/// restarted writer from a late message.
+/// A number that is new with every start of the process and never 0. Readers use it to distinguish a restarted writer
+/// from a late message.
 pub fn boot_id() -> u64 {
     static BOOT_ID: OnceLock<u64> = OnceLock::new();
     *BOOT_ID.get_or_init(fresh_boot_id)
@@ -31,7 +31,7 @@ pub fn fresh_key() -> u128 {
     u128::from(fresh_boot_id()) << 64 | u128::from(fresh_boot_id())
 }
 
-/// A header that says "now". The wire format's seconds end in 2038; later times stay there.
+/// A header with the present time. The wire format's seconds end in 2038; later times stay there.
 pub fn stamp() -> Header {
     let now = since_epoch();
     let sec = i32::try_from(now.as_secs()).unwrap_or(i32::MAX);

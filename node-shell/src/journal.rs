@@ -1,4 +1,4 @@
-//! What a node remembers when its process is killed: one record, replaced whole.
+//! Memory of a node across a kill of its process: one record, replaced whole.
 //!
 //! Two slots in one file are written in turn, each with a number and a checksum; on opening, the valid slot with the
 //! higher number is the record. A kill in the middle of a write spoils one slot and leaves the other. A write is one

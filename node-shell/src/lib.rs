@@ -1,13 +1,12 @@
-//! What the station's and the coordinator's node share of ROS 2.
+//! The ROS 2 part common to the station's and the coordinator's node.
 //!
-//! The client library speaks DDS; what a ROS 2 user expects around it is here: command line and
-//! environment ([`RosArgs`]), names and remaps ([`names`]), a participant that stays on this machine
-//! unless told otherwise ([`Participant`]), one named quality of service per kind of topic ([`qos`]),
-//! publishers that never wait ([`Publisher`]) and subscriptions that survive anything sent to them
-//! ([`Subscription`]).
+//! The client library covers DDS; the rest of what a ROS 2 user expects is here: command line and environment
+//! ([`RosArgs`]), names and remaps ([`names`]), a participant that stays on this machine by default ([`Participant`]),
+//! one named quality of service per kind of topic ([`qos`]), publishers that never wait ([`Publisher`]) and
+//! subscriptions that survive anything sent to them ([`Subscription`]).
 //!
-//! This crate knows nothing of lines and modes. It decides nothing a controller cares about: a
-//! message arrives with its source, or it does not arrive.
+//! Lines and modes do not occur in this crate. Nothing that concerns a controller is decided here: a message arrives
+//! with its source, or it does not arrive.
 
 mod action;
 mod args;

@@ -1,10 +1,10 @@
 //! Logging to stderr.
 //!
-//! Nothing here waits for whoever reads the log, nor ends when it cannot be written (see [`LossyWriter`]); a panic's message
-//! goes the same way.
+//! Nothing here waits for the reader of the log, nor ends when it cannot be written (see [`LossyWriter`]); a panic's
+//! message goes the same way.
 //!
-//! `--log-level` wins over `RUST_LOG`; without either, this project logs what happens and the DDS
-//! library only its errors (it warns about kernel buffer sizes at every start).
+//! `--log-level` wins over `RUST_LOG`; without either, this project logs normal events and the DDS library only its
+//! errors (it warns about kernel buffer sizes at every start).
 
 use crate::LogLevel;
 use crate::lossy::LossyWriter;
@@ -25,7 +25,7 @@ pub enum LoggingError {
     /// The operating system gives no thread for it.
     #[error("no thread for the log: {0}")]
     Thread(String),
-    /// Somebody else has set up logging already.
+    /// Logging has been set up already.
     #[error("logging is set up already: {0}")]
     Twice(Box<dyn std::error::Error + Send + Sync>),
 }
@@ -33,7 +33,7 @@ pub enum LoggingError {
 /// Standard error of this process.
 static STDERR: LazyLock<io::Result<LossyWriter>> = LazyLock::new(|| LossyWriter::start(io::stderr()));
 
-/// How long the end of a process may wait for its log.
+/// Most time that the end of a process may wait for its log.
 const FLUSH_WITHIN: Duration = Duration::from_millis(500);
 
 /// Starts logging for this process. Call [`flush_stderr`] before it ends.

@@ -16,7 +16,7 @@ use tracing_subscriber::fmt::MakeWriter;
 
 /// Lines the queue holds: a burst of a few seconds of a node that logs every event.
 const QUEUE: usize = 1024;
-/// How often to try again to put the last request into a full queue.
+/// Period of retries to put the last request into a full queue.
 const RETRY: Duration = Duration::from_millis(5);
 
 enum QueuedLine {

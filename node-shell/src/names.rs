@@ -86,7 +86,7 @@ fn check_absolute(full: &str) -> Result<(), NameError> {
     Ok(())
 }
 
-/// What a remap rule replaces.
+/// Target of a remap rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RemapTarget {
     /// The node's name (`__node`, `__name`).
@@ -102,7 +102,7 @@ pub enum RemapTarget {
 pub struct Remap {
     /// The rule is for nodes of this name only.
     pub node: Option<String>,
-    /// What is replaced.
+    /// Target.
     pub target: RemapTarget,
     /// Replacement.
     pub to: String,

@@ -3,10 +3,9 @@
 //! One participant per process is the rule: each costs a thread, two sockets and a place among the
 //! participants a host can discover (see `docs/ros.md`). Several nodes may share it.
 //!
-//! Unless the environment says otherwise the participant stays on this machine. ROS 2's own default is
-//! the whole subnet; a machine that moves should not obey whoever happens to be on it. "Stays" means
-//! that it announces itself and sends on the loopback address only; its sockets still listen on all,
-//! so this is a habit, not a firewall.
+//! By default the participant stays on this machine. ROS 2's own default is the whole subnet; a machine that moves
+//! should not obey every host on it. "Stays" means that it announces itself and sends on the loopback address only; its
+//! sockets still listen on all, so this is a habit, not a firewall.
 
 use crate::action::{self, ActionCaller, ActionOffer, RawActionServer};
 use crate::caller::{Caller, Mapping};
@@ -72,7 +71,7 @@ pub struct Participant {
 }
 
 impl Participant {
-    /// Joins the domain of `args`, on this machine only unless `args.range` says otherwise.
+    /// Joins the domain of `args`, on this machine only by default (`args.range`).
     pub fn open(args: &RosArgs) -> Result<Self, OpenError> {
         let failed = |reason: String| OpenError::Participant { domain_id: args.domain_id, reason };
         let range = args.range.unwrap_or(Range::Localhost);
@@ -112,7 +111,7 @@ impl Participant {
         self.args.domain_id
     }
 
-    /// How far it reaches.
+    /// Its discovery range.
     pub fn range(&self) -> Range {
         self.range
     }
@@ -127,12 +126,12 @@ impl Participant {
     pub const MAX_ON_LOCALHOST: u16 = relay::PORTS - 1;
 }
 
-/// How long the middleware has to take in what was opened, before the next thing is.
+/// Time for the middleware to take in what was opened, before the next thing is.
 ///
-/// Its discovery holds the lock of its tables while it tells its event loop of what is on a topic that is new here, through
-/// a queue of 32. Is that full, the event loop wants to read the tables, and somebody here waits to write into them, then
-/// nobody goes on any more: seen where many nodes start at once, in the middle of opening one thing after the other. With
-/// the queue empty at each opening it takes an unlikely burst to fill it; for that there is the
+/// Its discovery holds the lock of its tables while it passes the endpoints of a topic that is new here to its event
+/// loop, through a queue of 32. If that is full while the event loop waits to read the tables and another thread to
+/// write into them, all three are deadlocked: seen where many nodes start at once, in the middle of opening one thing
+/// after the other. With the queue empty at each opening it takes an unlikely burst to fill it; for that there is the
 /// [`Watchdog`](crate::Watchdog).
 const TAKE_IN: Duration = Duration::from_millis(2);
 
@@ -188,7 +187,7 @@ impl RosNode {
     /// Offers a service; the name expands as a topic's does. Hand it to [`serve`](crate::serve).
     pub fn service<S: RosService>(&mut self, name: &str) -> Result<Service<S>, TopicError> {
         let (dds_name, kind, full) = self.service_name::<S>(name)?;
-        // What says to whom an answer goes is seen to in `service.rs`: this one adds nothing to the data.
+        // The destination of an answer is handled in `service.rs`: this mapping adds nothing to the data.
         let mapping = ServiceMapping::Enhanced;
         match self.inner.create_server(mapping, &dds_name, &kind, qos::service(), qos::service()) {
             Ok(inner) => Ok(Service { inner: Arc::new(inner), name: full }),
@@ -196,7 +195,7 @@ impl RosNode {
         }
     }
 
-    /// Prepares to ask a service.
+    /// Opens a service client.
     pub fn caller<S: RosService>(&mut self, name: &str, mapping: Mapping) -> Result<Caller<S>, TopicError> {
         let (dds_name, kind, full) = self.service_name::<S>(name)?;
         match self.inner.create_client(mapping.into(), &dds_name, &kind, qos::service(), qos::service()) {
@@ -217,7 +216,7 @@ impl RosNode {
         Ok(ActionOffer { servers, name: full })
     }
 
-    /// Prepares to ask for an action.
+    /// Opens an action client.
     pub fn action_caller<A: RosAction>(&mut self, name: &str, mapping: Mapping) -> Result<ActionCaller<A>, TopicError> {
         let (dds_name, full) = self.opening(name)?;
         let kind = ActionTypeName::new(A::PACKAGE, A::NAME);
@@ -249,7 +248,7 @@ impl RosNode {
         Ok(self.inner.publisher_count(&self.resolve(topic)?))
     }
 
-    /// Subscriptions now known on a topic, likewise.
+    /// Subscriptions now known on a topic, counted in the same way.
     pub fn subscription_count(&self, topic: &str) -> Result<usize, NameError> {
         Ok(self.inner.subscription_count(&self.resolve(topic)?))
     }

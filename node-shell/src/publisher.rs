@@ -1,8 +1,7 @@
 //! Sending without waiting.
 //!
-//! A controller's step must take the same time whoever listens. The library hands the sample to its
-//! own thread; what can fail is counted, and said once for 1, 2, 4, 8 … failures so that a broken
-//! reader fills no disk.
+//! A controller's step must take the same time whatever its readers do. The library hands the sample to its own thread;
+//! failures are counted, and logged at 1, 2, 4, 8 … of them so that a broken reader fills no disk.
 
 use linewright_msgs::RosMessage;
 use ros2_client::WriteError;
@@ -15,11 +14,11 @@ pub enum SendError {
     /// Some reliable reader has not acknowledged thousands of messages; it is most likely dead.
     #[error("{topic}: the send window is full, a reader has stopped acknowledging")]
     WindowFull { topic: String },
-    /// Anything else the middleware says.
+    /// Any other error of the middleware.
     #[error("{topic}: {reason}")]
     Middleware {
         topic: String,
-        /// The middleware's words.
+        /// The middleware's text.
         reason: String,
     },
 }
@@ -47,7 +46,7 @@ impl<T: RosMessage> Publisher<T> {
         }
     }
 
-    /// Sends, or says why not. Never waits; failures are counted here as well.
+    /// Sends, or gives the error. Never waits; failures are counted here as well.
     pub fn try_send(&self, message: T) -> Result<(), SendError> {
         match self.inner.publish(message) {
             Ok(()) => {

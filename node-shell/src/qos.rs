@@ -8,18 +8,17 @@
 //! | | reliability | durability | history | for |
 //! |---|---|---|---|---|
 //! | [`latched_state`] | reliable | transient local | keep last 1 | whole states |
-//! | [`command`] | reliable | volatile | keep last 1 | what an operator wants now |
+//! | [`command`] | reliable | volatile | keep last 1 | operator commands |
 //! | [`event`] | reliable | volatile | keep last 100 | what happened |
 //! | [`service`] | reliable | volatile | keep last 10 | requests and answers, as rclcpp has them |
 //! | [`repeated`] | best effort | volatile | keep last 1 | mode orders, and process images at the scan rate |
 //!
-//! A reliable writer keeps every sample for a reader that stopped answering, up to 8192 of them or
-//! until the reader's lease (50 s) runs out; with the window full it can send to nobody. Measured with a
-//! killed reader: at 100 messages a second the lease comes first and nobody notices, at 900 the writer
-//! is mute from the 9th to the 50th second. A reader that lives and never acknowledges has no lease that
-//! runs out. That is why images, the one topic that may be sent at scan rate, and mode orders, which
-//! carry the emergency stop, are best effort: no reader can keep them from another one, and what gets
-//! lost is said again a period later.
+//! A reliable writer keeps every sample for a reader that stopped answering, up to 8192 of them or until the reader's
+//! lease (50 s) runs out; with the window full it cannot send at all. Measured with a killed reader: at 100 messages a
+//! second the lease comes first, without effect, at 900 the writer is mute from the 9th to the 50th second. A reader
+//! that lives and never acknowledges has no lease that runs out. That is why images, the one topic that may be sent at
+//! scan rate, and mode orders, which carry the emergency stop, are best effort: no reader can keep them from another
+//! one, and what gets lost is repeated a period later.
 
 use ros2_client::QosProfile;
 use ros2_client::qos::{Durability, History, WhenFull};
@@ -51,7 +50,7 @@ pub const fn service() -> QosProfile {
     reliable(Durability::Volatile, 10)
 }
 
-/// What is given again every period anyway, and must reach whoever hears whatever others do.
+/// For data repeated every period, which must reach each reader whatever the others do.
 pub const fn repeated() -> QosProfile {
     QosProfile::subscription_default().reliability_best_effort()
 }

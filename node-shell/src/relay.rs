@@ -1,14 +1,13 @@
 //! More than twelve participants on one host without multicast.
 //!
-//! Linux gives the loopback interface no multicast. The DDS library then announces itself to the
-//! well-known ports of the first twelve participants of its own host and to nobody else: participant
-//! 12 and participant 13 both know the first twelve, and never hear of each other.
+//! Linux gives the loopback interface no multicast. The DDS library then announces itself to the well-known ports of
+//! the first twelve participants of its own host only: participants 12 and 13 both discover the first twelve, but never
+//! each other.
 //!
-//! An announcement is one datagram, complete in itself: it carries its sender's identity and
-//! addresses, and it does not matter who delivered it. So one process sits on the port of the twelfth
-//! participant — that number is then simply taken — hears what everyone announces, and passes it on,
-//! unread, to the ports of the participants beyond. Every process tries to be that one, and tries again
-//! when it has gone; the kernel lets exactly one succeed.
+//! An announcement is one datagram, complete in itself: it carries its sender's identity and addresses, and its
+//! deliverer does not matter. So one process sits on the port of the twelfth participant — that number is then simply
+//! taken — receives all announcements, and passes them on, unread, to the ports of the participants beyond. Every
+//! process tries to be that one, and tries again when it has gone; the kernel lets exactly one succeed.
 //!
 //! Nothing but announcements comes here: all other traffic goes to addresses found inside them.
 
@@ -26,7 +25,7 @@ pub(crate) const PROBED: u16 = 12;
 /// Participants whose ports exist in every domain: those of domain 232 end here.
 pub(crate) const PORTS: u16 = 63;
 
-/// How soon a relay whose process has gone is replaced, and how soon this one stops.
+/// Most time until a relay whose process has gone is replaced, and until this one stops.
 const RETRY: Duration = Duration::from_millis(500);
 
 /// Largest datagram UDP can carry.
@@ -100,7 +99,7 @@ fn relay_one(socket: &UdpSocket, buffer: &mut [u8], domain_id: u16, to: Range<u1
     }
     for participant in to {
         let there = SocketAddr::V4(SocketAddrV4::new(Ipv4Addr::LOCALHOST, port(domain_id, participant)));
-        // Most of these ports have nobody behind them; announcements are repeated anyway.
+        // Most of these ports have no reader; announcements are repeated anyway.
         let _ = socket.send_to(message, there);
     }
 }

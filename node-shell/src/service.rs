@@ -1,15 +1,15 @@
-//! Answering services.
+//! Service server.
 //!
-//! ROS 2 has two ways of saying which request an answer belongs to. Fast DDS says it beside the data (the client
-//! library's *enhanced* mapping), Cyclone DDS in sixteen bytes before them. A server of the client library knows one of
-//! them, and a line does not know who will ask. So requests are taken as the bytes they are, and make sense in one of the
-//! two ways: as all of them, or as all behind the first sixteen. The answer goes the way the request came.
+//! ROS 2 has two ways of relating an answer to its request. Fast DDS does it beside the data (the client library's
+//! *enhanced* mapping), Cyclone DDS in sixteen bytes before them. A server of the client library supports one of them,
+//! and the clients of a line are not known in advance. So requests are taken as the bytes they are, and make sense in
+//! one of the two ways: as all of them, or as all behind the first sixteen. The answer goes the way the request came.
 //!
-//! A client can ask before this side knows where its answers are to go: the two ways between two nodes are discovered one
-//! by one, and an answer sent too early is lost for good. So the first answer to a client is held for a moment, as other
-//! implementations do.
+//! A client can send a request before this side has discovered where its answers are to go: the two ways between two
+//! nodes are discovered one by one, and an answer sent too early is lost for good. So the first answer to a client is
+//! held for a moment, as other implementations do.
 //!
-//! Whoever asks gets one answer or none; nothing here waits. Bytes are read as little endian, which is what every host
+//! Each request gets one answer or none; nothing here waits. Bytes are read as little endian, which is what every host
 //! that ROS 2 supports sends.
 
 use std::collections::VecDeque;
@@ -31,9 +31,9 @@ const HEADER: usize = 16;
 /// Most bytes of a request that are looked at; more makes no sense.
 const REQUEST_MAX: usize = 64 * 1024;
 
-/// How long the first answer to a client is held (that of rmw_fastrtps).
+/// Time for which the first answer to a client is held (that of rmw_fastrtps).
 pub(crate) const HOLD: Duration = Duration::from_millis(100);
-/// How many clients of a service are known again. One more is held once more.
+/// Clients remembered for each service. For a further one the answer is held once more.
 const CLIENTS: usize = 16;
 
 /// The clients that have been answered, the newest first.
@@ -44,7 +44,7 @@ impl KnownClients {
         KnownClients(VecDeque::with_capacity(CLIENTS))
     }
 
-    /// Whether a client is new, which it is once.
+    /// Whether a client is new; true once for each.
     pub fn meets(&mut self, client: Gid) -> bool {
         let is_new = !self.0.contains(&client);
         if is_new {
@@ -58,7 +58,7 @@ impl KnownClients {
 /// A request as it came.
 pub(crate) type RawRequest = Bytes<REQUEST_MAX>;
 
-/// The header of Cyclone DDS if there is one, and what is asked.
+/// The header of Cyclone DDS if there is one, and the request.
 fn read<T: RosMessage>(raw: &RawRequest) -> Option<(Option<[u8; HEADER]>, T)> {
     if let Some(message) = exactly(&raw.0) {
         return Some((None, message));
@@ -83,7 +83,7 @@ impl<T: Serialize> Serialize for RawResponse<T> {
 }
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for RawResponse<T> {
-    /// Only sent; the client library wants both.
+    /// Only sent; the client library requires both.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         T::deserialize(deserializer).map(|body| RawResponse { header: None, body })
     }
@@ -135,7 +135,7 @@ impl<S: RosService> ServiceReply<S> {
     }
 }
 
-/// Merges what a service is asked into `to`, as [`forward`](crate::forward) does with messages. Must be called inside a
+/// Merges a service's requests into `to`, as [`forward`](crate::forward) does with messages. Must be called inside a
 /// tokio runtime.
 pub fn serve<S, U>(
     service: Service<S>,

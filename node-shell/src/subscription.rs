@@ -1,8 +1,8 @@
 //! Receiving, whatever is sent.
 //!
-//! What does not decode, or decodes to something [invalid](linewright_msgs::Invalid), is counted and
-//! reported and otherwise as if it had never come: anybody on the network can send it, so it must not
-//! end anything. Only a middleware that has itself failed ends a subscription.
+//! A message that does not decode, or is [invalid](linewright_msgs::Invalid), is counted, reported and otherwise
+//! dropped: any host on the network can send it, so it must not end anything. Only a middleware that has itself failed
+//! ends a subscription.
 
 use linewright_msgs::RosMessage;
 use ros2_client::{MessageInfo, ReadError};
@@ -10,16 +10,16 @@ use thiserror::Error;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
-/// Where a message came from.
+/// Source of a message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MessageSource {
     /// Global identity of the publisher: one per publisher and start of its process.
     pub publisher: [u8; 16],
     /// The middleware's number of the message within that publisher.
     pub sequence: i64,
-    /// When the publisher says it was sent, in nanoseconds since the Unix epoch.
+    /// Time of sending by the publisher's clock, in nanoseconds since the Unix epoch.
     pub sent_ns: Option<i64>,
-    /// When it arrived here, likewise.
+    /// Time of arrival here, in nanoseconds since the Unix epoch.
     pub received_ns: Option<i64>,
 }
 

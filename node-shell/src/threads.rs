@@ -1,13 +1,14 @@
 //! Whether the middleware still works, by its threads.
 //!
-//! They can end without a word to anybody. The known case: a process that is stopped for a moment, by Ctrl-Z or by a
-//! debugger, and goes on. The wait of the middleware's event loop is interrupted then, and the loop takes that for its end.
-//! Nothing fails from there on: what is sent is taken and never leaves, and nothing comes. The others see the node as silent
-//! and stop; the node itself would stay deaf for ever. So it looks whether those threads are there, and ends when one is
-//! not: whoever supervises it starts it again.
+//! They can end without a report. The known case: a process that is stopped for a moment, by Ctrl-Z or by a debugger,
+//! and goes on. The wait of the middleware's event loop is interrupted then, and the loop takes that for its end.
+//! Nothing fails from there on: messages to be sent are taken and never leave, and none arrive. The others see the node
+//! as silent and stop; the node itself would stay so for ever. So it checks whether those threads are there, and ends
+//! when one is not: its supervisor starts it again.
 //!
-//! A participant does not hear itself over loopback, so a node that speaks to itself would not find out. The threads are
-//! found where Linux shows them, by the name that the middleware gives them; on other systems nothing is concluded.
+//! A participant does not receive its own messages over loopback, so a node that sends to itself would not detect it.
+//! The threads are found where Linux shows them, by the name that the middleware gives them; on other systems nothing
+//! is concluded.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -16,17 +17,17 @@ use std::time::Duration;
 
 use crate::subscription::Forward;
 
-/// How every thread's name begins that moves messages.
+/// Beginning of the name of every thread that moves messages.
 const NAME: &str = "RustDDS";
-/// Where Linux shows the threads of this process.
+/// Directory of the threads of this process in Linux.
 const THREADS: &str = "/proc/self/task";
 /// A participant has one for its messages and one that finds the others.
 const OF_A_PARTICIPANT: usize = 2;
-/// How often it is looked, and how long after the start for the first time: a thread names itself.
+/// Period of the checks, and delay of the first: a thread names itself.
 const EVERY: Duration = Duration::from_millis(500);
 
-/// A task that is finished when a thread of the middleware has ended, within half a second; the log says so. For a process
-/// whose participants, one at least, are open and stay so for as long as this is listened to. Must be called inside a tokio
+/// A task that is finished when a thread of the middleware has ended, within half a second; it is logged. For a process
+/// with at least one participant, all of which stay open as long as the task is used. Must be called inside a tokio
 /// runtime.
 pub fn watch_middleware() -> Forward {
     Forward::spawn(async {
@@ -45,7 +46,7 @@ pub fn watch_middleware() -> Forward {
     })
 }
 
-/// Whether every thread that there has to be is there now. What cannot be read once is not taken for an end.
+/// Whether every thread required is there now. A failed read is not taken for an end.
 fn has_all(begun: &BTreeSet<String>, now: Option<&BTreeSet<String>>) -> bool {
     begun.len() >= OF_A_PARTICIPANT && now.is_none_or(|now| begun.is_subset(now))
 }

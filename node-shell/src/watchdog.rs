@@ -1,13 +1,13 @@
-//! A node whose loop stands still ends.
+//! Watchdog: ends a node whose loop stands still.
 //!
-//! The middleware is called from the loop, and a call into it may not come back: three of its locks and queues can wait for
-//! each other while many nodes start at once (see `TAKE_IN` in `participant.rs`). Such a process is alive for whoever
-//! supervises it, and of no use. Its outputs are off by then, or go off: the devices watch the heartbeat that the loop
-//! sends, stations the age of the coordinator's word; for devices that hear no heartbeat [`Watchdog::before_the_end`] lets go.
-//! So nothing is lost by ending it, and it can be started again.
+//! The middleware is called from the loop, and a call into it may not come back: three of its locks and queues can wait
+//! for each other while many nodes start at once (see `TAKE_IN` in `participant.rs`). Such a process is alive for its
+//! supervisor, and of no use. Its outputs are off by then, or go off: the devices watch the heartbeat that the loop
+//! sends, stations the age of the mode order; for devices without a heartbeat [`Watchdog::before_the_end`] lets go. So
+//! nothing is lost by ending it, and it can be started again.
 //!
-//! Time is counted in pieces in which the loop has said nothing, each slept by itself: of a process that was stopped for an
-//! hour and goes on, one piece is over.
+//! Time is counted in pieces without a feed, each slept by itself: of a process that was stopped for an hour and goes
+//! on, one piece is over.
 
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,9 +15,9 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread;
 use std::time::Duration;
 
-/// What a process ends with whose loop stands still: an internal error, as `sysexits.h` numbers it.
+/// Exit code of a process whose loop stands still: an internal error, as `sysexits.h` numbers it.
 const STANDS_STILL: i32 = 70;
-/// How many pieces of the limit have to pass without a word.
+/// Number of pieces of the limit that have to pass without a feed.
 const PIECES: u32 = 10;
 
 type LastFeed = Mutex<Vec<Box<dyn FnOnce() + Send>>>;
@@ -29,20 +29,21 @@ pub struct Watchdog {
 }
 
 impl Watchdog {
-    /// How long the loop of a node may stand still. Much longer than a slow disk or a busy machine holds it up.
+    /// Most time for which the loop of a node may stand still. Much longer than a slow disk or a busy machine holds it
+    /// up.
     pub const LIMIT: Duration = Duration::from_secs(10);
-    /// How often a loop that has nothing to do should feed it.
+    /// Period at which an idle loop should feed it.
     pub const FEED: Duration = Duration::from_secs(1);
 
-    /// Watches from now on; `name` is what the log calls it. Where the operating system gives no thread for that, the log
-    /// says so, and nobody is ended.
+    /// Watches from now on; `name` is its name in the log. Where the operating system gives no thread for that, it is
+    /// logged, and no process is ended.
     pub fn start(name: &str, limit: Duration) -> Self {
         let fed = Arc::new(AtomicBool::new(true));
         let last: Arc<LastFeed> = Arc::default();
         let (seen, at_the_end, name) = (Arc::downgrade(&fed), last.clone(), name.to_owned());
         let spawned = thread::Builder::new().name("watchdog".to_owned()).spawn(move || {
             if stands_still(&seen, limit / PIECES) {
-                // First of all: a log that nobody reads may hold this thread up.
+                // First of all: a log without a reader may hold this thread up.
                 let acts = std::mem::take(&mut *at_the_end.lock().unwrap_or_else(PoisonError::into_inner));
                 acts.into_iter().for_each(|act| act());
                 tracing::error!("{name} has stood still for {} s; it ends", limit.as_secs_f64());
@@ -56,18 +57,18 @@ impl Watchdog {
         Watchdog { fed, last }
     }
 
-    /// What its thread is to do before it ends the process. It must wait for nothing that the loop may hold.
+    /// Adds an action of its thread before it ends the process. It must wait for nothing that the loop may hold.
     pub fn before_the_end(&self, act: impl FnOnce() + Send + 'static) {
         self.last.lock().unwrap_or_else(PoisonError::into_inner).push(Box::new(act));
     }
 
-    /// Says that the loop goes round.
+    /// Feeds it: the loop goes round.
     pub fn feed(&self) {
         self.fed.store(true, Ordering::Relaxed);
     }
 }
 
-/// Waits until it was not fed for so many pieces in a row, or nobody is left who could feed it; true in the first case.
+/// Waits until it was not fed for [`PIECES`] in a row, or no feeder is left; true in the first case.
 fn stands_still(fed: &Weak<AtomicBool>, piece: Duration) -> bool {
     let mut missed = 0;
     while missed < PIECES {

@@ -1,4 +1,4 @@
-//! Actions between two participants of this machine, in both ways of saying which request is answered.
+//! Actions between two participants of this machine, in both forms of requests.
 
 use std::time::Duration;
 
@@ -22,7 +22,7 @@ fn order(id: u64, task: &str) -> RunTaskGoal {
     RunTaskGoal { memory: 9, epoch: 1, id, task: task.to_owned(), limit_ms: 1000, ..RunTaskGoal::default() }
 }
 
-/// Asks until it is accepted: a goal sent before discovery is lost.
+/// Repeats the goal until it is accepted: one sent before discovery is lost.
 async fn begin(caller: &ActionCaller<RunTask>, goal: &RunTaskGoal) -> GoalHandle {
     for _ in 0..40 {
         if let Ok(id) = caller.begin(goal.clone(), Duration::from_millis(500)).await {
@@ -36,7 +36,7 @@ fn ended(goal: &RunTaskGoal, end: u8, code: u16) -> RunTaskResult {
     RunTaskResult { epoch: goal.epoch, id: goal.id, end, code, text: goal.task.clone() }
 }
 
-/// A station that does `clamp` at once, refuses what it does not know, and holds until it is cancelled.
+/// A station that does `clamp` at once, refuses unknown tasks, and holds until it is cancelled.
 async fn station(mut from: mpsc::Receiver<GoalRequest<RunTaskGoal>>, owner: ActionOwner<RunTask>) {
     let mut held = Vec::new();
     while let Some(asked) = from.recv().await {

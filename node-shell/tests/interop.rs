@@ -1,8 +1,8 @@
 //! A peer that shares no code with us: Cyclone DDS (the PyPI package `cyclonedds`) in Python.
 //!
-//! Foreign middleware would look for peers on every network. So the test starts itself again inside a
-//! network namespace that has nothing but a loopback interface, and both speak only there. Without the
-//! package, or without the right to make a namespace, it says that it was skipped, on the terminal.
+//! Foreign middleware would look for peers on every network. So the test starts itself again inside a network namespace
+//! that has nothing but a loopback interface, and both communicate only there. Without the package, or without the
+//! right to make a namespace, it is skipped, with a message on the terminal.
 //!
 //! `LINEWRIGHT_INTEROP_PYTHON` names the interpreter that has the package (default `python3`).
 
@@ -49,7 +49,7 @@ fn cyclone_dds_and_we_understand_each_other() {
     assert!(ended.status.success() && said.contains("1 passed"), "see above");
 }
 
-/// Only the loopback interface may be there, whoever started this.
+/// Whether only the loopback interface is there, however this was started.
 fn alone() -> bool {
     let devices = std::fs::read_to_string("/proc/net/dev").unwrap_or_default();
     let up = devices.lines().skip(2).filter_map(|line| line.split_once(':')).map(|(name, _)| name.trim().to_owned());
@@ -87,7 +87,7 @@ async fn both_ways() {
         timeout(Duration::from_secs(15), commands.recv()).await.expect("in time").expect("received");
     assert_eq!(command.data, "auto");
     println!("Cyclone DDS -> us: 'auto' after {} ms, {source:?}", started.elapsed().as_millis());
-    // The volatile reader hears what is sent from now on.
+    // The volatile reader receives what is sent from now on.
     while !heard.is_finished() {
         text.send(Text::from("auto"));
         sleep(Duration::from_millis(100)).await;
@@ -99,7 +99,7 @@ async fn both_ways() {
     assert_eq!(commands.rejected(), 0);
 }
 
-/// As a node under rmw_cyclonedds asks: the request's identity stands before the data.
+/// As a node under rmw_cyclonedds sends it: the request's identity stands before the data.
 async fn a_service_is_called() {
     let participant = Participant::open(&RosArgs::default()).expect("participant");
     let mut node = participant.node("/transfer_line", "coordinator").expect("node");
@@ -122,7 +122,7 @@ async fn a_service_is_called() {
     assert_eq!(said, [format!("answer True True {}", 0x1234_5678)]);
 }
 
-/// As rclpy asks under rmw_cyclonedds: a goal with its result, and one that is cancelled.
+/// As rclpy under rmw_cyclonedds sends it: a goal with its result, and one that is cancelled.
 async fn an_action_is_asked_for() {
     let participant = Participant::open(&RosArgs::default()).expect("participant");
     let mut node = participant.node("/cell", "m1").expect("node");
@@ -190,7 +190,7 @@ fn state() -> StationState {
     }
 }
 
-/// Reads until the peer has heard everything, or has ended.
+/// Reads until the peer has received everything, or has ended.
 fn wait_for_all(lines: impl Iterator<Item = std::io::Result<String>>) -> bool {
     let mut missing = vec![
         "latched-text stand-by".to_owned(),

@@ -8,10 +8,10 @@ use proptest::prelude::*;
 use tempfile::TempDir;
 
 const IDENTITY: &[u8] = b"a cell";
-/// What stands before a record.
+/// Bytes before a record.
 const HEAD_BYTES: usize = 32;
 
-/// What a log holds besides its identity, and how much was cut off.
+/// Content of a log besides its identity, and number of bytes cut off.
 #[derive(Debug, Default, PartialEq)]
 struct Contents {
     snapshot: Option<Vec<u8>>,
@@ -106,8 +106,8 @@ fn a_log_that_is_cut_off_at_any_byte_has_the_records_before_it() {
     }
 }
 
-/// One byte of a log is another: nothing that was on the disk is passed over in silence, except at the very end, where it
-/// cannot be told from what was torn.
+/// One byte of a log is another: nothing that was on the disk is passed over in silence, except at the very end, where
+/// damage looks like a torn record.
 #[test]
 fn a_damaged_record_that_later_ones_count_on_is_found() {
     let (_dir, path) = scratch();
@@ -133,7 +133,7 @@ fn a_damaged_record_that_later_ones_count_on_is_found() {
     }
 }
 
-/// What was not synced can reach the disk in any order when the power goes.
+/// Data that were not synced can reach the disk in any order when the power goes.
 #[test]
 fn a_hole_in_what_was_not_synced_ends_the_log() {
     let (_dir, path) = scratch();

@@ -1,7 +1,7 @@
-//! Two participants on the loopback address of this machine: does what is said in one arrive in the
-//! other, late readers and rubbish included?
+//! Two participants on the loopback address of this machine: what one sends arrives in the other, late readers and
+//! rubbish included.
 //!
-//! Each test takes a domain of its own, away from the ones people use.
+//! Each test takes a domain of its own, away from the usual ones.
 
 use linewright_msgs::{Invalid, ProcessImage, RosField, RosMessage, StationState, Text};
 use linewright_node_shell::{Participant, Range, RosArgs, RosNode, Subscription, forward, fresh_boot_id, qos, stamp};
@@ -12,8 +12,8 @@ use tokio::time::{sleep, timeout};
 
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Domains 33 to 88, different for tests of one process and mostly so for concurrent processes. Above 101
-/// the ports are in the range from which Linux gives ports to anybody who asks for any.
+/// Domains 33 to 88, different for tests of one process and mostly so for concurrent processes. Above 101 the ports are
+/// in the range from which Linux gives ports to any process.
 fn args(test: u16) -> RosArgs {
     let domain_id = 33 + (std::process::id() % 8) as u16 * 7 + test;
     RosArgs { domain_id, ..RosArgs::default() }
@@ -33,7 +33,7 @@ async fn until_matched(writer: &RosNode, topic: &str) {
         while writer.subscription_count(topic).expect("name") == 0 {
             sleep(Duration::from_millis(5)).await;
         }
-        // The writer's side knows the reader; the reader learns of the writer at about the same time.
+        // The writer's side has discovered the reader; the reader discovers the writer at about the same time.
         sleep(Duration::from_millis(200)).await;
     })
     .await
@@ -74,7 +74,7 @@ async fn a_command_is_not_repeated_to_a_late_reader() {
     assert_eq!(next(&mut commands).await.data, "hand");
 }
 
-/// Says it is a process image and is one byte long.
+/// Claims to be a process image and is one byte long.
 #[derive(Serialize, Deserialize)]
 struct Impostor(u8);
 

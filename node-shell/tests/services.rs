@@ -1,4 +1,4 @@
-//! Services between two participants of this machine, in both ways of saying which request is answered.
+//! Services between two participants of this machine, in both forms of requests.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ fn node(test: u16, name: &str) -> RosNode {
     participant.node("/line", name).expect("node")
 }
 
-/// Asks until it is answered: a request sent before discovery is lost.
+/// Repeats a request until it is answered: one sent before discovery is lost.
 async fn ask<S: linewright_msgs::RosService>(caller: &Caller<S>, request: &S::Request) -> S::Response {
     for _ in 0..40 {
         if let Ok(response) = caller.call(request.clone(), Duration::from_millis(500)).await {

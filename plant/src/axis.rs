@@ -1,7 +1,7 @@
-//! Where an axis is: a straight line in time from its last change.
+//! Position of an axis: a straight line in time from its last change.
 //!
-//! A position is computed from the moment its motion began, never from the last time somebody looked. Looking often
-//! or seldom gives the same positions to the last bit, and nothing drifts.
+//! A position is computed from the moment its motion began, never from the last query. Frequent and rare queries give
+//! the same positions to the last bit, and nothing drifts.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use linewright_line::Tick;
 /// A motion towards a target at constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Travel {
-    /// Where it ends. It is never overshot.
+    /// End of the motion. It is never overshot.
     pub(crate) target: f64,
     /// Speed in units of the axis per microsecond, above zero.
     pub(crate) speed: f64,
@@ -34,12 +34,12 @@ impl AxisState {
         *self = AxisState { since: now, from: at, travel: None };
     }
 
-    /// Where it is at `now`; a moment before its last change counts as that change.
+    /// Position at `now`; a moment before its last change counts as that change.
     pub(crate) fn position(&self, now: Tick) -> f64 {
         let Some(Travel { target, speed }) = self.travel else { return self.from };
         let whole = target - self.from;
         let gone = speed * now.since(self.since).as_micros() as f64;
-        // What is left below a billionth of the way is rounding, not distance.
+        // A remainder below a billionth of the way is rounding, not distance.
         if gone >= whole.abs() * (1.0 - 1e-9) { target } else { self.from + gone.copysign(whole) }
     }
 
@@ -61,8 +61,8 @@ impl AxisState {
 
     /// The moments at which it may pass into or out of reach of `at`: `reach` before and after it.
     ///
-    /// Each is given with its two neighbours, because the exact crossing falls between two ticks; whoever asks looks
-    /// at all of them.
+    /// Each is given with its two neighbours, because the exact crossing falls between two ticks; the caller checks all
+    /// of them.
     pub(crate) fn crossings(&self, at: f64, reach: f64) -> impl Iterator<Item = Tick> {
         let travel = self.travel;
         let edges = [at - reach, at + reach].into_iter().filter(move |edge| {

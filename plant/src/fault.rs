@@ -1,4 +1,4 @@
-//! What can be made to go wrong, and by which number over CAN.
+//! Injectable faults, and their numbers over CAN.
 
 use linewright_canopen::codec::Abort;
 
@@ -10,15 +10,15 @@ pub const PRESS_INDEX: u16 = 0x5F01;
 
 /// Manufacturer object 5F02h of a simulated device: trouble on the bus, see `docs/can.md`.
 pub const TROUBLE_INDEX: u16 = 0x5F02;
-/// Manufacturer object 5F03h of a simulated device: subindex n holds output bit n − 1 at a value, whatever process data
-/// say, like a relay whose contacts have welded or broken. 0 off, 1 on, 2 lets go.
+/// Manufacturer object 5F03h of a simulated device: subindex n holds output bit n − 1 at a value, whatever the process
+/// data, like a relay whose contacts have welded or broken. 0 off, 1 on, 2 lets go.
 pub const STUCK_INDEX: u16 = 0x5F03;
 
-/// Manufacturer object 5F04h of a simulated device: subindex n holds analogue input n at a number, whatever is measured.
-/// 0 to FFFFh are its 16 bits, 10000h lets go.
+/// Manufacturer object 5F04h of a simulated device: subindex n holds analogue input n at a number, whatever the
+/// measurement. 0 to FFFFh are its 16 bits, 10000h lets go.
 pub const HOLD_INDEX: u16 = 0x5F04;
 
-/// What goes wrong with one motion. Lasts until it is cleared.
+/// Fault of one motion. Lasts until it is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MotionFault {
     /// It does not move.
@@ -31,17 +31,17 @@ pub enum MotionFault {
     SlipBack = 4,
     /// It moves, but the gripper that it closes takes nothing.
     Miss = 5,
-    /// It moves, but the gripper that it has closed holds nothing fast: a part that lies nowhere else falls.
+    /// It moves, but the gripper that it has closed holds nothing fast: a part that is in no nest falls.
     Drop = 6,
 }
 
-/// What is written to a simulated device: index and subindex, and a number. The order matters.
+/// Writes to a simulated device: index and subindex, and a number. The order matters.
 pub type ObjectWrites = Vec<((u16, u8), u32)>;
 
 /// The word for the end of a fault, in scenarios and in `linewright fail`.
 pub const CLEAR_WORD: &str = "clear";
 
-/// What clears everything that a device was made to suffer.
+/// Write that clears all faults of a device.
 pub const CLEAR: ((u16, u8), u32) = ((FAULT_INDEX, 0), 0);
 
 impl MotionFault {
@@ -67,7 +67,7 @@ impl MotionFault {
         }
     }
 
-    /// What happens, for people.
+    /// Effect of the fault, in words.
     pub const fn about(self) -> &'static [&'static str] {
         match self {
             MotionFault::Stick => &["The mechanism does not move."],
@@ -93,10 +93,10 @@ impl MotionFault {
     }
 }
 
-/// What goes wrong with a whole device.
+/// Fault of a whole device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DeviceFault {
-    /// 1: it neither sends nor hears, as if unplugged, except that object 5F00h:00 can plug it in again.
+    /// 1: it neither sends nor receives, as if unplugged, except that object 5F00h:00 can plug it in again.
     Silent,
     /// 2: it boots.
     Reboot,
@@ -104,7 +104,7 @@ pub enum DeviceFault {
     NoBoot,
     /// 4: its heartbeats cease, and all else goes on.
     NoHeartbeat,
-    /// 5F02h:04: an object says something else than it should: a device type, an identity.
+    /// 5F02h:04: an object reads as another value: a device type, an identity.
     Identity { object: (u16, u8), value: u32 },
     /// 5F02h:06: an object is refused.
     Abort {
@@ -122,9 +122,10 @@ pub enum DeviceFault {
         /// Bits of the error register, object 1001h.
         register: u8,
     },
-    /// 5F02h:02: it is off the bus for a time, and then says so. It lets go of its outputs as if it had lost its manager.
+    /// 5F02h:02: it is off the bus for a time, and then reports it. It lets go of its outputs as if it had lost its
+    /// manager.
     BusOff {
-        /// For how long, in ms.
+        /// Duration, in ms.
         millis: u32,
     },
 }
@@ -134,7 +135,7 @@ const READING: u32 = 1 << 24;
 const WRITING: u32 = 1 << 25;
 
 impl DeviceFault {
-    /// What is written to the device to make it suffer this.
+    /// Writes that cause this fault.
     pub fn orders(self) -> ObjectWrites {
         let whole = |code| vec![((FAULT_INDEX, 0), code)];
         let place = |(index, sub): (u16, u8)| u32::from(index) << 8 | u32::from(sub);

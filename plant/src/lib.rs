@@ -3,15 +3,15 @@
 //! - [`Plant`]: the mechanisms of a line in pure, event-driven time: outputs in, limit switches out; and where parts are;
 //! - [`DeviceNode`]: one generic CANopen I/O device, pure: frames in, frames out;
 //! - [`DriveNode`]: one CANopen drive, pure as well; it moves its axis itself;
-//! - [`DbcDeviceNode`]: one device that speaks no CANopen, but the frames of a DBC file, pure;
+//! - [`DbcDeviceNode`]: one device without CANopen, with the frames of a DBC file, pure;
 //! - [`ModbusNode`]: one device in Modbus, pure: requests in, answers out;
 //! - [`Rack`]: the devices of one bus wired to the mechanisms, pure.
 //!
 //! `linewright_racks` puts racks on the buses of a machine.
 //!
-//! The plant knows the description and the laws of motion, and nothing of modes, cycles or controllers: whoever
-//! energises an output moves an axis. That makes it a fair opponent in a test. It can be made to fail, in process or
-//! over CAN.
+//! The plant has the description and the laws of motion, and no modes, cycles or controllers: an energised output moves
+//! an axis, whatever energised it. That makes it a fair opponent in a test. It can be made to fail, in process or over
+//! CAN.
 
 mod axis;
 mod device;

@@ -1,7 +1,7 @@
 //! One station's mechanisms: axes, what drives them, and the switches they press.
 //!
-//! A description speaks of operations; an axis knows only drives (an output that pulls it towards a position) and
-//! switches (an input that is on at a position). This is where the one becomes the other.
+//! A description has operations; an axis has only drives (an output that pulls it towards a position) and switches (an
+//! input that is on at a position). The translation is here.
 
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ const SAME_PLACE: f64 = 1e-6;
 /// Fraction of its speed at which a slipping motion moves.
 const SLIP: f64 = 0.25;
 
-/// Which motion of an operation a drive is.
+/// Motion of an operation that a drive performs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stroke {
     Normal,
@@ -34,7 +34,7 @@ pub(crate) struct Actuator {
     pub(crate) fault: Option<MotionFault>,
     from: f64,
     target: f64,
-    /// What the whole way from `from` to `target` takes, above zero.
+    /// Duration of the whole way from `from` to `target`, above zero.
     duration: Duration,
     fault_input: Option<InputId>,
 }
@@ -45,17 +45,17 @@ struct Switch {
     reach: f64,
 }
 
-/// The places of an endless axis. They are one to whoever looks: it stands at `home` in each of them.
+/// The places of an endless axis. From outside they are one: it stands at `home` in each of them.
 ///
-/// Its gear goes from one to the next and rests there, however long its output stays on; the next index begins when the output
-/// comes on again. It turns one way, whatever pulls at it.
+/// Its gear goes from one to the next and rests there, however long its output stays on; the next index begins when the
+/// output comes on again. It turns one way, whatever drives it.
 #[derive(Clone, Copy)]
 struct Index {
     home: f64,
     by: f64,
     /// It has come to the next place under the output that is on.
     rests: bool,
-    /// How many places it has left behind.
+    /// Number of places left behind.
     left: u64,
 }
 
@@ -66,18 +66,18 @@ pub(crate) struct Mechanism {
     state: AxisState,
     /// Of an endless axis: how far it goes on with one index, and where it begins.
     index: Option<Index>,
-    /// What moves it now: the drive's place in `drives`, its fault, and the factor its duration was given.
+    /// Its present motion: the drive's place in `drives`, its fault, and the factor of its duration.
     moving: Option<(usize, Option<MotionFault>, f64)>,
     /// Drives both ways are on; it stands.
     opposed: bool,
     /// Motions begun so far: makes every one's random factor its own.
     begun: u64,
     /// The moments at which its present motion changes an input or ends, in order; worked out when the motion begins,
-    /// because whoever plays time asks far more often than motions begin.
+    /// because queries are far more frequent than motions.
     changes: Vec<Tick>,
 }
 
-/// What a change of outputs or faults did to an axis.
+/// Effect of a change of outputs or faults on an axis.
 pub(crate) struct AxisChange {
     /// Drives both ways have just come on at once.
     pub(crate) alarm: bool,
@@ -144,13 +144,13 @@ impl Mechanism {
         }
     }
 
-    /// How many places an endless axis has come on by, whatever its station makes of it.
+    /// Number of places an endless axis has come on by, whatever its station counts.
     pub(crate) fn indexes(&self, now: Tick) -> u64 {
         let at = self.state.position(now);
         self.index.map_or(0, |index| index.left + u64::from(index.is_at_end(at)))
     }
 
-    /// Whether it stands at `at`, as a switch there sees it. What only passes does not stand.
+    /// Whether it stands at `at`, by a switch there. An axis that only passes does not stand.
     pub(crate) fn stands_at(&self, now: Tick, at: f64) -> bool {
         let switches = self.switches.iter().filter(|switch| same_place(switch.at, at));
         let reach = switches.map(|switch| switch.reach).reduce(f64::max);
@@ -170,7 +170,7 @@ impl Mechanism {
         switch.is_on(position) || self.index.is_some_and(|index| switch.is_on(position + index.by))
     }
 
-    /// Whether what drives it to `at` suffers this.
+    /// Whether a drive to `at` has this fault.
     pub(crate) fn suffers_at(&self, at: f64, fault: MotionFault) -> bool {
         let end = |drive: &Actuator| drive.target - self.index.map_or(0.0, |index| index.by);
         self.drives.iter().any(|drive| same_place(end(drive), at) && drive.fault == Some(fault))
@@ -215,14 +215,14 @@ impl Mechanism {
         self.changes = changes;
     }
 
-    /// When its motion ends; whoever advances time looks here, as another drive may take over.
+    /// When its motion ends; time is advanced to here, as another drive may take over.
     pub(crate) fn arrival(&self) -> Option<Tick> {
         // Nothing changes after it.
         self.moving.and_then(|_| self.changes.last().copied())
     }
 
-    /// Does what the outputs in `image` and the faults say from `now` on. `random` gives a motion's duration its
-    /// factor, from the number of motions begun before.
+    /// Obeys the outputs in `image` and the faults from `now` on. `random` gives a motion's duration its factor, from
+    /// the number of motions begun before.
     pub(crate) fn drive(&mut self, now: Tick, image: u128, random: impl Fn(u64) -> f64) -> AxisChange {
         let on = |drive: &&Actuator| image & drive.output.bit() != 0 && drive.target != drive.from;
         let ways = || self.drives.iter().filter(on).map(|drive| self.pull(drive, self.position(now)));
@@ -258,11 +258,12 @@ impl Mechanism {
         change
     }
 
-    /// Which of the drives that are on turns an endless axis on, if it is not to rest. A new index is reckoned from home.
+    /// The drive that turns an endless axis on, of those that are on; `None` if it is to rest. A new index is reckoned
+    /// from home.
     fn turn_on(&mut self, now: Tick, image: u128) -> Option<usize> {
         let on = |drive: &&Actuator| image & drive.output.bit() != 0;
         let at = self.drives.iter().position(|drive| on(&drive));
-        // What drives back cannot.
+        // A drive that drives back cannot.
         let chosen = at.filter(|_| !self.drives.iter().filter(on).any(|d| d.fault == Some(MotionFault::SlipBack)));
         let here = self.state.position(now);
         let index = self.index.as_mut()?;
@@ -276,8 +277,8 @@ impl Mechanism {
         Some(chosen)
     }
 
-    /// Which way a drive pulls, as a number above or below zero. One that brings the axis to its target from both sides
-    /// pulls towards it; any other pulls on in its own direction.
+    /// Direction in which a drive pulls, as a number above or below zero. One that brings the axis to its target from
+    /// both sides pulls towards it; any other pulls on in its own direction.
     fn pull(&self, drive: &Actuator, here: f64) -> f64 {
         let way = drive.target - drive.from;
         let twin = |other: &Actuator| other.output == drive.output && same_place(other.target, drive.target);
@@ -285,9 +286,9 @@ impl Mechanism {
         if is_both { drive.target - here } else { way }
     }
 
-    /// Which of the drives that are on moves the axis: the nearest target ahead. One output may serve several
-    /// operations in a row; it then pulls from one's end to the next's. A drive that has arrived holds the axis; one
-    /// whose target was left behind pulls back to it only if nothing else has a say. Of drives that pull together a
+    /// The drive that moves the axis, of those that are on: the one with the nearest target ahead. One output may serve
+    /// several operations in a row; it then pulls from one's end to the next's. A drive that has arrived holds the
+    /// axis; one whose target was left behind pulls back to it only if no other acts. Of drives that pull together a
     /// faulty one decides: one that slips back drags the others along, and holds them where it came from.
     fn choose(&self, now: Tick, image: u128) -> Option<usize> {
         let here = self.position(now);

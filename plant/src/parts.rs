@@ -1,18 +1,18 @@
-//! Parts: where each one is, and how mechanisms move them.
+//! Parts: their locations, and how mechanisms move them.
 //!
-//! A part lies at a position of a nest, or is in a hand, or both: a hand that holds it over an open clamp. Or it has fallen
-//! down. Nothing else can happen to it: whatever outputs do, no part is lost and none is made. What happens follows from
-//! where axes stand before and after a moment:
+//! A part is at a position of a nest, or is in a hand, or both: a hand that holds it over an open clamp. Or it has
+//! fallen down. Nothing else can happen to it: whatever outputs do, no part is lost and none is made. What happens
+//! follows from where axes stand before and after a moment:
 //!
 //! ```text
 //!   a hand opens         what it held stays in the nest it reaches, if that is free; else it falls
 //!   a hand moves away    with what it holds; a closed clamp keeps its part
 //!   a hand comes         what it holds is in the nest as well, if that is free and open
-//!   a hand closes        it has what lies where it reaches; or nothing, and nobody is told
+//!   a hand closes        it has the part that it reaches; or nothing, without a report
 //! ```
 //!
-//! At which position of a store a hand is, the outputs say that carry the number, at the moment its axes come to stand
-//! there. Parts are the truth about a cell, for whoever looks at the plant from outside; controllers see sensors.
+//! The position of a store at which a hand is follows from the outputs with the number, at the moment its axes come to
+//! stand there. Parts are the true state of a cell, for observers of the plant from outside; controllers see sensors.
 
 use std::collections::BTreeMap;
 
@@ -23,7 +23,7 @@ use crate::fault::MotionFault;
 /// So many mishaps are kept; later ones are only counted.
 const MISHAPS_MAX: usize = 10_000;
 
-/// A part, by the number that whoever put it in has given it.
+/// A part, by the number that it was put in with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PartNo(pub u64);
 
@@ -35,16 +35,16 @@ pub struct NestPosition {
     pub position: u16,
 }
 
-/// Where a part is. Neither here nor there: it has fallen down.
+/// Location of a part. Neither here nor there: it has fallen down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PartLocation {
-    /// The nest it lies in, or is held in.
+    /// The nest it is in, or is held in.
     pub spot: Option<NestPosition>,
     /// The hand that has it.
     pub hand: Option<HolderId>,
 }
 
-/// What should not have happened to a part.
+/// Mishap of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartFault {
     /// A hand has let go of it where nothing was to take it, or could not hold it.
@@ -67,11 +67,11 @@ pub enum PartRefusal {
     Unknown,
 }
 
-/// What parts see of the mechanisms.
+/// View of the mechanisms that parts need.
 pub(crate) trait Mechanisms {
     /// Whether an axis stands there.
     fn stands(&self, stand: &Stand) -> bool;
-    /// Whether what drives it there suffers this.
+    /// Whether a drive to there has this fault.
     fn suffers(&self, stand: &Stand, fault: MotionFault) -> bool;
     /// The outputs of a station.
     fn outputs(&self, station: StationId) -> u128;
@@ -221,7 +221,7 @@ impl PlantParts {
         for (reach, reached) in self.handling.reaches.iter().zip(&mut self.reached) {
             let stands = reach.when.iter().all(|stand| mechanisms.stands(stand));
             let (hand, nest) = (&self.handling.holders[reach.hand.index()], &self.handling.holders[reach.to.index()]);
-            // What was said on arrival counts until the axes leave.
+            // The number on arrival counts until the axes leave.
             *reached = reached.filter(|_| stands).or_else(|| {
                 let Grip::Hand(stand) = hand.grip else { return None };
                 let position = number(&reach.position, mechanisms.outputs(stand.station));
@@ -251,7 +251,7 @@ impl PlantParts {
         }
     }
 
-    /// Whether people look after a spot: that of a store, which is no station's.
+    /// Whether people serve a spot: that of a store, which is no station's.
     fn is_looked_after(&self, spot: NestPosition) -> bool {
         self.people && self.handling.holders.get(spot.nest.index()).is_some_and(|holder| !holder.name.contains('.'))
     }
@@ -275,7 +275,7 @@ impl PlantParts {
             self.parts.insert(PartNo(next), PartLocation { spot: Some(spot), hand: None });
         }
         let part = self.reached_by(hand).and_then(|spot| self.at(spot));
-        // What another hand has, this one cannot get.
+        // A part in another hand is out of reach for this one.
         if let Some(at) = part.and_then(|part| self.parts.get_mut(&part)).filter(|at| at.hand.is_none()) {
             at.hand = Some(hand);
         }
@@ -288,7 +288,7 @@ impl PlantParts {
         self.note(now, PartFault::Fell { part, hand });
     }
 
-    /// What the sensors see.
+    /// Updates the sensors.
     fn look(&mut self, mechanisms: &impl Mechanisms) {
         self.seen.fill(0);
         for sensor in &self.handling.sensors {

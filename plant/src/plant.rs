@@ -1,8 +1,8 @@
 //! The mechanisms of a line: outputs in, time, inputs out.
 //!
-//! Pure and event-driven: between two changes every axis moves on a straight line, so [`Plant::advance`] costs the
-//! same for a microsecond and for an hour, and [`Plant::next_change`] says exactly when to look again. The same seed
-//! gives the same plant.
+//! Pure and event-driven: between two changes every axis moves on a straight line, so [`Plant::advance`] costs the same
+//! for a microsecond and for an hour, and [`Plant::next_change`] gives exactly the time of the next change. The same
+//! seed gives the same plant.
 
 use linewright_line::{AxisId, HolderId, InputId, Line, OpId, OutputId, Owner, Stand, StationId, Tick};
 use linewright_random::mix;
@@ -11,15 +11,15 @@ use crate::fault::MotionFault;
 use crate::mechanism::{Mechanism, Stroke};
 use crate::parts::{Mechanisms, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, PlantParts};
 
-/// How a plant deviates from its description.
+/// Deviations of a plant from its description.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlantOptions {
-    /// What its random deviations follow from.
+    /// Seed of its random deviations.
     pub seed: u64,
-    /// How far a motion's duration may deviate, as a fraction: 0.1 is up to a tenth shorter or longer. At most 0.9.
+    /// Largest deviation of a motion's duration, as a fraction: 0.1 is up to a tenth shorter or longer. At most 0.9.
     pub variation: f64,
-    /// People are there, who bring a part when a hand reaches for one in a store and there is none, and take one away that
-    /// lies where another is brought: a cell gets its parts by hand, and gives them away so.
+    /// People serve the stores: they bring a part when a hand reaches for one in a store and there is none, and take
+    /// one away where another is brought: a cell gets its parts by hand, and gives them away so.
     pub people: bool,
 }
 
@@ -34,16 +34,16 @@ pub struct Plant {
     /// By station.
     outputs: Vec<u128>,
     lamps: u128,
-    /// The console's inputs while nobody touches it: a closed-circuit contact is on.
+    /// The console's inputs while it is not touched: a closed-circuit contact is on.
     untouched: u128,
     /// By station, at its end the console: inputs held, and those of them held on.
     forced: Vec<(u128, u128)>,
     alarms: u64,
-    /// None in a line that does not say where parts can be.
+    /// `None` in a line whose description has no places for parts.
     parts: Option<PlantParts>,
 }
 
-/// What parts see of a plant.
+/// View of a plant for its parts.
 struct Axes<'p> {
     now: Tick,
     stations: &'p [Vec<Mechanism>],
@@ -118,8 +118,8 @@ impl Plant {
     }
 
     fn advance_axes(&mut self, now: Tick) {
-        // Where one drive ends another may take over, if one output serves two operations: such moments are settled
-        // one by one, at their own time, so that it does not matter when somebody looks.
+        // Where one drive ends another may take over, if one output serves two operations: such moments are settled one
+        // by one, at their own time, so that the times of queries do not matter.
         while let Some((at, station)) = self.next_arrival().filter(|(at, _)| *at <= now) {
             self.now = self.now.max(at);
             let arrived = |mechanism: &Mechanism| mechanism.arrival() == Some(at);
@@ -183,8 +183,8 @@ impl Plant {
         self.stations.iter().flatten().filter_map(|mechanism| mechanism.next_change(self.now)).min()
     }
 
-    /// The same of one station alone, for whoever plays stations one by one. Where parts are handled, a station's inputs
-    /// change with other stations' mechanisms too.
+    /// The same of one station alone, for callers that play stations one by one. Where parts are handled, a station's
+    /// inputs change with other stations' mechanisms too.
     pub fn next_change_of(&self, station: StationId) -> Option<Tick> {
         if self.parts.is_some() {
             return self.next_change();
@@ -193,25 +193,25 @@ impl Plant {
         mechanisms.iter().filter_map(|mechanism| mechanism.next_change(self.now)).min()
     }
 
-    /// Where an axis stands, in its own unit.
+    /// Position of an axis, in its own unit.
     pub fn position(&self, station: StationId, axis: AxisId) -> f64 {
         self.stations[station.index()][axis.index()].position(self.now)
     }
 
-    /// How many places an endless axis has come on by since the beginning.
+    /// Number of places an endless axis has come on by since the beginning.
     pub fn indexes(&self, station: StationId, axis: AxisId) -> u64 {
         self.stations[station.index()][axis.index()].indexes(self.now)
     }
 
-    /// Puts an axis where something else than an output has moved it to: a drive, which knows its own laws of motion.
+    /// Puts an axis where it was moved by other means than an output: by a drive, which has its own laws of motion.
     pub fn place(&mut self, now: Tick, station: StationId, axis: AxisId, at: f64) {
         self.advance(now);
         self.stations[station.index()][axis.index()].place(self.now, at);
         self.settle();
     }
 
-    /// How often drives both ways of one axis have come on at once. No controller should ever do that; the axis then
-    /// stands still.
+    /// Number of times that drives both ways of one axis have come on at once. A controller must never do that; the
+    /// axis then stands still.
     pub fn alarms(&self) -> u64 {
         self.alarms
     }
@@ -294,7 +294,7 @@ impl Plant {
         self.parts.as_ref()?.in_hand(hand)
     }
 
-    /// What should not have happened to parts, as far as it is kept, and how often such a thing has happened.
+    /// Mishaps of parts, as far as they are kept, and their number.
     pub fn mishaps(&self) -> (&[(Tick, PartFault)], u64) {
         self.parts.as_ref().map_or((&[], 0), PlantParts::mishaps)
     }

@@ -134,7 +134,8 @@ impl Rack {
         self.each(now, out, |_| 1, |node, outbox| node.poll(now, outbox));
     }
 
-    /// Asks the Modbus device at this address and unit. An exception's code if it refuses, `None` if it does not answer.
+    /// Sends a request to the Modbus device at this address and unit. An exception's code if it refuses, `None` without
+    /// an answer.
     pub fn ask(
         &mut self,
         now: Tick,
@@ -142,7 +143,7 @@ impl Rack {
         request: &ModbusRequest,
         out: &mut Vec<Frame>,
     ) -> Option<Result<ModbusResponse, u8>> {
-        // Everything else at this moment first: what is read is what the switches say now.
+        // Everything else at this moment first: the switches are read as they are now.
         self.poll(now, out);
         let mut answer = None;
         for slot in &mut self.slots {
@@ -199,7 +200,7 @@ impl Rack {
         }
     }
 
-    /// Holds an output bit of a device at a value, whatever process data say, or lets it follow them again.
+    /// Holds an output bit of a device at a value, whatever the process data, or lets it follow them again.
     pub fn stick(&mut self, node: NodeId, output: usize, value: Option<bool>) {
         let bit = u32::try_from(output).ok().and_then(|output| 1u64.checked_shl(output)).unwrap_or(0);
         for slot in self.slots.iter_mut().filter(|slot| slot.device.node_id() == Some(node.get())) {
@@ -239,7 +240,8 @@ impl Rack {
         found
     }
 
-    /// What an owner's devices drive: bit `i` is its output `i`. All outputs of a drive that moves by an order count.
+    /// Outputs that an owner's devices drive: bit `i` is its output `i`. All outputs of a drive that moves by an order
+    /// count.
     pub fn driven(&self, owner: Owner) -> u128 {
         let drives = self.slots.iter().filter(|slot| slot.device.owner == owner).filter_map(|slot| match &slot.node {
             RackNode::Drive(node, _) if node.obeys_an_order() => slot.device.drive(),

@@ -1,29 +1,28 @@
 //! A bad line to one device: frames that are lost on the way, and frames that come twice.
 //!
-//! A CAN controller repeats a frame until everybody has it, so a real bus loses frames elsewhere: in a receiver that
+//! A CAN controller repeats a frame until all nodes have it, so a real bus loses frames elsewhere: in a receiver that
 //! has no room, behind a bridge, in an interface that is restarted. A frame comes twice if only its sender missed the
-//! acknowledgement (CiA 301 builds on no frame coming once). Both are drawn from a seed, so what happened once happens
-//! again.
+//! acknowledgement (CiA 301 builds on no frame coming once). Both are drawn from a seed, so a sequence can be repeated.
 
 use linewright_random::mix;
 
 use crate::fault::{ObjectWrites, TROUBLE_INDEX};
 
-/// How bad the line of one device is.
+/// Faults of the line of one device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameFaults {
-    /// Of a thousand frames, how many do not come to the device.
+    /// Of a thousand frames to the device, number lost.
     pub lost_to: u16,
-    /// Of a thousand that it sends, how many come to nobody.
+    /// Of a thousand frames from the device, number lost.
     pub lost_from: u16,
-    /// Of a thousand in either direction, how many come twice.
+    /// Of a thousand in either direction, number doubled.
     pub doubled: u16,
-    /// What is drawn follows from it.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl FrameFaults {
-    /// What is written to a device to make its line this bad. Of the seed the device takes the lower 32 bits.
+    /// Writes to a device for these faults. Of the seed the device takes the lower 32 bits.
     pub fn orders(self) -> ObjectWrites {
         let shares = [(7, self.lost_to), (8, self.lost_from), (9, self.doubled)];
         let shares = shares.into_iter().map(|(sub, share)| ((TROUBLE_INDEX, sub), share.into()));
@@ -43,12 +42,12 @@ impl FaultyWire {
         FaultyWire { faults, drawn: 0 }
     }
 
-    /// How often a frame comes to the device.
+    /// Number of times a frame reaches the device.
     pub(crate) fn towards(&mut self) -> usize {
         self.times(self.faults.lost_to)
     }
 
-    /// How often a frame of the device comes to the others.
+    /// Number of times a frame of the device reaches the others.
     pub(crate) fn away(&mut self) -> usize {
         self.times(self.faults.lost_from)
     }

@@ -1,4 +1,4 @@
-//! Simulated devices without a manager, from power-on, spoken to by frames as candump prints them.
+//! Simulated devices without a manager, from power-on, driven by frames as candump prints them.
 
 use std::time::Duration;
 
@@ -90,7 +90,7 @@ impl<D: OnBus> Alone<D> {
         self.device.handle(self.now, &text.parse().expect("a frame"), &mut self.out);
     }
 
-    /// What it has sent since the last call.
+    /// Frames sent since the last call.
     pub fn take(&mut self) -> Vec<String> {
         std::mem::take(&mut self.out).iter().map(Frame::to_string).collect()
     }
@@ -101,7 +101,7 @@ impl<D: OnBus> Alone<D> {
         self.take().into_iter().filter(|text| !text.starts_with(&beat)).collect()
     }
 
-    /// What it answers on its SDO channel to a frame.
+    /// Answer on its SDO channel to a frame.
     pub fn ask(&mut self, text: &str) -> String {
         self.out.clear();
         self.hear(text);

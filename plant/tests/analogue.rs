@@ -115,7 +115,7 @@ fn a_valve_takes_its_value_and_rests_when_the_manager_is_gone() {
     bus.set(SOFT);
     bus.run(5);
     assert_eq!(valve(&bus), Some(350));
-    // Stopped by somebody, and sent to pre-operational: rest as well.
+    // Stopped from outside, and sent to pre-operational: rest in both.
     bus.send("000#0204");
     assert_eq!(valve(&bus), Some(50));
 }
@@ -178,7 +178,7 @@ fn channels_that_are_switched_off_while_it_runs_wait_until_they_are_on_again() {
         bus.send(off);
         assert!(bus.sent("584#60").contains(&bus.now), "{off} is taken");
         bus.wire.clear();
-        // The bench refuses a device that wants to be polled again and again for nothing.
+        // The bench refuses a device that requests polls without effect.
         bus.run(200);
         assert!(bus.sent("284#").is_empty(), "{off}");
         bus.send(on);

@@ -1,4 +1,4 @@
-//! A device that speaks no CANopen, from its description and DBC file on: manager and simulated plant together.
+//! A device without CANopen, from its description and DBC file on: manager and simulated plant together.
 
 use linewright_canopen::BusEvent;
 use linewright_line::{DeviceKind, Line};
@@ -9,7 +9,7 @@ use crate::managed::Managed;
 const ADVANCE: u128 = 1;
 const RETURN: u128 = 2;
 
-/// A press whose valves and switches hang on a box that speaks frames of its own.
+/// A press whose valves and switches hang on a box with frames of its own.
 const LINE: &str = r#"
 name = "pressing"
 

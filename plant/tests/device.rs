@@ -152,7 +152,7 @@ fn synchronous_process_data_waits_for_its_sync() {
     assert!(set_inputs(&mut bench, 3).is_empty());
     bench.hear("080#");
     assert_eq!(bench.news(), ["184#0300"]);
-    // What waits is dropped with the operational state.
+    // Waiting frames are dropped with the operational state.
     bench.hear("204#0000");
     bench.hear("000#8004");
     bench.hear("000#0104");
@@ -298,7 +298,7 @@ proptest! {
     }
 
     /// Whatever comes over the bus: no panic, outputs only in the operational state, and none for longer than the
-    /// timeout after the manager was last heard. (One that was never heard is not watched, as the standard has it.)
+    /// timeout after the manager's last heartbeat. (One that never sent any is not watched, as the standard has it.)
     #[test]
     fn whatever_comes_outputs_are_on_only_when_operational(
         frames in prop::collection::vec((0u16..0x800, prop::collection::vec(any::<u8>(), 0..=8), 0u64..60), 1..100),

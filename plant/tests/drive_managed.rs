@@ -34,7 +34,7 @@ fn place(world: &Managed) -> f64 {
     world.rack.plant().position(StationId(0), AxisId(0))
 }
 
-/// How far it moves within a while.
+/// Distance that it moves within a while.
 fn moves_within(world: &mut Managed, millis: u64) -> f64 {
     let before = place(world);
     world.run(millis);

@@ -39,7 +39,7 @@ fn moving() -> Alone<Box<DriveNode>> {
 }
 
 impl Alone<Box<DriveNode>> {
-    /// Sends a controlword; the state that the statusword then says, as the table of the standard has its bits.
+    /// Sends a controlword; gives the state in the statusword then, as the table of the standard has its bits.
     fn word(&mut self, word: u16) -> &'static str {
         let [low, high] = word.to_le_bytes();
         self.hear(&format!("205#{low:02X}{high:02X}"));
@@ -80,7 +80,7 @@ impl Alone<Box<DriveNode>> {
     }
 }
 
-/// What each controlword leads to in each state is a table in `device/drive/machine.rs`, with a test of its own.
+/// The effect of each controlword in each state is a table in `device/drive/machine.rs`, with a test of its own.
 #[test]
 fn from_nothing_to_enabled_and_back() {
     let mut bench = Alone::new(5, drive);

@@ -1,4 +1,4 @@
-//! The manager's side of a drive against the simulated drive: what moves, when, how far, and what the inputs say.
+//! The manager's side of a drive against the simulated drive: motions, their times and lengths, and the inputs.
 
 use std::time::Duration;
 
@@ -30,7 +30,7 @@ fn an_output_moves_the_axis_to_its_target_and_the_input_says_so() {
     assert!(pair.drive.explain().starts_with("going to 80: there"), "{}", pair.drive.explain());
     pair.set(0);
     pair.run(millis(100), |pair| assert_eq!(pair.inputs(), 0b010));
-    // It stood when it was told to stop quickly, so that state has ended as soon as it began.
+    // It stood when it got the quick stop, so that state has ended as soon as it began.
     let way = [
         DriveState::ReadyToSwitchOn,
         DriveState::SwitchedOn,
@@ -181,7 +181,7 @@ fn a_drive_found_running_is_taken_over_without_a_jump() {
     let mut pair = Pair::new(absolute(), 0.0, 1);
     pair.set(0b1000);
     pair.run(millis(200), |_| {});
-    // A new manager, which knows nothing of all that, with an order for the other end.
+    // A new manager, without any of that history, with an order for the other end.
     pair.drive = linewright_canopen::profile::drive::ManagedDrive::new(pair.drive.binding().clone());
     let place = pair.place();
     pair.set(0b0001);
@@ -189,7 +189,7 @@ fn a_drive_found_running_is_taken_over_without_a_jump() {
     assert_eq!((pair.place(), pair.inputs()), (0.0, 0b001));
 }
 
-/// What somebody does to the pair.
+/// Action on the pair.
 #[derive(Clone, Debug)]
 enum Act {
     Image(u128),
@@ -216,14 +216,14 @@ fn act() -> impl Strategy<Value = Act> {
 
 /// Longest time a lost word takes to be made good, and a frame to arrive.
 const DEAF: Duration = Duration::from_millis(50 * (LOST_MAX as u64 + 1) + 2);
-/// What it takes to stop from full speed, and how far that is, at the softest ramp.
+/// Time to stop from full speed, and the distance, at the softest ramp.
 const BRAKE: Duration = Duration::from_millis(150);
 const BRAKE_MM: f64 = 300.0 * 300.0 / (2.0 * 2000.0);
 
-/// What must hold after every event.
+/// Invariants after every event.
 fn holds(pair: &Pair) {
     let image = pair.image;
-    // Without a homing nobody listens to its output.
+    // Without a homing its output has no effect.
     let outputs = if pair.described.homing.is_some() { 5 } else { 4 };
     let asked: Vec<usize> = (0..outputs).filter(|output| image >> output & 1 == 1).collect();
     let for_long = pair.now.since(pair.since.0) > DEAF + BRAKE;
@@ -244,7 +244,7 @@ fn holds(pair: &Pair) {
     }
     let margin = BRAKE_MM + 0.05;
     assert!((-margin..=100.0 + margin).contains(&place), "{place} is outside of everything it was sent to");
-    // An input never says what is not so; while nothing moves, not by a hair.
+    // An input is never wrongly on; while nothing moves, not by a hair.
     for (input, target) in [(0, 0.0), (1, 80.0), (2, 100.0)] {
         let slack = if pair.speed() == 0.0 && for_long { 0.0 } else { 300.0 * DEAF.as_secs_f64() };
         if pair.inputs() >> input & 1 == 1 {

@@ -1,5 +1,5 @@
-//! The device and its description say the same: every entry that can be read answers with as many bytes as its type
-//! has and, if it has a default, with that; and nothing answers that is not described.
+//! The device and its description agree: every entry that can be read answers with as many bytes as its type has and,
+//! if it has a default, with that; and nothing answers that is not described.
 
 use linewright_canopen::NodeId;
 use linewright_canopen::sdo::Abort;

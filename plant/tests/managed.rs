@@ -14,7 +14,7 @@ pub struct Managed {
     pub now: Tick,
     pub manager: Manager,
     pub rack: Rack,
-    /// Which frames of the manager reach the devices.
+    /// Filter of the manager's frames that reach the devices.
     pub passes: fn(&Frame) -> bool,
     /// Every frame that was sent.
     pub wire: Vec<(Tick, String)>,
@@ -124,7 +124,7 @@ impl Managed {
         if inputs.valid { inputs.bits } else { 0 }
     }
 
-    /// What the devices drive.
+    /// Outputs that the devices drive.
     pub fn outputs(&self) -> u128 {
         self.rack.plant().outputs(OWNER)
     }

@@ -189,7 +189,7 @@ fn one_output_may_serve_two_operations_in_a_row() {
     assert_eq!(run(Duration::from_millis(1)), 90.0);
 }
 
-/// What may happen to a plant: after so many microseconds, outputs or a fault.
+/// Events of a plant: after so many microseconds, outputs or a fault.
 fn any_happening() -> impl Strategy<Value = (u64, u128, u8)> {
     (0u64..150_000, 0u128..4, 0u8..8)
 }

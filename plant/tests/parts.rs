@@ -150,7 +150,7 @@ fn a_hand_that_holds_nothing_fast_drops_what_it_carries() {
         );
         shop.drive(ROBOT, &["Y_100"], 500);
         assert!(!shop.sees(M1, "part_present"));
-        // Somebody picks it up and puts it where it was.
+        // A person picks it up and puts it where it was.
         shop.put(PART, slot);
         assert_eq!(shop.of(PART), (Some(slot), None));
     }
@@ -240,12 +240,12 @@ fn people_put_parts_where_there_is_room_and_take_those_that_nothing_holds() {
     assert_eq!(shop.plant.parts().count(), 0);
 }
 
-/// What somebody does to the outputs, and how long after.
+/// Changes of outputs, and the time after each.
 fn deeds() -> impl Strategy<Value = Vec<(bool, u8, u64)>> {
     proptest::collection::vec((any::<bool>(), any::<u8>(), 0u64..1500), 1..60)
 }
 
-/// Plays deeds; `looks` are extra moments at which somebody looks.
+/// Plays deeds; `looks` are extra queries.
 fn play(deeds: &[(bool, u8, u64)], looks: u64) -> Shop {
     let mut shop = Shop::new();
     for position in [1, 3, 6] {
@@ -282,7 +282,7 @@ fn is_sound(shop: &Shop) {
         assert!(!all[nth + 1..].iter().any(taken), "{all:?}");
         assert!(at.hand.is_none_or(|hand| hand == shop.holder("robot.hand")));
     }
-    // A hand has a part only while its switch says that it is closed.
+    // A hand has a part only while its switch shows it closed.
     assert!(shop.plant.part_in(shop.holder("robot.hand")).is_none() || shop.sees(ROBOT, "G_1"));
     assert_eq!(shop.sees(M1, "part_present"), shop.plant.part_at(shop.clamp()).is_some());
     assert!(!shop.sees(ROBOT, "m1_closed") || shop.sees(M1, "C_60"));
@@ -315,7 +315,7 @@ fn random_outputs_do_move_parts() {
     assert!(moved > 0, "the property would hold for a plant in which nothing happens");
 }
 
-/// Where people look after the stores, a hand finds a part at an empty place, and a place that is taken is cleared when
+/// Where people serve the stores, a hand finds a part at an empty place, and a place that is taken is cleared when
 /// another is brought. A missed grasp is missed all the same.
 #[test]
 fn people_bring_parts_and_take_them_away() {

@@ -90,7 +90,7 @@ fn its_axis_follows_it_and_the_others_follow_their_valves() {
     bench.pass(10);
     bench.hear("000#0100");
     assert_eq!((place(&bench, 0), place(&bench, 1)), (0.0, 0.0));
-    // The clamp closes by its valve; node 3 is told 40 mm at 100 mm/s, as with cansend.
+    // The clamp closes by its valve; node 3 gets 40 mm at 100 mm/s, as with cansend.
     for frame in [
         "202#02",
         "603#2381600000A08601",

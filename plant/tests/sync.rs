@@ -1,5 +1,5 @@
-//! Process data that wait for SYNC, manager and device together: they come and act with it, and when the device hears
-//! none its outputs go off although every heartbeat still comes.
+//! Process data that wait for SYNC, manager and device together: they come and act with it, and when the device
+//! receives none its outputs go off although every heartbeat still comes.
 
 use std::time::Duration;
 
@@ -9,8 +9,8 @@ use linewright_line::{Tick, Timing, Transmission};
 use crate::managed::Managed;
 use linewright_testkit::presses::{FORWARD, line};
 
-/// The first device alone, operational, with inputs on every second SYNC and outputs on each. `watches` is whether the
-/// device itself knows how often SYNC comes.
+/// The first device alone, operational, with inputs on every second SYNC and outputs on each. `watches`: whether the
+/// device itself has the SYNC period.
 fn up(watches: bool) -> Managed {
     let mut line = line();
     line.devices.truncate(1);
@@ -122,7 +122,7 @@ fn a_device_that_loses_sync_again_and_again_is_left_stopped_and_tried_now_and_th
     assert!((lost..=lost + 2).contains(&stops), "one order each: {stops}");
     let refused = bus.events.iter().filter(|event| matches!(event, BusEvent::BootFailed { .. })).count();
     assert_eq!(refused, 1, "said once");
-    // In between it is at rest, and says why. Whoever mends it need do nothing else.
+    // In between it is at rest, with the reason. The repair needs no further action.
     while bus.events.last().is_none_or(|event| !matches!(event, BusEvent::NoSync { .. })) {
         bus.events.clear();
         bus.run(1);

@@ -1,4 +1,4 @@
-//! What a simulated device can be made to suffer on the bus, commanded as over CAN: each begins, shows, and is cleared.
+//! Injected faults of a simulated device on the bus, commanded as over CAN: each begins, shows, and is cleared.
 
 use linewright_canopen::NodeId;
 use linewright_line::Owner;
@@ -20,9 +20,9 @@ type Writes = &'static [(u16, u8, u32)];
 
 struct Row {
     writes: Writes,
-    /// How long it then goes on, in ms.
+    /// Time that follows, in ms.
     millis: u64,
-    /// What the manager says of it then, in parts.
+    /// The manager's description of the fault then, in parts.
     trouble: &'static [&'static str],
     /// A frame that comes meanwhile, and beginnings of those that do not.
     heard: &'static str,
@@ -34,7 +34,7 @@ const TROUBLE: u16 = 0x5F02;
 const REBOOT: (u16, u8, u32) = (FAULT, 0, 2);
 const READING: u32 = 1 << 24;
 const WRITING: u32 = 1 << 25;
-/// What the manager asks of a device that it looks for.
+/// The manager's first request to a device that it probes.
 const ASKED: &str = "604#40001000";
 
 const ROWS: &[Row] = &[
@@ -158,7 +158,8 @@ fn the_end_of_an_error_and_of_a_time_off_the_bus_is_reported() {
 #[test]
 fn outputs_that_were_set_to_stay_are_let_go_when_the_manager_falls_silent() {
     let mut bus = up();
-    // Somebody has set it so that its outputs stay as they are, or go on, and where it is; then it is brought up anew.
+    // It is set from outside so that its outputs stay as they are, or go on, and so is its state; then it is brought up
+    // anew.
     for frame in ["604#2F06620100000000", "604#2F076201FF000000", "604#2F29100101000000", "000#8004"] {
         bus.send(frame);
     }

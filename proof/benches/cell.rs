@@ -1,5 +1,5 @@
-//! What the check of a cell costs: both shipped cells, one that gets stuck, one of a hundred groups, and a large one that
-//! is not seen to the end.
+//! Cost of the check of a cell: both shipped cells, one that gets stuck, one of a hundred groups, and a large one that
+//! is not explored to the end.
 //!
 //! `cargo bench -p linewright-proof --bench cell -- --once` prints what each comes to, with the time of one run.
 

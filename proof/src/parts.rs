@@ -3,38 +3,38 @@
 //! A part is some stations of the line with the arrows among them. Arrows to and from the others are left out, which
 //! gives the stations of the part more freedom and never less:
 //! * an arrow that is not there lets its operation start whenever it likes;
-//! * a station that nobody outside builds on needs fewer agreements to take a count back; a command that was refused
-//!   by somebody outside leaves its station as if it had not been given;
-//! * what stations outside ask for only ever blocks.
+//! * a station without dependents outside needs fewer agreements to take a count back; a command that was refused from
+//!   outside leaves its station as if it had not been given;
+//! * requests of stations outside only ever block.
 //!
 //! There is one exception: where one button both leads on and leads back, it leads back exactly if the arrows into the
-//! next step do *not* hold. A station that has such a step brings along everybody those arrows come from. So whatever
-//! the stations of a part can do within the line, they can do in the part; a conflict that the part never reaches, the
-//! line never reaches.
+//! next step do *not* hold. A station that has such a step brings along all stations those arrows come from. So
+//! whatever the stations of a part can do within the line, they can do in the part; a conflict that the part never
+//! reaches, the line never reaches.
 //!
 //! # Stars
-//! A station that many others wait for would bring all of them along. Where that is more than a few, it gets **buttons of
-//! its own for each direction of each hand-mode sequence** instead (`divide`), and what it reads of stations outside is
+//! A station that many others wait for would bring all of them along. Where that is more than a few, it gets **buttons
+//! of its own for each direction of each hand-mode sequence** instead (`divide`), and its reads of stations outside are
 //! left out like any arrow. This too gives more freedom and never less. Let a button B of the line be `next` and `back`
 //! of an operation o; in the part it becomes N, which runs what follows, and K, which takes o back.
-//! * Conditions of hand mode ask for buttons in few places: held `forward` where an operation runs or leads on within its
+//! * Conditions of hand mode read buttons in few places: held `forward` where an operation runs or leads on within its
 //!   sequence, held `back` where it runs back or leads back within its sequence, pressed `forward` where it is undone,
-//!   and pressed `back` or `next` where it is complete. `forward` and `back` of one sequence differ. So B is asked for in
+//!   and pressed `back` or `next` where it is complete. `forward` and `back` of one sequence differ. So B is read in
 //!   one meaning at a time, but for the last place, where both of its meanings are possible.
 //! * There, pressing B leads on if all arrows into the next step hold. Then those of the part hold, which are some of
 //!   them, and pressing N leads on in the part. Otherwise B leads back; pressing K does so in the part, which does not
-//!   ask for arrows.
+//!   read arrows.
 //! * Everywhere else the part holds or presses whichever of N and K is meant. That may change while B stays held: then the
 //!   operator of the part lets go and presses the other one, which moves nothing where an operation runs or stands, and
 //!   fires what is meant where it is complete or undone.
-//! * Which buttons are pressed at one station has no bearing on another: in the exploration each hears of buttons by
+//! * Which buttons are pressed at one station has no bearing on another: in the exploration each receives buttons by
 //!   itself. Auto and manual mode do not read them.
 //!
 //! The second point needs a station with one token where B has two meanings: of operations side by side one could be led
 //! back by K that B would leave alone. Such a station brings the others along, as does one with more sequences than there
 //! are buttons. `tests/parts.rs` holds generated lines and stars against their parts.
 //!
-//! The converse does not hold: a conflict reached in a part may be prevented by somebody outside it, and stations that
+//! The converse does not hold: a conflict reached in a part may be prevented by a station outside it, and stations that
 //! run away from each other in a part may be held back.
 
 use linewright_line::net::{ControlMode, StationNet, Var};
@@ -63,7 +63,7 @@ impl SubLine {
         let stations = vec![conflict.a.station, conflict.b.station];
         let mut part = part_of(line, &stations);
         let span = |span: StateSpan, station: u16| StateSpan { station: StationId(station), ..span };
-        // First the one that is asked about. The others between the two stay: their guards stand as well, and two pairs are
+        // First the one to be decided. The others between the two stay: their guards stand as well, and two pairs are
         // alike only if all of them are.
         let asked = Conflict { why: conflict.why.clone(), a: span(conflict.a, 0), b: span(conflict.b, 1) };
         part.conflicts.retain(|other| *other != asked);
@@ -140,8 +140,8 @@ impl Sequences {
     }
 }
 
-/// Gives a station of a part two buttons for each of its sequences, one for each direction. Those of other stations may be
-/// the same: each station hears of buttons by itself.
+/// Gives a station of a part two buttons for each of its sequences, one for each direction. Those of other stations may
+/// be the same: each station receives buttons by itself.
 fn divide(part: &mut Line, station: usize, sequences: &Option<Sequences>) {
     let Some(Sequences { of_step, count }) = sequences else { return };
     let others = part.stations.iter().enumerate().filter(|&(nth, _)| nth != station);
@@ -171,7 +171,7 @@ fn divide(part: &mut Line, station: usize, sequences: &Option<Sequences>) {
     }
 }
 
-/// Each station that works on order, alone: nothing joins it to another, and who gives it orders gives any.
+/// Each station that works on order, alone: nothing joins it to another, and its orders are arbitrary.
 pub fn on_order(line: &Line) -> Vec<SubLine> {
     let alone = |id| SubLine { stations: vec![id], conflicts: Vec::new(), line: part_of(line, &[id]) };
     line.station_ids().filter(|&id| line.station(id).is_task_driven()).map(alone).collect()

@@ -1,10 +1,10 @@
-//! The second barrier by itself: what measured positions exclude, whatever the controllers remember.
+//! The second barrier by itself: what measured positions exclude, whatever the controllers' memories.
 //!
-//! Two stations of one conflict, with their axes where they physically are. Any motion of either may be commanded at any
-//! moment, in any order and from any place, forward, back or on a recovery path, may miss its end and stop anywhere: so this covers
-//! every marking, every count, a lost memory, a restart, and any mode. Only what the controller asks of measured positions
-//! ([`Program::guards`], [`Program::rest_inputs`]) keeps a motion from starting or going on, and a switch is on exactly
-//! where its axis stands at it.
+//! Two stations of one conflict, with their axes where they physically are. Any motion of either may be commanded at
+//! any moment, in any order and from any place, forward, back or on a recovery path, may miss its end and stop
+//! anywhere: so this covers every marking, every count, a lost memory, a restart, and any mode. Only the controller's
+//! conditions on measured positions ([`Program::guards`], [`Program::rest_inputs`]) keep a motion from starting or
+//! going on, and a switch is on exactly where its axis stands at it.
 //!
 //! ```text
 //!   axis:   0 ───────── 50 ───────── 100      a coordinate of the chart, or somewhere between two
@@ -31,8 +31,7 @@ use linewright_line::net::{Block, MotionStage, StationNet, StationPlace, Transit
 use linewright_line::{Conflict, Line, OpId, OperationModule, StateSpan, StationId};
 use linewright_station_logic::{CompileError, PositionsKnown, Program};
 
-/// Which parts of the second barrier hold. A machine has all of them; the others show that the exploration would find
-/// what they prevent.
+/// Parts of the second barrier in force. On a machine all are; without one the exploration must find what it prevents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PositionRules {
     /// A motion starts only while the other station is measured clear.
@@ -46,14 +45,14 @@ impl PositionRules {
     pub const ALL: PositionRules = PositionRules { starts: true, stops: true };
 }
 
-/// What was found of one conflict.
+/// Result for one conflict.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PositionsExplored {
-    /// How many states were seen.
+    /// Number of states seen.
     pub states: usize,
     /// There are no others.
     pub exhausted: bool,
-    /// How both stations come to be in their states of the conflict, if they can.
+    /// Path to both states of the conflict, if there is one.
     pub counterexample: Option<Vec<String>>,
 }
 
@@ -116,7 +115,7 @@ struct MotionCommand {
     place: StationPlace,
     path: Option<OpId>,
     axis: usize,
-    /// Where it ends.
+    /// End of the motion.
     target: u16,
     /// Towards greater coordinates, from where the chart has it.
     up: bool,

@@ -1,7 +1,7 @@
-//! Lines with a mistake in them: structure and exploration say the same of each, and neither says more than is so.
+//! Lines with a mistake in them: structure and exploration agree on each, and neither claims too much.
 //!
-//! What structure says of a conflict is compared with every state of forward motion, both ways. Where it says that the
-//! line stops, the line is let run until it does.
+//! The verdict of structure on a conflict is compared with every state of forward motion, both ways. A line that stops
+//! by structure is let run until it does.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ use crate::common::{
     APART, DEADLOCK, auto_and_manual, begins_well, explored, in_auto, lines, met, undisturbed, verdict, with_conflict,
 };
 
-/// What came of the mistakes.
+/// Results of the mistakes.
 #[derive(Debug, Default)]
 struct Tally {
     /// Structure: home contradicts an arrow.
@@ -165,7 +165,7 @@ fn a_line_stops_exactly_if_a_circuit_has_no_token() {
     assert!(stuck > 20 && live > 20);
 }
 
-/// Whether some assignment of the variables lets both terms hold; what the variables mean is all that is known.
+/// Whether some assignment of the variables lets both terms hold; only the meaning of the variables is used.
 fn can_hold_together(a: &Conjunction, b: &Conjunction) -> bool {
     let mut vars: BTreeSet<Var> = a.iter().chain(b).map(|literal| literal.var).collect();
     for var in vars.clone() {

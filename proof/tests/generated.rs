@@ -102,7 +102,8 @@ fn in_auto_undisturbed_a_generated_line_never_meets_a_conflict_and_never_stops()
     let (mut seen, mut open) = (0, 0);
     for (shape, count) in [(LineShape::default(), 60), (LineShape::small(), 60)] {
         for seed in 0..lines(count) {
-            // Reports that only arrows of manual mode read may be heard at any time, or never: of those there is no end.
+            // Reports that only arrows of manual mode read may be received at any time, or never: of those there is no
+            // end.
             let line = in_auto(&generate::line(&shape, seed));
             if !keeps_together(&line) {
                 open += 1;

@@ -1,4 +1,4 @@
-//! What is too much is undecided, or said to be too much: it takes no more memory than allowed, and is no yes.
+//! Beyond the limits the verdict is undecided, or a refusal, never a yes, and memory stays within its limit.
 
 use linewright_line::{Line, parse};
 use linewright_proof::explore::{LineExploration, LineExplored, LineNotExplorable, SearchLimits, Verdict, explore};

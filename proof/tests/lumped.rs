@@ -11,8 +11,8 @@ use crate::common::{explored, lines};
 /// Few enough for a build to wait for.
 const STATES_MAX: usize = 100_000;
 
-/// Of both, where the plain one came to an end: how many states it saw, and how many the other kept. Where it ended with
-/// something wrong, all that can be said here is that something is reported: the plain one is asked again for the way.
+/// Of both, where the plain one came to an end: how many states it saw, and how many the other kept. Where it ended
+/// with a violation, the test checks only that one is reported: the plain one is run again for the way.
 fn same(what: &str, line: &Line, change: fn(&mut LineExploration)) -> Option<(u64, usize)> {
     let mut setting = LineExploration::new(line);
     change(&mut setting);

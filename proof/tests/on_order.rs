@@ -1,5 +1,5 @@
-//! Stations on order that nobody has thought of: well formed, sound as seed 002 asks of every station, and never stuck,
-//! whatever they are ordered to do, told to leave, and whatever fails meanwhile.
+//! Random task-driven stations: well formed, sound as seed 002 requires of every station, and never stuck, whatever
+//! they are ordered to do or to leave, and whatever fails meanwhile.
 
 use linewright_line::net::{StationNet, StationPlace, TransitionKind};
 use linewright_line::{Line, parse};
@@ -20,7 +20,7 @@ fn generated_ones_read_back_the_same() {
     for line in lines() {
         let text = generate::text(&line);
         let parsed = parse("generated.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}\n{text}"));
-        // That there is no console is all there is to say.
+        // The only warning is the missing console.
         let said: Vec<&str> = parsed.warnings.iter().map(|warning| warning.message.as_str()).collect();
         assert!(said.iter().all(|message| message.contains("console")), "{said:?}");
         assert_eq!(parsed.line, line);
@@ -106,8 +106,8 @@ fn whatever_is_ordered_left_and_fails_no_station_gets_stuck() {
     }
 }
 
-/// Nobody touches it and nothing fails: from wherever an order was left it comes back to a rest by itself, but for what
-/// cannot be taken back.
+/// Without intervention or failure: from wherever an order was left the station comes back to a rest by itself, except
+/// past irreversible operations.
 #[test]
 fn in_auto_alone_every_order_that_is_left_leads_back_to_a_rest_unless_something_is_irreversible() {
     for (irreversible, expected) in [(0, Verdict::Holds), (100, Verdict::Fails)] {

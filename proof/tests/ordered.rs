@@ -1,5 +1,5 @@
-//! The token player and the real controllers of two stations on order: what the one sends and the others say is all there is
-//! between them, and it may be lost, doubled and late. Each task is done once for each activity, whoever is restarted.
+//! The token player and the real controllers of two stations on order: they are joined by messages alone, which may be
+//! lost, doubled and late. Each task is done once for each activity, whatever is restarted.
 //!
 //! A robot loads and unloads one machine from a store. They see each other by their switches: the machine clamps when the
 //! robot holds a part there, and the robot lets go when the machine has clamped (seed 001, L214-222).
@@ -80,7 +80,7 @@ struct Served {
     image: u128,
     /// The motion under way, and when it arrives.
     motion: Option<(StationPlace, Tick)>,
-    /// The tasks it has done, in its own words; nobody reads it but the test.
+    /// The tasks it has done, by name; read by the test alone.
     done: Vec<String>,
 }
 
@@ -199,7 +199,7 @@ impl World {
         1 << inputs.iter().position(|name| name == input).unwrap_or_else(|| panic!("no input {input}"))
     }
 
-    /// What the one's switches say the other sees.
+    /// The switches of the one are sensors of the other.
     fn see(&mut self) {
         let links = [(1, "A_100", 0, "part_present"), (0, "C_60", 1, "m1_closed")];
         for (from, switch, to, sensor) in links {
@@ -282,7 +282,7 @@ impl World {
         self.fly(|| Flying::Answer(message.station, order.key, replies[0].1));
     }
 
-    /// What it answers the coordinator hears by its state as well.
+    /// The coordinator receives its answer by its state as well.
     fn secure(&mut self, to: StationId, key: Key, stop: bool) {
         let station = &mut self.stations[to.index()];
         station.controller.handle(self.now, StationInput::Task(TaskCommand::leave(key, stop)));
@@ -340,7 +340,7 @@ impl World {
         panic!("not done by {end}: {:?}", self.stations.iter().map(|station| station.done.len()).collect::<Vec<_>>());
     }
 
-    /// Each station has done what it was told, each order once and in their order; and both rest.
+    /// Each station has done its orders, each once and in their order; and both rest.
     fn is_done(&self) {
         let state = self.coordination.state();
         let mut told = [Vec::new(), Vec::new()];

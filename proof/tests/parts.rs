@@ -1,4 +1,4 @@
-//! What the whole line can reach, some part of it can: lines with a mistake in them, whole and in parts.
+//! A conflict that the whole line can reach, some part of it can: lines with a mistake in them, whole and in parts.
 
 use linewright_line::Line;
 use linewright_proof::explore::{LineExploration, Verdict};
@@ -8,9 +8,9 @@ use linewright_station_logic::Program;
 
 use crate::common::{APART, begins_well, explored, lines, met, verdict, with_conflict};
 
-/// Whether the whole line meets its conflict, as far as it is looked at; and whether the part that decides it is
-/// smaller and meets it too. A part in which stations run away from each other, whom others hold back in the whole
-/// line, is not sound either and decides nothing.
+/// Whether the whole line meets its conflict, as far as it is explored; and whether the part that decides it is smaller
+/// and meets it too. A part whose stations run away from each other, while others hold them back in the whole line, is
+/// not sound either and decides nothing.
 fn whole_and_part(what: &str, line: &Line) -> (bool, bool) {
     if !met(&explored(&LineExploration::new(line), 6_000)) {
         return (false, false);
@@ -45,8 +45,8 @@ fn a_conflict_that_the_whole_line_meets_is_met_in_its_part() {
     assert!(met > 20 && smaller > 10, "too few to tell: {met} met, {smaller} in smaller parts");
 }
 
-/// A belt and stations around it: every station begins when the belt stands, and the belt when all of them are back. One
-/// button of each station leads on and back. Each has one operation forth or two, as the bits of `longer` say.
+/// A belt and stations around it: every station begins when the belt stands, and the belt when all of them are back.
+/// One button of each station leads on and back. Each has one operation forth or two, by the bits of `longer`.
 fn star(around: usize, longer: u32) -> Line {
     let mut text = "name = \"star\"\nbuttons = [\"B0\", \"B1\", \"B2\", \"B3\", \"B4\", \"B5\"]\n".to_owned();
     for station in 0..=around {

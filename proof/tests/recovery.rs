@@ -1,8 +1,8 @@
-//! Cells nobody has thought of, with whatever goes wrong: every production comes to its end, what is really done with each
-//! part is its plan and nothing twice, and what somebody has said wrongly is found where a sensor sees it.
+//! Random cells, with all kinds of failures: every production comes to its end, each part really goes through its plan
+//! and nothing twice, and a wrong answer is found where a sensor contradicts it.
 //!
-//! What is really done is judged without the coordinator: each part's course must begin outside, go on from where it was each
-//! time, and end outside.
+//! This is judged without the coordinator: each part's course must begin outside, go on from where it was each time,
+//! and end outside.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,7 +31,7 @@ fn sound(seed: u64) -> Option<Cell> {
             "[[action]]\nof = \"{name}.process\"\norders = [{{ station = \"{station}\", task = \"work\" }}]\n"
         ));
     }
-    // What takes no time could go round in circles at one moment.
+    // Activities without duration could go round in circles at one moment.
     text = text.split("[[sync]]").map(timed).collect::<Vec<_>>().join("[[sync]]");
     let cell =
         linewright_cell::parse("cell.toml", &text, None).unwrap_or_else(|problems| panic!("{problems:?}\n{text}")).cell;
@@ -95,7 +95,7 @@ fn breakage(sim: &mut CellSim) {
     let inside = |firing: &&OngoingActivity| {
         let handled = handling.mode(firing.mode);
         let trouble = sim.state().exceptions().trouble(firing.id);
-        // Once somebody has looked it stays as it was found.
+        // Once an operator has looked it stays as it was found.
         let waits = trouble
             .is_some_and(|trouble| matches!(trouble.stage, ExceptionStage::Securing | ExceptionStage::Waiting(_)));
         waits && handled.from.is_some() && handled.to.is_some()
@@ -104,7 +104,7 @@ fn breakage(sim: &mut CellSim) {
     broken.into_iter().for_each(|firing| sim.truth.take_away(firing));
 }
 
-/// Plays a production to its end, with trouble for a while; and how many lies have not been told.
+/// Plays a production to its end, with failures for a while; gives the number of wrong answers left.
 fn play(seed: u64, cell: &Cell, lies: usize) -> (CellSim, usize) {
     let mut random = Random::new(seed);
     let parts: Vec<u32> = cell.part_types.iter().map(|_| 1 + random.below(2) as u32).collect();
@@ -149,7 +149,7 @@ fn play(seed: u64, cell: &Cell, lies: usize) -> (CellSim, usize) {
     );
 }
 
-/// What has really been done, by the ledgers of those who did it.
+/// Work really done, by the ledgers of the stations.
 fn assert_done_once(seed: u64, sim: &CellSim) -> u64 {
     let table = &sim.table;
     let keys: Vec<OrderKey> = sim.stations.iter().flat_map(|of| of.done.iter().map(|done| done.key)).collect();
@@ -196,7 +196,7 @@ fn two_hundred_cells_come_to_their_end_whatever_goes_wrong() {
     assert!(closed > 500 && down > 100 && gone > 10, "{closed} {down} {gone}");
 }
 
-/// Whoever says once what is not so is asked again, and what is said then is done.
+/// After a wrong answer the alarm comes again, and the next answer is obeyed.
 #[test]
 fn a_lie_that_a_sensor_sees_is_asked_about_again() {
     let (mut cells, mut lied, mut seed) = (0, 0, 1_000);

@@ -49,7 +49,7 @@ fn a_restart_with_its_memory_changes_no_verdict() {
     assert!(explored.exhausted && explored.holds(), "{:?}", explored.properties);
 }
 
-/// Lines of all kinds. A station without its memory takes nothing back, and asks nobody to agree to that.
+/// Lines of all kinds. A station without its memory takes nothing back, and requests no agreement to that.
 #[test]
 fn without_its_memory_a_station_asks_for_nothing() {
     for seed in 0..lines(24) {

@@ -1,4 +1,4 @@
-//! With any one rule off something goes wrong on the shipped line or on another, and it is found: that is how we know that the
+//! With any one rule off there is a violation on the shipped line or on another, and it is found: this shows that the
 //! explorer would see it.
 
 use linewright_line::{Line, TransferLine, parse};

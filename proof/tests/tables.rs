@@ -1,7 +1,7 @@
 //! The tables of stations that go round a cycle are, to the byte, what they were before stations could work on order.
 //!
-//! `tables.txt` was written by the compiler of that time, of the shipped line and of fifty that nobody has thought of. A
-//! change of it is a change of every controller there is: it needs a reason that has nothing to do with orders.
+//! `tables.txt` was written by the compiler of that time, of the shipped line and of fifty random ones. A change of it
+//! is a change of every controller there is: it needs a reason that has nothing to do with orders.
 
 use linewright_line::{Line, TransferLine, parse};
 use linewright_proof::generate::{self, LineShape};
@@ -25,7 +25,8 @@ fn without(text: String, from: &str, until: &str) -> String {
 fn tables(of: &str, line: &Line, out: &mut Vec<String>) {
     for id in line.station_ids() {
         let program = Program::compile(line, id).expect("a sound station compiles");
-        // What only stations on order have is at the end, and not there; the second barrier stands beside these tables.
+        // Parts that only stations on order have are at the end, and absent here; the second barrier stands beside
+        // these tables.
         let words = without(format!("{program:?}"), ", interlocks: ", ", on_order").replace(", on_order: None", "");
         // These types had other names.
         let renamed = [
@@ -39,7 +40,7 @@ fn tables(of: &str, line: &Line, out: &mut Vec<String>) {
         ];
         let words = renamed.iter().fold(words, |words, (now, then)| words.replace(now, then));
         let words = without(without(words, ", starts: ", ", withdraws"), ", rest: ", ", hold");
-        // What only an index has.
+        // Fields that only an index has.
         let words = without(words, ", turns: 0, least: ", ", hold");
         out.push(format!("{of} {} {} {:016x}", line.station(id).name, words.len(), hash(&words)));
     }

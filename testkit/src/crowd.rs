@@ -1,7 +1,7 @@
 //! Many devices in their simplest form, and a manager that has brought them up: for figures and counters.
 //!
-//! The devices take every setting, are of the profile that is asked for, and send what they are told to. They share
-//! nothing with those of the simulated plant.
+//! The devices take every setting, are of the requested profile, and send the frames required. They share nothing with
+//! those of the simulated plant.
 
 use std::time::Duration;
 
@@ -36,17 +36,17 @@ fn device(id: u8) -> Device {
     }
 }
 
-/// Whose device that is.
+/// The owner of that device.
 pub fn owner(id: u8) -> Owner {
     Owner::Station(StationId((u16::from(id) - 1) / OF_ONE_OWNER))
 }
 
-/// How far the bits of a device are up in its owner's image.
+/// Offset of a device's bits in its owner's image.
 pub fn shift(id: u8) -> u16 {
     (u16::from(id) - 1) % OF_ONE_OWNER * BITS
 }
 
-/// What a device answers to a frame, if it is for it.
+/// Answer of a device to a frame, if it is for it.
 pub fn answer(frame: &Frame) -> Option<Frame> {
     match CanopenMessage::decode(frame) {
         Ok(CanopenMessage::SdoRequest { node, raw }) => {
@@ -61,7 +61,7 @@ pub fn answer(frame: &Frame) -> Option<Frame> {
 fn answer_raw(raw: &SdoBytes) -> Option<SdoBytes> {
     let [_, low, high, sub, ..] = *raw;
     match ClientFrame::decode(raw)? {
-        // No error, and what lets its outputs go is as it was told.
+        // No error, and the error behaviour is as written.
         ClientFrame::Upload { object: ObjectId { index: 0x1001 | 0x1029 | 0x6207, .. } } => {
             Some([0x4F, low, high, sub, 0, 0, 0, 0])
         }
@@ -84,11 +84,11 @@ pub fn node(id: u8) -> NodeId {
     NodeId::new(id).expect("devices have ids from 1 to 126")
 }
 
-/// A manager and its devices, the time, and what it has said.
+/// A manager and its devices, the time, and its output.
 pub struct Crowd {
     pub manager: Manager,
     pub now: Tick,
-    /// What it has sent and reported since somebody last looked.
+    /// Frames and events since the last [`Crowd::forget`].
     pub out: BusOutbox,
 }
 
@@ -114,7 +114,7 @@ impl Crowd {
                 crowd.manager.handle(crowd.now, &heartbeat(id), &mut crowd.out);
             }
         }
-        // What waits for its turn goes.
+        // Frames waiting for their turn go.
         crowd.tenth(count, 0);
         crowd
     }
@@ -123,14 +123,15 @@ impl Crowd {
         self.manager.handle(self.now, frame, &mut self.out);
     }
 
-    /// What it has said is done with.
+    /// Discards its output.
     pub fn forget(&mut self) {
         self.out.frames.clear();
         self.out.events.clear();
     }
 
     /// A tenth of a second as a busy line has it: each device sends its inputs, changed, once and its heartbeat twice;
-    /// each owner sets its outputs ten times, every other time to something new. Gives the frames heard and sent.
+    /// each owner sets its outputs ten times, every other time to something new. Gives the number of frames received
+    /// and sent.
     pub fn tenth(&mut self, count: u8, round: u64) -> usize {
         let mut frames = 0;
         for milli in 0..100u64 {

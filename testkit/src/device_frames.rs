@@ -5,8 +5,8 @@
 //! off. A drive to which no process data are sent, and in whose objects nothing is written, does not move. What one
 //! frame is answered with is bounded.
 //!
-//! What a script may not send: service data that write the outputs themselves, their error values, or faults, and for
-//! the drive process data. All of these are meant to have an effect.
+//! Frames that a script may not send: service data that write the outputs themselves, their error values, or faults,
+//! and for the drive process data. All of these are meant to have an effect.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ use linewright_plant::{CanDevice, DeviceNode, DeviceOutbox, DriveNode};
 const IO: u8 = 4;
 const DRIVE: u8 = 5;
 const BITS: usize = 10;
-/// What one frame is answered with at most: a block of a long object, an emergency, inputs.
+/// Most frames in answer to one frame: a block of a long object, an emergency, inputs.
 const FRAMES_MAX: usize = 160;
 
 fn drive() -> Drive {
@@ -46,7 +46,7 @@ pub struct Bench {
     /// The process data last sent to the I/O device.
     sent: u64,
     place: i64,
-    /// How often an output was on.
+    /// Number of times an output was on.
     pub energised: usize,
 }
 

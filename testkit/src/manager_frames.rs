@@ -1,11 +1,11 @@
-//! A manager among devices of which anything may be heard, played from a script of bytes: by a property test and by the
-//! fuzz target.
+//! A manager among devices that may send anything, played from a script of bytes: by a property test and by the fuzz
+//! target.
 //!
-//! Whatever comes from the bus, in whatever order: each frame of outputs that the manager sends says what the image says
-//! that the owner set last, or lets go; and once a device of the owner is lost, only what it has set since. Inputs are valid
-//! only while every device of the owner is operational. A drive is sent to a place only by the output that stands for it.
-//! Nothing else is sent than network management, the manager's heartbeat, questions to the devices, and settings of the
-//! description. What one call sends and reports is bounded.
+//! Whatever comes from the bus, in whatever order: each frame of outputs that the manager sends agrees with the image
+//! that the owner set last, or lets go; and once a device of the owner is lost, with the image set since. Inputs are
+//! valid only while every device of the owner is operational. A drive is sent to a place only by the output that stands
+//! for it. Nothing else is sent than network management, the manager's heartbeat, questions to the devices, and
+//! settings of the description. What one call sends and reports is bounded.
 
 use std::time::Duration;
 
@@ -23,10 +23,10 @@ const NODES: [u8; 4] = [4, 5, 6, 7];
 const DRIVE: u8 = 7;
 /// Bits of the I/O devices in each direction: more than a byte.
 const BITS: u16 = 10;
-/// What one call may send and report: an order and a question to each device, and what was waiting.
+/// Most frames of one call: an order and a request to each device, and those that were waiting.
 const FRAMES_MAX: usize = 64;
 const EVENTS_MAX: usize = 32;
-/// Where the targets of the drive are, in its increments, by output.
+/// Positions of the drive's targets, in its increments, by output.
 const PLACES: [i32; 2] = [0, 80_000];
 /// The output that homes it.
 const HOME: u16 = 2;
@@ -84,7 +84,7 @@ fn drive() -> Drive {
     }
 }
 
-/// What a drive says that does at once what it is told.
+/// Feedback of a drive that obeys at once.
 fn obey(command: &[u8]) -> Option<[u8; 7]> {
     let &[low, _, mode, a, b, c, d] = command else { return None };
     let state = match low & 0x8F {
@@ -103,15 +103,15 @@ fn obey(command: &[u8]) -> Option<[u8; 7]> {
 pub struct Bench {
     manager: Manager,
     now: Tick,
-    /// What each owner set last; nothing since one of its devices was lost.
+    /// Image last set by each owner; zero since one of its devices was lost.
     images: [u128; 3],
-    /// How often each image of inputs has become invalid.
+    /// Number of times each image of inputs has become invalid.
     losses: [u32; 3],
     /// The devices that were operational after the last call.
     up: Vec<u8>,
-    /// What devices have been asked, and have not answered.
+    /// Requests to devices, not yet answered.
     pending: Vec<Frame>,
-    /// How many frames of the next call the interface refuses.
+    /// Number of frames of the next call that the interface refuses.
     refuse: usize,
     /// Frames of outputs that were on.
     pub energised: usize,
@@ -144,7 +144,7 @@ impl Bench {
     pub fn play(&mut self, script: &[u8]) {
         let mut script = script.iter().copied();
         self.poll();
-        // What it does while it only listens, a few scripts find out by themselves.
+        // Its behaviour while it only listens is left to a few scripts.
         if script.len() % 4 != 0 {
             self.pass(Duration::from_millis(600));
         }
@@ -174,7 +174,7 @@ impl Bench {
                 let data: [u8; 8] = std::array::from_fn(|_| byte());
                 self.hear(0x080 | node, &data);
             }
-            // The register says that there is no error.
+            // The register shows no error.
             6 => self.hear(0x080 | node, &[0; 8]),
             7 => {
                 let data: [u8; 8] = std::array::from_fn(|_| byte());
@@ -238,10 +238,10 @@ impl Bench {
         self.check(out);
     }
 
-    /// Lets time pass; the manager is polled when it wants to be.
+    /// Lets time pass; the manager is polled at its deadlines.
     pub fn pass(&mut self, span: Duration) {
         let until = self.now + span;
-        // It never wants to be polled for what is done: each poll leads on.
+        // It never requests a poll for work already done: each poll leads on.
         while let Some(due) = self.manager.next_deadline().filter(|due| *due <= until) {
             self.now = self.now.max(due);
             self.poll();
@@ -289,7 +289,7 @@ impl Bench {
         self.pending.extend(left);
     }
 
-    /// What the manager sends is looked at, and refused if the interface is to.
+    /// Checks the manager's frames, and refuses them if the interface is to.
     fn check(&mut self, out: BusOutbox) {
         assert!(out.frames.len() <= FRAMES_MAX, "{} frames", out.frames.len());
         assert!(out.events.len() <= EVENTS_MAX, "{} events", out.events.len());
@@ -299,7 +299,7 @@ impl Bench {
         let room = frames.len().saturating_sub(std::mem::take(&mut self.refuse));
         let refused = frames.split_off(room);
         for frame in frames {
-            // Devices whose answers do not come are asked again; the oldest question is forgotten.
+            // Devices whose answers do not come get the request again; the oldest is forgotten.
             if self.pending.len() >= FRAMES_MAX {
                 self.pending.remove(0);
             }

@@ -21,7 +21,7 @@ pub const FAILED: u128 = 0b100;
 pub const FORWARD: u128 = 0b01;
 pub const RETURN: u128 = 0b10;
 
-/// What the ram's way of 80 mm takes, forward.
+/// Time of the ram's way of 80 mm, forward.
 pub const FORWARD_TIME: Duration = Duration::from_millis(200);
 /// And back.
 pub const RETURN_TIME: Duration = Duration::from_millis(100);

@@ -1,15 +1,15 @@
-//! An independent observer of a transfer line: looks at where things are, asks no controller, believes nobody.
+//! An independent observer of a transfer line: uses positions alone, no controller's report.
 //!
-//! Written by hand from what must never happen on this machine, not from the description: if the description's
-//! arrows or conflicts were wrong, this would still complain.
+//! Written by hand from the states that must never occur on this machine, not from the description: if the
+//! description's arrows or conflicts were wrong, this would still complain.
 //!
 //! * The bar is off its rest height while some clamp is not fully open.
 //! * A tool is out of its home position while its clamp is not fully closed.
-//! * The bar carries parts on although a mill has not machined the part that lies in front of it.
+//! * The bar carries parts on although a mill has not machined the part in front of it.
 //!
 //! Positions move on straight lines between two looks, so it compares the *larger* distance of both looks: two things
 //! that are away from their safe places at different moments of one interval count as away together. That errs on the
-//! safe side, and an honest line never comes near it, because what follows a movement waits for its switch.
+//! safe side, and a correct line never comes near it, because what follows a movement waits for its switch.
 
 use linewright_line::{AxisId, Line, StationId};
 use linewright_plant::Plant;
@@ -34,7 +34,7 @@ struct ObservedMachine {
     not_closed: f64,
     tool: f64,
     fed: bool,
-    /// How often the part in front of it has been machined, by number of the part.
+    /// Number of times the part in front of it has been machined, by number of the part.
     machined: Vec<u32>,
 }
 
@@ -46,11 +46,11 @@ pub struct IndependentObserver {
     machines: Vec<ObservedMachine>,
     off_rest: f64,
     across: f64,
-    /// How many places the parts have been carried on.
+    /// Number of places the parts have been carried on.
     places: usize,
     looks: u64,
     violations: Vec<String>,
-    /// People have led parts on by hand: that each is machined is their business from then on.
+    /// People have led parts on by hand: from then on these are responsible that each is machined.
     parts_are_lost: bool,
 }
 
@@ -152,22 +152,22 @@ impl IndependentObserver {
         self.parts_are_lost = true;
     }
 
-    /// What must not happen and did.
+    /// Violations seen.
     pub fn violations(&self) -> &[String] {
         &self.violations
     }
 
-    /// How many places the parts have been carried on: the number of the part in front of the first mill.
+    /// Number of places the parts have been carried on: the number of the part in front of the first mill.
     pub fn places(&self) -> usize {
         self.places
     }
 
-    /// How often mill `machine` (from 1) has machined part `part` (from 1).
+    /// Number of times that mill `machine` (from 1) has machined part `part` (from 1).
     pub fn machined(&self, machine: usize, part: usize) -> u32 {
         self.machines[machine - 1].machined.get(part).copied().unwrap_or(0)
     }
 
-    /// How often it has looked.
+    /// Number of looks.
     pub fn looks(&self) -> u64 {
         self.looks
     }

@@ -1,4 +1,4 @@
-//! What people do: commands, panels, buttons; and how they bring a line back.
+//! Actions of operators: commands, panels, buttons; and the recovery of a line.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use linewright_simulation::OperatorAction;
 
 use crate::sim::WatchedLine;
 
-/// How long a person waits for something that should happen before calling for help.
+/// Time for which an operator waits for an expected event before calling for help.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 impl WatchedLine {
@@ -102,21 +102,21 @@ impl WatchedLine {
         true
     }
 
-    /// Waits until everything is heard, then gives start.
+    /// Waits until all nodes are received, then gives start.
     pub fn start(&mut self) {
         self.run_until("everything is heard", |s| s.all_heard() && s.hears_console());
-        // The coordinator hears of the devices a moment later.
+        // The coordinator receives the devices' state a moment later.
         self.run_for(Duration::from_millis(300));
         self.order(ModeCommand::Start);
     }
 
-    /// Waits until everything is heard, then gives start and auto.
+    /// Waits until all nodes are received, then gives start and auto.
     pub fn start_auto(&mut self) {
         self.start();
         self.order(ModeCommand::Auto);
     }
 
-    /// Every station is running, heard by the coordinator, and hears its devices.
+    /// Every station is running, received by the coordinator, and its devices are valid.
     pub fn all_heard(&self) -> bool {
         self.line().station_ids().all(|id| self.hears(id))
     }
@@ -145,7 +145,7 @@ impl WatchedLine {
     /// Waits until nothing moves and enters manual for every panel.
     pub fn go_manual(&mut self) {
         self.run_until("everything stands", |s| s.line().station_ids().all(|id| s.is_stopped(id)));
-        // The coordinator hears of it a moment later.
+        // The coordinator receives it a moment later.
         for _ in 0..20 {
             match self.ask(ModeCommand::Manual) {
                 Ok(()) => break,
@@ -211,8 +211,8 @@ impl WatchedLine {
         self.run_until(&what, |s| s.done(id, op) >= cycle);
     }
 
-    /// After anything that put the line into stand-by or into the emergency stop: waits until everybody is heard, leads
-    /// what is incomplete on, and orders auto again.
+    /// After anything that put the line into stand-by or into the emergency stop: waits until all nodes are received,
+    /// leads incomplete operations on, and orders auto again.
     pub fn bring_back(&mut self) {
         self.run_until("everything is heard", WatchedLine::all_heard);
         self.settle();
@@ -235,7 +235,7 @@ impl WatchedLine {
         self.back_to_auto();
     }
 
-    /// So many words in a row may be lost that somebody is not heard for too long, or that no image of a motion arrives
+    /// So many messages in a row may be lost that a node is silent for too long, or that no image of a motion arrives
     /// before its end: the line then falls to stand-by, as it should, and its operator brings it back.
     pub fn patiently_until_done(&mut self, station: &str, operation: &str, cycle: i32) {
         let (id, op) = self.op(station, operation);

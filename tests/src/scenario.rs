@@ -1,4 +1,4 @@
-//! What a scenario does to a line and what it asks about it.
+//! Actions of a scenario on a line, and its queries.
 
 use std::time::Duration;
 
@@ -39,7 +39,7 @@ impl WatchedLine {
         sim
     }
 
-    /// The one who looks at positions.
+    /// The observer of positions.
     pub fn observer(&self) -> &IndependentObserver {
         &self.observer
     }
@@ -103,7 +103,7 @@ impl WatchedLine {
         self.inner().bus_off(off);
     }
 
-    /// What is wrong with a station's devices, in the words of the bus's manager; empty while the coordinator is down.
+    /// Faults of a station's devices, in the words of the bus's manager; empty while the coordinator is down.
     pub fn trouble(&self, station: StationId) -> Vec<String> {
         self.trouble_of(Owner::Station(station))
     }
@@ -113,7 +113,7 @@ impl WatchedLine {
         self.act(OperatorAction::Kill(NodeProcess::Station(station)));
     }
 
-    /// Lets a station's process die at its next change, between its record and everything it would have said.
+    /// Lets a station's process die at its next change, between its record and its messages.
     pub fn kill_station_at_its_next_record(&mut self, station: StationId) {
         self.act(OperatorAction::DieAtRecord(station, true));
     }
@@ -165,7 +165,7 @@ impl WatchedLine {
         self.act(OperatorAction::Heal);
     }
 
-    /// What the network does from now on: to everything but process images, and to those.
+    /// Behaviour of the network from now on: for everything but process images, and for those.
     pub fn networks(&mut self, network: Network, images: Network) {
         self.inner().set_networks(network, images);
     }

@@ -40,7 +40,7 @@ const CHART: [(&str, &str, i64, i64); 17] = [
 ];
 /// From one first lift to the next: the clamp opens after the mill's reset and before the lift.
 const CYCLE_MS: i64 = 3560;
-/// What messages may add to one cycle: 16 motions in a row on the critical path, each with an output message, an
+/// Time that messages may add to one cycle: 16 motions in a row on the critical path, each with an output message, an
 /// output frame, an input frame and an input message (at most 1.3 ms on the quiet network), and four arrows (0.5 ms).
 const MESSAGES_MS: i64 = 24;
 /// The first order to a drive takes it through three states before it moves: five frames each way, and no faster than its
@@ -133,8 +133,8 @@ fn master_stop_halts_every_station_at_home_and_start_and_auto_go_on() {
     }
 }
 
-/// In the moment in which all are at home and the next round begins, somebody has begun it and somebody else has not
-/// heard of that.
+/// In the moment in which all are at home and the next round begins, one station has begun it and another has not
+/// received that.
 #[test]
 fn master_stop_just_as_the_next_round_begins() {
     for seed in 0..3 {

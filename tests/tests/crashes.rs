@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   transfer    ──── ✝ ·····(down)····· restart from its journal ──▶ looked at ──▶ auto
-//!   coordinator ──── seconds later: transfer is not heard ──▶ stand-by
+//!   coordinator ──── seconds later: transfer is silent ──▶ stand-by
 //!   clamp_1     ──── finishes what it does, starts nothing
 //! ```
 
@@ -66,7 +66,7 @@ fn a_station_that_dies_between_its_record_and_its_word() {
             let id = sim.id(station);
             sim.kill_station_at_its_next_record(id);
             sim.run_until("it dies", |s| !s.is_running(id));
-            // Restarted at once by its supervisor: sooner than anybody misses it.
+            // Restarted at once by its supervisor: before it is missed.
             sim.run_for(Duration::from_millis(20));
             sim.restart_station(id);
             sim.bring_back();
@@ -85,7 +85,7 @@ fn a_station_restarted_sooner_than_it_is_missed_stops_auto_all_the_same() {
             let killed = sim.now();
             sim.run_for(Duration::from_millis(20));
             sim.restart_station(id);
-            // Its new life is believed once the old one has been silent for as long as a view lasts.
+            // Its new life counts once the old one has been silent for as long as a view lasts.
             let believed = killed + sim.line().timing.stale;
             sim.settle();
             assert_eq!(sim.mode(), Some(ControlMode::StandBy));

@@ -1,5 +1,5 @@
-//! Who is between stations and devices: a gateway that is replaced, and a console that falls silent. What stations' devices
-//! suffer is in `fault_matrix`.
+//! Nodes between stations and devices: a gateway that is replaced, and a console that falls silent. Faults of stations'
+//! devices are in `fault_matrix`.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ fn bring_back(sim: &mut WatchedLine) {
 
 #[test]
 fn a_gateway_that_is_replaced_does_not_energise_what_was_decided_for_its_predecessor() {
-    // Sooner than a station's image runs out, so every station still speaks of inputs of the gateway before.
+    // Sooner than a station's image runs out, so every station still has inputs of the gateway before.
     for moment in (0..3560).step_by(40) {
         let mut sim = WatchedLine::in_second_cycle(moment, moment);
         sim.kill_coordinator();

@@ -1,9 +1,9 @@
-//! Everything a device can suffer, at every station, at boot and all through the cycle.
+//! Every fault of a device, at every station, at boot and all through the cycle.
 //!
 //! ```text
-//!   fault ──▶ its station faults, and says: device, node, object, cause ──▶ repair ──▶ booted again, by itself
+//!   fault ──▶ its station faults, reports: device, node, object, cause ──▶ repair ──▶ booted again, by itself
 //!             its outputs are off and stay off                               operator recovers, auto
-//!             the others finish their operation and start nothing            each part machined once, nobody restarted
+//!             the others finish their operation and start nothing            each part machined once, no node restarted
 //! ```
 //!
 //! The observer has looked after every event: no conflict, no part carried on that was not machined.
@@ -17,7 +17,7 @@ use linewright_plant::{DeviceFault, FrameFaults};
 use linewright_station_logic::{HappeningKind, StopCause};
 use linewright_tests::{Rng, WatchedLine, soak, transfer_line};
 
-/// What happens, in this order, and what must be said of it.
+/// Faults, in this order, and the expected description.
 struct Case {
     faults: &'static [DeviceFault],
     said: &'static str,
@@ -60,7 +60,7 @@ const CASES: [Case; 13] = [
     Case { faults: &[DeviceFault::BusOff { millis: 900 }], said: "no heartbeat (1017h) for " },
 ];
 
-/// The shipped line, whose devices have to be who they are.
+/// The shipped line, whose devices must have their identity.
 fn line() -> Line {
     let mut line = transfer_line(1.0);
     for device in &mut line.devices {
@@ -81,7 +81,7 @@ fn devices(line: &Line) -> Vec<(String, String, StationId)> {
     of_station.collect()
 }
 
-/// Whether this concerns the device's station at all: a drive with a fault signal tells it by that.
+/// Whether this is a fault for the device's station: a drive with a fault signal reports it by that.
 fn concerns(line: &Line, case: &Case, device: &str) -> bool {
     let reported = line.devices.iter().any(|d| d.name == device && d.on_emergency() == Reaction::Report);
     !reported || !case.faults.iter().any(|fault| matches!(fault, DeviceFault::Emergency { .. }))
@@ -93,13 +93,13 @@ fn cause(sim: &mut WatchedLine, device: &str, case: &Case) {
     }
 }
 
-/// It is said which device it is, and what is wrong with it.
+/// Whether the description names the device and its fault.
 fn is_said(sim: &WatchedLine, station: StationId, device: &str, node: &str, words: &str) -> bool {
     let whose = format!("{device} {node}");
     sim.trouble(station).iter().any(|said| said.starts_with(&whose) && said.contains(words))
 }
 
-/// The line makes parts again, each machined once, and nobody was restarted for it.
+/// The line makes parts again, each machined once, and no node was restarted for it.
 fn cycles_on(sim: &mut WatchedLine, lives: &[u64]) {
     let parts = sim.observer().places();
     sim.run_until("two more parts", |s| s.observer().places() >= parts + 2);
@@ -120,12 +120,12 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
     sim.run_until("its station is told", |s| !s.trouble(station).is_empty());
     let was_moving = sim.marking(station).iter().any(|place| place.is_operating());
     let at_once = is_said(&sim, station, device, node, case.said);
-    // A station is told by its image, and everybody else by the mode; where loss and return fell into one image, by the
+    // A station learns of it by its image, the others by the mode; where loss and return fell into one image, by the
     // next.
     sim.wait_for(Duration::from_millis(60), |s| s.mode() != Some(ControlMode::Auto));
     sim.run_for(Duration::from_millis(6));
     if sim.mode() == Some(ControlMode::Auto) {
-        // Over before anybody could act on it, and nothing was moving that it could have stopped.
+        // Over before any node could act on it, and nothing was moving that it could have stopped.
         assert!(at_once && !was_moving && sim.trouble(station).is_empty(), "{device} at {moment} ms");
         sim.fail_device(device, None);
         return cycles_on(&mut sim, &lives);
@@ -134,7 +134,7 @@ fn in_mid_cycle(case: &Case, (device, node, station): &(String, String, StationI
     let others: Vec<StationId> = sim.line().station_ids().filter(|&other| other != station).collect();
     let running: Vec<Vec<StationPlace>> = others.iter().map(|&other| sim.marking(other)).collect();
 
-    // One that hears nothing lets go by itself, up to a heartbeat later than the manager misses it.
+    // A device that receives nothing lets go by itself, up to a heartbeat later than the manager misses it.
     let heartbeat = sim.line().timing.heartbeat + Duration::from_millis(5);
     let off = sim.wait_for(heartbeat, |s| s.energised(station) == 0);
     assert!(off, "{device} has let go at {moment} ms");
@@ -195,7 +195,7 @@ fn in_error_or_off_the_bus_in_mid_cycle() {
 fn at_boot() {
     let line = line();
     for case in &CASES {
-        // What passes by itself is over before anybody gives start.
+        // A passing fault is over before start is given.
         let passes = matches!(case.faults.last(), Some(DeviceFault::BusOff { .. }) | Some(DeviceFault::Reboot))
             && case.faults.len() == 1;
         for (device, node, station) in devices(&line).iter().filter(|device| concerns(&line, case, &device.0)) {
@@ -280,7 +280,7 @@ fn frames_that_are_lost_or_come_twice() {
             assert!(went_on, "seed {seed}: it stands and nobody says why");
             if sim.mode() != Some(ControlMode::Auto) {
                 faults += 1;
-                // Nobody recovers a line on a bus like that.
+                // An operator does not recover a line on a bus like that.
                 disturb(&mut sim, 0);
                 sim.bring_back();
                 disturb(&mut sim, share);

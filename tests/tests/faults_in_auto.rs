@@ -60,7 +60,7 @@ fn one_stops_and_the_others_finish(sim: &mut WatchedLine, station: &str, operati
     let stopped = sim.now();
     let signal = sim.line().operation((id, op)).normal.fault;
     let cause = match drive_of(sim, id, op) {
-        // A drive that sticks trips over its following error: it says so itself, to an operation that listens.
+        // A drive that sticks trips over its following error: it reports that itself, to an operation with that signal.
         Some(drive) if drive.fault == signal => StopCause::Signal,
         None if fault == MotionFault::Break && signal.is_some() => StopCause::Signal,
         _ => StopCause::Watchdog,
@@ -134,7 +134,7 @@ fn every_operation(fault: MotionFault) {
     let moved_by_drives = |station: &str| station == "mill_1";
     for (n, (station, operation, reversible)) in operations().into_iter().enumerate() {
         if fault == MotionFault::SlipBack && moved_by_drives(&station) {
-            // What a valve lets happen, a drive does not.
+            // A fault of a valve that a drive does not have.
             continue;
         }
         let ways: &[Recovery] = if reversible {

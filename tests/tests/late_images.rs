@@ -89,7 +89,7 @@ fn neither_off_nor_on_counts_in_an_image_from_before_the_motion() {
 fn a_motion_of_which_only_the_end_is_seen_has_arrived() {
     let (advance, _) = switch("mill_1", "rapid advance positioning slide");
     let ((decel, forward), (feed, fed)) = (switch("mill_1", "decel"), switch("mill_1", "feed main slide"));
-    // What the image at hand shows, and how many numbers before the present one it was taken.
+    // The image at hand, and its age in image numbers.
     for (at_start, age, arrives) in [(forward, 0, true), (forward | fed, 0, false), (forward, 1, false)] {
         let mut bench = Bench::new("mill_1", StationPlace::completed(advance), 1, &[1, 0, 0, 0, 0], &[1, 0, 0, 0, 0]);
         let (slowing, first) = bench.step(press(true, true));

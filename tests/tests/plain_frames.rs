@@ -1,4 +1,4 @@
-//! The clamp's valves and switches hang on a box that speaks no CANopen: the line does not notice.
+//! The clamp's valves and switches hang on a box without CANopen: the line works as before.
 
 use std::time::Duration;
 

@@ -52,7 +52,7 @@ impl World {
                 let command = *self.rng.pick(&ModeCommand::ALL);
                 self.sim.command(command);
             }
-            // What a person most often wants, so that the line gets somewhere.
+            // The most frequent commands of operators, so that the line makes progress.
             15..30 => {
                 let wish =
                     *self.rng.pick(&[ModeCommand::Auto, ModeCommand::Start, ModeCommand::Manual, ModeCommand::Hand]);
@@ -170,7 +170,7 @@ impl World {
         self.sim.settle();
     }
 
-    /// What an operator does, by the book: reset, start, manual, finish or take back what was stopped, auto.
+    /// Recovery by the manual: reset, start, manual, finish or take back what was stopped, auto.
     fn bring_back(&mut self) {
         if self.sim.mode() == Some(ControlMode::EStop) {
             self.sim.order(ModeCommand::Reset);

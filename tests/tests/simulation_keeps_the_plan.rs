@@ -1,5 +1,5 @@
-//! On lines nobody has thought of, with concurrent groups, arrows of one mode and lags: what the controllers do in auto is
-//! the plan, and what the record says of it is true.
+//! On random lines, with concurrent groups, arrows of one mode and lags: the controllers' behaviour in auto is the
+//! plan, and the record of it is true.
 //!
 //! Without the time that messages take, every start and end is where the earliest schedule has it, but for the thousandth
 //! by which a switch is early. The two have nothing in common: one is a longest path, the other whole controllers.

@@ -1,8 +1,7 @@
-//! Switches and relays that stay as they are, of which nobody on the bus knows: the device is in order, and what it says
-//! or does is not true. A motion that should end does not, and the operator reads which switch was waited for and where
-//! it is.
+//! Switches and relays that stay as they are, undetected on the bus: the device is in order, and its inputs or outputs
+//! are false. A motion that should end does not, and the operator reads which switch was waited for and its place.
 //!
-//! A relay that does not open is not among them: no signal tells of it. With the motion back both of its outputs are on,
+//! A relay that does not open is not among them: no signal shows it. With the motion back both of its outputs are on,
 //! which only the wiring can prevent; see `docs/can.md`.
 
 use std::time::Duration;
@@ -63,7 +62,7 @@ fn until_found(sim: &mut WatchedLine, station: StationId) {
     assert!(!sim.anything_energised());
 }
 
-/// Repaired, and led on by the operator: each part is machined once, and nobody was restarted.
+/// Repaired, and led on by the operator: each part is machined once, and no node was restarted.
 fn goes_on(sim: &mut WatchedLine, lives: &[u64]) {
     sim.bring_back();
     let parts = sim.observer().places();
@@ -92,7 +91,7 @@ fn a_switch_that_does_not_close() {
             let name = line.station(station).inputs[switch.index()].clone();
             sim.wire(Owner::Station(station), &name, Some(false));
             until_found(&mut sim, station);
-            // What moves towards it waits in vain; where an axis stands at it, its position is lost.
+            // A motion towards it waits in vain; where an axis stands at it, its position is lost.
             let lost = sim.controller(station).and_then(|c| c.position_lost());
             let (found, said) = match last_stop(&sim, station) {
                 Some((stopped, StopCause::Watchdog, said)) => {

@@ -1,7 +1,7 @@
 //! The project's own commands: `cargo xtask test`, `set-up`, `tidy`, `bench`, `fuzz`.
 //!
-//! They only start what anybody could start by hand, in the right order, and add up what it says. Nothing here is
-//! needed to build or to run a line, and there is nothing outside the standard library to download for it.
+//! They only start programs that could be started by hand, in the right order, and add up their results. Nothing here
+//! is needed to build or to run a line, and there is nothing outside the standard library to download for it.
 
 mod bench;
 mod fuzz;

@@ -1,4 +1,4 @@
-//! What tests need of the machine besides a Rust toolchain: CAN sockets, and foreign stacks to be tested against.
+//! Requirements of tests on the machine besides a Rust toolchain: CAN sockets, and foreign stacks to be tested against.
 //!
 //! On Debian, as root, packages that are missing are installed; Python packages go into an environment of their own below
 //! the target directory. What is there is not fetched again, every step has a time limit, and what cannot be had is
@@ -27,12 +27,12 @@ const MODULES: [(&str, &str); 8] = [
     ("typos", "typos"),
 ];
 
-/// What was found or made.
+/// Result of the set-up.
 #[derive(Debug, Default)]
 pub struct Setup {
     /// The Python that has the packages, if there is any.
     python: Option<PathBuf>,
-    /// What is missing, and why.
+    /// Missing parts, with reasons.
     pub missing: Vec<String>,
 }
 
@@ -54,7 +54,7 @@ impl Setup {
     }
 }
 
-/// What is there already; nothing is fetched.
+/// Parts that are there already; nothing is fetched.
 pub fn find(root: &Path) -> Setup {
     let python = environment(root).join("bin/python");
     Setup { python: python.is_file().then_some(python), missing: Vec::new() }
@@ -124,7 +124,7 @@ fn install(packages: &[&str], log: &mut Log) -> Result<(), String> {
         command.args(patience).env("DEBIAN_FRONTEND", "noninteractive");
         command
     };
-    // What the lists from before still give is enough.
+    // The lists from before suffice.
     let _ = log.run(apt_get().arg("update"), 120);
     log.run(apt_get().args(["install", "-y", "--no-install-recommends"]).args(packages), 180)
 }
@@ -189,7 +189,7 @@ fn is_root() -> bool {
     false
 }
 
-/// Where the output of what is started goes.
+/// Destination of the output of started programs.
 struct Log {
     path: PathBuf,
 }
@@ -218,7 +218,7 @@ impl Log {
                 Some(status) if status.success() => return Ok(()),
                 Some(status) => return Err(self.last_line(before).unwrap_or_else(|| format!("{name}: {status}"))),
                 None if Instant::now() >= end => {
-                    // A package manager puts down its locks when it is asked to end.
+                    // A package manager puts down its locks when it is terminated.
                     let _ = Command::new("kill").arg(child.id().to_string()).status();
                     thread::sleep(Duration::from_secs(2));
                     let _ = child.kill();

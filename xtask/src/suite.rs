@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything a change has to pass.
 //!
-//! No part stops at another's failure, so that one run tells all. Format, house rules, lints and documentation count
-//! as one test each in the sum. What runs beside something else is printed whole when it has ended.
+//! No part stops at another's failure, so that one run shows all failures. Format, house rules, lints and documentation
+//! count as one test each in the sum. The output of parts that run beside others is printed whole at their end.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,12 +13,12 @@ use crate::setup::{self, Setup};
 use crate::tally::TestTally;
 use crate::tidy;
 
-/// How much of it.
+/// Extent of a run.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// All parts.
     Everything,
-    /// What takes seconds once it is built.
+    /// Parts that take seconds once they are built.
     Quick,
 }
 
@@ -39,7 +39,7 @@ const LONG: [&str; 12] = [
     "tnces_random::",
 ];
 
-/// What the exit code means with which `vcan_uml.sh` says that it could not run.
+/// Exit code of `vcan_uml.sh` when it could not run.
 const SKIPPED: i32 = 77;
 
 /// Runs the parts and prints the sum; true if nothing failed.
@@ -96,7 +96,7 @@ fn everything(root: &Path, tally: &mut TestTally) {
     }
 }
 
-/// What ran beside something else, to be printed when it has ended.
+/// Output of parts that ran beside others, to be printed at their end.
 #[derive(Default)]
 struct Stage {
     shown: Vec<String>,
@@ -161,7 +161,7 @@ fn quick(root: &Path, tally: &mut TestTally) {
 #[derive(Debug, PartialEq, Eq)]
 struct TestProgram {
     package: String,
-    /// Where the package is; its tests are run there.
+    /// Directory of the package; its tests are run there.
     dir: PathBuf,
     path: String,
 }
@@ -283,7 +283,7 @@ fn counted(
     code
 }
 
-/// The tests that want real CAN sockets: the bus itself, SDO against Python's `canopen`, and whole programs.
+/// The tests that need real CAN sockets: the bus itself, SDO against Python's `canopen`, and whole programs.
 const ON_VCAN: [&str; 3] = ["tests/vcan.rs", "tests/sdo_python.rs", "tests/real_bus/main.rs"];
 
 /// The CAN tests on real sockets, in a kernel of their own where this one has no CAN.

@@ -1,19 +1,19 @@
-//! Adding up what test programs say.
+//! Sum of the results of test programs.
 //!
-//! Tests run with `--show-output`, because a test that could not test anything says so (a line that starts with
-//! `SKIPPED`) and then passes, and what a passing test prints is otherwise thrown away. The rest of that output is
+//! Tests run with `--show-output`, because a test that could not test anything prints that (a line that starts with
+//! `SKIPPED`) and then passes, and the output of passing tests is otherwise thrown away. The rest of that output is
 //! dropped here.
 
 use crate::part::Stream;
 
-/// What was counted so far.
+/// Counts so far.
 #[derive(Debug, Default)]
 pub struct TestTally {
     /// Tests that passed.
     pub passed: usize,
     /// Tests that failed, and programs that ended badly without naming a test.
     pub failed: usize,
-    /// What was not tested, and why, in the order it was said.
+    /// Skipped tests with reasons, in the order of their messages.
     pub skipped: Vec<String>,
     /// Inside the list of what passing tests printed.
     in_successes: bool,
@@ -55,7 +55,7 @@ impl TestTally {
         other.skipped.iter().for_each(|what| self.skip(what));
     }
 
-    /// Notes something that was not tested; once, however often it is said.
+    /// Notes a skipped test; once, however often it is reported.
     pub fn skip(&mut self, what: &str) {
         if !self.skipped.iter().any(|known| known == what) {
             self.skipped.push(what.to_owned());

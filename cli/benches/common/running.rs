@@ -102,7 +102,7 @@ impl Drop for Running {
     }
 }
 
-/// How long it took: the median, 99 of 100, and the worst.
+/// Prints times: the median, 99 of 100, and the worst.
 pub fn print_samples(name: &str, samples: &mut [Duration]) {
     samples.sort_unstable();
     let at = |share: f64| samples.get(((samples.len() as f64 * share) as usize).min(samples.len().saturating_sub(1)));

@@ -1,4 +1,4 @@
-//! Which analysis is asked for what, and in which order.
+//! Choice of the analyses, and their order.
 //!
 //! Nothing here reads a clock: how far a search goes depends on the net and the limits alone, so that the answer to the
 //! same question is always the same.
@@ -9,18 +9,18 @@ use linewright_nets::explicit::{self, ExplorationLimits, NetFacts};
 use linewright_nets::semiflows::{self, Semiflows, place_semiflows, transition_semiflows};
 use linewright_nets::{Net, PlaceId, TransitionId};
 
-/// States that are looked at first when it is not known whether there is an end to them.
+/// States explored first when it is unknown whether they are finite.
 const STATES_BEFORE_COVERABILITY: u64 = 1_000_000;
 
 /// Labels of a coverability graph that are tried before anything else where there is reason to.
 const LABELS_BEFORE_EXPLORATION: usize = 20_000;
 
-/// States that are looked at only to count them, when all else is known and there may be any number.
+/// States explored only to count them, when all else is decided and there may be any number.
 const STATES_TO_COUNT: u64 = 500_000;
 
-/// What each analysis says. One that was not asked is absent.
+/// Result of each analysis. One that was not run is absent.
 pub struct Findings {
-    /// What structure says; its certificates have been checked.
+    /// Result of structure; its certificates have been checked.
     pub structure: StructuralVerdict,
     /// Certificates that the checker did not accept, in words: their claims count for nothing.
     pub rejected: Vec<(NetProperty, String)>,
@@ -34,18 +34,18 @@ pub struct Findings {
     pub is_short: bool,
     /// The coverability graph.
     pub covered: Option<Result<Coverability, coverability::CoverabilityUndecided>>,
-    /// Two analyses that do not agree: then one of them is wrong, and neither can be believed.
+    /// Two analyses that do not agree: then one of them is wrong, and neither counts.
     pub contradiction: Option<String>,
 }
 
 impl Findings {
-    /// What structure says of a property, if it says anything and the checker agrees.
+    /// Answer of structure on a property, if it has one and the checker agrees.
     pub fn by_structure(&self, property: NetProperty) -> Option<bool> {
         let is_rejected = self.rejected.iter().any(|(rejected, _)| *rejected == property);
         self.structure.answer(property).holds().filter(|_| !is_rejected)
     }
 
-    /// All there is to know if the markings have been played out.
+    /// Facts on the markings, if they have been explored.
     pub fn facts(&self) -> Option<&NetFacts> {
         self.explored.as_ref()?.as_ref().ok()
     }
@@ -55,7 +55,7 @@ impl Findings {
         self.covered.as_ref()?.as_ref().ok()
     }
 
-    /// What exploration says of a property.
+    /// Answer of exploration on a property.
     pub fn by_exploration(&self, property: NetProperty) -> Option<bool> {
         let facts = self.facts()?;
         Some(match property {
@@ -67,20 +67,20 @@ impl Findings {
         })
     }
 
-    /// What the coverability graph says of a property.
+    /// Answer of the coverability graph on a property.
     pub fn by_coverability(&self, net: &Net, property: NetProperty) -> Option<bool> {
         let graph = self.coverability()?;
         match property {
             NetProperty::Bounded => Some(graph.is_bounded().is_ok()),
             NetProperty::Safe => Some(net.places().all(|p| graph.bound_of(p).is_some_and(|bound| bound <= 1))),
-            // A transition that never fires is not live; the graph forgets too much to say more.
+            // A transition that never fires is not live; the graph decides no more.
             NetProperty::Live if !graph.dead_transitions().is_empty() => Some(false),
             NetProperty::Live | NetProperty::DeadlockFree | NetProperty::Reversible => None,
         }
     }
 }
 
-/// Decides what can be decided within the limits. `insists` is whether they were asked for: then they are used up.
+/// Decides what can be decided within the limits. `insists`: whether the user gave them: then they are used up.
 pub fn decide(net: &Net, limits: &ExplorationLimits, insists: bool) -> Findings {
     let structure = decide_by_structure(net);
     let rejected = structure.certificates().filter_map(|certificate| {
@@ -139,8 +139,8 @@ fn explore_or_cover(net: &Net, limits: &ExplorationLimits, findings: &mut Findin
 }
 
 /// The binary logarithm of a number of markings that conserved sums allow: where that many bits fit in memory, a search
-/// goes over them quickly. Sum by sum: what is left of it for the places not counted yet is known from the others, and
-/// s tokens are distributed over k places in k to the power of s ways at most.
+/// goes over them quickly. Sum by sum: the rest for the places not counted yet follows from the others, and s tokens
+/// are distributed over k places in k to the power of s ways at most.
 fn possible_markings_log2(net: &Net, findings: &Findings) -> f64 {
     let Ok(flows) = &findings.place_flows else { return f64::INFINITY };
     let initial = net.initial_marking();

@@ -34,7 +34,7 @@ pub fn certificates(file: &Path, net: &Net, findings: &Findings) -> miette::Resu
     text(file, &certificates.join("\n"))
 }
 
-/// How a graph is written.
+/// File format of a graph.
 #[derive(Clone, Copy)]
 pub enum GraphFormat {
     Dot,
@@ -43,7 +43,7 @@ pub enum GraphFormat {
 }
 
 impl GraphFormat {
-    /// The one that a file's name asks for.
+    /// The format of a file's name.
     pub fn of(file: &Path) -> miette::Result<GraphFormat> {
         match file.extension().and_then(|extension| extension.to_str()) {
             Some("dot" | "gv") => Ok(GraphFormat::Dot),

@@ -1,9 +1,9 @@
-//! `linewright analyse`: what is true of any place/transition net, read from PNML.
+//! `linewright analyse`: properties of any place/transition net, read from PNML.
 //!
-//! Structure is asked first, because it answers at once whatever the size and proves its answers; then the markings are
+//! Structure comes first, because it answers at once whatever the size and proves its answers; then the markings are
 //! played out as far as allowed; and a net that may be unbounded gets a coverability graph. The analyses are those of
-//! [`linewright_nets`]: this command chooses among them ([`decide`]), puts their answers together ([`report`]) and shows
-//! them. What none of them decides is said to be undecided.
+//! [`linewright_nets`]: this command chooses among them ([`decide`]), puts their answers together ([`report`]) and
+//! shows them. The rest is reported as undecided.
 
 mod decide;
 mod export;
@@ -21,10 +21,10 @@ use miette::miette;
 
 use crate::out::{self, say};
 
-/// States that are looked at unless told otherwise.
+/// States explored by default.
 const STATES: u64 = 64_000_000;
 
-/// Megabytes that a search may use unless told otherwise.
+/// Megabytes for a search by default.
 const MEGABYTES: usize = 1024;
 
 /// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
@@ -71,7 +71,7 @@ impl Args {
         }
     }
 
-    /// Whether the user has said how far to look, so that this is not cut short.
+    /// Whether the user gave limits, so that the search is not cut short.
     fn insists(&self) -> bool {
         self.states.is_some() || self.memory.is_some()
     }
@@ -108,7 +108,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     } else {
         say!("{}", show::text(&report).trim_end());
     }
-    // What is written after the answers cannot hide them.
+    // Written after the answers, so that a failure does not hide them.
     if let Some(file) = &args.certificate {
         export::certificates(file, &net, &findings)?;
     }

@@ -19,9 +19,9 @@ const STEPS_MAX: usize = 10_000;
 /// Why a property does not hold.
 #[derive(Debug, Serialize)]
 pub struct ViolationPath {
-    /// What it shows: "deadlock", "unsafe", "not live", "not reversible", "unbounded".
+    /// Violation: "deadlock", "unsafe", "not live", "not reversible", "unbounded".
     pub shows: &'static str,
-    /// What to look at: the transition that is lost, the place that overflows.
+    /// Its subject: the transition that is lost, the place that overflows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
     /// The names of the transitions to fire, from the initial marking.
@@ -33,7 +33,7 @@ pub struct ViolationPath {
     pub marking: Vec<(String, u32)>,
 }
 
-/// What there is to show of a net.
+/// Paths to violations of a net.
 pub fn plays(net: &Net, findings: &Findings) -> Vec<ViolationPath> {
     let mut plays = explored(net, findings);
     if plays.iter().all(|play| play.shows != "deadlock")
@@ -86,7 +86,7 @@ fn explored(net: &Net, findings: &Findings) -> Vec<ViolationPath> {
     plays
 }
 
-/// How an unbounded net grows.
+/// Path by which an unbounded net grows.
 fn grows(net: &Net, findings: &Findings) -> Option<ViolationPath> {
     let pump = findings.coverability().and_then(|graph| graph.is_bounded().err());
     let (prefix, cycle, place) = match (pump, findings.structure.bounded.certificate()) {

@@ -1,4 +1,4 @@
-//! What is known of a net, as data: the JSON of `--json`, and what the table is made from.
+//! Report on a net, as data: the JSON of `--json`, and the source of the table.
 
 use linewright_nets::certificate::{NetProperty, TokenBound};
 use linewright_nets::semiflows::{Semiflow, Semiflows};
@@ -8,26 +8,26 @@ use serde::Serialize;
 use super::decide::Findings;
 use super::plays::{ViolationPath, plays};
 
-/// How many semiflows are listed; all are counted.
+/// Most semiflows listed; all are counted.
 const FLOWS_LISTED: usize = 1000;
 
-/// How many names of a list are kept.
+/// Most names kept of a list.
 const NAMES_LISTED: usize = 1000;
 
-/// Everything that was found. What is not known is `null`, and `undecided` says why.
+/// All results. Unknown ones are `null`, with the reason in `undecided`.
 #[derive(Debug, Serialize)]
 pub struct AnalysisReport {
     /// The net's name.
     pub net: String,
-    /// How many places there are.
+    /// Number of places.
     pub places: usize,
-    /// How many transitions there are.
+    /// Number of transitions.
     pub transitions: usize,
-    /// How many reachable markings.
+    /// Number of reachable markings.
     pub states: Option<u64>,
-    /// How many arcs the reachability graph has.
+    /// Number of arcs of the reachability graph.
     pub arcs: Option<u64>,
-    /// In how many reachable markings nothing is enabled.
+    /// Number of reachable markings in which nothing is enabled.
     pub deadlocks: Option<u64>,
     /// The most tokens that any place ever holds; `null` for an unbounded net, too.
     pub bound: Option<u64>,
@@ -41,17 +41,17 @@ pub struct AnalysisReport {
     pub live: Option<bool>,
     /// Whether the initial marking can be reached from every reachable one.
     pub reversible: Option<bool>,
-    /// How many minimal place semiflows (conserved sums) there are.
+    /// Number of minimal place semiflows (conserved sums).
     pub p_semiflows: Option<usize>,
-    /// How many minimal transition semiflows (repetitions) there are.
+    /// Number of minimal transition semiflows (repetitions).
     pub t_semiflows: Option<usize>,
-    /// What the analysis took, reading included.
+    /// Time of the analysis in seconds, reading included.
     pub seconds: f64,
     /// The most bytes that the search for markings held at a time.
     pub bytes: Option<usize>,
     /// The class of the net.
     pub class: Vec<&'static str>,
-    /// By which analysis each answer is known.
+    /// Analysis that decided each answer.
     pub decided_by: DecidedBy,
     /// Markings that can be reached from every reachable one.
     pub home_states: Option<u64>,
@@ -67,11 +67,11 @@ pub struct AnalysisReport {
     pub transition_semiflows: Vec<ReportedFlow>,
     /// Ways to play the net that show what does not hold.
     pub counterexamples: Vec<ViolationPath>,
-    /// What is not known, and why.
+    /// Open questions, with reasons.
     pub undecided: Vec<String>,
 }
 
-/// By what an answer is known: "structure" (with a certificate that has been checked), "exploration" or "coverability".
+/// Source of an answer: "structure" (with a certificate that has been checked), "exploration" or "coverability".
 #[derive(Debug, Default, Serialize)]
 pub struct DecidedBy {
     pub bounded: Option<&'static str>,
@@ -91,7 +91,7 @@ pub struct ReportedFlow {
     pub sum: Option<u64>,
 }
 
-/// Puts together what the analyses say.
+/// Puts the results of the analyses together.
 pub fn report(net: &Net, findings: &Findings, seconds: f64) -> AnalysisReport {
     let answer = |property: NetProperty| {
         let by = [
@@ -214,7 +214,7 @@ fn listed<I: Copy + Ord, E>(
     flows.all().iter().take(FLOWS_LISTED).map(flow).collect()
 }
 
-/// What is left open, with the reason of whoever was asked last.
+/// Open questions, with the reason from the last analysis run.
 fn undecided(net: &Net, findings: &Findings) -> Vec<String> {
     let mut open = Vec::new();
     let is_unbounded = findings.coverability().is_some_and(|graph| graph.is_bounded().is_err())

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use super::plays::ViolationPath;
 use super::report::{AnalysisReport, ReportedFlow};
 
-/// How many semiflows are shown; `--json` has more.
+/// Most semiflows shown; `--json` has more.
 const FLOWS_SHOWN: usize = 12;
 
-/// How many names of a list, and steps of a sequence.
+/// Most names of a list shown, and most steps of a sequence.
 const NAMES_SHOWN: usize = 12;
 const STEPS_SHOWN: usize = 40;
 

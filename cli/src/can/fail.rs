@@ -1,4 +1,4 @@
-//! `fail`: a simulated mechanism or device goes wrong, told over its own bus.
+//! `fail`: a fault of a simulated mechanism or device, injected over its own bus.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,7 +17,7 @@ use miette::{IntoDiagnostic, miette};
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 
-/// What goes wrong.
+/// Fault to inject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum InjectedFault {
     /// With one motion.
@@ -28,7 +28,7 @@ enum InjectedFault {
     Clear,
 }
 
-/// What goes wrong with a whole device.
+/// Fault of a whole device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum DeviceTrouble {
     /// The device falls silent
@@ -80,7 +80,7 @@ impl InjectedFault {
         self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
     }
 
-    /// What happens to a motion (`Some(None)`: nothing any more), if it happens to one.
+    /// Fault of a motion (`Some(None)`: cleared), if it concerns one.
     fn of_a_motion(self) -> Option<Option<MotionFault>> {
         match self {
             InjectedFault::Clear => Some(None),
@@ -89,7 +89,7 @@ impl InjectedFault {
         }
     }
 
-    /// What is written to the device, if it happens to a whole device. What is noticed in a boot ends with one.
+    /// Writes to the device, if it concerns a whole device. Those that take effect in a boot end with one.
     fn of_a_device(self) -> Option<ObjectWrites> {
         const HARDWARE: u32 = 0x0606_0000;
         let trouble = match self {

@@ -145,7 +145,7 @@ pub async fn replay(bus: &mut Bus, args: &ReplayArgs) -> miette::Result<ExitCode
     let mut interrupts = Interrupts::listen()?;
     let mut sent: u64 = 0;
     for (stamp, frame) in &frames {
-        // A log whose clock was set back goes on at once.
+        // A log whose clock was set back continues at once.
         let after = stamp.saturating_sub(*begin).div_f64(args.speed);
         tokio::select! {
             () = sleep_until(start + after) => {}

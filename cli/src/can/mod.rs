@@ -1,7 +1,7 @@
-//! The commands that speak to a CAN bus: `can …`, `fail` and `candump`.
+//! The commands on a CAN bus: `can …`, `fail` and `candump`.
 //!
 //! On a kernel with CAN the stock tools do some of this as well, and work beside it; these work on the virtual bus too,
-//! and know CANopen and the line's description. None of them is a manager: what a manager orders meanwhile stands.
+//! and use CANopen and the line's description. None of them is a manager: a manager's orders meanwhile stand.
 
 mod fail;
 mod log;
@@ -101,7 +101,7 @@ fn options(name: &str, run: Option<&str>) -> miette::Result<BusOptions> {
     Ok(BusOptions { dir: found.into_iter().next().map(|found| found.dir), ..BusOptions::default() })
 }
 
-/// How a run of a line is called where its buses are.
+/// Name of a run of a line in its bus directory.
 pub fn run_of(line: &Line, ros: &RosArgs) -> miette::Result<String> {
     let namespace = names::identify(&ros.remaps, &format!("/{}", line.name), "coordinator").into_diagnostic()?.0;
     Ok(format!("line {namespace} in ROS domain {}", ros.domain_id))

@@ -13,7 +13,7 @@ use tokio::time::{Instant, timeout_at};
 
 use super::node;
 
-/// How long a node is given to say that it has obeyed. Its heartbeat may come once a second.
+/// Time for a node to show that it has obeyed. Its heartbeat may come once a second.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -1,7 +1,7 @@
-//! `can scan`: who is there.
+//! `can scan`: the nodes on a bus.
 //!
-//! All node ids are asked at once for the one object every CANopen device has, its type (1000h), and whoever answers is
-//! then asked for the rest. Nodes that only send heartbeats, because they are stopped, are heard and said to be.
+//! The one object of every CANopen device, its type (1000h), is read from all node ids at once; of the nodes that
+//! answer, the rest is read. Nodes that only send heartbeats, because they are stopped, are listed too.
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
@@ -29,7 +29,7 @@ pub struct ScanArgs {
     json: bool,
 }
 
-/// One answer of a node takes at most this long once it is known to be there.
+/// Limits of one read from a node that is there.
 const ANSWER: TransferOptions = TransferOptions {
     timeout: Duration::from_millis(300),
     retries: 1,
@@ -66,7 +66,7 @@ pub async fn run(bus: &mut Bus, args: &ScanArgs) -> miette::Result<ExitCode> {
     Ok(if found.is_empty() { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-/// Whoever sends anything, with the state it reports, if it does.
+/// Every node that sends, with the state it reports, if it does.
 async fn listen_and_ask(bus: &mut Bus, wait: Duration) -> miette::Result<BTreeMap<NodeId, Option<NmtState>>> {
     for node in (1..=127).filter_map(NodeId::new) {
         let raw = ClientFrame::Upload { object: ObjectId::new(0x1000, 0) }.encode();
@@ -110,7 +110,7 @@ async fn number(bus: &mut Bus, node: NodeId, index: u16, sub: u8) -> Option<u32>
     bytes.try_into().ok().map(u32::from_le_bytes)
 }
 
-/// What object 1000h says: the profile's number below, what of it the device has above.
+/// Meaning of object 1000h: the profile's number in the low half, the device's functions in it above.
 fn profile(device_type: u32) -> String {
     let [low, high, kinds, _] = device_type.to_le_bytes();
     match u16::from_le_bytes([low, high]) {

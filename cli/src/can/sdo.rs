@@ -1,7 +1,7 @@
 //! `can sdo`: one object of one node, read or written.
 //!
 //! Beside a manager this is safe as long as it is not just configuring that node: a device has one SDO channel, and two
-//! clients on it disturb each other. Both sides notice, and say so.
+//! clients on it disturb each other. Both sides notice, and report it.
 
 use std::process::ExitCode;
 use std::time::Duration;

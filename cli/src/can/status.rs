@@ -34,7 +34,7 @@ pub struct StatusArgs {
 struct StatusNode {
     /// The interface of its bus; `None` for a device that is not on CAN.
     bus: Option<String>,
-    /// `None` for a device that speaks no CANopen.
+    /// `None` for a device without CANopen.
     node: Option<u8>,
     name: Option<String>,
     owner: Option<String>,
@@ -42,12 +42,12 @@ struct StatusNode {
     is: String,
 }
 
-/// What was heard on one bus.
+/// State of listening on one bus.
 struct ListenedBus {
     interface: String,
     bus: Bus,
     survey: BusScan,
-    /// Devices that speak no CANopen.
+    /// Devices without CANopen.
     plain: Manager,
 }
 
@@ -62,7 +62,7 @@ impl ListenedBus {
         while let Ok(frame) = timeout_at(until, self.bus.recv()).await {
             let frame = frame.into_diagnostic()?;
             self.survey.hear(clock.now(), &frame);
-            // It takes what it hears as the line's own manager does; what it would send is not sent.
+            // Frames go in as into the line's own manager; its own are not sent.
             self.plain.handle(clock.now(), &frame, &mut BusOutbox::default());
         }
         Ok(())
@@ -147,14 +147,14 @@ fn not_asked(line: &Line, device: &Device, why: &str) -> StatusNode {
     }
 }
 
-/// Four heartbeats; where devices speak no CANopen, as long as the slowest of their messages may stay away.
+/// Four heartbeats; with devices without CANopen, the longest time limit of their messages.
 fn long_enough(line: &Line) -> Duration {
     let heard = line.devices.iter().filter_map(|device| device.frames()?.bound.as_ref());
     let slowest = heard.flat_map(|bound| bound.heard.iter().map(|heard| heard.timeout)).max().unwrap_or_default();
     (line.timing.heartbeat * 4).max(slowest) + Duration::from_millis(50)
 }
 
-/// The description's CANopen devices on this bus, then whoever else was heard.
+/// The description's CANopen devices on this bus, then other nodes that sent.
 fn nodes(line: &Line, interface: &str, survey: &BusScan, now: Tick, listened: Duration) -> Vec<StatusNode> {
     let canopen = line.devices_on(interface).filter_map(|device| Some((device, device.node_id()?)));
     let described = canopen.map(|(device, node)| {

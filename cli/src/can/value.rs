@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-/// What the bytes of an object are.
+/// Type of an object's bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ValueKind {
     /// Unsigned, one byte.
@@ -88,7 +88,7 @@ impl ValueKind {
     }
 }
 
-/// What bytes may be, for somebody who does not say what they are.
+/// Likely values of bytes whose type is not given.
 pub fn guess(bytes: &[u8]) -> String {
     let hex = spaced(bytes);
     let readable = |byte: &u8| byte.is_ascii_graphic() || *byte == b' ';

@@ -1,7 +1,7 @@
-//! A person's view of a running cell over ROS 2: its newest state, and what can be asked of its coordinator.
+//! An operator's view of a running cell over ROS 2: its newest state, and the requests to its coordinator.
 //!
-//! Shared by the subcommands about cells: `order`, `why`, `answer`, `resource` and `run`. Like [`crate::client`] it uses
-//! what anybody can use with the stock tools.
+//! Shared by the subcommands about cells: `order`, `why`, `answer`, `resource` and `run`. Like [`crate::client`] it
+//! uses only what the stock tools can use.
 
 mod operate;
 
@@ -25,12 +25,12 @@ use crate::client::{join, not_heard};
 
 pub use operate::{AnswerArgs, CellJson, OrderArgs, ResourceArgs, WhyArgs, answer, order, resource, why};
 
-/// A request that is sent before the other side is discovered gets no answer: so it is asked again, this long each time.
+/// Time for an answer. A request sent before the other side is discovered gets none, so it is repeated.
 const ANSWER: Duration = Duration::from_millis(700);
 /// Attempts before a service counts as missing.
 const TRIES: u32 = 10;
 
-/// So long after a first state a newer one may still come: it is told ten times a second when something changes.
+/// Time for a newer state after the first: while something changes it is published ten times a second.
 const SETTLE: Duration = Duration::from_millis(250);
 
 /// The age at which a coordinator's last `CellState` no longer shows that this coordinator runs: two and a half periods.
@@ -82,12 +82,12 @@ impl CellClient {
         })
     }
 
-    /// The newest state, if one was heard.
+    /// The newest state, if one was received.
     pub fn state(&self) -> Option<&CellState> {
         self.state.as_ref()
     }
 
-    /// The newest state, unless the coordinator is not heard any more.
+    /// The newest state, unless the coordinator is silent.
     pub fn heard_lately(&self) -> Option<&CellState> {
         self.state().filter(|_| self.heard.elapsed() < SILENT)
     }
@@ -103,7 +103,7 @@ impl CellClient {
         }
     }
 
-    /// Waits until the cell is heard, as it is now: what a late reader is told first may be older.
+    /// Waits for the cell's present state: the first one that a late reader receives may be older.
     pub async fn until_heard(&mut self, within: Duration) -> miette::Result<&CellState> {
         match tokio::time::timeout(within, self.next()).await {
             Ok(state) => _ = state?,
@@ -120,10 +120,10 @@ impl CellClient {
         not_heard(&format!("cell '{}'", self.name), self.domain_id)
     }
 
-    /// Puts on order. The keys make sure that asking again is not asking for more.
+    /// Submits production orders. Because of their keys, repeating the request orders nothing twice.
     ///
     /// # Errors
-    /// All that is wrong with the requests, or that nobody answers.
+    /// All faults of the requests, or no answer.
     pub async fn submit(&self, requests: Vec<ProductionRequest>) -> miette::Result<Vec<u64>> {
         let response = ask(&self.submit, &SubmitOrdersRequest { requests }).await?;
         if response.accepted { Ok(response.ids) } else { Err(miette!("{}", response.problems.join("\n"))) }
@@ -159,14 +159,14 @@ impl CellClient {
         if response.known { Ok(response.lines) } else { Err(miette!("{}", response.lines.join("\n"))) }
     }
 
-    /// Says what is true, now that what an alarm asked for was done.
+    /// Answers an alarm, after its instruction was carried out.
     pub async fn answer(&self, alarm: u64, word: &str) -> miette::Result<()> {
         let asked = AnswerAlarmRequest { alarm, word: word.to_owned(), by: who() };
         let response = ask(&self.answer, &asked).await?;
         done(response.accepted, &response.reason)
     }
 
-    /// Says something of a resource: one of the constants of [`SetResourceRequest`].
+    /// Changes the state of a resource: one of the constants of [`SetResourceRequest`].
     pub async fn resource(&self, resource: &str, what: u8, text: &str) -> miette::Result<()> {
         let asked = SetResourceRequest { resource: resource.to_owned(), what, text: text.to_owned(), by: who() };
         let response = ask(&self.resource, &asked).await?;
@@ -174,7 +174,7 @@ impl CellClient {
     }
 }
 
-/// Who says so, for the coordinator's log.
+/// The user, for the coordinator's log.
 fn who() -> String {
     std::env::var("USER").unwrap_or_default()
 }
@@ -197,12 +197,12 @@ async fn ask<S: RosService>(caller: &Caller<S>, request: &S::Request) -> miette:
 }
 
 async fn change(caller: &Caller<ChangeOrder>, name: &str) -> miette::Result<()> {
-    // If the answer to the first is lost, that to the second says that the order is over already.
+    // If the answer to the first is lost, that to the second is that the order is over already.
     let response = ask(caller, &ChangeOrderRequest { name: name.to_owned() }).await?;
     done(response.done, &response.reason)
 }
 
-/// Whether what was asked for is done, or why not.
+/// Result of a request, or the reason against it.
 fn done(is_done: bool, reason: &str) -> miette::Result<()> {
     if is_done { Ok(()) } else { Err(miette!("{reason}")) }
 }
@@ -218,7 +218,7 @@ pub fn request(name: &str, product: &str, quantity: u32) -> ProductionRequest {
     }
 }
 
-/// Whether nothing more comes of an order.
+/// Whether an order is over.
 pub fn is_over(order: &ProductionState) -> bool {
     order.ended.sec != 0 || order.ended.nanosec != 0
 }

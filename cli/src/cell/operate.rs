@@ -1,4 +1,4 @@
-//! What a person asks of a running cell from a shell, says and answers: `order`, `why`, `answer` and `resource`.
+//! Commands for a running cell from a shell: `order`, `why`, `answer` and `resource`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,7 +15,7 @@ use super::{CellClient, request};
 use crate::load;
 use crate::out::{self, say};
 
-/// How long to wait for a cell to be heard.
+/// Most time until a cell's state is received.
 const CONNECT: Duration = Duration::from_secs(5);
 
 /// Order parts of a running cell, see what is on order, cancel or withdraw.
@@ -121,7 +121,7 @@ fn moment(now: Duration, after: Option<f64>, option: &str) -> miette::Result<Tim
     Ok(Time { sec: i32::try_from(at.as_secs()).unwrap_or(i32::MAX), nanosec: at.subsec_nanos() })
 }
 
-/// What is on order, and what stands in the way.
+/// Production orders, and their obstacles.
 #[derive(Serialize)]
 pub struct CellJson {
     parts_inside: u32,

@@ -27,7 +27,7 @@ pub struct SvgStyle {
     pub baseline: f64,
     /// Planned bar: distance from the top of the row, and height.
     pub plan: (f64, f64),
-    /// Actual bar, likewise.
+    /// Actual bar: distance from the top of the row, and height.
     pub done: (f64, f64),
     /// Fill of the failed stretch of a bar.
     pub failed: &'static str,

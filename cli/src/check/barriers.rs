@@ -6,10 +6,10 @@ use linewright_proof::positions::{PositionRules, explore_positions};
 use linewright_station_logic::CompileError;
 use serde::Serialize;
 
-/// Where the exploration of measured positions ends. The shipped line has 6,930 states.
+/// Most states of an exploration of measured positions. The shipped line has 6,930.
 const STATES_MAX: usize = 1_000_000;
 
-/// What holds one conflict.
+/// Barriers of one conflict.
 #[derive(Debug, Serialize)]
 pub struct Barriers {
     /// The conflict.
@@ -21,18 +21,18 @@ pub struct Barriers {
     pub measured: Vec<Clearance>,
     /// Why switches do not hold it; empty where they do.
     pub not_measured: Vec<String>,
-    /// What measured positions exclude by themselves; none where they do not hold it.
+    /// Result for measured positions by themselves; none where they do not hold it.
     pub by_themselves: Option<ByThemselves>,
 }
 
-/// What was found with any motion commanded at any moment, and measured positions alone against it.
+/// Result with any motion commanded at any moment, and measured positions alone against it.
 #[derive(Clone, Debug, Serialize)]
 pub struct ByThemselves {
-    /// How many states were seen.
+    /// Number of states seen.
     pub states: usize,
     /// `holds`, `fails` or `undecided`.
     pub verdict: &'static str,
-    /// How both stations come to be in their states.
+    /// Path to both states of the conflict.
     pub counterexample: Vec<String>,
 }
 

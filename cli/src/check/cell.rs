@@ -19,10 +19,10 @@ use super::explored::ExploreOptions;
 use super::report::TextPlace;
 use crate::load;
 
-/// What no exploration of a cell settles.
+/// Property that no exploration of a cell decides.
 pub const BREAKDOWN: &str = "whether parts are finished in time, or with a resource failed: exploration has no \
      failures and no time";
-/// What is left open without one.
+/// Property that is open without exploration.
 pub const NOT_EXPLORED: &str = "whether parts of the cell get stuck: explore for that, without --structure";
 /// More groups than this are not listed one by one.
 const GROUPS_SHOWN: usize = 12;
@@ -34,16 +34,16 @@ const RESOURCES_SHOWN: usize = 12;
 pub struct CellReport {
     /// Its name; none if the description could not be understood.
     pub name: Option<String>,
-    /// Nothing speaks against running it.
+    /// No violation and no error in the text.
     pub ok: bool,
     /// With so many parts at once nothing is wrong; none if nothing was explored.
     pub sound_parts: Option<u32>,
-    /// What was explored: resources that have nothing to do with each other, each for itself.
+    /// Groups explored: resources that have nothing to do with each other, each for itself.
     pub groups: Vec<GroupReport>,
     pub properties: Vec<CellFinding>,
-    /// What is suspicious about the text.
+    /// Warnings on the text.
     pub warnings: Vec<TextPlace>,
-    /// What is wrong with the text.
+    /// Errors in the text.
     pub problems: Vec<TextPlace>,
 }
 
@@ -68,16 +68,16 @@ pub struct GroupReport {
 /// One property.
 #[derive(Debug, Serialize)]
 pub struct CellFinding {
-    /// What was asked.
+    /// Name of the property.
     pub name: &'static str,
     /// `holds`, `fails`, `undecided` or `remark`.
     pub verdict: &'static str,
     /// Reason of the verdict.
     pub reason: String,
-    /// What can be done about it.
+    /// Remedy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
-    /// How it comes to be, where it fails.
+    /// Path to the violation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counterexample: Option<CellCounterexample>,
 }
@@ -85,11 +85,11 @@ pub struct CellFinding {
 /// A story as data.
 #[derive(Debug, Serialize)]
 pub struct CellCounterexample {
-    /// What happened, in order.
+    /// Steps, in order.
     pub steps: Vec<String>,
-    /// What is wrong at the end.
+    /// Violation at the end.
     pub end: String,
-    /// What each resource has then.
+    /// Content of each resource then.
     pub resources: Vec<FinalResource>,
 }
 
@@ -98,7 +98,7 @@ pub struct CellCounterexample {
 pub struct FinalResource {
     /// Name, as in the description.
     pub name: String,
-    /// How many parts it can hold or carry.
+    /// Number of parts it can hold or carry.
     pub capacity: u32,
     /// Those that it has.
     pub parts: Vec<FinalPart>,
@@ -108,12 +108,12 @@ pub struct FinalResource {
 #[derive(Debug, Serialize)]
 pub struct FinalPart {
     pub part: String,
-    /// How far it is.
+    /// Its stage.
     pub stage: String,
-    /// Where in the resource, if there is more to say.
+    /// Its position in the resource, if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<String>,
-    /// What each way on needs; nothing if it can go on.
+    /// Needs of each way on; none if it can go on.
     pub needs: Vec<String>,
 }
 
@@ -178,7 +178,7 @@ impl CellReport {
 /// Checks the cell of a description. Its problems are drawn on standard error for people.
 ///
 /// # Errors
-/// When the options ask for what the cell does not have.
+/// When the options name things that the cell does not have.
 pub fn judge(file: &Path, line: Option<&Line>, options: &ExploreOptions, quiet: bool) -> miette::Result<CellReport> {
     let parsed = match load::cell(file, line) {
         Ok(parsed) => parsed,
@@ -217,7 +217,7 @@ pub fn judge(file: &Path, line: Option<&Line>, options: &ExploreOptions, quiet: 
     Ok(report)
 }
 
-/// What is wrong nowhere in particular.
+/// An error without a place in the text.
 fn placeless(message: String) -> TextPlace {
     TextPlace { line: None, column: None, message, help: None }
 }

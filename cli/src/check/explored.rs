@@ -100,7 +100,7 @@ const WHOLE_STATIONS_MAX: usize = 3;
 /// One exploration, for people and programs.
 #[derive(Debug, Serialize)]
 pub struct Exploration {
-    /// What was explored: the line or some of its stations, and under what.
+    /// Scope: the line or some of its stations, and the modes and rules.
     pub scope: String,
     /// States seen.
     pub states: u64,
@@ -120,13 +120,13 @@ pub struct Exploration {
 /// One property.
 #[derive(Debug, Serialize)]
 pub struct LineFinding {
-    /// What was asked.
+    /// Name of the property.
     pub name: String,
     /// `holds`, `fails`, `undecided` or `remark`.
     pub verdict: &'static str,
     /// Reason of the verdict.
     pub reason: String,
-    /// How it comes to be, where it fails.
+    /// Path to the violation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counterexample: Option<LineCounterexample>,
 }
@@ -134,9 +134,9 @@ pub struct LineFinding {
 /// A story as data.
 #[derive(Debug, Serialize)]
 pub struct LineCounterexample {
-    /// What happened, in order.
+    /// Steps, in order.
     pub steps: Vec<String>,
-    /// What is wrong at the end.
+    /// Violation at the end.
     pub end: String,
     /// The bar chart, a line of text each.
     pub chart: Vec<String>,
@@ -155,7 +155,7 @@ impl ExploreOptions {
         self.asks_to_explore().then(|| PositionRules { starts, stops: starts && !without(SafetyRule::MeasuredStop) })
     }
 
-    /// What was asked for that only a line's stations have.
+    /// An option given that only a line's stations have.
     pub fn of_stations(&self) -> Option<&'static str> {
         let asked = [
             (!self.modes.is_empty(), "--mode"),
@@ -169,20 +169,20 @@ impl ExploreOptions {
         asked.into_iter().find_map(|(is_asked, name)| is_asked.then_some(name))
     }
 
-    /// What was asked for that only a cell has.
+    /// An option given that only a cell has.
     pub fn of_cells(&self) -> Option<&'static str> {
         let asked = [(!self.parts.is_empty(), "--parts"), (self.expanded, "--expanded")];
         asked.into_iter().find_map(|(is_asked, name)| is_asked.then_some(name))
     }
 
-    /// How far a cell is explored.
+    /// Limits of a cell's exploration.
     pub fn cell_limits(&self) -> linewright_proof::cell::ExplorationLimits {
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let SearchLimits { states, bytes } = self.limits();
         linewright_proof::cell::ExplorationLimits { states: states as u64, bytes, threads }
     }
 
-    /// Explores as asked. The first thing that fails ends it: what is wrong once need not be found twice.
+    /// Explores by the options. The first failure ends it, as one is enough.
     ///
     /// # Errors
     /// When the line cannot be explored at all.
@@ -346,7 +346,7 @@ impl Exploration {
         }
     }
 
-    /// Whether every property holds; a remark does not speak against the line.
+    /// Whether every property holds; a remark counts as holding.
     pub fn holds(&self) -> bool {
         self.properties.iter().all(|property| matches!(property.verdict, "holds" | "remark"))
     }

@@ -1,4 +1,4 @@
-//! What a check finds, as data: the JSON of `--json`, and what the tables are made from.
+//! Result of a check, as data: the JSON of `--json`, and the source of the tables.
 
 use linewright_line::{ParsedLine, Problem, Problems};
 use linewright_proof::cell::APART;
@@ -10,18 +10,18 @@ use super::barriers::{self, Barriers};
 use super::cell::{self, CellReport};
 use super::explored::{Exploration, ExploreOptions};
 
-/// What no exploration settles, in words; printed with every result so that nobody takes it for more than it is.
+/// Question that no exploration decides; printed with every result so that it is not taken for more than it is.
 const DEVICES: &str = "whether mechanisms and devices behave as the description says";
-/// What structure alone leaves open.
+/// Questions that structure alone leaves open.
 const NOT_EXPLORED: [&str; 2] = [
     "whether a conflict can be reached through faults, undone operations, recovery paths and late messages: explore for \
      that, without --structure",
     "whether every wait ends outside the normal cycle: a live net can be blocked by a condition that never holds",
 ];
-/// What one report on its way over each link leaves open.
+/// Question that one report on its way over each link leaves open.
 const RING: &str = "what a report can do that arrives after newer ones were sent: stations of this line wait for each \
      other in a ring of three or more, where that may matter";
-/// What parts leave open.
+/// Question that parts leave open.
 const IN_PARTS: &str = "whether home can be reached from every state of the whole line: parts decide conflicts alone";
 /// Reported as not decided for a line without its cell that has conflicts of tasks.
 const TASKS: &str = "whether tasks in conflict are ordered at once: a cell's description says what is ordered";
@@ -31,23 +31,23 @@ const TASKS: &str = "whether tasks in conflict are ordered at once: a cell's des
 pub struct CheckReport {
     /// The line's name; none if there is none, or its description could not be understood.
     pub line: Option<String>,
-    /// Nothing speaks against running it.
+    /// All checks, explorations and barriers hold.
     pub ok: bool,
     pub stations: Vec<StructureReport>,
-    /// What concerns the whole line.
+    /// Checks of the whole line.
     pub line_checks: Vec<Check>,
-    /// What holds each conflict on the machine.
+    /// Barriers of each conflict on the machine.
     pub barriers: Vec<Barriers>,
-    /// What was found by exploring the composed line.
+    /// Results of exploring the composed line.
     pub explorations: Vec<Exploration>,
-    /// What was found of the flexible cell, if the description has one.
+    /// Result for the flexible cell, if the description has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<CellReport>,
-    /// What the checks do not say.
+    /// Questions that the checks leave open.
     pub not_decided: Vec<&'static str>,
-    /// What is suspicious about the text.
+    /// Warnings on the text.
     pub warnings: Vec<TextPlace>,
-    /// What is wrong with the text.
+    /// Errors in the text.
     pub problems: Vec<TextPlace>,
 }
 
@@ -58,9 +58,8 @@ pub struct TextPlace {
     pub line: Option<usize>,
     /// The column, in characters, from 1.
     pub column: Option<usize>,
-    /// What is wrong.
     pub message: String,
-    /// What to do about it.
+    /// Remedy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
 }
@@ -126,7 +125,7 @@ impl CheckReport {
     }
 }
 
-/// Checks a description that parses: by structure, then by exploring it as asked.
+/// Checks a description that parses: by structure, then by exploring it by `options`.
 ///
 /// # Errors
 /// When the line cannot be explored at all.

@@ -64,7 +64,7 @@ fn of_line(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     report.explorations.iter().try_for_each(|exploration| explored(exploration, out))
 }
 
-/// How many checks hold.
+/// Number of checks that hold.
 fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     let checks = || report.stations.iter().flat_map(|station| &station.checks).chain(&report.line_checks);
     let of_stations = report.explorations.iter().flat_map(|exploration| &exploration.properties).map(|p| p.verdict);
@@ -136,7 +136,7 @@ fn stations(stations: &[StructureReport], out: &mut String) -> std::fmt::Result 
     Ok(())
 }
 
-/// What stands before a property.
+/// Sign before a property.
 pub fn sign(verdict: &str) -> &'static str {
     match verdict {
         "holds" => "✓",

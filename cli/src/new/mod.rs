@@ -104,7 +104,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What to do with it.
+/// Prints the next steps.
 fn next(dir: &Path, options: &str) {
     let dir = dir.display();
     crate::out::say!("next:  linewright check {dir}");

@@ -1,5 +1,5 @@
-//! The same as tables: a directory with a file for events, activities, parts and orders each, for whoever computes something
-//! else of them. RFC 4180; a first row of names, times as the report has them and beside that in microseconds.
+//! The same as tables: a directory with a file for events, activities, parts and orders each, for other computations.
+//! RFC 4180; a first row of names, times as the report has them and beside that in microseconds.
 
 use std::fs::File;
 use std::path::Path;

@@ -16,7 +16,7 @@ use crate::chart::{ActivityBar, BarChart, BarRow};
 const WIDTH: usize = 100;
 /// The margin for names, at least.
 const LABELS_MIN: f64 = 80.0;
-/// What a letter takes on average, in bold type.
+/// Average width of a letter, in bold type.
 const LETTER: f64 = 8.0;
 /// By product, again from the first where there are more.
 const COLOURS: [&str; 8] = ["#2f6fb0", "#3a923a", "#b8860b", "#7a4fa3", "#1f8a8a", "#a0522d", "#5b6b7b", "#9c3d6b"];
@@ -63,7 +63,7 @@ fn chart(story: &ReportSource) -> BarChart {
     };
     let rows = sheet.resources.iter().enumerate().map(|(resource, of)| {
         let done = story.activities.iter().filter(|done| does(done, resource));
-        // What takes no time is no bar.
+        // An activity without duration has no bar.
         let bars = done.filter(|done| done.ended != Some(done.began)).map(bar).collect();
         BarRow { group: Some(of.name.clone()), name: String::new(), bars }
     });

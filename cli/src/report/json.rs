@@ -102,11 +102,11 @@ pub struct JsonProductionOrder {
     pub id: u64,
     /// Name, as in the description.
     pub name: String,
-    /// What it makes.
+    /// Its product.
     pub product: String,
     /// Number of parts, from 1.
     pub quantity: u32,
-    /// How it stands, in a word.
+    /// Its state, in a word.
     pub state: &'static str,
     /// When it was accepted.
     pub accepted: String,
@@ -116,11 +116,11 @@ pub struct JsonProductionOrder {
     pub begun: Option<String>,
     /// When it was over.
     pub ended: Option<String>,
-    /// How many of its parts have entered.
+    /// Number of its parts that have entered.
     pub entered: u32,
-    /// How many have left.
+    /// Number of those that have left.
     pub done: u32,
-    /// How many were lost.
+    /// Number of those that were lost.
     pub lost: u32,
     /// By how much it was late, negative if it was early.
     pub lateness_s: Option<f64>,

@@ -1,10 +1,10 @@
-//! The same for whoever looks at robots' recordings: MCAP, as Foxglove Studio and others open it.
+//! The same as robots' recordings: MCAP, as Foxglove Studio and others open it.
 //!
-//! Messages are JSON, each with its JSON schema in the file. `/resources/NAME` says when a resource is idle, busy or down,
-//! and with what: a panel of state transitions draws the cell's chart of it. `/cell` counts parts inside and activities in
-//! progress, `/activities` says of each how long it took and should have taken, for plots. `/log` has every event as
-//! `foxglove.Log`, `/events` with all its data. The times of messages are those of the events, in nanoseconds; of a simulation
-//! they begin at zero.
+//! Messages are JSON, each with its JSON schema in the file. `/resources/NAME` shows when a resource is idle, busy or
+//! down, and with what: a panel of state transitions draws the cell's chart of it. `/cell` counts parts inside and
+//! activities in progress, `/activities` has the actual and planned time of each, for plots. `/log` has every event as
+//! `foxglove.Log`, `/events` with all its data. The times of messages are those of the events, in nanoseconds; of a
+//! simulation they begin at zero.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -23,7 +23,7 @@ use serde_json::{Value, json};
 use super::rows::{EventRow, event_row};
 use super::story::{ReportSource, failed};
 
-/// How serious a line of `foxglove.Log` is.
+/// Levels of a line of `foxglove.Log`.
 const DEBUG: u8 = 1;
 const INFO: u8 = 2;
 const WARNING: u8 = 3;
@@ -56,7 +56,7 @@ impl Recording {
     }
 
     fn new(file: File) -> Result<Self, McapError> {
-        // Chunks are not compressed: it would need libraries in C, and whoever stores files can do it better.
+        // Chunks are not compressed: it would need libraries in C, and is better done in storage.
         let writer = WriteOptions::new().compression(None).create(BufWriter::new(file))?;
         Ok(Recording { writer, channels: BTreeMap::new() })
     }
@@ -76,7 +76,7 @@ impl Recording {
     }
 }
 
-/// What a message looks like.
+/// Schema of a message.
 #[derive(Clone, Copy)]
 pub enum Schema {
     Resource,
@@ -157,7 +157,7 @@ enum SpanEdge {
     Begins,
 }
 
-/// What each resource is doing, whenever that changes.
+/// State of each resource, whenever that changes.
 fn resources(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> {
     let sheet = &story.about.sheet;
     let takes_part = |done: &FinishedActivity, resource: usize| {
@@ -172,7 +172,7 @@ fn resources(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> 
         let mut own = edges.iter().filter(|(.., done)| takes_part(done, resource)).peekable();
         while let Some(&(at, edge, done)) = own.next() {
             match edge {
-                // What begins and ends at one moment is never seen.
+                // An activity that begins and ends at one moment is not shown.
                 SpanEdge::Begins if done.ended == Some(at) => (),
                 SpanEdge::Begins => going_on.push((done, done.failed.as_ref().is_some_and(|failed| failed.at <= at))),
                 SpanEdge::Fails => {
@@ -188,7 +188,7 @@ fn resources(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> 
     Ok(())
 }
 
-/// What somebody is doing: first of all what has failed, then what has begun first.
+/// Activity of a resource: first of all one that has failed, then the one that began first.
 fn doing(story: &ReportSource, going_on: &[(&FinishedActivity, bool)]) -> Value {
     let shown = going_on.iter().find(|(_, failed)| *failed).or(going_on.first());
     let state = match shown {
@@ -207,7 +207,7 @@ fn doing(story: &ReportSource, going_on: &[(&FinishedActivity, bool)]) -> Value 
     })
 }
 
-/// How many parts and activities there are, whenever that changes.
+/// Numbers of parts and activities, whenever they change.
 fn counts(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> {
     let mut changes: BTreeMap<Tick, [i64; 4]> = BTreeMap::from([(story.from, [0; 4])]);
     let mut add = |at: Tick, index: usize, by: i64| {
@@ -240,7 +240,7 @@ fn counts(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> {
     Ok(())
 }
 
-/// How long everything took that has ended.
+/// Durations of all activities that have ended.
 fn activities(story: &ReportSource, to: &mut Recording) -> Result<(), McapError> {
     for done in &story.activities {
         let (Some(ended), Some(entry)) = (done.ended, story.about.sheet.entry(done.mode)) else { continue };

@@ -1,9 +1,9 @@
-//! `linewright report`: what a flexible cell or a line has done, from the database that its coordinator writes while it runs,
-//! or that `simulate --record` has written.
+//! `linewright report`: report on a flexible cell or a line, from the database that its coordinator writes while it
+//! runs, or that `simulate --record` has written.
 //!
-//! The database is read as it is at one moment; whoever writes it is not held up. What is reported are the folds of
-//! [`linewright_coordinator_cell::tracking`] and [`linewright_history::line`] over the events, within a span of time. This
-//! module reads and picks the exit code; each form of output is a module, those of lines in [`mod@line`].
+//! The database is read as it is at one moment; its writer is not held up. The report consists of the folds of
+//! [`linewright_coordinator_cell::tracking`] and [`linewright_history::line`] over the events, within a span of time.
+//! This module reads and picks the exit code; each form of output is a module, those of lines in [`mod@line`].
 
 mod csv;
 mod gantt;

@@ -29,7 +29,7 @@ pub struct EventRow {
     pub data: String,
 }
 
-/// What a fact is about stands in its JSON under the same words, whichever fact it is.
+/// The subject of an event is in its JSON under the same keys, whatever its kind.
 pub fn event_row(story: &ReportSource, event: &HistoryEvent) -> EventRow {
     let (kind, data) = event.parts();
     let value: Value = serde_json::from_str(&data).unwrap_or_default();

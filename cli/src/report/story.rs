@@ -1,4 +1,4 @@
-//! What a database says of a span of time, read once for all forms of output.
+//! Data of a database for a span of time, read once for all forms of output.
 
 use std::collections::BTreeMap;
 
@@ -11,10 +11,10 @@ use miette::miette;
 
 use super::when::{self, Zone};
 
-/// The span that is asked for, as far as the database has it: after its last event nothing is recorded.
+/// The requested span, as far as the database has it: after its last event nothing is recorded.
 ///
 /// # Errors
-/// What is wrong with the database, or with the span.
+/// A fault of the database, or of the span.
 pub fn span(
     reader: &HistoryReader,
     (from, to): (Option<&str>, Option<&str>),
@@ -35,12 +35,12 @@ pub fn span(
     Ok((from, to.min(last)))
 }
 
-/// What the database of a cell says.
+/// Data of a cell's database.
 pub struct ReportSource {
     /// The database, as it was at one moment.
     pub reader: HistoryReader,
     pub about: CellAbout,
-    /// How times are shown.
+    /// Time zone of the output.
     pub zone: Zone,
     /// The span that is reported.
     pub from: Tick,
@@ -50,7 +50,7 @@ pub struct ReportSource {
     pub tracking: Tracking,
     /// The same, of the span.
     pub report: CellSummary,
-    /// The activities of which anything lies within the span.
+    /// The activities that are at least partly within the span.
     pub activities: Vec<FinishedActivity>,
     /// When each of them was planned, if it was.
     pub planned: BTreeMap<FiringId, (Tick, Tick)>,
@@ -58,7 +58,7 @@ pub struct ReportSource {
     pub missing: Vec<(u64, u64)>,
 }
 
-/// Says what was wrong with the database.
+/// Converts an error of the database.
 pub fn failed(error: HistoryError) -> miette::Report {
     miette!("{error}")
 }
@@ -67,7 +67,7 @@ impl ReportSource {
     /// Reads the database of a cell.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// A fault of the database.
     pub fn read(reader: HistoryReader, about: CellAbout, span: (Tick, Tick), zone: Zone) -> miette::Result<Self> {
         let (from, to) = span;
         let (mut tracking, mut activities) = (Tracking::since(about.sheet.clone(), from), Activities::default());

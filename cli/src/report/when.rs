@@ -8,7 +8,7 @@ use linewright_history::TimeBase;
 use linewright_line::Tick;
 use miette::{IntoDiagnostic, miette};
 
-/// Where times of day are from.
+/// Time zone of times of day.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Zone {
     /// Greenwich, without summer time.
@@ -17,7 +17,7 @@ pub enum Zone {
     Local,
 }
 
-/// The time that somebody has written.
+/// Parses a time.
 pub fn parse(text: &str, clock: TimeBase, zone: Zone) -> miette::Result<Tick> {
     match clock {
         TimeBase::Simulated => seconds(text),

@@ -1,4 +1,4 @@
-//! What `run` does with a cell: it puts parts on order when the cell is in auto, and sees to it that they are made.
+//! Cells in `run`: parts are ordered when the cell is in auto, and their production is awaited.
 
 use std::collections::BTreeSet;
 use std::time::Instant;
@@ -14,7 +14,7 @@ use crate::cell::{CellClient, is_over, request};
 /// A cell that runs.
 pub struct CellRun {
     client: CellClient,
-    /// What is to be made, and how many of each.
+    /// Part types ordered, with their quantities.
     wanted: Vec<(String, u32)>,
     /// The orders' numbers, when they are on order.
     ids: Option<BTreeSet<u64>>,
@@ -55,7 +55,7 @@ impl CellRun {
         Ok(lines)
     }
 
-    /// The newest state, unless the coordinator is not heard any more.
+    /// The newest state, unless the coordinator is silent.
     pub fn state(&self) -> Option<&CellState> {
         self.client.heard_lately()
     }
@@ -89,12 +89,12 @@ impl CellRun {
         self.ids.as_ref().is_some_and(|ids| over == ids.len())
     }
 
-    /// How many parts of what was ordered here are made, and how many were ordered.
+    /// Number of parts made of those ordered here, and number ordered.
     pub fn made(&self) -> (u32, u32) {
         (self.ours().map(|order| order.done).sum(), self.wanted.iter().map(|(_, count)| count).sum())
     }
 
-    /// What it is waiting for, in words.
+    /// What it waits for, in words.
     pub fn waits(&self) -> Vec<String> {
         let Some(state) = self.client.state() else { return vec!["no state received from the cell".to_owned()] };
         let alarms = state.alarms.as_slice().iter().map(|alarm| format!("alarm {}: {}", alarm.id, alarm.text));

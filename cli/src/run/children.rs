@@ -16,7 +16,7 @@ use tokio::process::{Child, Command};
 use crate::files::description;
 use crate::load::Files;
 
-/// How long a child may take to end by itself before it is killed: it has outputs to let go of.
+/// Most time for a child to end by itself before it is killed: it has outputs to let go of.
 const END_WITHIN: Duration = Duration::from_secs(2);
 /// A child that ends sooner than this after its start is not started again at once.
 const SHORT_LIFE: Duration = Duration::from_secs(1);
@@ -40,7 +40,7 @@ struct ChildProcess {
 pub struct Children {
     members: Vec<ChildProcess>,
     dir: PathBuf,
-    /// Where their virtual buses are, if not where everybody's are.
+    /// Directory of their virtual buses; `None`: the shared one.
     buses: Option<PathBuf>,
     /// The descriptions, as they were when the line was started.
     described: Vec<(PathBuf, String)>,
@@ -74,7 +74,7 @@ impl Children {
         Ok(())
     }
 
-    /// How often a child had to be started again.
+    /// Number of restarts of children.
     pub fn restarts(&self) -> u32 {
         self.restarts
     }
@@ -108,7 +108,7 @@ impl Children {
         Ok(revived)
     }
 
-    /// Ends all of them: each is asked first, and killed if it does not.
+    /// Ends all of them: each may end by itself first, and is killed if it does not.
     pub async fn end(&mut self) {
         for member in &mut self.members {
             drop(member.child.stdin.take());

@@ -33,7 +33,7 @@ impl RunDirectory {
         Err(miette!("{} and 98 like it are there; remove those of runs that have ended", first.display()))
     }
 
-    /// Removes a temporary directory, unless the run failed: its logs are wanted then.
+    /// Removes a temporary directory, unless the run failed: its logs are needed then.
     pub fn end(self, ok: bool) {
         if self.temporary && ok {
             let _ = std::fs::remove_dir_all(&self.dir);

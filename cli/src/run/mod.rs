@@ -1,8 +1,8 @@
 //! `linewright run`: the whole line on this machine, from plant to operator.
 //!
 //! It starts the simulated plant, the coordinator and one node per station as processes of their own, brings the line
-//! to auto as an operator would, shows it, and stops it at home. It commands and reads over the same ROS topics
-//! anybody can use; the only thing it has for itself is an observer of the CAN frames that looks for conflicts.
+//! to auto as an operator would, shows it, and stops it at home. It commands and reads over the same ROS topics as any
+//! user; the only addition is an observer of the CAN frames that looks for conflicts.
 
 mod cell;
 pub mod chart;
@@ -76,10 +76,10 @@ pub struct Args {
     patience: Option<f64>,
 }
 
-/// Where the run is.
+/// Phase of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum RunPhase {
-    /// Waiting for everybody, then giving start and auto.
+    /// Waiting for all nodes, then giving start and auto.
     Starting,
     /// In auto.
     Running,
@@ -89,7 +89,7 @@ enum RunPhase {
 
 /// Interval of the messages that name what a stop waits for.
 const STOP_SAID_EVERY: Duration = Duration::from_secs(5);
-/// How often a command is repeated until its effect is seen: it is not latched, and discovery takes a moment.
+/// Period at which a command is repeated until it takes effect: it is not latched, and discovery takes a moment.
 const REPEAT: Duration = Duration::from_millis(300);
 
 /// `linewright run`
@@ -105,7 +105,7 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
         return Err(miette!("--cycles and --stations-per-process are at least 1"));
     }
     let _claim = Claim::line(&ros, &format!("/{}", line.name)).map_err(|error| miette!("{error}"))?;
-    // Whose devices are its own has buses of its own; others' devices are on the buses that everybody shares.
+    // A run with its own devices has buses of its own; other devices are on the shared buses.
     let about = crate::can::run_of(&line, &ros)?;
     let own = if args.no_plant { None } else { OwnBuses::create(&about).into_diagnostic()? };
     let bus = BusOptions { dir: own.as_ref().map(|own| own.dir().to_owned()), ..BusOptions::default() };
@@ -339,7 +339,7 @@ impl Session {
         Ok(false)
     }
 
-    /// Gives the commands the phase asks for; true when the run is over.
+    /// Gives the commands of the phase; true when the run is over.
     fn advance(&mut self) -> miette::Result<bool> {
         if let RunPhase::Stopping(since) = self.phase {
             return self.stop(since);
@@ -356,7 +356,7 @@ impl Session {
                 }
                 _ => {}
             },
-            // Somebody else operates it; the cycles are counted all the same.
+            // It is operated by another; the cycles are counted all the same.
             RunPhase::Starting if state.mode == StationState::MODE_AUTO && state.enabled => {
                 self.tally.begin(&state.header)
             }
@@ -369,7 +369,7 @@ impl Session {
         self.wait()
     }
 
-    /// Nothing to do now; but not for ever where nobody is looking.
+    /// Waits, but not for ever where there is no operator.
     fn wait(&mut self) -> miette::Result<bool> {
         if self.tally.cycles() != self.progress.0 {
             self.progress = (self.tally.cycles(), Instant::now());
@@ -382,7 +382,7 @@ impl Session {
         Ok(false)
     }
 
-    /// What the line and each station wait for.
+    /// Reasons why the line and each station wait.
     fn reasons(&self) -> Vec<String> {
         let mut reasons = match self.client.coordinator() {
             Some(state) => vec![format!("the mode is {}", state.text)],

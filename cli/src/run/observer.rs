@@ -14,9 +14,9 @@ use linewright_line::{Conflict, Device, DeviceBus, InputId, Line, OperationModul
 #[derive(Clone, Debug)]
 struct SeenStationInputs {
     bits: u128,
-    /// For each of its devices, whether it was heard.
+    /// For each of its devices, whether its process data were received.
     heard: Vec<bool>,
-    /// For each of its devices, how its process data are read if it is a drive.
+    /// For each of its devices that is a drive, the binding of its process data.
     drives: Vec<Option<DriveBinding>>,
 }
 
@@ -24,14 +24,14 @@ impl SeenStationInputs {
     fn of(line: &Line, id: StationId) -> Self {
         let devices = || line.devices_of(Owner::Station(id));
         let drives = devices().map(|device| device.drive().map(DriveBinding::of)).collect();
-        // One that has nothing to say in its first process data need not be heard.
+        // A device without inputs in its first process data need not be received.
         let heard =
             devices().map(|device| device.input_bits().iter().flatten().next().is_none() && device.drive().is_none());
         SeenStationInputs { bits: 0, heard: heard.collect(), drives }
     }
 
-    /// Takes process data of one of its devices. Too short for its inputs, they are nobody's, whatever their identifier
-    /// says.
+    /// Takes process data of one of its devices. If too short for its inputs they are ignored, whatever their
+    /// identifier.
     fn take(&mut self, index: usize, device: &Device, payload: Payload) {
         let said = match &self.drives[index] {
             Some(drive) => drive.places(payload),
@@ -53,8 +53,8 @@ fn bits_of(device: &Device, payload: Payload) -> (u128, u128) {
     })
 }
 
-/// Whether a switch can be read from the first process data of one of the devices: a limit of an analogue channel cannot,
-/// nor what a device says in frames that are no CANopen's.
+/// Whether a switch can be read from the first process data of one of the devices: a limit of an analogue channel
+/// cannot, nor a signal of a device without CANopen.
 fn is_read(line: &Line, station: StationId, input: InputId) -> bool {
     line.devices_of(Owner::Station(station)).any(|device| {
         let drive = device.drive().into_iter().flat_map(|drive| &drive.targets).map(|target| target.at);
@@ -89,7 +89,7 @@ impl BusObserver {
     pub fn new(line: &Line) -> Self {
         let is_seen = |span: &StateSpan| {
             let (from, until) = switches(line, span);
-            // What a task's ends leave may be left in other tasks too.
+            // Switches that the ends of a task leave may be left in other tasks too.
             let is_told = !line.station(span.station).is_task_driven() || line.clearance(span).is_ok();
             is_told && from.into_iter().chain([until]).all(|input| is_read(line, span.station, input))
         };
@@ -146,7 +146,7 @@ impl BusObserver {
         }
     }
 
-    /// The switches that say the station is outside, by name.
+    /// The switches by which the station is outside, by name.
     fn switches_off(&self, span: &StateSpan) -> String {
         let station = self.line.station(span.station);
         let (from, until) = switches(&self.line, span);

@@ -1,11 +1,11 @@
-//! How a run ends: the line is stopped at home if it can be.
+//! End of a run: the line is stopped at home if it can be.
 //!
 //! In auto and hand a master stop leads home. After a fault, in manual and in an emergency stop only an operator
 //! can lead home: the run ends as soon as everything stands. A time limit holds for all of it.
 
 use linewright_msgs::{LineState, StationState};
 
-/// What a stop does next.
+/// Next step of a stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopStep {
     /// Give the command `stop`.
@@ -18,7 +18,7 @@ pub enum StopStep {
     Stands,
 }
 
-/// The next step, from the coordinator's state and those of all stations; `None` of one that is not heard.
+/// The next step, from the coordinator's state and those of all stations; `None` of one that is silent.
 pub fn next_step<'s>(
     line: Option<&LineState>,
     mut stations: impl Iterator<Item = Option<&'s StationState>>,
@@ -27,14 +27,14 @@ pub fn next_step<'s>(
     match line.mode {
         StationState::MODE_AUTO if line.master_stop => StopStep::Wait,
         StationState::MODE_AUTO | StationState::MODE_HAND => StopStep::Command,
-        // The coordinator may be heard before the states that it has decided by.
+        // The coordinator's state may arrive before the states that it has decided by.
         StationState::MODE_HOME
             if stations.all(|state| state.is_some_and(|state| state.mode == StationState::MODE_HOME)) =>
         {
             StopStep::Home
         }
         StationState::MODE_HOME => StopStep::Wait,
-        // One that has not heard of the mode may still start something.
+        // A station that has not received the mode may still start something.
         mode if stations.all(|state| state.is_some_and(|state| state.stopped && obeys(state.mode, mode))) => {
             StopStep::Stands
         }

@@ -1,6 +1,6 @@
-//! What a run has done, for its report: cycles, operations, durations, faults.
+//! Tally of a run, for its report: cycles, operations, durations, faults.
 //!
-//! Counts are taken from the states, which are the truth; durations from the events, whose stamps are the stations'
+//! Counts are taken from the states, which are authoritative; durations from the events, whose stamps are the stations'
 //! own. A lost event loses one duration and no count.
 
 use std::collections::HashMap;
@@ -28,7 +28,7 @@ struct StationTally {
     durations: Vec<Vec<f64>>,
     faults: u64,
     fault_texts: Vec<String>,
-    /// What the station last said is wrong: with device, object and cause, where it knows them.
+    /// The station's last fault text: with device, object and cause, where it has them.
     fault: Option<String>,
 }
 
@@ -42,12 +42,12 @@ pub struct RunReport {
     /// Of a cell, how many of the parts that were ordered are made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parts_made: Option<u32>,
-    /// How many were ordered.
+    /// Number of parts ordered.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parts_wanted: Option<u32>,
     /// The mode at the end.
     pub mode: String,
-    /// What each cycle took, end to end, in seconds; the first one from the start of auto.
+    /// Time of each cycle, end to end, in seconds; the first one from the start of auto.
     pub cycle_time_s: Vec<f64>,
     /// Each station.
     pub stations: serde_json::Map<String, serde_json::Value>,
@@ -121,8 +121,8 @@ impl RunTally {
         }
     }
 
-    /// The cycle in which everything is done: counted from where the stations stood when they were first heard, which
-    /// for a line at home is before its first cycle.
+    /// The last cycle done by all: counted from the stations' first received counts, which for a line at home is before
+    /// its first cycle.
     fn ended(&self) -> usize {
         let least = |s: &StationTally| {
             let base = *s.first_done.as_ref()?.iter().min()?;
@@ -132,7 +132,7 @@ impl RunTally {
         usize::try_from(least).unwrap_or(0)
     }
 
-    /// How many rounds the station has begun in this run. A round leads from home to home, as the stop does.
+    /// Number of rounds that the station has begun in this run. A round leads from home to home, as the stop does.
     pub fn begun(&self, id: StationId, state: &StationState) -> usize {
         let first = self.stations[id.index()].first_round.unwrap_or(state.round);
         usize::try_from(state.round - first).unwrap_or(0)
@@ -195,7 +195,7 @@ impl RunTally {
     }
 }
 
-/// To the microsecond: what lies below is noise.
+/// To the microsecond: the rest is noise.
 fn round(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }

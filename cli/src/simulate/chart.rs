@@ -11,7 +11,7 @@ use crate::chart::{ActivityBar, BarChart, BarRow};
 
 /// Characters for the time.
 const WIDTH: usize = 60;
-/// The margin for names, at least: the legend wants this much.
+/// Least margin for names: the legend needs this much.
 const LABELS_MIN: f64 = 320.0;
 const BAR: f64 = 9.0;
 const SIMULATED: &str = "#2f6fb0";

@@ -52,7 +52,7 @@ struct Critical {
     operation: String,
     cycle: i32,
     duration_s: f64,
-    /// What it waited for last: `step` or the arrow's tail.
+    /// Last wait: `step` or the arrow's tail.
     waited_for: String,
     late_s: f64,
 }

@@ -1,4 +1,4 @@
-//! What came out of a simulation, as numbers, and the same as text.
+//! Result of a simulation, as numbers and as text.
 //!
 //! Pure: it is given a simulation that has ended.
 
@@ -25,25 +25,25 @@ pub struct OperationRow {
     pub is_critical: bool,
 }
 
-/// What came out.
+/// Result of a simulation.
 pub struct SimulationReport {
-    /// Cycles that were asked for.
+    /// Cycles requested.
     pub asked: usize,
     /// Cycles that ended.
     pub cycles: usize,
     /// When each ended, in seconds after the first motion began.
     pub ends_s: Vec<f64>,
-    /// What a cycle takes when the line has run in: the mean of all but the first that went undisturbed. Where the first
-    /// is the only one, that one.
+    /// Cycle time when the line has run in: the mean of all but the first that went undisturbed. Where the first is the
+    /// only one, that one.
     pub cycle_time_s: Option<f64>,
-    /// What the description alone promises.
+    /// Cycle time planned from the description alone.
     pub planned_s: f64,
     /// The cycle that is drawn.
     pub drawn: i32,
     pub rows: Vec<OperationRow>,
     /// The chain that determines the cycle time.
     pub critical: Option<CriticalPath>,
-    /// Who waited for whom: arrow, how many starts, seconds together.
+    /// Waits between stations: arrow, number of starts, seconds together.
     pub waits: Vec<(usize, u64, f64)>,
     /// Why the run was no success.
     pub error: Option<String>,
@@ -131,7 +131,7 @@ fn cycle_time(ends: &[f64], record: &RunRecord) -> Option<f64> {
     (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)
 }
 
-/// Seconds to the microsecond: a difference of two moments has more digits than it knows.
+/// Seconds to the microsecond: a difference of two moments has more digits than are significant.
 pub fn micros(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }

@@ -1,8 +1,8 @@
 //! The live view of a flexible cell: alarms with their answers, what is left out and why, how recovery goes on, stations,
 //! parts and production orders.
 //!
-//! Pure: the newest state in, lines of text out. What does not fit the screen is counted where there is a line for it, and
-//! what somebody has to see to comes first.
+//! Pure: the newest state in, lines of text out. What does not fit the screen is counted where there is a line for it,
+//! and what needs an operator comes first.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ struct Section {
     entries: Vec<Vec<String>>,
 }
 
-/// What a cell looks like, in at most `height` lines of `width` characters.
+/// Picture of a cell, in at most `height` lines of `width` characters.
 pub fn picture<'s>(
     cell: &CellState,
     out: &ReasonsByResource,
@@ -80,7 +80,7 @@ fn alarm(of: &AlarmState) -> String {
     format!("{}: {} Answers: {}", of.id, of.text, of.answers.join(", "))
 }
 
-/// What the coordinator answers of a resource begins with its name.
+/// The coordinator's answer for a resource begins with its name.
 fn left_out(name: &str, reasons: Option<&Vec<String>>) -> String {
     reasons.map_or_else(|| name.to_owned(), |reasons| reasons.join("; "))
 }

@@ -50,7 +50,7 @@ impl Machine {
         self.directory.path().join(name)
     }
 
-    /// A line of this name, whose mill has a bus that is named by hand.
+    /// A line of this name, with a mill on a bus named by hand.
     fn line(&self, name: &str) -> PathBuf {
         let text = line(0.3).replacen("name = \"transfer_line\"", &format!("name = \"{name}\""), 1);
         let text = text.replacen("name = \"mill_1\"\n", "name = \"mill_1\"\nbus = \"rig-own0\"\n", 1);
@@ -129,7 +129,7 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
     let mut head = String::new();
     said.read_line(&mut head).expect("text");
     assert!(head.contains("run-"), "a bus of its own: {head}");
-    // The run itself looks whether they are free, before it starts those who keep them.
+    // The run itself checks that they are free, before it starts the processes that keep them.
     let by_itself = format!("process {},", first.0.id());
     let kept = |name: &str| {
         let text = fs::read_to_string(machine.path("state").join(name)).unwrap_or_default();
@@ -161,7 +161,7 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
         "{again}"
     );
 
-    // A command that speaks to the simulated devices finds their bus.
+    // A command for the simulated devices finds their bus.
     let stuck = ["clamp_1", "stick", "--operation", "advance clamp", "--bus", "rig-line"];
     let told = machine.ends(domain, &["fail"], &line, &stuck);
     assert!(told.status.success(), "{told:?}");

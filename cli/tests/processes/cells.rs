@@ -32,7 +32,7 @@ fn cell(name: &str, times: f64) -> Rig {
     rig
 }
 
-/// Waits until a command says this; gives all it says then.
+/// Waits until a command prints this; gives all its output then.
 fn until(rig: &Rig, words: &[&str], holds: impl Fn(&str) -> bool) -> String {
     let mut said = String::new();
     let came = wait_for(LONG, || {
@@ -43,7 +43,7 @@ fn until(rig: &Rig, words: &[&str], holds: impl Fn(&str) -> bool) -> String {
     said
 }
 
-/// Whether this line of `order` is there with so many of so many made.
+/// Whether this line of `order` is there with all parts made.
 fn is_made(said: &str, name: &str) -> bool {
     said.lines().any(|line| line.contains(&format!(" {name} ")) && line.contains("1 of 1 "))
 }
@@ -214,7 +214,7 @@ fn put_right(rig: &Rig, operator: &Operator) {
     operator.order("auto", StationState::MODE_AUTO);
     let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
     rig.said(&["answer"], &[alarm, "as-done"]).unwrap_or_else(|error| panic!("{said}: {error}"));
-    // What could not work when the activity was closed stays out of service until `resource … up`.
+    // A resource that was unable to work when the activity was closed stays out of service until `resource … up`.
     if rig.said(&["resource"], &[]).is_ok_and(|said| said.contains("robot_2 out of service")) {
         rig.said(&["resource"], &["robot_2", "up"]).expect("it works");
     }

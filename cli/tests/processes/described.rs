@@ -1,4 +1,4 @@
-//! What `linewright new` writes, run as it is: stations of a type among them.
+//! The description written by `linewright new`, run as it is: stations of a type among them.
 
 use std::time::Duration;
 

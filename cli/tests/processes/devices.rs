@@ -33,14 +33,14 @@ impl Technician {
         Technician { runtime, node: participant.node("/transfer_line", "technician").expect("a node") }
     }
 
-    /// Prepares to ask; discovery takes a moment.
+    /// Opens a client; discovery takes a moment.
     fn caller<S: RosService>(&mut self, service: &str) -> Caller<S> {
         let caller = self.node.caller(service, Mapping::Enhanced).expect("a service");
         pause(500);
         caller
     }
 
-    /// Asks until it is answered: what is asked before discovery is lost.
+    /// Repeats a request until it is answered: one sent before discovery is lost.
     fn call<S: RosService>(&mut self, caller: &Caller<S>, request: &S::Request) -> S::Response {
         let end = Instant::now() + PATIENCE;
         loop {

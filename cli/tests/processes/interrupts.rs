@@ -8,7 +8,7 @@ use crate::support::operator::Operator;
 use crate::support::pause;
 use crate::support::rig::{Rig, line};
 
-/// Asking nicely takes up to two seconds, then the children are killed.
+/// An orderly end takes up to two seconds, then the children are killed.
 const AT_ONCE: Duration = Duration::from_secs(10);
 
 fn running_in_auto() -> (Rig, Operator) {

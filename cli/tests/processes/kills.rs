@@ -4,7 +4,7 @@
 //! ```text
 //!   mill_1       ── feed ──✝  run starts it again ── "goes on from its journal" ──▶ incomplete ── advance ──▶
 //!   its output   ──────────┘ off
-//!   everybody    ─ finishes ── stand-by until an operator has looked ─────────────────────────────────────▶ auto
+//!   the others   ─ finishes ── stand-by until an operator has looked ─────────────────────────────────────▶ auto
 //! ```
 
 use linewright_msgs::StationState;
@@ -45,7 +45,7 @@ fn a_process_stopped_for_a_moment_is_started_again() {
     let mut rig = Rig::new(&line(0.3));
     let operator = rig.in_stand_by();
     for words in [&["--station", "clamp_1"][..], &["coordinator"]] {
-        // Until it knows its threads.
+        // Until its threads are listed.
         pause(1500);
         let before = operator.heard().boot_ids();
         let process = rig.process(words).expect("a process");
@@ -64,7 +64,7 @@ fn a_process_stopped_for_a_moment_is_started_again() {
 
 fn a_moving_station(rig: &Rig, operator: &Operator) {
     rig.eye.wait("the mill feeds", |seen| seen.output("mill_1", "feed"));
-    // The frame is seen before the state is heard.
+    // The frame is seen before the state is received.
     operator.wait("and says so", |heard| heard.station("mill_1").places[2] == StationState::PLACE_OPERATING);
     let before = operator.station("mill_1");
     let killed = rig.kill(&["--station", "mill_1"]);
@@ -122,7 +122,7 @@ fn comes_back(operator: &Operator, station: &str, before: &StationState) {
     operator.wait_until_connected();
 }
 
-/// Once everybody knows, nothing starts by itself.
+/// Once every node has received it, nothing starts by itself.
 fn nothing_starts(rig: &Rig, operator: &Operator) {
     operator.wait("nobody is in auto", |heard| heard.all(|state| state.mode != StationState::MODE_AUTO));
     pause(200);

@@ -1,9 +1,9 @@
 //! Tests of whole lines as real processes: the command as a user starts it, one process per node, signals, sockets and
 //! files, DDS on the loopback interface and the virtual bus.
 //!
-//! What stations and coordinator decide is tested in virtual time, in `tests` and `simulation`. Here each behaviour
-//! occurs once, so that a mistake between the parts is found. Every assertion is made from outside: on frames of the bus
-//! and on topics of ROS 2.
+//! Decisions of stations and coordinator are tested in virtual time, in `tests` and `simulation`. Here each behaviour
+//! occurs once, so that a mistake between the parts is found. Every assertion is made from outside: on frames of the
+//! bus and on topics of ROS 2.
 //!
 //! No test asserts a speed: the machine may be busy with other things.
 

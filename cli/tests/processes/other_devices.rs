@@ -1,4 +1,4 @@
-//! Devices that are not digital CANopen I/O: a pressure that is measured, and a probe that speaks no CANopen, in a line of
+//! Devices that are not digital CANopen I/O: a pressure that is measured, and a probe without CANopen, in a line of
 //! real processes.
 
 use std::process::Output;
@@ -6,7 +6,7 @@ use std::process::Output;
 use crate::support::bus::frame;
 use crate::support::rig::{BUS, Rig, line};
 
-/// What the clamp's device is asked to measure, or 10000h: what there is. In hundredths of a bar.
+/// Holds the measured value of the clamp's device, in hundredths of a bar; 10000h lets it go.
 fn hold(rig: &Rig, number: u32) {
     let [a, b, c, d] = number.to_le_bytes();
     rig.member().send(&frame(0x621, &[0x23, 0x04, 0x5F, 1, a, b, c, d]));
@@ -70,7 +70,7 @@ fn a_measured_pressure_and_a_probe_that_speaks_no_canopen() {
     let probe = probe.unwrap_or_else(|| panic!("the probe is told of: {told}"));
     assert_eq!((&probe["node"], &probe["operational"]), (&serde_json::Value::Null, &true.into()), "{told}");
 
-    // Too low: the clamp stops, and says which channel says so.
+    // Too low: the clamp stops, and names the channel.
     hold(&rig, 100);
     let low = "low_pressure (clamp 1 io, node 21h, 6401h:01 below 4.00 bar) is on";
     operator.wait("the clamp says why", |heard| heard.station("clamp_1").fault.contains(low));

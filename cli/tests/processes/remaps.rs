@@ -19,7 +19,7 @@ fn a_line_in_another_namespace_is_operated_there_and_runs_without_its_logs() {
     }
     let _unread = ["clamp_1", "mill_1"].map(|name| rig.log_into_a_full_pipe(name));
     let mut options = REMAP.to_vec();
-    // What follows `--` is an option of the command again.
+    // Arguments after `--` are options of the command again.
     options.extend(["--", "--no-auto"]);
     rig.start(&options);
     let operator = Operator::join_line(&rig, "/hall_2/transfer_line", &STATIONS);

@@ -120,7 +120,7 @@ fn states(late: &StationState, round: u32) -> Vec<StationState> {
     ]
 }
 
-/// Truncated, overlong and lying bytes under the true type and quality of service of a topic.
+/// Truncated, overlong and false bytes under the true type and quality of service of a topic.
 fn bytes<M: RosMessage + 'static>(node: &mut RosNode, topic: &str, qos: QosProfile) -> Sender {
     let publisher: Publisher<Raw<M>> = node.publisher(topic, qos).expect("a topic");
     Box::new(move |_| {
@@ -189,14 +189,14 @@ fn litter(member: &Member, round: u32) {
     let mut overlong = frame(0x211, &[0xFF; 8]);
     overlong[4] = 200;
     member.send(&overlong);
-    // What would be outputs, inputs, an emergency stop or a command to stop, were the identifier not extended, or the
-    // frame not a request or a kernel's report.
+    // Frames that would be outputs, inputs, an emergency stop or a command to stop, were the identifier not extended,
+    // or the frame not a request or a kernel's report.
     for flags in [EXTENDED, REMOTE, ERROR, EXTENDED | REMOTE] {
         for identifier in [0x000, 0x201, 0x211, 0x221, 0x222, 0x223, 0x181, 0x191, 0x1A1, 0x1A2, 0x1A4, 0x721] {
             member.send(&frame(flags | identifier, &[0xFF, 0xFF, 0xFF]));
         }
     }
-    // Identifiers and nodes that nobody has; lengths that fit nothing.
+    // Unused identifiers and nodes; wrong lengths.
     for identifier in [0x100, 0x280 + 0x11, 0x380 + 0x21, 0x480 + 0x22, 0x1D5, 0x255, 0x755, 0x0D5, 0x5D5, 0x7E5] {
         member.send(&frame(identifier, &[5]));
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   auto ── a second coordinator is started ──▶ it ends: it came second                      auto goes on
-//!   auto ── another one that does not end ──▶ stand-by, nothing moves, everybody names it
+//!   auto ── another one that does not end ──▶ stand-by, nothing moves, all nodes name it
 //!        ── the emergency stop of the other ──▶ every station in it ── the other one ends ──▶ recovered ──▶ auto
 //! ```
 
@@ -22,7 +22,7 @@ use crate::support::{PATIENCE, pause, wait_for};
 const OTHER: u64 = 4711;
 const ENDS: u8 = u8::MAX;
 
-/// A coordinator that gives orders whatever it hears. It ends when dropped.
+/// A coordinator that gives orders whatever it receives. It ends when dropped.
 struct Other {
     mode: Arc<AtomicU8>,
     thread: Option<JoinHandle<()>>,
@@ -110,7 +110,7 @@ fn a_second_coordinator_ends_and_names_the_first(rig: &Rig, operator: &Operator)
     assert!(ended && output.status.code() == Some(1), "{text}");
     let expected = format!("second coordinator: one with boot id {first} is active on this line; this one ends");
     assert!(text.contains(&expected), "{text}");
-    // That auto has ended because of it is still said, once; as long as it is there, twice.
+    // The text still has it once, as the reason why auto ended; as long as it is there, twice.
     operator.wait("the first one is alone", |heard| heard.line.text.matches("second coordinator").count() < 2);
 }
 

@@ -11,10 +11,10 @@ use crate::support::pause;
 use crate::support::plan::Plan;
 use crate::{BUS, Beside, line_of, linewright, no_bus, patient};
 
-/// How many.
+/// Number of cycles.
 const CYCLES: usize = 3;
 
-/// Nothing of ours hears the frames that are judged here, or knows how they are read.
+/// The frames judged here are received and read by none of our code.
 #[test]
 fn cycles_seen_by_an_independent_listener() {
     if no_bus() {

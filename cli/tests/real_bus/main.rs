@@ -1,8 +1,8 @@
 //! Whole programs on a real CAN interface, beside programs of others.
 //!
-//! What the virtual bus cannot show: that kernel, `candump` and a foreign CANopen stack understand us as we understand
-//! ourselves. Needs an interface `vcan0`; `cargo xtask test` boots a kernel that has one where this one has not. The tests
-//! with Python need its packages `canopen` and `python-can`; `LINEWRIGHT_PYTHON` names the interpreter.
+//! Tests beyond the virtual bus: kernel, `candump` and a foreign CANopen stack decode our frames as we do. Needs an
+//! interface `vcan0`; `cargo xtask test` boots a kernel that has one where this one has not. The tests with Python need
+//! its packages `canopen` and `python-can`; `LINEWRIGHT_PYTHON` names the interpreter.
 //!
 //! The guest has one slow processor, so ages and leases are patient here.
 
@@ -28,7 +28,7 @@ fn patient(text: &str) -> String {
     patient + TIMING
 }
 
-/// Whether there is a bus to test on; says so if not.
+/// Whether there is no bus to test on; prints it if so.
 fn no_bus() -> bool {
     let missing = !PathBuf::from("/sys/class/net").join(BUS).exists();
     if missing {
@@ -55,7 +55,7 @@ fn own(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/real_bus").join(name)
 }
 
-/// The built command, with nobody else's ROS settings.
+/// The built command, without inherited ROS settings.
 fn linewright(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
     for other in ["ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "RUST_LOG"] {

@@ -10,7 +10,7 @@ use crate::{BUS, Beside, TIMING, line_of, linewright, no_bus, own};
 
 const CYCLES: usize = 3;
 
-/// An interpreter that has the packages; says so if there is none.
+/// An interpreter that has the packages; prints a message if there is none.
 fn python() -> Option<String> {
     let python = std::env::var("LINEWRIGHT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let mut command = Command::new(&python);
@@ -35,8 +35,8 @@ fn a_foreign_manager_accepts_our_devices() {
     assert!(ended.status.success() && said.trim_end().ends_with("OK"), "{said}{error}");
 }
 
-/// Our manager, a line of one station, and a device that knows nothing of us; `eds` is what the device is, which need not
-/// be what the line expects. Gives whether the run succeeded, what the device was told, and what the coordinator logged.
+/// Our manager, a line of one station, and an independent device; `eds` describes the device, which need not be the one
+/// that the line expects. Gives whether the run succeeded, the writes to the device, and the coordinator's log.
 fn runs_with_a_foreign_device(python: &str, change: impl Fn(String) -> String) -> (bool, Vec<String>, String) {
     let text = std::fs::read_to_string(own("foreign-device.toml")).expect("a description") + TIMING;
     let (directory, line) = line_of(&text, &["foreign-device.eds"]);

@@ -59,7 +59,7 @@ fn shipped_descriptions_name_their_schema() {
 #[test]
 fn every_subcommand_is_completed_and_has_its_page() {
     let help = linewright(&["--help"]);
-    // What a command does may go on in further lines, which are indented more.
+    // The description of a command may go on in further lines, which are indented more.
     let lines = text(&help.stdout).lines().skip_while(|line| *line != "Commands:").skip(1);
     let commands = lines.take_while(|line| !line.is_empty()).filter_map(|line| line.strip_prefix("  "));
     let commands: Vec<&str> =

@@ -40,11 +40,11 @@ impl Member {
         Some(&bytes[..length])
     }
 
-    /// Sends any bytes to everybody else on the buses.
+    /// Sends any bytes to all other members of the buses.
     pub fn send(&self, bytes: &[u8]) {
         for directory in &self.directories {
             for path in self.others(directory) {
-                // Whoever has just died, or does not read for a while, misses it: as on any bus.
+                // A member that has just died, or does not read for a while, misses it: as on any bus.
                 let _ = self.socket.send_to(bytes, path);
             }
         }
@@ -66,14 +66,14 @@ impl Drop for Member {
     }
 }
 
-/// A name for a member that nobody had before.
+/// A name for a member, never used before.
 pub fn fresh_name() -> String {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     format!("hand-{}.can", COUNT.fetch_add(1, Ordering::Relaxed))
 }
 
-/// The observer's name on the bus. What a test throws onto the bus is not shown to it, so that it sees only what the
-/// line itself says.
+/// The observer's name on the bus. Frames that a test sends are not shown to it, so that it sees only those of the line
+/// itself.
 pub const EYE: &str = "eye.can";
 
 /// A classic CAN frame as Linux lays it out: identifier with flags, length, data.

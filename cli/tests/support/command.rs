@@ -76,7 +76,7 @@ impl Scratch {
         path
     }
 
-    /// What a file says.
+    /// Text of a file.
     pub fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }

@@ -1,12 +1,12 @@
-//! The observer: what the machine does, read from the frames on its bus.
+//! The observer: the machine's behaviour, read from the frames on its bus.
 //!
-//! It knows the wiring (names to bits, from the description's text) and what must never happen on this machine, which
-//! is written down here by hand:
+//! It has the wiring (names to bits, from the description's text) and the states that must never occur on this machine,
+//! written down here by hand:
 //!
 //! * the bar is off its rest (`LS_vertical_0` is off) while the clamp is not open (`LS_open` is off);
 //! * the tool is forward (`LS_positioning_0` is off) while the clamp is not closed (`LS_closed` is off).
 //!
-//! It also keeps the order in which outputs came on, and how often each operation arrived at its switch.
+//! It also keeps the order in which outputs came on, and the number of arrivals of each operation at its switch.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -24,14 +24,14 @@ use super::{PATIENCE, wait_for};
 pub struct Start {
     /// `station: output`.
     pub what: String,
-    /// What was on already, likewise.
+    /// Outputs that were on already, in the same form.
     pub beside: Vec<String>,
 }
 
-/// What has been seen so far.
+/// State of the observation.
 pub struct Seen {
     plan: Plan,
-    /// By node id. An input is unknown until its device has spoken.
+    /// By node id. An input is unknown until its device has sent.
     inputs: HashMap<u8, u64>,
     outputs: HashMap<u8, u64>,
     /// By node id: outputs that were on at any time since the station's last input frame. The frame that switches a motion off
@@ -69,7 +69,7 @@ impl Eye {
         Eye { seen, stop, thread: Some(thread) }
     }
 
-    /// What has been seen so far.
+    /// State of the observation so far.
     pub fn seen(&self) -> MutexGuard<'_, Seen> {
         lock(&self.seen)
     }
@@ -101,7 +101,7 @@ fn lock(seen: &Mutex<Seen>) -> MutexGuard<'_, Seen> {
 }
 
 impl Seen {
-    /// What a recording shows, in the form of `candump -L`.
+    /// Observation of a recording, in the form of `candump -L`.
     pub fn of_log(plan: Plan, log: &str) -> Self {
         let mut seen = Seen::new(plan);
         for line in log.lines() {
@@ -142,19 +142,19 @@ impl Seen {
         self.frames
     }
 
-    /// How often an operation arrived at its switch while it was driven there.
+    /// Number of arrivals of an operation at its switch while it was driven there.
     pub fn arrivals(&self, station: &str, operation: &str) -> i32 {
         let is_known = self.plan.operations.iter().any(|o| o.station == station && o.name == operation);
         assert!(is_known, "{station} has {operation}");
         self.arrivals.get(&(station.to_owned(), operation.to_owned())).copied().unwrap_or(0)
     }
 
-    /// An input of a station; off until its device has spoken.
+    /// An input of a station; off until its device has sent.
     pub fn input(&self, station: &str, name: &str) -> bool {
         self.known(station, name) == Some(true)
     }
 
-    /// Whether a station is told to put this output on.
+    /// Whether this output of a station is on, by its last output frame.
     pub fn output(&self, station: &str, name: &str) -> bool {
         let (device, bit) = self.plan.with_output(station, name);
         self.outputs.get(&device.node).is_some_and(|bits| bits >> bit & 1 == 1)
@@ -257,7 +257,7 @@ impl Seen {
     }
 
     fn judge(&mut self) {
-        // What must never happen is known of the shipped line alone.
+        // The forbidden states are those of the shipped line alone.
         if self.plan.operations.iter().all(|operation| operation.station != "transfer") {
             return;
         }
@@ -276,17 +276,17 @@ impl Seen {
     }
 }
 
-/// Which targets a drive stands at: a bit for each. Its frame is statusword, mode and position.
+/// Targets that a drive stands at, a bit for each. Its frame is statusword, mode and position.
 fn places_reached(drive: &Drive, data: &[u8]) -> u64 {
     let Some(position) = number_at_3(data) else { return 0 };
     let near = |place: &i32| place.abs_diff(position) <= drive.window.unsigned_abs();
-    // Of several targets at one place the first speaks for all: they share their input.
+    // Of several targets at one place the first stands for all: they share their input.
     let first = |at: usize| !drive.places[..at].contains(&drive.places[at]);
     let reached = drive.places.iter().enumerate().filter(|(at, place)| first(*at) && near(place));
     reached.fold(0, |bits, (at, _)| bits | 1 << at)
 }
 
-/// Which target a drive is told to go to; of several at one place the first. Its frame is controlword, mode and target.
+/// Target that a drive is ordered to; of several at one place the first. Its frame is controlword, mode and target.
 fn place_ordered(drive: &Drive, data: &[u8]) -> u64 {
     let Some(target) = number_at_3(data) else { return 0 };
     let word = u16::from_le_bytes([data[0], data[1]]);

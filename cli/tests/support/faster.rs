@@ -1,6 +1,6 @@
 //! Descriptions of what takes less time.
 
-/// What things take is divided; how long they may take stays.
+/// Durations are divided; time limits stay.
 pub fn faster(text: &str, times: f64) -> String {
     let mut out = String::new();
     let mut rest = text;

@@ -21,7 +21,7 @@ impl Gates {
         Gates { directory: directory.to_owned(), library }
     }
 
-    /// What processes have to find in their environment.
+    /// Environment variables for processes.
     pub fn environment(&self) -> [(&'static str, &Path); 2] {
         [("LD_PRELOAD", &self.library), ("LINEWRIGHT_GATE", &self.directory)]
     }

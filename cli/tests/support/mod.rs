@@ -1,4 +1,4 @@
-//! A line of real processes, and what can be seen of it and done to it from outside.
+//! A line of real processes, observed and operated from outside.
 //!
 //! ```text
 //!   Rig ── starts ──▶ linewright run ──▶ plant, coordinator, stations
@@ -6,8 +6,8 @@
 //!   Operator ◀── ROS topics ──▶ the nodes           (what any ROS user could do)
 //! ```
 //!
-//! Nothing here asks a controller for its opinion of itself where it can look at the machine instead: [`eye`] decodes
-//! frames by hand, with bit numbers from the description's text, and shares no code with the programs it watches.
+//! A controller's own report is not used where the machine can be observed instead: [`eye`] decodes frames by hand,
+//! with bit numbers from the description's text, and shares no code with the programs it watches.
 // No test uses all of it.
 #![allow(dead_code)]
 
@@ -24,9 +24,9 @@ pub mod turn;
 
 use std::time::{Duration, Instant};
 
-/// How long to wait for something that should happen: this machine may be busy with other things.
+/// Most time to wait for an expected event: this machine may be busy with other things.
 pub const PATIENCE: Duration = Duration::from_secs(30);
-/// How often to look while waiting.
+/// Period of checks while waiting.
 const LOOK_EVERY: Duration = Duration::from_millis(2);
 
 /// Waits until `holds`; gives whether it came true within `long`.

@@ -1,7 +1,7 @@
-//! An operator: a ROS node like anybody's, with fingers.
+//! An operator: an ordinary ROS node that presses buttons.
 //!
-//! Publishes commands, selectors and held buttons (said again and again while the finger is on them), and keeps the
-//! newest that every node says. The topic names are written out here, as in `docs/ros.md`.
+//! Publishes commands, selectors and held buttons (repeated while the finger is on them), and keeps the newest message
+//! of every node. The topic names are written out here, as in `docs/ros.md`.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,13 +20,13 @@ use super::{PATIENCE, pause, wait_for};
 
 /// The stations of the shipped line.
 pub const STATIONS: [&str; 3] = ["transfer", "clamp_1", "mill_1"];
-/// How often a held button is said to be held.
+/// Period at which a held button is repeated.
 const REFRESH: Duration = Duration::from_millis(40);
 
 /// The newest of everything.
 #[derive(Default)]
 pub struct Heard {
-    /// Whose states are listened to.
+    /// Stations whose states are received.
     pub names: &'static [&'static str],
     pub line: LineState,
     pub stations: HashMap<String, StationState>,
@@ -40,12 +40,12 @@ impl Heard {
         self.stations.get(name).cloned().unwrap_or_default()
     }
 
-    /// Every station is heard, and this holds for it.
+    /// Every station is received, and this holds for it.
     pub fn all(&self, what: impl Fn(&StationState) -> bool) -> bool {
         self.names.iter().all(|name| self.stations.get(*name).is_some_and(&what))
     }
 
-    /// Which life each node is in, the coordinator's first.
+    /// Boot ids of the nodes, the coordinator's first.
     pub fn boot_ids(&self) -> Vec<u64> {
         let stations = self.names.iter().map(|name| self.station(name).boot_id);
         std::iter::once(self.line.boot_id).chain(stations).collect()
@@ -82,7 +82,7 @@ impl Operator {
         Self::join_line(rig, "/transfer_line", &STATIONS)
     }
 
-    /// Joins a line of these stations and waits until everybody is heard.
+    /// Joins a line of these stations and waits until every node is received.
     pub fn join_line(rig: &Rig, namespace: &str, names: &'static [&'static str]) -> Self {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
         let args = RosArgs { domain_id: rig.domain(), ..RosArgs::default() };
@@ -140,7 +140,7 @@ impl Operator {
         operator
     }
 
-    /// Waits until every node is heard and listens, and the devices are there.
+    /// Waits until every node is received and listens, and the devices are there.
     pub fn wait_until_connected(&self) {
         self.wait("everybody is heard", |h| h.line.boot_id != 0 && h.all(|s| s.devices_valid));
         let listened = |topic: &str| self.node.subscription_count(topic).is_ok_and(|count| count > 0);
@@ -150,7 +150,7 @@ impl Operator {
         pause(300);
     }
 
-    /// What was heard so far.
+    /// Messages received so far.
     pub fn heard(&self) -> MutexGuard<'_, Heard> {
         lock(&self.heard)
     }
@@ -160,14 +160,14 @@ impl Operator {
         self.heard().station(name)
     }
 
-    /// Waits until something is heard.
+    /// Waits until the messages received satisfy this.
     pub fn wait(&self, what: &str, holds: impl Fn(&Heard) -> bool) {
         if !wait_for(PATIENCE, || holds(&self.heard())) {
             panic!("waited in vain: {what}; {}", self.picture());
         }
     }
 
-    /// What the line says of itself.
+    /// State of the line by its own messages.
     pub fn picture(&self) -> String {
         let heard = self.heard();
         let mut text = format!("mode {}; last refusal '{}'", heard.line.text, heard.line.refusal);
@@ -178,7 +178,7 @@ impl Operator {
         text
     }
 
-    /// Says a word on `mode_cmd`, once.
+    /// Publishes a word on `mode_cmd`, once.
     pub fn say(&self, word: &str) {
         self.commands.send(Text::from(word));
     }
@@ -307,14 +307,14 @@ fn lock(heard: &Mutex<Heard>) -> MutexGuard<'_, Heard> {
     heard.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// By writer: since when it is heard, and its newest message.
+/// By writer: time of its first message, and its newest message.
 type Newest = HashMap<String, (std::time::Instant, NewestBySequence)>;
 
 /// As the shipped lines have it.
 const STALE: Duration = Duration::from_millis(250);
 
 fn take(notes: &Mutex<Heard>, newest: &mut Newest, sizes: &[(&str, usize)], said: Said) {
-    // A state of a station that is not in the description, or with another number of operations, is nobody's.
+    // A state of a station that is not in the description, or with another number of operations, is dropped.
     if let Said::Station(state) = &said
         && !sizes.contains(&(&state.station, state.done.len()))
     {

@@ -8,7 +8,7 @@ use toml_edit::{DocumentMut, InlineTable, Item, Table};
 /// A CAN device.
 #[derive(Clone, Debug)]
 pub struct Device {
-    /// 0 for one that speaks no CANopen.
+    /// 0 for one without CANopen.
     pub node: u8,
     /// Its station; the console has none.
     pub station: Option<String>,
@@ -18,7 +18,7 @@ pub struct Device {
     pub drive: Option<Drive>,
 }
 
-/// Where the targets of a drive are, in its increments.
+/// Positions of a drive's targets, in its increments.
 #[derive(Clone, Debug)]
 pub struct Drive {
     pub places: Vec<i32>,
@@ -32,7 +32,7 @@ pub struct Operation {
     pub name: String,
     pub actuator: String,
     pub complete: String,
-    /// What drives it back, if it is reversible.
+    /// Output that drives it back, if it is reversible.
     pub back: Option<String>,
 }
 

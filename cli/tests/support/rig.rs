@@ -1,4 +1,4 @@
-//! One line on this machine, with a ROS domain, a bus and a directory that nobody else uses.
+//! One line on this machine, with a ROS domain, a bus and a directory of its own.
 //!
 //! Whatever becomes of a test, no process of its rig outlives it.
 
@@ -61,7 +61,7 @@ impl Rig {
         Rig { eye, plan, run: None, domain: free_domain(), directory, environment: Vec::new(), _turn: turn }
     }
 
-    /// What its processes find in their environment.
+    /// Adds a variable to the environment of its processes.
     pub fn environment(&mut self, name: &'static str, value: &Path) {
         self.environment.push((name, value.to_owned()));
     }
@@ -111,19 +111,19 @@ impl Rig {
         self.run = Some(run.expect("the command starts"));
     }
 
-    /// What a command says that has ended well.
+    /// Output of a command that has succeeded.
     pub fn said(&self, words: &[&str], more: &[&str]) -> Result<String, String> {
         let output = self.command(words, more).output().expect("the command starts");
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         if output.status.success() { Ok(text(&output.stdout)) } else { Err(text(&output.stderr)) }
     }
 
-    /// What `linewright report` makes of the database, with its chart.
+    /// Report of `linewright report` on the database, with its chart.
     pub fn report(&self) -> String {
         self.reported(&["--chart"])
     }
 
-    /// What `linewright report` makes of the database with these options.
+    /// Report of `linewright report` on the database with these options.
     pub fn reported(&self, options: &[&str]) -> String {
         let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
         let output = command.arg("report").arg(self.state()).args(options).output().expect("the command starts");
@@ -220,7 +220,7 @@ impl Rig {
         Member::join(vec![self.bus()], &bus::fresh_name()).expect("a place on the bus")
     }
 
-    /// What one process logs goes there instead of into its log.
+    /// Diverts the log of one process to this path.
     pub fn log_into(&self, name: &str, path: &Path) {
         symlink(path, self.state().join(format!("{name}.log"))).expect("a link");
     }
@@ -233,7 +233,7 @@ impl Rig {
         // Open for both, it opens without the other side.
         let open = || File::options().read(true).write(true).open(&path).expect("a pipe");
         let mut filled = open();
-        // Ends when somebody reads, or with the process.
+        // Ends when the pipe is read, or with the process.
         std::thread::spawn(move || while filled.write_all(&[b'\n'; 512]).is_ok() {});
         FullPipe { _open: open() }
     }
@@ -247,7 +247,7 @@ impl Rig {
         self.directory.path().join("bus").join(BUS)
     }
 
-    /// Where the line keeps what it remembers, and its logs.
+    /// Directory of the line's journals and logs.
     pub fn state(&self) -> PathBuf {
         self.directory.path().join("state")
     }
@@ -262,7 +262,7 @@ impl Drop for Rig {
             let _ = run.kill();
             let _ = run.wait();
         }
-        // Its children end when their standard input does; whoever has not by then is ended.
+        // Its children end when their standard input does; those left by then are killed.
         if !wait_for(Duration::from_secs(3), || self.processes().is_empty()) {
             for (id, _) in self.processes() {
                 send_signal("KILL", id);
@@ -310,8 +310,8 @@ pub fn send_signal(name: &str, id: u32) {
     assert!(status.is_ok(), "the kill command is there");
 }
 
-/// A domain in which no participant of this machine sits (the first one's port is free), and another one each time. Below 34
-/// people work, above 101 Linux gives the ports to anybody.
+/// A domain in which no participant of this machine sits (the first one's port is free), and another one each time.
+/// Below 34 are the usual ones, above 101 Linux gives the ports to any process.
 pub fn free_domain() -> u16 {
     static GIVEN: Mutex<Vec<u16>> = Mutex::new(Vec::new());
     let mut given = GIVEN.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,5 +1,5 @@
-//! Which tests run at once: two lines of processes, which mostly wait; or commands that end by themselves, which compute; or one
-//! test alone.
+//! Tests that may run at once: two lines of processes, which mostly wait; or commands that end by themselves, which
+//! compute; or one test alone.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 

@@ -31,7 +31,7 @@ pub struct CanFieldbus {
     driver: Driver,
     devices: Vec<Device>,
     pending: Vec<(u64, BusTarget, BusRequest)>,
-    /// How many requests were answered at once. Their numbers begin far above the manager's.
+    /// Number of requests answered at once. Their numbers begin far above the manager's.
     at_once: u64,
     answers: Vec<(u64, Answer)>,
 }
@@ -223,7 +223,7 @@ fn news(event: BusEvent) -> News {
     }
 }
 
-/// As `ros2_canopen` writes it. A device that is not heard has no state: its word for an unknown one.
+/// As `ros2_canopen` writes it. A silent device has no state: the word for an unknown one.
 fn state_word(state: Option<NmtState>) -> &'static str {
     match state {
         Some(NmtState::BootUp) => "BOOTUP",
@@ -246,7 +246,7 @@ fn level(status: &DeviceStatus<'_>, trouble: bool) -> Level {
     }
 }
 
-/// Its identity as far as the description knows it, and where it hangs.
+/// Its identity as far as the description has it, and its bus and node id.
 fn hardware_id(device: &Device) -> String {
     let Some(Canopen { node_id, setup }) = device.canopen() else { return String::new() };
     let identity = &setup.identity;

@@ -1,7 +1,7 @@
 //! The thin shell around a [`Manager`]: its bus, and the clock its node shares.
 //!
-//! Nothing is decided here. A frame that comes in goes to the manager, a deadline that comes up polls it, what it
-//! wants sent is sent at once.
+//! Nothing is decided here. A frame that comes in goes to the manager, a deadline that comes up polls it, frames it
+//! hands out are sent at once.
 
 use std::sync::{Arc, Mutex};
 
@@ -21,7 +21,7 @@ pub struct Driver {
     manager: Manager,
     clock: Clock,
     outbox: BusOutbox,
-    /// What would let go of outputs now, where a device needs that.
+    /// Frames that let go of outputs now, where a device needs them.
     last: Arc<Mutex<Vec<Frame>>>,
 }
 
@@ -32,8 +32,8 @@ pub struct LastFrames {
 }
 
 impl LastFrames {
-    /// Sends, without waiting for anything, what lets go of every output of devices that would keep it; gives how many frames
-    /// were taken. The process has to end after this: its driver does not know of it.
+    /// Sends, without waiting, the frames that let go of every output of devices that would keep it; gives the number
+    /// taken. The process has to end after this: its driver is unaware of it.
     pub fn send(&self) -> usize {
         match (&self.wire, self.frames.try_lock()) {
             (Some(wire), Ok(frames)) => wire.send(&frames),
@@ -57,12 +57,12 @@ pub enum DriverError {
     )]
     AnotherManager {
         bus: String,
-        /// Whether this one had already sent something.
+        /// Whether this one had already sent frames.
         has_sent: bool,
     },
 }
 
-/// How often, and how far apart, the last orders are offered: a tenth of a second in all.
+/// Number and distance of the attempts to send the last orders: a tenth of a second in all.
 const RELEASE_TRIES: usize = 100;
 const RELEASE_PAUSE: std::time::Duration = std::time::Duration::from_millis(1);
 
@@ -72,7 +72,7 @@ impl Driver {
         Driver { bus, manager, clock, outbox: BusOutbox::default(), last: Arc::default() }
     }
 
-    /// What lets go of outputs when this driver gets no turn any more, for a watchdog.
+    /// Frames that let go of outputs when this driver gets no turn any more, for a watchdog.
     pub fn last_frames(&self) -> LastFrames {
         LastFrames { frames: self.last.clone(), wire: self.bus.last_wire() }
     }
@@ -119,8 +119,8 @@ impl Driver {
         self.flush();
     }
 
-    /// Lets go of every output, for an orderly end. Nobody gives the bus another turn after that, so what the interface
-    /// has no room for is offered again for a while, and the program waits. One that came second on its bus sends nothing.
+    /// Lets go of every output, for an orderly end. The bus gets no turn after that, so frames that the interface has
+    /// no room for are offered again for a while, and the program waits. One that came second on its bus sends nothing.
     pub fn release_outputs(&mut self) {
         self.manager.release_outputs(self.clock.now(), &mut self.outbox);
         for _ in 0..RELEASE_TRIES {
@@ -134,14 +134,14 @@ impl Driver {
         tracing::warn!(left = self.outbox.frames.len(), "the interface does not take the orders to let go");
     }
 
-    /// Asks a device; see [`Manager::ask`]. [`Driver::next`] reports when it is answered.
+    /// Sends a request to a device; see [`Manager::ask`]. [`Driver::next`] reports when it is answered.
     pub fn ask(&mut self, node: u8, ask: DeviceRequest) -> u64 {
         let number = self.manager.ask(self.clock.now(), node, ask, &mut self.outbox);
         self.flush();
         number
     }
 
-    /// What requests have come to since this was last called.
+    /// Results of requests since the last call.
     pub fn take_answers(&mut self) -> Vec<(u64, RequestResult)> {
         std::mem::take(&mut self.outbox.answers)
     }

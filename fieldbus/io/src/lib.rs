@@ -4,9 +4,9 @@
 //! - [`Driver`]: the thin shell that joins a bus and a [`Manager`](linewright_canopen::Manager) for a node;
 //! - [`CanFieldbus`]: the same as a node sees it, behind `linewright_fieldbus_seam::Fieldbus`;
 //! - [`sdo_client`]: reading and writing objects from a tool;
-//! - [`Clock`]: what all of them go by.
+//! - [`Clock`]: the time base of all of them.
 //!
-//! Nothing is decided here: what a frame means and which one is sent next, `linewright_canopen` knows.
+//! Nothing is decided here: the meaning of frames and the choice of the next one are in `linewright_canopen`.
 
 pub mod bus;
 mod can;

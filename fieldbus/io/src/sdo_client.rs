@@ -1,7 +1,7 @@
 //! Reading and writing one object of one device, for tools.
 //!
 //! A tool takes part in the bus like `cansend` does, beside the manager. It waits for its own answers and drops every
-//! other frame, so it wants a [`Bus`] of its own.
+//! other frame, so it needs a [`Bus`] of its own.
 
 use linewright_canopen::codec::{CanopenMessage, NodeId};
 use linewright_canopen::sdo::wire::SdoBytes;
@@ -62,7 +62,7 @@ async fn transfer(bus: &mut Bus, node: NodeId, mut client: SdoClient) -> Result<
                 Ok(CanopenMessage::SdoResponse { node: from, raw }) if from == node => {
                     client.handle(clock.now(), &raw, &mut out)
                 }
-                // A bus with much to say must not keep the transfer from giving up.
+                // A busy bus must not keep the transfer from giving up.
                 _ => client.poll(clock.now(), &mut out),
             },
             () = clock.sleep_until(client.next_deadline()) => client.poll(clock.now(), &mut out),

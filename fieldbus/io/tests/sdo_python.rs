@@ -1,7 +1,8 @@
 //! Our SDO client and server against the Python package `canopen`, over a real CAN interface.
 //!
 //! Runs where the kernel has an interface `vcan0` and `LINEWRIGHT_PYTHON` names a Python that has `canopen`; elsewhere
-//! it says so. `vcan_uml.sh` next to this file runs it in a user-mode Linux where the kernel has no CAN.
+//! it is skipped with a message. `vcan_uml.sh` next to this file runs it in a user-mode Linux where the kernel has no
+//! CAN.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -136,7 +137,7 @@ fn we_read_and_write_the_server_of_python() {
         assert_eq!(sdo_client::read(&mut bus, node, DOMAIN, options(TransferMode::Auto)).await.unwrap(), b"initial");
         for len in LENGTHS {
             let data = pattern(len);
-            // It has no blocks: asked for them, it refuses to be written, and answers reads in segments.
+            // It has no blocks: a block download is refused, a block upload answered in segments.
             for mode in [TransferMode::Auto, TransferMode::Segmented, TransferMode::Block] {
                 let started = Instant::now();
                 sdo_client::write(&mut bus, node, DOMAIN, &data, options(mode)).await.unwrap();

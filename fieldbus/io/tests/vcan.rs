@@ -1,4 +1,4 @@
-//! The same bus on real CAN sockets: runs where the kernel has an interface `vcan0`, and says so where it has not.
+//! The same bus on real CAN sockets: runs where the kernel has an interface `vcan0`, else skips with a message.
 //!
 //! `vcan_uml.sh` next to this file runs it inside a user-mode Linux, on machines whose own kernel has no CAN.
 
@@ -39,7 +39,7 @@ fn say(text: &str) {
     _ = std::io::stderr().write_all(text.as_bytes());
 }
 
-/// Tests share the one interface: one at a time, so that none hears another's frames.
+/// Tests share the one interface: one at a time, so that none receives another's frames.
 fn alone() -> std::sync::MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner)

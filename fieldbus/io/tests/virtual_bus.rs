@@ -74,7 +74,7 @@ async fn a_member_that_never_reads_holds_nobody_up() {
 async fn a_newcomer_is_noticed_and_a_dead_one_is_buried() {
     let dir = tempfile::tempdir().unwrap();
     let mut sender = Bus::open("vcan0", &options(&dir)).unwrap();
-    // What a killed process leaves behind: a socket's file that nobody reads.
+    // Remains of a killed process: a socket's file without a reader.
     let dead = dir.path().join("vcan0/dead.can");
     drop(std::os::unix::net::UnixDatagram::bind(&dead).unwrap());
     tokio::time::sleep(Duration::from_millis(30)).await;

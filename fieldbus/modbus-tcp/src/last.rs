@@ -7,10 +7,10 @@ use std::time::Duration;
 
 use linewright_modbus::{ModbusRequest, exception_text};
 
-/// The transaction of a last order: one that the connection itself reaches after an hour at the earliest, and by which the
-/// answer is known.
+/// The transaction of a last order: one that the connection itself reaches after an hour at the earliest, and which
+/// identifies the answer.
 const TRANSACTION: u16 = 0xFFFF;
-/// How often, and how far apart, it is looked whether last orders are answered: a tenth of a second in all.
+/// Number and distance of the checks for answers to last orders: a tenth of a second in all.
 const TRIES: u32 = 100;
 const PAUSE: Duration = Duration::from_millis(1);
 /// So many pieces of what has come are read at a time: a device that never stops sending holds up no other.
@@ -18,7 +18,7 @@ const PIECES: usize = 16;
 /// After so many of these pauses an order that was refused is sent again.
 const AGAIN: u32 = 10;
 
-/// What is left to do for a device when nothing else can be done.
+/// Last order to a device, for when nothing else can be done.
 #[derive(Clone)]
 pub struct LastOrder {
     /// The device, in words.
@@ -55,7 +55,7 @@ impl LastOrder {
         matches!(socket.write(&self.order), Ok(written) if written == self.order.len())
     }
 
-    /// Reads what has come: what has become of the order, if that is known.
+    /// Reads from the socket: the fate of the order, if that is decided.
     fn look(&self, heard: &mut Vec<u8>) -> Option<LastOutcome> {
         let Ok(own) = self.socket.try_lock() else { return Some(LastOutcome::Gone) };
         let Some(mut socket) = own.as_ref() else { return Some(LastOutcome::Gone) };
@@ -77,7 +77,7 @@ impl LastOrder {
     }
 }
 
-/// What has become of a last order.
+/// Outcome of a last order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LastOutcome {
     Taken,
@@ -89,7 +89,7 @@ pub enum LastOutcome {
     Unanswered,
 }
 
-/// The answer to an order among the bytes that have come; an answer to what was asked before may come first.
+/// The answer to an order among the bytes that have come; an answer to an earlier request may come first.
 fn answer(order: &[u8], heard: &[u8]) -> Option<LastOutcome> {
     let [high, low] = TRANSACTION.to_be_bytes();
     let function = *order.get(7)?;
@@ -169,7 +169,7 @@ mod tests {
 
     const OFF: ModbusRequest = ModbusRequest::WriteCoils { first: 0, count: 2, bits: 0 };
 
-    /// What a device answers to each order that comes, with a last order to it.
+    /// Outcome of a last order to a device that answers orders with these.
     fn told(answers: &'static [&'static [u8]]) -> (LastOutcome, usize) {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let socket = TcpStream::connect(listener.local_addr().expect("its address")).expect("a connection");
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn an_order_that_is_refused_is_sent_again_and_never_counts_as_taken() {
         assert_eq!(told(&[TAKEN]), (LastOutcome::Taken, 1));
-        // An answer to what was asked before comes first.
+        // An answer to an earlier request comes first.
         assert_eq!(
             told(&[&[0, 7, 0, 0, 0, 4, 1, 2, 1, 3, 0xFF, 0xFF, 0, 0, 0, 6, 1, 0x0F, 0, 0, 0, 2]]).0,
             LastOutcome::Taken

@@ -1,7 +1,7 @@
 //! Modbus TCP devices of a node: the manager of `linewright_modbus` at work, over connections of `tokio-modbus`.
 //!
-//! Each connection is a task: it is made, asks one thing at a time and brings the answers. What each has to do, and when an
-//! answer is too late, the manager decides.
+//! Each connection is a task: it is made, sends one request at a time and brings the answers. Its work, and when an
+//! answer is too late, are decided by the manager.
 //!
 //! A last order (outputs off) does not wait for an answer under way: it is written to the connection's socket by itself.
 
@@ -19,7 +19,7 @@ use tokio::sync::mpsc;
 use last::LastOrder;
 use link::Connection;
 
-/// What connections have brought: of which device, by which connection, what.
+/// Outcome from a connection: place of the device, number of the connection, outcome.
 type Brought = (usize, u32, LinkOutcome);
 
 /// The Modbus devices of a node, with their manager at work.
@@ -35,8 +35,8 @@ pub struct ModbusTcp {
 }
 
 impl ModbusTcp {
-    /// The bus of those of these devices that speak Modbus. Nothing is connected before [`Fieldbus::next`] is called, within
-    /// a tokio runtime.
+    /// The bus of the Modbus devices among these. Nothing is connected before [`Fieldbus::next`] is called, within a
+    /// tokio runtime.
     pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>, clock: Clock) -> Self {
         let manager = ModbusManager::new(devices);
         let addresses = manager.addresses().map(|(address, unit, _)| (address, unit));
@@ -115,7 +115,7 @@ impl Fieldbus for ModbusTcp {
 
     fn release_outputs(&mut self) {
         self.manager.release_outputs(&mut ModbusOutbox::default());
-        // Nobody else reads the answers then.
+        // The answers are not read any more then.
         self.links.iter_mut().for_each(|link| *link = None);
         last::send_all(&self.lasts);
         self.lasts.iter().for_each(LastOrder::forget);
@@ -145,7 +145,7 @@ impl Fieldbus for ModbusTcp {
     }
 
     fn take_answers(&mut self) -> Vec<(u64, Answer)> {
-        // Answered at once: whoever asked takes the answer, and needs not be woken for it.
+        // Answered at once: the caller takes the answer, and need not be woken for it.
         self.out.news.retain(|news| *news != News::Answered);
         std::mem::take(&mut self.out.answers)
     }

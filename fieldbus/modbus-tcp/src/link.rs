@@ -38,7 +38,7 @@ impl Connection {
         let (asks, mut asked) = mpsc::unbounded_channel();
         let address = address.to_owned();
         let task = tokio::spawn(async move {
-            // Whoever waits for it may have ended.
+            // The receiver may have ended.
             let bring = |outcome| _ = to.send((device, number, outcome));
             let mut context = match connect(&address, unit, timeout, &last).await {
                 Ok(context) => context,
@@ -52,7 +52,7 @@ impl Connection {
         Connection { asks, task }
     }
 
-    /// Asks this, after what it was asked before.
+    /// Sends this request, after the earlier ones.
     pub fn ask(&self, request: ModbusRequest) {
         // A connection that has ended has brought that.
         let _ = self.asks.send(request);
@@ -128,9 +128,9 @@ fn outcome(request: ModbusRequest, response: Response) -> LinkOutcome {
     }
 }
 
-/// What is wrong if so many came where `count` were asked for; `most` may come with padding.
+/// The fault if `came` is not the `count` requested; up to `most` may come with padding.
 fn has(count: u16, most: usize, came: usize) -> Option<ModbusFailure> {
     let wrong = || ModbusFailure::Malformed(format!("wrong register map: {came} came, {count} were asked for"));
-    // More than a manager asks for is nothing it could have asked.
+    // More than 64 was never requested.
     (came < usize::from(count) || came > most || most > 64).then(wrong)
 }

@@ -1,6 +1,6 @@
-//! A manager of ours against the server of the Python package `pymodbus`: a foreign idea of what Modbus TCP is.
+//! A manager of ours against the server of the Python package `pymodbus`: an independent implementation of Modbus TCP.
 //!
-//! Wants `pip install pymodbus` and a Python named by `LINEWRIGHT_PYTHON`; without it nothing is tested.
+//! Needs `pip install pymodbus` and a Python named by `LINEWRIGHT_PYTHON`; without it nothing is tested.
 
 use std::path::Path;
 use std::process::Stdio;
@@ -66,7 +66,7 @@ impl Server {
         tokio::time::timeout(WAIT, off).await.expect("the coils go off");
     }
 
-    /// Lets the bus run until the server says such a line.
+    /// Lets the bus run until the server prints such a line.
     async fn until(&mut self, bus: &mut ModbusTcp, is: impl Fn(&str) -> bool) {
         let found = async {
             loop {
@@ -128,7 +128,7 @@ async fn a_process_image_goes_round_and_lets_go() {
     let mut bus = ModbusTcp::new(&[device(server.port, |_| {})], Clock::start());
     until(&mut bus, "it comes up", |bus| image(bus).valid).await;
     bus.set_outputs(OWNER, 0b101);
-    // What is written to the coils is read from the inputs.
+    // The inputs read what is written to the coils.
     until(&mut bus, "the image comes back", |bus| image(bus).bits == 0b101).await;
     server.until(&mut bus, |line| line == "register 16 9").await;
     assert_eq!(image(&bus).losses, 0);

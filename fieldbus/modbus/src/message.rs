@@ -4,7 +4,7 @@ use std::fmt;
 
 use linewright_line::{REGISTER_BITS, Table};
 
-/// What is asked of a device. Bits and registers are numbers: bit `i` is the one at `first + i`, and of registers each has
+/// Request to a device. Bits and registers are numbers: bit `i` is the one at `first + i`, and of registers each has
 /// sixteen bits, the first one the lowest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModbusRequest {
@@ -15,7 +15,7 @@ pub enum ModbusRequest {
     /// To write holding registers (function 10h).
     WriteRegisters {
         first: u16,
-        /// How many, at most four.
+        /// Number of registers, at most four.
         count: u16,
         words: u64,
     },
@@ -32,7 +32,7 @@ pub enum ModbusFailure {
     Malformed(String),
 }
 
-/// What an exception code means (§7).
+/// Meaning of an exception code (§7).
 pub fn exception_text(code: u8) -> &'static str {
     match code {
         1 => "illegal function",
@@ -74,7 +74,7 @@ impl ModbusRequest {
         ModbusRequest::Read { table, first, count: u16::try_from(table.addresses(bits)).unwrap_or(u16::MAX) }
     }
 
-    /// Its bytes on a TCP connection (MBAP header, function, data), for a last order that has nobody to wait for it.
+    /// Its bytes on a TCP connection (MBAP header, function, data), for a last order without an awaited answer.
     pub fn adu(&self, transaction: u16, unit: u8) -> Vec<u8> {
         let mut pdu = Vec::with_capacity(16);
         let head = |pdu: &mut Vec<u8>, function: u8, first: u16, count: u16| {

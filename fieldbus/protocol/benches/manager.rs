@@ -1,8 +1,8 @@
-//! What the manager itself costs, without any bus: frames in and out of it, with few devices and with all a bus has.
+//! Cost of the manager itself, without any bus: frames in and out of it, with few devices and with all a bus has.
 //!
 //! `frame_to_image`: a device's inputs have changed; until its owner's image shows it. `image_to_frame`: an owner sets
-//! an output; until the frame is there. `traffic`: a tenth of a second of a busy line, by frames heard and sent.
-//! `foreign`: a frame that concerns nobody. `cargo bench -p linewright-fieldbus --bench manager`.
+//! an output; until the frame is there. `traffic`: a tenth of a second of a busy line, by frames received and sent.
+//! `foreign`: a frame for no device. `cargo bench -p linewright-fieldbus --bench manager`.
 
 use std::hint::black_box;
 use std::time::Duration;

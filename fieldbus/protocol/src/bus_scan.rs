@@ -1,8 +1,8 @@
-//! What a listener can tell about every node of a bus, without saying a word.
+//! Bus scan by listening alone: the state of every node of a bus.
 //!
-//! Pure: frames go in with the time they were heard, one sentence for each node comes out. It takes no part in
-//! anything and trusts nobody: a node is what its own frames say, and what the manager orders is only an order.
-//! Memory is bounded by the number of node ids.
+//! Pure: frames go in with the time they were received, one sentence for each node comes out. It is passive. The state
+//! of a node follows from its own frames alone, not from the manager's commands. Memory is bounded by the number of
+//! node ids.
 
 use std::fmt;
 use std::time::Duration;
@@ -15,7 +15,7 @@ use crate::frame::Frame;
 /// Heartbeats that stay away for so many of their own periods are missed.
 const PERIODS_MISSED: u32 = 3;
 
-/// What is known of one node.
+/// State of one node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScannedState {
     /// Its state by its last heartbeat or boot-up message; `None` if it has sent none.
@@ -34,7 +34,7 @@ pub struct ScannedState {
     pub inputs: u64,
 }
 
-/// Everything heard on a bus, by node.
+/// All nodes received on a bus.
 #[derive(Clone, Debug)]
 pub struct BusScan {
     nodes: [Option<ScannedState>; 128],
@@ -79,12 +79,12 @@ impl BusScan {
         }
     }
 
-    /// What is known of a node; `None` if it was never heard.
+    /// State of a node; `None` if nothing was received from it.
     pub fn node(&self, node: NodeId) -> Option<&ScannedState> {
         self.nodes[usize::from(node.get())].as_ref()
     }
 
-    /// Every node that was heard, by id.
+    /// Every node that was received, by id.
     pub fn heard(&self) -> impl Iterator<Item = (NodeId, &ScannedState)> {
         let numbered = (0u8..).zip(&self.nodes);
         numbered.filter_map(|(id, heard)| Some((NodeId::new(id)?, heard.as_ref()?)))
@@ -149,7 +149,7 @@ impl ScannedState {
     }
 }
 
-/// A state as people say it.
+/// Name of a state, in words.
 pub fn state_name(state: NmtState) -> String {
     match state {
         NmtState::BootUp => "booted".to_owned(),
@@ -160,7 +160,7 @@ pub fn state_name(state: NmtState) -> String {
     }
 }
 
-/// A duration as people say it.
+/// A duration, in words.
 struct Ago(Duration);
 
 impl fmt::Display for Ago {

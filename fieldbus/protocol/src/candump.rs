@@ -1,7 +1,7 @@
 //! Frames as the CAN tools write them: `181#0102`, and the log lines of `candump -L`.
 //!
 //! A recording made here can be replayed with `canplayer` and read by every tool that reads candump logs. This module
-//! knows text and nothing else; the time of a line is given to it.
+//! handles text only; the time of a line is an argument.
 
 use std::fmt;
 use std::io::{self, Write};

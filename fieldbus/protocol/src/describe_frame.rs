@@ -1,6 +1,6 @@
-//! Frames in words: what each means by the predefined connection set, and whether it says anything new.
+//! Frames in words: the meaning of each by the predefined connection set, and whether it is new.
 //!
-//! Pure, for people. Nothing is decided by these words.
+//! Pure, for display. Nothing is decided by these words.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::codec::{CanopenMessage, NmtCommand, NodeId, Payload};
 use crate::frame::Frame;
 use crate::sdo::wire::{ClientFrame, InitiateContent, SdoBytes, ServerFrame};
 
-/// What the nodes of one bus are called.
+/// Names of the nodes of one bus.
 #[derive(Clone, Debug, Default)]
 pub struct NodeNames(BTreeMap<u8, String>);
 
@@ -30,7 +30,7 @@ impl NodeNames {
     }
 }
 
-/// What a frame means.
+/// Meaning of a frame, in words.
 pub fn describe_frame(frame: &Frame, names: &NodeNames) -> String {
     let message = match CanopenMessage::decode(frame) {
         Ok(message) => message,
@@ -69,7 +69,8 @@ fn order(command: NmtCommand) -> String {
     }
 }
 
-/// What is asked of an SDO server. A segment of a block looks like anything, so only what stands by itself is told.
+/// Request to an SDO server, in words. A segment of a block has no recognisable form, so only other frames are
+/// described.
 fn asked(raw: &SdoBytes) -> String {
     match ClientFrame::decode(raw) {
         Some(ClientFrame::Upload { object } | ClientFrame::BlockUpload { object, .. }) => format!("read {object}"),
@@ -80,7 +81,7 @@ fn asked(raw: &SdoBytes) -> String {
     }
 }
 
-/// What an SDO server answers.
+/// Response of an SDO server, in words.
 fn answered(raw: &SdoBytes) -> String {
     match ServerFrame::decode(raw) {
         Some(ServerFrame::Upload { object, content }) => format!("{object} is {}", carried(&content)),
@@ -121,7 +122,7 @@ fn channels(object: u8, payload: Payload) -> String {
     if each.is_empty() { "none".to_owned() } else { each.join(", ") }
 }
 
-/// Tells frames that say what their sender said before from those that say something new.
+/// Distinguishes frames that repeat their sender's last data from those with new data.
 #[derive(Clone, Debug, Default)]
 pub struct ChangeFilter {
     /// The last data of each identifier that is sent again and again: at most one for each of the 11-bit ones.
@@ -129,7 +130,7 @@ pub struct ChangeFilter {
 }
 
 impl ChangeFilter {
-    /// Whether a frame says something new: heartbeats that change nothing and repeated process data do not.
+    /// Whether a frame is new: heartbeats without a change and repeated process data are not.
     pub fn is_news(&mut self, frame: &Frame) -> bool {
         match CanopenMessage::decode(frame) {
             Ok(

@@ -2,7 +2,7 @@
 //!
 //! Laid out like Linux's `struct can_frame`, so that the virtual bus carries exactly what a CAN socket would. A frame
 //! is a value: extended identifiers, remote requests and the kernel's error frames can all be held and printed, and
-//! it is for the reader to say that it has no use for them.
+//! readers refuse those they have no use for.
 
 use embedded_can::{ExtendedId, Id, StandardId};
 use linewright_line::FrameId;
@@ -61,7 +61,7 @@ pub enum FrameError {
     #[error("`{text}` is not a frame: expected {expected}, as in 181#0102")]
     Text {
         text: String,
-        /// What was expected of it.
+        /// Expected value.
         expected: &'static str,
     },
 }

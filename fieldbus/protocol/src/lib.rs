@@ -6,13 +6,13 @@
 //! - [`sdo`]: reading and writing objects, client and server, pure;
 //! - [`Manager`]: the CANopen manager of one bus, pure: it is called with the time and a frame, and answers with
 //!   frames to send and events to report;
-//! - [`profile`]: what the process data of a device mean that has to be talked to first: drives.
+//! - [`profile`]: process data of devices with a protocol of their own: drives.
 //!
 //! Buses of a machine, and a manager at work on one, are in `linewright_fieldbus`.
 //!
-//! Only this crate knows COB-IDs and byte layouts. It does not know what a signal means, when a motion may start or
-//! which mode a line is in; it moves bits between devices and images, says whether they can be trusted, and lets go
-//! of every output it cannot vouch for.
+//! COB-IDs and byte layouts occur only in this crate. The meaning of signals, the permission of motions and the mode of
+//! a line do not; it moves bits between devices and images, reports whether they can be trusted, and lets go of every
+//! output that cannot be.
 //!
 //! Clauses cited as "CiA 301" are those of the CANopen application layer, version 4.2.0; "CiA 401" is the profile of
 //! generic I/O devices, version 3.0; "CiA 402" that of drives, which is IEC 61800-7-201 as well.

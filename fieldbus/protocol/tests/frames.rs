@@ -39,7 +39,7 @@ fn any_frames_change_no_output() {
     assert!(energised.get() > 100_000 && driven.get() > 5_000, "it came to process data");
 }
 
-/// Every kind of frame there is, again and again, from every device and from none, while nobody looks after anything.
+/// Every kind of frame there is, again and again, from every device and from none, without any intervention.
 #[test]
 fn floods_leave_nothing_behind() {
     let mut bench = Bench::new();

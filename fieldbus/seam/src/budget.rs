@@ -1,4 +1,4 @@
-//! How much is said of what comes again and again.
+//! Limit on reports of repeated events.
 
 use std::time::Duration;
 
@@ -46,7 +46,7 @@ mod tests {
         assert_eq!(through(&mut budget, 1050), 0);
         assert_eq!(through(&mut budget, 1150), 1);
         assert_eq!(through(&mut budget, 9000), 3);
-        // Asked all the time, it gives no more than it earns.
+        // Called all the time, it gives no more than it earns.
         assert_eq!((9001..10001).map(|now| through(&mut budget, now)).sum::<usize>(), 10);
     }
 }

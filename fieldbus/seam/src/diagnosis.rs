@@ -1,8 +1,8 @@
-//! How a device is, for `/diagnostics`.
+//! Diagnosis of a device, for `/diagnostics`.
 
 use linewright_line::Owner;
 
-/// The state of a device that is not heard, in the words of `ros2_canopen`.
+/// The state of a silent device, in the words of `ros2_canopen`.
 pub const NOT_HEARD: &str = "ERROR";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub enum Level {
     Warn,
     /// It does not work.
     Error,
-    /// Nothing is heard of it.
+    /// It is silent.
     Stale,
 }
 
@@ -23,20 +23,20 @@ pub struct Diagnosis {
     pub owner: Owner,
     pub level: Level,
     pub message: String,
-    /// What it is and where it hangs.
+    /// Its identity and its place.
     pub hardware_id: String,
     /// Its state in the words of `ros2_canopen`, of a kind that has one.
     pub state: Option<&'static str>,
     /// The code of its last error report, of a kind that has such.
     pub error: Option<u16>,
-    /// How often it was operational and then was not.
+    /// Number of times it was operational and then was not.
     pub losses: u32,
     /// More, by name.
     pub values: Vec<(&'static str, String)>,
 }
 
 impl Diagnosis {
-    /// What makes a diagnosis news: sentences count milliseconds, and differ each time.
+    /// Key whose change makes a diagnosis news: sentences count milliseconds, and differ each time.
     pub fn key(&self) -> (Level, Option<&'static str>, Option<u16>, u32) {
         (self.level, self.state, self.error, self.losses)
     }

@@ -5,21 +5,21 @@ use linewright_line::{InputId, OutputId, Tick};
 /// An owner's inputs, as its devices last reported them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InputImage {
-    /// Bit `i` is the owner's input `i`. The last known values where `valid` is false: for showing, not for deciding.
+    /// Bit `i` is the owner's input `i`. The last known values where `valid` is false: for display, not for decisions.
     pub bits: u128,
-    /// Every device of the owner that may not be lost is operational, was heard in time, has sent its inputs since it last
-    /// came up, and is not in error. False for an owner without devices on the bus.
+    /// Every device of the owner that may not be lost is operational, was received in time, has sent its inputs since
+    /// it last came up, and is not in error. False for an owner without devices on the bus.
     pub valid: bool,
     /// Since when `valid` is what it is.
     pub since: Tick,
     /// When the owner's devices last sent any inputs; [`Tick::ZERO`] if never.
     pub updated: Tick,
-    /// How often the image has become invalid: a loss shorter than the reader's scan still shows.
+    /// Number of times the image has become invalid: a loss shorter than the reader's scan still shows.
     pub losses: u32,
 }
 
 impl InputImage {
-    /// Of an owner nothing has been heard of.
+    /// The image of an owner from which nothing has been received.
     pub const NEVER: InputImage =
         InputImage { bits: 0, valid: false, since: Tick::ZERO, updated: Tick::ZERO, losses: 0 };
 

@@ -1,7 +1,7 @@
 //! The buses of one node as one.
 //!
-//! An owner's devices may hang on several. Its image is valid if each part is, and a loss on one bus lets go of the outputs
-//! on all others: whatever was set was decided without knowing of it.
+//! An owner's devices may hang on several. Its image is valid if each part is, and a loss on one bus lets go of the
+//! outputs on all others: they were set before the loss was known.
 
 use std::future::poll_fn;
 use std::task::Poll;
@@ -12,10 +12,10 @@ use crate::{
     Answer, BusRefusal, BusRequest, BusTarget, Diagnosis, Fieldbus, InputImage, LastOrders, News, NextNews, abort,
 };
 
-/// What is known of an owner's images.
+/// State kept of an owner's images.
 struct OwnerKnowledge {
     owner: Owner,
-    /// How often its image had become invalid when that was last reported.
+    /// Number of losses of validity of its image when last reported.
     reported: u32,
     /// The same when its inputs were last taken: its outputs are decided by those.
     taken: u32,
@@ -25,7 +25,7 @@ struct OwnerKnowledge {
 pub struct Joined {
     buses: Vec<Box<dyn Fieldbus>>,
     owners: Vec<OwnerKnowledge>,
-    /// Which bus is asked first next time: a busy one must not keep the others waiting.
+    /// The bus polled first next time: a busy one must not keep the others waiting.
     turn: usize,
     /// Requests to devices of no bus: the last one's number, and what is not taken yet.
     unknown: u64,
@@ -44,7 +44,7 @@ impl Joined {
         Joined { buses, owners: known, turn: 0, unknown: 0, answers: Vec::new() }
     }
 
-    /// Which buses these are, for a person.
+    /// Description of these buses.
     pub fn describe(&self) -> String {
         self.buses.iter().map(|bus| bus.describe()).collect::<Vec<_>>().join(", ")
     }
@@ -78,7 +78,7 @@ impl Joined {
         }))
     }
 
-    /// Of an owner whose image has become invalid every output is let go, on every bus.
+    /// Lets go of every output of an owner whose image has become invalid, on every bus.
     fn let_go_of_the_lost(&mut self, news: &mut Vec<News>) {
         for at in 0..self.owners.len() {
             let OwnerKnowledge { owner, reported, .. } = self.owners[at];
@@ -86,7 +86,7 @@ impl Joined {
             if losses != reported {
                 self.owners[at].reported = losses;
                 self.set_outputs(owner, 0);
-                // The image of the node that reads it is another one now, whichever bus it was that told of it.
+                // The image of its node has changed as well, whichever bus reported it.
                 let changed = News::InputsChanged { owner };
                 if !news.contains(&changed) {
                     news.push(changed);
@@ -110,8 +110,8 @@ impl Joined {
         image
     }
 
-    /// Sets the output image of `owner`; see [`Fieldbus::set_outputs`]. Everything is off instead where a device was lost after
-    /// [`Joined::take_inputs`]: the image was decided without knowing of it.
+    /// Sets the output image of `owner`; see [`Fieldbus::set_outputs`]. Everything is off instead where a device was
+    /// lost after [`Joined::take_inputs`]: the image was decided before the loss was known.
     pub fn set_outputs(&mut self, owner: Owner, image: u128) {
         let image = if self.is_overtaken(owner) { 0 } else { image };
         self.buses.iter_mut().for_each(|bus| bus.set_outputs(owner, image));
@@ -128,13 +128,13 @@ impl Joined {
         self.buses.iter_mut().for_each(|bus| bus.release_outputs());
     }
 
-    /// What lets go of outputs when these buses get no turn any more.
+    /// Frames that let go of outputs when these buses get no turn any more.
     pub fn last_orders(&self) -> LastOrders {
         let all: Vec<LastOrders> = self.buses.iter().map(|bus| bus.last_orders()).collect();
         Box::new(move || all.iter().for_each(|last| last()))
     }
 
-    /// What keeps the inputs of `owner` from being valid.
+    /// Why the inputs of `owner` are invalid.
     pub fn trouble(&self, owner: Owner) -> Vec<String> {
         self.buses.iter().flat_map(|bus| bus.trouble(owner)).collect()
     }
@@ -165,7 +165,7 @@ impl Joined {
         number
     }
 
-    /// What requests have come to since this was last called.
+    /// Results of requests since the last call.
     pub fn take_answers(&mut self) -> Vec<(u64, Answer)> {
         let count = self.buses.len() as u64 + 1;
         let mut answers = std::mem::take(&mut self.answers);
@@ -187,7 +187,7 @@ mod tests {
 
     const OWNER: Owner = Owner::Station(StationId(0));
 
-    /// What a bus has to report and what it is told, looked at from outside.
+    /// Reports of a bus and orders to it, seen from outside.
     #[derive(Default)]
     struct Seen {
         news: Vec<News>,

@@ -1,10 +1,10 @@
-//! What a node needs of a field bus, whichever kind it is.
+//! The interface between a node and a field bus, whatever its kind.
 //!
 //! - [`InputImage`]: the inputs of an owner, with validity and losses;
-//! - [`Fieldbus`]: a bus at work: images in and out, what is wrong, diagnoses, requests, outputs off;
+//! - [`Fieldbus`]: a bus at work: images in and out, faults, diagnoses, requests, outputs off;
 //! - [`News`]: what a bus reports;
 //! - [`Joined`]: the buses of one node as one;
-//! - [`Budget`]: how much is said of what comes again and again.
+//! - [`Budget`]: limit on reports of repeated events.
 //!
 //! A kind of bus is a pure manager that decides, and a shell that implements [`Fieldbus`]. The nodes use nothing else of it:
 //! another kind is another crate, and a `kind` in the description.
@@ -35,11 +35,11 @@ pub use request::{Answer, BusRefusal, BusReply, BusRequest, BusTarget, ObjectAdd
 pub enum News {
     /// An owner's input image has changed, or whether it can be trusted has.
     InputsChanged { owner: Owner },
-    /// What was asked of a device is answered; see [`Fieldbus::take_answers`].
+    /// A request to a device is answered; see [`Fieldbus::take_answers`].
     Answered,
-    /// Something arrived that made no sense, in words.
+    /// A message without meaning arrived; its description.
     Ignored(String),
-    /// Anything else a person should know, in words.
+    /// Anything else of interest to an operator, in words.
     Noted(String),
 }
 
@@ -54,7 +54,7 @@ impl BusLost {
     }
 }
 
-/// What [`Fieldbus::next`] waits for.
+/// Future of [`Fieldbus::next`].
 pub type NextNews<'a> = Pin<Box<dyn Future<Output = Result<Vec<News>, BusLost>> + Send + 'a>>;
 
 /// Lets go of outputs from another thread, when the one that drives them is stuck.
@@ -66,8 +66,8 @@ pub trait Fieldbus: Send {
 
     /// Runs the bus until there is something to report; never returns an empty list.
     ///
-    /// A loss is reported before the recovery that may follow it. Must be called again without much delay: between two calls
-    /// the devices hear nothing, and let go of their outputs by themselves after a while. Cancel safe.
+    /// A loss is reported before the recovery that may follow it. Must be called again without much delay: between two
+    /// calls the devices receive nothing, and let go of their outputs by themselves after a while. Cancel safe.
     ///
     /// # Errors
     /// When the bus is gone or another manager's. The node then has to end.
@@ -83,10 +83,11 @@ pub trait Fieldbus: Send {
     /// Lets go of every output, for an orderly end. It may wait for up to a tenth of a second.
     fn release_outputs(&mut self);
 
-    /// What lets go of outputs when this bus gets no turn any more, for a watchdog. The process has to end after it.
+    /// Orders that let go of outputs when this bus gets no turn any more, for a watchdog. The process has to end after
+    /// it.
     fn last_orders(&self) -> LastOrders;
 
-    /// What keeps the inputs of `owner` from being valid: a sentence for each of its devices that is in the way.
+    /// Why the inputs of `owner` are invalid: a sentence for each of its devices that is in the way.
     fn trouble(&self, owner: Owner) -> Vec<String>;
 
     fn diagnoses(&self) -> Vec<Diagnosis>;
@@ -94,9 +95,10 @@ pub trait Fieldbus: Send {
     /// The name of each device that has a state in the words of `ros2_canopen`, and that state.
     fn states(&self, tell: &mut dyn FnMut(&str, &'static str));
 
-    /// Asks a device; the answer comes with [`News::Answered`], under the number given here. `None` if it is not on this bus.
+    /// Sends a request to a device; the answer comes with [`News::Answered`], under the number given here. `None` if it
+    /// is not on this bus.
     fn ask(&mut self, target: &BusTarget, request: BusRequest) -> Option<u64>;
 
-    /// What requests have come to since this was last called.
+    /// Results of requests since the last call.
     fn take_answers(&mut self) -> Vec<(u64, Answer)>;
 }

@@ -1,4 +1,4 @@
-//! What people and programs ask of a device beside its process image.
+//! Requests of operators and programs to a device, beside its process image.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ pub mod abort {
     pub const UNSUPPORTED: u32 = 0x0601_0000;
 }
 
-/// Which device is asked.
+/// Device that a request is for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BusTarget {
     Node(u8),
@@ -26,7 +26,7 @@ pub struct ObjectAddress {
     pub sub: u8,
 }
 
-/// What is asked.
+/// Request to a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BusRequest {
     Reset,
@@ -34,14 +34,14 @@ pub enum BusRequest {
     Read(ObjectAddress),
     Write {
         object: ObjectAddress,
-        /// What; a negative one in two's complement of the object's length.
+        /// Value to write; a negative one in two's complement of the object's length.
         value: u32,
-        /// In how many bytes, 1 to 4; `None`: in as many as the object has.
+        /// Length, 1 to 4 bytes; `None`: that of the object.
         bytes: Option<usize>,
     },
 }
 
-/// What a request has come to.
+/// Result of a request.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BusReply {
     /// The bytes read; none for anything else.
@@ -58,7 +58,7 @@ pub struct BusRefusal {
     pub code: u32,
 }
 
-/// What a request has come to, or why not.
+/// Result of a request, or its refusal.
 pub type Answer = Result<BusReply, BusRefusal>;
 
 impl fmt::Display for BusTarget {

@@ -3,7 +3,7 @@
 mod read;
 mod write;
 
-/// The Rust types of one interface; `file` is its name with the ending that says of which kind it is.
+/// The Rust types of one interface; `file` is its name with the ending for its kind.
 pub fn rust(package: &str, file: &str, text: &str) -> Result<String, String> {
     let (name, kind) = file.split_once('.').unwrap_or((file, ""));
     let (doc, sections) = read::interface(text)?;

@@ -6,7 +6,7 @@
 /// Lines of a comment, without their marks.
 pub type Doc = Vec<String>;
 
-/// What stands between two lines of `---`.
+/// Section between two lines of `---`.
 #[derive(Default)]
 pub struct MessageSection {
     pub constants: Vec<MessageConstant>,

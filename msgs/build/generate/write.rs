@@ -29,7 +29,7 @@ const CHECKED: [&str; 16] = [
     "SubmitOrdersRequest",
 ];
 
-/// What the text is about.
+/// Interface of a text.
 pub struct InterfaceText<'a> {
     pub package: &'a str,
     pub name: &'a str,
@@ -72,7 +72,7 @@ impl InterfaceText<'_> {
         )
     }
 
-    /// How the names of its messages begin.
+    /// Beginning of the names of its messages.
     fn parts(&self) -> &str {
         PARTS.iter().find(|(ros, _)| *ros == self.name).map_or(self.name, |(_, rust)| rust)
     }

@@ -1,7 +1,7 @@
 //! The devices of a node as ROS 2 sees them: services and states named like those of `ros2_canopen`, and diagnostics.
 //!
-//! Whoever runs a field bus has one of these beside it: the coordinator's node, and a station's with a bus of its own. It
-//! passes on what is asked and what is answered. Whether and when a device is asked, the bus decides.
+//! Each node with a field bus has one of these beside it: the coordinator's node, and a station's with a bus of its
+//! own. It passes on requests and answers. Whether and when a request goes to a device, the bus decides.
 
 mod diagnostics;
 mod names;
@@ -21,28 +21,28 @@ pub use services::DeviceServiceRequest;
 use services::PendingTransfer;
 pub use trouble::{DeviceDiagnosticsTopic, TROUBLE_BYTES_MAX, in_words};
 
-/// How often everything is told when nothing changes.
+/// Period of full reports when nothing changes.
 const EVERY: Duration = Duration::from_secs(1);
-/// How soon news may follow news: a device that comes and goes must not flood a reliable topic.
+/// Least time between two reports of news: a device that comes and goes must not flood a reliable topic.
 const NEWS_EVERY: Duration = Duration::from_millis(50);
-/// How many states of one device are told at once within a second; after that, only the newest every [`NEWS_EVERY`].
+/// Most states of one device published at once within a second; after that, only the newest every [`NEWS_EVERY`].
 const STATES_MAX: u32 = 20;
 /// Requests that wait for this node; more wait in the middleware, ten for each service.
 const QUEUE: usize = 64;
 
-/// One device with services and a state, and what was last told of it.
+/// One device with services and a state, and its last report.
 struct ReportedDevice {
     name: String,
     target: BusTarget,
     state: Publisher<Text>,
     word: &'static str,
-    /// States told at once since the last regular diagnosis.
+    /// States published at once since the last regular diagnosis.
     at_once: u32,
-    /// What its last request has come to, if it failed.
+    /// Result of its last request, if it failed.
     failed: String,
 }
 
-/// What makes a diagnosis news, device by device.
+/// Key whose change makes a diagnosis news, device by device.
 type PlainReportKey = Vec<(Level, Option<&'static str>, Option<u16>, u32)>;
 
 pub struct Devices {
@@ -72,7 +72,7 @@ impl Devices {
                 owners.push((device.owner, line.owner_name(device.owner).to_owned()));
             }
         }
-        // Plain frames have nothing that could be asked for.
+        // Devices of plain frames accept no requests.
         let with_services = devices.into_iter().filter(|device| !matches!(device.kind, DeviceKind::Frames(_)));
         let with_services: Vec<&Device> = with_services.collect();
         let (to, from) = mpsc::channel(QUEUE);
@@ -105,11 +105,11 @@ impl Devices {
         })
     }
 
-    /// Waits for a request; hand it to [`Devices::ask`]. Cancel safe.
+    /// Waits for a request; pass it to [`Devices::ask`]. Cancel safe.
     pub async fn next(&mut self) -> DeviceServiceRequest {
         match self.from.recv().await {
             Some(asked) => asked,
-            // Every service has failed; `is_failed` says so.
+            // Every service has failed; see `is_failed`.
             None => std::future::pending().await,
         }
     }
@@ -123,18 +123,18 @@ impl Devices {
         self.due
     }
 
-    /// Takes what the buses report: news are told at once, answers passed on.
+    /// Takes what the buses report: news are published at once, answers passed on.
     pub fn bus_news(&mut self, news: &[News], buses: &mut Joined) {
         let quiet = |news: &News| matches!(news, News::InputsChanged { .. } | News::Answered);
         if !news.iter().all(quiet) {
             self.due = self.due.min(self.last + NEWS_EVERY);
         }
-        // A device that boots is up again in a millisecond; whoever waits for it to boot wants to see that it did.
+        // A device that boots is up again in a millisecond; a client that waits for the boot must see it.
         self.states(buses, STATES_MAX);
         self.answer(buses);
     }
 
-    /// Tells the states that have changed, of devices that have not done so too often.
+    /// Publishes changed states, except of devices that change too often.
     fn states(&mut self, buses: &Joined, most: u32) {
         let mut at = 0;
         buses.states(&mut |name, word| {
@@ -154,7 +154,7 @@ impl Devices {
         });
     }
 
-    /// Tells what is due.
+    /// Publishes what is due.
     pub fn act(&mut self, now: Tick, buses: &Joined) {
         if now < self.due {
             return;

@@ -1,4 +1,4 @@
-//! What a device is called in ROS 2.
+//! Names of a device in ROS 2.
 
 use linewright_line::{Device, Line, Owner};
 

@@ -1,7 +1,7 @@
-//! The services: what is asked of a device, and what is answered.
+//! The services: requests to a device, and their answers.
 //!
-//! The types of `ros2_canopen` have room for "no" and for a number, not for words. So where something was to be read, the
-//! number is the abort code that says why it was not; the words are in the log and in the device's diagnostics.
+//! The types of `ros2_canopen` have room for "no" and for a number, not for words. So for a failed read the number is
+//! the abort code; the words are in the log and in the device's diagnostics.
 
 use linewright_fieldbus_seam::{Answer, BusReply as Read, BusRequest, BusTarget, Joined, ObjectAddress, abort};
 use linewright_msgs::{
@@ -13,7 +13,7 @@ use tokio::sync::mpsc;
 
 use super::Devices;
 
-/// Something a service was asked.
+/// Request to a service.
 #[derive(Debug)]
 pub struct DeviceServiceRequest {
     target: BusTarget,
@@ -21,7 +21,7 @@ pub struct DeviceServiceRequest {
     answerer: Answerer,
 }
 
-/// Where the answer goes.
+/// Destination of the answer.
 #[derive(Debug)]
 enum Answerer {
     Trigger(ServiceReply<Trigger>),
@@ -89,7 +89,7 @@ pub fn open_device(
     ])
 }
 
-/// How long an object of this type (CiA 301 table 44) is; `None` for one the service does not know.
+/// Length of an object of this type (CiA 301 table 44), in bytes; `None` for a type the service does not support.
 fn bytes_of(datatype: u8) -> Option<usize> {
     match datatype {
         CoReadIdRequest::CANOPEN_DATATYPE_INT8 | CoReadIdRequest::CANOPEN_DATATYPE_UINT8 => Some(1),
@@ -122,7 +122,7 @@ fn number(bytes: &[u8]) -> Option<u32> {
 impl Answerer {
     fn send(self, answer: &Answer) {
         let success = answer.is_ok();
-        // What is longer than a number (a name, say) is not read by these services.
+        // Objects longer than a number (a name, say) are not read by these services.
         let value = match answer {
             Ok(Read { value, .. }) => number(value).ok_or(abort::TOO_LONG),
             Err(refusal) => Err(refusal.code),
@@ -166,7 +166,7 @@ impl Devices {
             if !failed.is_empty() {
                 tracing::warn!("{failed}");
             }
-            // Why it is not started is said in the answer.
+            // The answer has the reason why it is not started.
             let is_told = !matches!(answerer, Answerer::Trigger(_));
             if let Some(told) = self.told.iter_mut().find(|told| told.target == target && is_told) {
                 told.failed = failed;

@@ -1,6 +1,6 @@
-//! What keeps an owner's devices from being valid, told in words on a topic of its own (`<station>/trouble`).
+//! Faults of an owner's devices that invalidate its image, in words on a topic of its own (`<station>/trouble`).
 //!
-//! The sentences come from the bus. They count milliseconds, so they differ each time; what is told is when they
+//! The sentences come from the bus. They count milliseconds, so they differ each time; they are published when they
 //! begin and end to apply, and once a second meanwhile.
 
 use linewright_fieldbus_seam::{Budget, Joined};
@@ -28,14 +28,14 @@ impl DeviceDiagnosticsTopic {
         Ok(DeviceDiagnosticsTopic { owner, publisher, text: String::new(), valid: None, news, due: Tick::ZERO })
     }
 
-    /// Tells what there is to tell now.
+    /// Publishes what is due now.
     pub fn act(&mut self, now: Tick, buses: &Joined) {
         let valid = buses.inputs(self.owner).valid;
         if self.valid == Some(valid) && (valid || now < self.due) {
             return;
         }
-        // A device that comes and goes must not flood a reliable topic. What is not told now is told at the next look,
-        // which is never far: the manager's heartbeat alone calls for one.
+        // A device that comes and goes must not flood a reliable topic. What is not published now is published at the
+        // next call, which is never far: the manager's heartbeat alone causes one.
         if !self.news.take(now) {
             return;
         }
@@ -48,16 +48,17 @@ impl DeviceDiagnosticsTopic {
         }
     }
 
-    /// What was told last; empty if the devices are valid.
+    /// Text last published; empty if the devices are valid.
     pub fn text(&self) -> &str {
         &self.text
     }
 }
 
-/// Most bytes of what is said of the devices, whoever says it.
+/// Most bytes of a description of device faults, whatever its source.
 pub const TROUBLE_BYTES_MAX: usize = 1024;
 
-/// About how much is said of one owner's devices, in bytes: it stands in messages of bounded length, several times.
+/// Approximate length of the text on one owner's devices, in bytes: messages of bounded length contain it several
+/// times.
 const ENOUGH: usize = 800;
 
 /// A sentence for each device of `owner` that is in the way, or for the first ones; empty if none is.

@@ -1,4 +1,4 @@
-//! Asking for an action, for the coordinator, for tools and for tests.
+//! Action client, for the coordinator, for tools and for tests.
 
 use std::time::Duration;
 
@@ -14,35 +14,35 @@ use crate::caller::WireMessage;
 /// Why a goal did not get its answer.
 #[derive(Debug, Error)]
 pub enum GoalError {
-    /// Nobody has answered.
+    /// No answer came.
     #[error("{action}: no answer within {} ms", within.as_millis())]
     NoAnswer {
         action: String,
-        /// How long it was waited.
+        /// Time waited.
         within: Duration,
     },
-    /// The goal was rejected: it is known already, or too many are under way.
+    /// The goal was rejected: its id is in use, or too many are under way.
     #[error("{action}: the goal was rejected")]
     Rejected { action: String },
-    /// The middleware has failed, or what it brought makes no sense.
+    /// The middleware has failed, or its answer is invalid.
     #[error("{action}: {reason}")]
     Middleware {
         action: String,
-        /// Its words.
+        /// The middleware's text.
         reason: String,
     },
 }
 
-/// How a goal has ended, as its client sees it.
+/// End of a goal, as its client sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GoalOutcome {
     /// It was reached.
     Succeeded,
-    /// It was not; the result says why.
+    /// It was not; the reason is in the result.
     Aborted,
     /// It was cancelled.
     Canceled,
-    /// The server says something that is no end.
+    /// The server's status is no end.
     Unclear,
 }
 
@@ -52,26 +52,26 @@ type RawActionClient<A> = ActionClient<
     WireMessage<<A as RosAction>::Feedback>,
 >;
 
-/// Asks for one action.
+/// Client of one action.
 pub struct ActionCaller<A: RosAction> {
     pub(crate) inner: RawActionClient<A>,
     pub(crate) name: String,
 }
 
 impl<A: RosAction> ActionCaller<A> {
-    /// Says what is wanted and waits for nothing: for whoever learns in another way what became of it, and asks again.
+    /// Sends a goal and waits for nothing: for callers that learn the outcome in another way, and repeat the goal.
     pub fn send(&self, goal: A::Goal) -> Result<(), GoalError> {
         self.inner.send_goal(WireMessage(goal)).map(drop).map_err(|error| self.failed(&error))
     }
 
-    /// Says what is wanted, and waits until it is accepted. A goal sent before the server is discovered is lost: ask again.
+    /// Sends a goal, and waits until it is accepted. A goal sent before the server is discovered is lost: repeat it.
     pub async fn begin(&self, goal: A::Goal, within: Duration) -> Result<GoalHandle, GoalError> {
         let answer = self.in_time(within, self.inner.async_send_goal(WireMessage(goal))).await?;
         let (id, response) = answer.map_err(|error| self.failed(&error))?;
         if response.accepted { Ok(GoalHandle(id)) } else { Err(GoalError::Rejected { action: self.name.clone() }) }
     }
 
-    /// How it has ended, when it has.
+    /// Waits for the end of a goal, and gives its result.
     pub async fn result(&self, goal: GoalHandle, within: Duration) -> Result<(GoalOutcome, A::Result), GoalError> {
         let answer = self.in_time(within, self.inner.async_request_result(goal.0)).await?;
         let (status, WireMessage(result)) = answer.map_err(|error| self.failed(&error))?;
@@ -88,14 +88,14 @@ impl<A: RosAction> ActionCaller<A> {
         Ok((outcome, result))
     }
 
-    /// Says that it is no longer wanted. Gives whether that was taken on; how it ends, its result says.
+    /// Requests cancellation. Gives whether that was accepted; the end is in the goal's result.
     pub async fn cancel(&self, goal: GoalHandle, within: Duration) -> Result<bool, GoalError> {
         let answer = self.in_time(within, self.inner.async_cancel_goal(goal.0, Time::ZERO)).await?;
         let response = answer.map_err(|error| self.failed(&error))?;
         Ok(response.return_code == CancelGoalResponseEnum::None)
     }
 
-    /// The newest word on how far it is that has come and was not taken yet.
+    /// Newest feedback not taken yet.
     pub fn feedback(&self, goal: GoalHandle) -> Option<A::Feedback> {
         let received = self.inner.receive_feedback(goal.0).ok().flatten();
         received.map(|WireMessage(feedback)| feedback).filter(|feedback| feedback.validate().is_ok())

@@ -1,4 +1,4 @@
-//! The goals of an action server, and who waits for their results. No clock, no sockets.
+//! The goals of an action server, and the clients that wait for their results. No clock, no sockets.
 //!
 //! ```text
 //!  accepted ──▶ executing ──────────────▶ succeeded | aborted
@@ -6,9 +6,9 @@
 //!                   └──cancel──▶ canceling ───┴──▶ canceled
 //! ```
 //!
-//! A goal that has ended is kept until others need its room, so that whoever asks late still hears how it ended. What is
-//! not known here is not answered: with two ways of sending requests ([`super`]) an unknown goal may be nothing but a
-//! request that was meant to be read the other way, and there it is known.
+//! A goal that has ended is kept until others need its room, so that a late request still gets its end. Unknown goals
+//! are not answered: with two ways of sending requests ([`super`]) an unknown goal may be nothing but a request that
+//! was meant to be read the other way, where it is known.
 
 use ros2_client::action_msgs::{CancelGoalResponse, CancelGoalResponseEnum, GoalStatus, GoalStatusArray};
 use ros2_client::action_msgs::{GoalId, GoalInfo, GoalStatusEnum};
@@ -16,17 +16,17 @@ use ros2_client::builtin_interfaces::Time;
 
 /// Goals that are under way at once; more are rejected. A station does one order at a time.
 const LIVE_MAX: usize = 16;
-/// Goals that are known, those that have ended included.
+/// Most goals kept, those that have ended included.
 const KNOWN_MAX: usize = 64;
-/// Who waits for the result of one goal. Whoever is too many asks again.
+/// Most clients waiting for the result of one goal. Further ones must repeat the request.
 const WAITING_MAX: usize = 8;
 
-/// How a goal has ended.
+/// End of a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GoalEnd {
     /// It was reached.
     Succeeded,
-    /// It was not, or it was never begun: the result says why.
+    /// It was not, or it was never begun: the reason is in the result.
     Aborted,
     /// It was cancelled, and that has been done.
     Canceled,
@@ -42,7 +42,7 @@ impl GoalEnd {
     }
 }
 
-/// One goal. `W` is how an answer finds whoever asked.
+/// One goal. `W` is the return address of a client.
 struct GoalRecord<R, W> {
     info: GoalInfo,
     status: GoalStatusEnum,
@@ -50,7 +50,7 @@ struct GoalRecord<R, W> {
     waiting: Vec<W>,
 }
 
-/// All that are known, the oldest first.
+/// All goals kept, the oldest first.
 pub(super) struct Goals<R, W> {
     goals: Vec<GoalRecord<R, W>>,
 }
@@ -60,7 +60,7 @@ impl<R: Clone, W> Goals<R, W> {
         Goals { goals: Vec::new() }
     }
 
-    /// Whether it is taken on: it is new, and there is room.
+    /// Takes a goal if it is new and there is room; gives whether it was taken.
     pub(super) fn begin(&mut self, goal_id: GoalId, stamp: Time) -> bool {
         let live = self.goals.iter().filter(|goal| goal.result.is_none()).count();
         if goal_id == GoalId::ZERO || live >= LIVE_MAX || self.find(goal_id).is_some() {
@@ -76,8 +76,8 @@ impl<R: Clone, W> Goals<R, W> {
         true
     }
 
-    /// Cancels by the rule of `action_msgs/CancelGoal`: one goal, all, or all accepted up to a time. Gives the answer, and
-    /// which goals are to be cancelled that were not before; nothing if the goal is not known.
+    /// Cancels by the rule of `action_msgs/CancelGoal`: one goal, all, or all accepted up to a time. Gives the answer,
+    /// and the goals newly to be cancelled; `None` if the goal is unknown.
     pub(super) fn cancel(&mut self, asked: &GoalInfo) -> Option<(CancelGoalResponse, Vec<GoalId>)> {
         let (one, all_until) = (asked.goal_id != GoalId::ZERO, asked.stamp != Time::ZERO);
         if one && self.find(asked.goal_id).is_none() {
@@ -114,7 +114,8 @@ impl<R: Clone, W> Goals<R, W> {
         Some((response, new))
     }
 
-    /// Somebody wants the result: gives it if it is there, else remembers who. Nothing if the goal is not known.
+    /// Gives the result of a goal if it is there, else keeps `who` for it. `None` without a result, or if the goal is
+    /// unknown.
     pub(super) fn ask(&mut self, goal_id: GoalId, who: W) -> Option<(GoalStatusEnum, R, W)> {
         let goal = self.goals.iter_mut().find(|goal| goal.info.goal_id == goal_id)?;
         if let Some(result) = &goal.result {
@@ -126,7 +127,7 @@ impl<R: Clone, W> Goals<R, W> {
         None
     }
 
-    /// It has ended. Gives its status and who waits for that; nothing if it had ended before, or is not known.
+    /// Ends a goal. Gives its status and the waiting clients; `None` if it had ended before, or is unknown.
     pub(super) fn end(&mut self, goal_id: GoalId, ended: GoalEnd, result: R) -> Option<(GoalStatusEnum, Vec<W>)> {
         let goal = self.goals.iter_mut().find(|goal| goal.info.goal_id == goal_id && goal.result.is_none())?;
         goal.status = ended.status();
@@ -134,7 +135,7 @@ impl<R: Clone, W> Goals<R, W> {
         Some((goal.status, std::mem::take(&mut goal.waiting)))
     }
 
-    /// What the status topic says.
+    /// Content of the status topic.
     pub(super) fn statuses(&self) -> GoalStatusArray {
         let status = |goal: &GoalRecord<R, W>| GoalStatus { goal_info: goal.info.clone(), status: goal.status };
         GoalStatusArray { status_list: self.goals.iter().map(status).collect() }

@@ -1,13 +1,13 @@
 //! Actions: something that takes time, can be cancelled, and has a result.
 //!
-//! As with services ([`crate::service`]) there are two ways of saying which request an answer belongs to, and whoever
-//! offers an action does not know who will ask. Here the client library fixes the shape of the answers, so the trick used
-//! there does not work: instead an action is offered twice under one name, once in each way. Each request arrives at both,
+//! As with services ([`crate::service`]) there are two ways of relating an answer to its request, and which one a
+//! client uses is not known in advance. Here the client library fixes the shape of the answers, so the trick used there
+//! does not work: instead an action is offered twice under one name, once in each way. Each request arrives at both,
 //! and makes sense to one of them: the other finds sixteen bytes too many or too few, and stays silent. Feedback and
 //! status need no answer and are sent once.
 //!
-//! A goal that the owner refuses is accepted and ends as aborted: ROS 2's own rejection cannot say why. Only what does not
-//! decode and what there is no room for is rejected, or not answered at all.
+//! A goal that the owner refuses is accepted and ends as aborted: ROS 2's own rejection has no room for a reason. Only
+//! a goal that does not decode, or for which there is no room, is rejected, or not answered at all.
 
 mod caller;
 mod goals;

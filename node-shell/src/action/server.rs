@@ -1,8 +1,8 @@
-//! Offering an action.
+//! Action server.
 //!
-//! One task owns both servers and the goals; the owner of the action hears of goals and cancellations through a channel,
-//! and says through another how they go. Nothing here waits for anybody, and what is sent to it grows nothing without
-//! bound: goals, who waits for them, and answers that are held are all counted.
+//! One task owns both servers and the goals; the owner of the action receives goals and cancellations through a
+//! channel, and reports progress and ends through another. Nothing here waits for others, and nothing grows without
+//! bound: goals, waiting clients and held answers are all counted.
 
 use std::collections::VecDeque;
 use std::future::Future;
@@ -33,25 +33,25 @@ pub(crate) type RawActionServer<A> =
 
 /// An action that is offered. Hand it to [`serve_action`].
 pub struct ActionOffer<A: RosAction> {
-    /// One for each way of asking. The first sends feedback and status.
+    /// One for each form of request. The first sends feedback and status.
     pub(crate) servers: [RawActionServer<A>; 2],
     pub(crate) name: String,
 }
 
-/// What a goal is known by, until it has ended.
+/// Id of a goal, until it has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct GoalHandle(pub(crate) GoalId);
 
-/// What the owner of an action hears.
+/// Request to the owner of an action.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GoalRequest<G> {
-    /// Somebody wants this. It is accepted already; one that is refused is [ended](ActionOwner::end) at once.
+    /// A new goal. It is accepted already; one that is refused is [ended](ActionOwner::end) at once.
     Goal(GoalHandle, G),
-    /// Somebody no longer wants it. It goes on until it is ended, by whatever it ends with.
+    /// Cancellation of a goal. It goes on until it is ended, with whatever end.
     Cancel(GoalHandle),
 }
 
-/// What the owner says.
+/// Report of the owner.
 enum GoalUpdate<A: RosAction> {
     Feedback(GoalHandle, A::Feedback),
     End(GoalHandle, GoalEnd, A::Result),
@@ -61,19 +61,19 @@ enum GoalUpdate<A: RosAction> {
 pub struct ActionOwner<A: RosAction>(mpsc::UnboundedSender<GoalUpdate<A>>);
 
 impl<A: RosAction> ActionOwner<A> {
-    /// How far it is. Never waits.
+    /// Publishes the progress of a goal. Never waits.
     pub fn feedback(&self, goal: GoalHandle, feedback: A::Feedback) {
-        // Nobody serves it any more: the process is ending.
+        // The server has ended: the process is ending.
         let _ = self.0.send(GoalUpdate::Feedback(goal, feedback));
     }
 
-    /// How it has ended; whoever asks for the result is told. Never waits. Only the first end of a goal counts.
+    /// Ends a goal, and answers the clients that wait for its result. Never waits. Only the first end of a goal counts.
     pub fn end(&self, goal: GoalHandle, ended: GoalEnd, result: A::Result) {
         let _ = self.0.send(GoalUpdate::End(goal, ended, result));
     }
 }
 
-/// Who asked, and through which of the two servers.
+/// Client of a request, after the server (of the two) that it used.
 type GoalClient = (usize, RmwRequestId);
 
 /// An answer, ready to be sent.
@@ -83,14 +83,14 @@ enum EncodedReply<A: RosAction> {
     Result(GoalStatusEnum, A::Result),
 }
 
-/// What came in through one of the services.
+/// Request to one of the services.
 enum ActionRequest {
     Goal(GoalId, Vec<u8>),
     Cancel(CancelGoalRequest),
     Result(GoalId),
 }
 
-/// Merges what an action is asked into `to`, as [`serve`](crate::serve) does with services. Must be called inside a tokio
+/// Merges an action's requests into `to`, as [`serve`](crate::serve) does with services. Must be called inside a tokio
 /// runtime.
 pub fn serve_action<A, U>(
     action: ActionOffer<A>,
@@ -101,7 +101,7 @@ where
     A: RosAction,
     U: Send + 'static,
 {
-    // Not bounded, but filled by the owner alone, who says a few words for each goal.
+    // Not bounded, but filled by the owner alone, with a few reports for each goal.
     let (owner, mut said) = mpsc::unbounded_channel();
     let mut serving = Serving {
         action,
@@ -150,18 +150,18 @@ struct Serving<A: RosAction> {
     action: ActionOffer<A>,
     goals: Goals<A::Result, GoalClient>,
     known: KnownClients,
-    /// First answers to a client, held until it can be expected to hear them.
+    /// First answers to a client, held until it can be expected to receive them.
     held: VecDeque<(Instant, GoalClient, EncodedReply<A>)>,
-    /// Requests that made no sense to the server that got them.
+    /// Requests that the server that got them could not decode.
     rejected: u64,
-    /// Which service was looked at last.
+    /// The service polled last.
     turn: usize,
 }
 
 impl<A: RosAction> Serving<A> {
-    /// The next request of any service of any server, or a failure of the middleware. They are looked at in turn, so that
-    /// a flood of one kind does not keep the others waiting. Between two calls nothing is lost: a request stays with the
-    /// middleware until it is taken, and every look leaves word whom to wake.
+    /// The next request of any service of any server, or a failure of the middleware. They are looked at in turn, so
+    /// that a flood of one kind does not keep the others waiting. Between two calls nothing is lost: a request stays
+    /// with the middleware until it is taken, and every poll registers the waker.
     fn poll(&mut self, context: &mut Context<'_>) -> Poll<Result<(GoalClient, ActionRequest), ReadError>> {
         for _ in 0..SERVICES * self.action.servers.len() {
             self.turn = (self.turn + 1) % (SERVICES * self.action.servers.len());
@@ -181,7 +181,7 @@ impl<A: RosAction> Serving<A> {
         Poll::Pending
     }
 
-    /// What a request changes, and what the owner has to hear of it.
+    /// Takes a request; gives the resulting requests to the owner.
     fn take(&mut self, who: GoalClient, request: ActionRequest) -> Vec<GoalRequest<A::Goal>> {
         match request {
             ActionRequest::Goal(id, bytes) => {
@@ -310,7 +310,7 @@ fn poll_one<A: RosAction>(
     }
 }
 
-/// What is to be cancelled. The library has the field and does not show it; its bytes do.
+/// The goal to cancel. The library has the field and does not show it; its bytes do.
 fn goal_info(request: &CancelGoalRequest) -> Option<GoalInfo> {
     let bytes = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(request).ok()?;
     cdr_encoding::from_bytes::<GoalInfo, byteorder::LittleEndian>(&bytes).ok().map(|(info, _)| info)
@@ -342,7 +342,7 @@ mod tests {
         }
         assert_eq!(exactly::<RunTaskGoal>(&[&bytes[..], &[0; 4]].concat()), None);
         assert_eq!(exactly::<RunTaskGoal>(&bytes[..bytes.len() - 1]), None);
-        // What the server for the other way of asking sees: the goal's id is taken for a header, or the other way round.
+        // View of the server for the other form: the goal's id is taken for a header, or the other way round.
         for id in [GoalId::new_random(), GoalId::new_random()] {
             let id = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(&id).expect("encodes");
             assert_eq!(exactly::<RunTaskGoal>(&[&id[..], &bytes].concat()), None);

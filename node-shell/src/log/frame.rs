@@ -1,4 +1,4 @@
-//! How a record stands in a file: behind a head with its length, its number, which records were on the disk when it was
+//! Form of a record in a file: behind a head with its length, its number, the number of records on the disk when it was
 //! written, and a checksum over all of that and the record.
 //!
 //! Numbers rise by one over the whole life of a log, so a frame that an older file has left in a block of the disk is not
@@ -18,10 +18,10 @@ const MAGIC: [u8; 4] = *b"LWL1";
 const NUMBER_MAX: u64 = 1 << 62;
 /// When a damaged place is looked at, so many bytes are read at a time,
 const WINDOW_BYTES: usize = 64 * 1024;
-/// and so many are summed up at most. Only files that somebody has made for it need more.
+/// and so many are summed up at most. Only files made for the purpose need more.
 const SUMMED_BYTES_MAX: u64 = 256 << 20;
 
-/// What a frame says beside its record.
+/// Fields of a frame beside its record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Head {
     /// One more than the frame before.
@@ -30,7 +30,7 @@ pub(super) struct Head {
     pub synced: u64,
 }
 
-/// What there is at a place of a file.
+/// Content of a file at a position.
 pub(super) enum FrameFound {
     Whole(Head),
     /// Anything else.
@@ -40,7 +40,7 @@ pub(super) enum FrameFound {
 /// Appends a frame to a buffer, unless the record is too large.
 ///
 /// # Errors
-/// How large it is.
+/// Its length, in bytes.
 pub(super) fn encode(buffer: &mut Vec<u8>, head: &Head, record: &[u8]) -> Result<(), usize> {
     if record.len() > RECORD_BYTES_MAX {
         return Err(record.len());
@@ -87,7 +87,7 @@ pub(super) fn read(file: &File, at: u64, bytes: u64, record: &mut Vec<u8>) -> io
     Ok(if is_whole { FrameFound::Whole(found) } else { FrameFound::Torn })
 }
 
-/// Whether a frame from a place on, where frame `number` should be and is not, says that this was on the disk.
+/// Whether a frame from `at` on shows that frame `number`, which is missing there, was on the disk.
 pub(super) fn is_counted_on(file: &File, at: u64, bytes: u64, number: u64) -> io::Result<bool> {
     let (mut window, mut record, mut summed) = (vec![0; WINDOW_BYTES], Vec::new(), 0);
     let mut from = at;

@@ -1,21 +1,22 @@
-//! What a node remembers when its process is killed or the power goes, where the newest record alone does not say it: all
-//! records, in their order.
+//! Memory of a node across a kill or a power failure, where the newest record alone does not suffice: all records, in
+//! their order.
 //!
 //! Beside [`crate::Journal`], which replaces one record, this appends: a record is written behind the one before
-//! ([`RecordLog::append`]), and is on the disk after [`RecordLog::sync`]. Whoever speaks of what a record says syncs before. So that a
-//! log does not grow for ever, it begins anew with a *snapshot* of everything that its records have led to
-//! ([`RecordLog::begin_anew`]); what records and snapshots say is their owner's business, here they are bytes.
+//! ([`RecordLog::append`]), and is on the disk after [`RecordLog::sync`]. Before a record's content is published, it is
+//! synced. So that a log does not grow for ever, it begins anew with a *snapshot* of everything that its records have
+//! led to ([`RecordLog::begin_anew`]); the content of records and snapshots is their owner's business, here they are
+//! bytes.
 //!
 //! # Files
-//! `PATH.1`, `PATH.2`, …, of which the last counts; each begins with the identity of what the log is about, and the
-//! snapshot. One is complete and on the disk before it gets its name, and the one before is removed after that. `PATH.lock`
-//! keeps a second process away.
+//! `PATH.1`, `PATH.2`, …, of which the last counts; each begins with the log's identity and the snapshot. One is
+//! complete and on the disk before it gets its name, and the one before is removed after that. `PATH.lock` keeps a
+//! second process away.
 //!
-//! # What is found after a crash
-//! Every record that was synced, in order, and perhaps some that were not. A record that is not whole is *torn*: it and all
-//! behind it were not synced, are cut off, and nobody has heard of them. To know a torn record from one that was damaged on
-//! the disk, each says which records were synced when it was written: if a later one says that of it, the log is refused.
-//! Memory does not depend on how long a log is, only on its largest record.
+//! # State after a crash
+//! Every record that was synced, in order, and perhaps some that were not. A record that is not whole is *torn*: it and
+//! all behind it were not synced, are cut off, and were never published. To distinguish a torn record from one that was
+//! damaged on the disk, each contains the number of records synced when it was written: if a later one counts it as
+//! synced, the log is refused. Memory does not depend on how long a log is, only on its largest record.
 
 mod file;
 mod frame;
@@ -61,20 +62,20 @@ pub enum LogError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// Where in it.
+        /// Position in the file.
         offset: u64,
     },
-    /// Its owner cannot use what it says.
+    /// Its owner cannot use its content.
     #[error("log {path} cannot be used from byte {offset} on: {why}")]
     Refused {
         /// The file.
         path: PathBuf,
-        /// Where the record begins.
+        /// Position of the record.
         offset: u64,
         /// Its owner's reason.
         why: String,
     },
-    /// What could not be written before may stand half in the file.
+    /// The end of an earlier, failed write may be in the file.
     #[error("log {path}: an earlier write failed; open it again")]
     Failed {
         /// The file.
@@ -82,12 +83,12 @@ pub enum LogError {
     },
 }
 
-/// What a log says, from its beginning.
+/// Entry of a log, from its beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogEntry<'a> {
-    /// What it is about. It comes first, and is not empty.
+    /// Identity of the log. It comes first, and is not empty.
     Identity(&'a [u8]),
-    /// What all records that are not here any more have led to.
+    /// Sum of all records that are gone.
     Snapshot(&'a [u8]),
     Record(&'a [u8]),
 }
@@ -99,7 +100,7 @@ pub struct RecordLog {
     identity: Vec<u8>,
     segment: u64,
     file: File,
-    /// Where the next record goes.
+    /// Position of the next record.
     end: u64,
     /// The number of the next frame.
     next: u64,
@@ -153,7 +154,7 @@ impl RecordLog {
             buffer: Vec::new(),
             _lock: lock,
         };
-        // What a killed process had written may be in memory only; its owner counts on it from now on.
+        // Data written by a killed process may be in memory only; its owner counts on them from now on.
         log.sync()?;
         Ok((log, cut))
     }
@@ -191,7 +192,7 @@ impl RecordLog {
             next += 1;
         }
         if let Err(error) = self.file.write_all_at(&self.buffer, self.end) {
-            // What was begun is taken back at once, on the disk as well; otherwise nobody knows what is there.
+            // The begun write is taken back at once, on the disk as well; otherwise its content is unknown.
             self.has_failed = self.file.set_len(self.end).and_then(|()| self.file.sync_all()).is_err();
             return Err(at(&self.name(), error));
         }
@@ -204,7 +205,7 @@ impl RecordLog {
     /// Returns when all that was written is on the disk; at once if it is.
     ///
     /// # Errors
-    /// When the disk refuses. What is on it nobody knows then, so the log has failed for good.
+    /// When the disk refuses. Its content is unknown then, so the log has failed for good.
     pub fn sync(&mut self) -> Result<(), LogError> {
         self.must_work()?;
         if self.synced + 1 < self.next {
@@ -226,7 +227,7 @@ impl RecordLog {
         self.must_work()?;
         let segment = self.segment + 1;
         let created = file::create(&self.path, segment, self.next, &self.identity, Some(snapshot));
-        // With its name, but perhaps not on the disk: nobody knows which of the two will be found.
+        // With its name, but perhaps not on the disk: which of the two will be found is unknown.
         self.has_failed = created.is_err() && file::name(&self.path, segment).exists();
         (self.file, self.end) = created?;
         self.segment = segment;
@@ -242,7 +243,7 @@ impl RecordLog {
         file::name(&self.path, self.segment)
     }
 
-    /// How long it is, in bytes.
+    /// Its length, in bytes.
     pub fn bytes(&self) -> u64 {
         self.end
     }
@@ -252,7 +253,7 @@ impl RecordLog {
     }
 }
 
-/// What was found in a file.
+/// Content found in a file.
 struct Opened {
     end: u64,
     next: u64,

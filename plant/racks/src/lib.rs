@@ -1,8 +1,8 @@
 //! The simulated plant in real time: racks of devices on the buses of this machine, and Modbus servers at their addresses.
 //!
 //! Each bus runs by itself: stations share no mechanism, so neither do their devices. A frame is answered when it
-//! comes; a switch is reported at its time, up to one millisecond late, because that is how finely tokio's timers
-//! count. The mechanisms themselves know no such grain: a late report changes no later position.
+//! comes; a switch is reported at its time, up to one millisecond late, the resolution of tokio's timers. The
+//! mechanisms themselves have no such grain: a late report changes no later position.
 
 mod modbus;
 
@@ -33,14 +33,14 @@ pub enum PlantError {
     Modbus { address: String, error: io::Error },
 }
 
-/// Where and how a plant runs.
+/// Options of a plant.
 #[derive(Clone, Debug)]
 pub struct RackOptions {
     /// The interface that serves as the coordinator's bus; stations' own buses have their names in the description.
     pub line_bus: String,
-    /// How buses are found.
+    /// Transport and place of the buses.
     pub bus: bus::BusOptions,
-    /// How the mechanisms deviate from their description.
+    /// Deviations of the mechanisms from their description.
     pub plant: PlantOptions,
     /// The clock shared with the rest of the process.
     pub clock: Clock,
@@ -135,7 +135,7 @@ impl RackRunner {
             // The queue is this one's own: it never ends.
             Some(Asked { at: (address, unit), request, reply }) = self.servers.next() => {
                 let answer = self.rack.ask(self.clock.now(), (&address, unit), &request, &mut out);
-                // Whoever asked may be gone.
+                // The client may be gone.
                 let _ = reply.send(answer);
             }
             () = self.clock.sleep_until(self.rack.next_deadline()) => {}

@@ -16,12 +16,12 @@ use tokio_modbus::{ExceptionCode, Request, Response, SlaveRequest};
 /// Requests that wait for the rack.
 const QUEUE: usize = 16;
 
-/// What somebody asks of a device.
+/// Request to a device.
 pub struct Asked {
-    /// At which address and unit.
+    /// Its address and unit.
     pub at: (String, u8),
     pub request: ModbusRequest,
-    /// Where the answer goes; `None` for none.
+    /// Destination of the answer; `None` for none.
     pub reply: oneshot::Sender<Option<Result<ModbusResponse, u8>>>,
 }
 

@@ -1,9 +1,9 @@
-//! Analogue channels of a simulated I/O device (CiA 401), and what is behind the measured ones.
+//! Analogue channels of a simulated I/O device (CiA 401), and the process behind the measured ones.
 //!
-//! A measured value follows something with a delay of first order, where the description says what; elsewhere it is such
-//! that the inputs made of it are what the mechanisms' switches would be. It can be held at any number by SDO (5F04h): a
-//! broken wire, a sensor that sticks. Outputs without a manager go to their error value (6443h, 6444h), also where a
-//! manager sends the device to pre-operational: zero is no rest for a valve that wants 4 mA.
+//! A measured value follows a cause with a delay of first order, where the description names it; elsewhere it is such
+//! that the inputs made of it are what the mechanisms' switches would be. It can be held at any number by SDO (5F04h):
+//! a broken wire, a sensor that sticks. Outputs without a manager go to their error value (6443h, 6444h), also where a
+//! manager sends the device to pre-operational: zero is no rest for a valve that needs 4 mA.
 //!
 //! Time is exact: a value is what the exponential has come to, not a sum of steps.
 
@@ -17,7 +17,7 @@ use super::bytes::{exactly, number};
 use super::pdo::Pdo;
 use crate::fault::HOLD_INDEX;
 
-/// How often a value on its way is looked at.
+/// Period of checks of a value on its way.
 const GRAIN: Duration = Duration::from_millis(5);
 /// Process data objects with channels: the second to the fourth.
 const OBJECTS: u8 = 3;
@@ -25,7 +25,7 @@ const OBJECTS: u8 = 3;
 #[derive(Debug)]
 struct Measured {
     of: AnalogueInput,
-    /// Where the value was, when, and where it goes.
+    /// Earlier value, its time, and the final value.
     from: f64,
     at: Tick,
     to: f64,
@@ -102,7 +102,7 @@ impl SimulatedChannels {
         !self.measured.is_empty()
     }
 
-    /// The outputs of its owner that are on: those whose value a channel has.
+    /// Outputs of its owner that are on: those whose value a channel has.
     pub fn outputs(&self) -> u128 {
         let on = |set: &SetChannel| {
             let level = |value: &f64| set.of.channel.number_of(*value) == Some(set.number);
@@ -176,7 +176,7 @@ impl SimulatedChannels {
         let fresh = SimulatedChannels::new(self.node, &of);
         let before = std::mem::replace(&mut self.measured, fresh.measured);
         for (own, before) in self.measured.iter_mut().zip(before) {
-            // What is behind a channel does not boot with it.
+            // The process behind a channel does not boot with it.
             *own = Measured { delta: 0, sent: None, ..before };
         }
         (self.set, self.transmit, self.receive, self.enabled) = (fresh.set, fresh.transmit, fresh.receive, false);
@@ -197,8 +197,8 @@ impl SimulatedChannels {
         }
     }
 
-    /// What is measured at `now`, and what of it is to be sent: what has changed, and what is due. `sends` is whether the
-    /// device sends process data at all.
+    /// Measures at `now`, and sends channels that have changed or are due. `sends`: whether the device sends process
+    /// data at all.
     pub fn poll(&mut self, now: Tick, sends: bool, mut send: impl FnMut(u8, Payload)) {
         if self.measured.is_empty() {
             return;
@@ -259,7 +259,7 @@ impl SimulatedChannels {
         }
         let measured = self.measured.iter().find(|own| own.of.channel.number == object.sub);
         let set = self.set.iter().find(|own| own.of.channel.number == object.sub);
-        // A channel that nothing is known of is 0.
+        // A channel that does not exist is 0.
         Some(Ok(match object.index {
             0x6401 => measured.map_or(0, |own| own.number).to_le_bytes().into(),
             0x6426 => measured.map_or(0, |own| own.delta).to_le_bytes().into(),

@@ -1,4 +1,4 @@
-//! What every simulated device has of CANopen: network management, heartbeats both ways, emergencies, and the server of
+//! The CANopen part of every simulated device: network management, heartbeats both ways, emergencies, and the server of
 //! its dictionary.
 //!
 //! ```text
@@ -9,7 +9,7 @@
 //!     └── reset node, reset communication: from every state
 //! ```
 //!
-//! It knows no profile: a device that leaves the operational state is told so, and lets go in its own way.
+//! It has no profile: a device that leaves the operational state gets a [`CommChange`], and lets go in its own way.
 
 use std::time::Duration;
 
@@ -26,7 +26,7 @@ use super::on_error::Behaviour;
 use super::trouble::InjectedFaults;
 use crate::fault::DeviceFault;
 
-/// What a boot takes. Short against any timeout, long enough that a reboot is a gap and not an instant.
+/// Duration of a boot. Short against any timeout, long enough that a reboot is a gap and not an instant.
 const BOOT: Duration = Duration::from_millis(20);
 /// Error register (object 1001h): generic and communication error.
 const COMMUNICATION_ERROR: u8 = 0x11;
@@ -41,7 +41,7 @@ pub(super) enum CommState {
     Stopped,
 }
 
-/// What a frame or the passing of time did to a device.
+/// Effect of a frame or the passing of time on a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CommChange {
     Nothing,
@@ -51,7 +51,7 @@ pub(super) enum CommChange {
     Stopped,
     /// It has been sent to pre-operational.
     PreOperational,
-    /// It has lost its manager while that had a say.
+    /// It has lost its manager while that mattered.
     Lost,
     /// It boots: everything but its mechanics begins anew.
     Boots,
@@ -65,9 +65,9 @@ pub(super) struct Comm {
     /// Object 1017h.
     heartbeat: Duration,
     next_heartbeat: Tick,
-    /// Object 1016h sub 1: whom it watches, and how long it waits.
+    /// Object 1016h sub 1: the watched node, and its timeout.
     watched: Option<(NodeId, Duration)>,
-    /// When the watched node counts as lost; `None` until it is heard (CiA 301 §7.2.8.3.2.2).
+    /// When the watched node counts as lost; `None` until its first heartbeat (CiA 301 §7.2.8.3.2.2).
     lost_at: Option<Tick>,
     /// Object 1001h, communication part.
     pub error_register: u8,
@@ -102,7 +102,7 @@ impl Comm {
         self.state == CommState::Operational
     }
 
-    /// Whether it hears anything at all.
+    /// Whether it receives frames at all.
     pub fn hears(&self) -> bool {
         !self.trouble.is_mute() && !matches!(self.state, CommState::Booting { .. })
     }
@@ -193,7 +193,7 @@ impl Comm {
         }
     }
 
-    /// Hears the heartbeat of another node.
+    /// Takes the heartbeat of another node.
     fn watch(
         &mut self,
         now: Tick,
@@ -206,7 +206,7 @@ impl Comm {
         };
         let mut change = CommChange::Nothing;
         if state == NmtState::BootUp && self.lost_at.is_some() {
-            // It has booted: whatever it ordered before, it does not know of any more.
+            // It has booted: its earlier orders are forgotten.
             change = self.lose_manager(behaviour, out);
         }
         if self.lost_at.is_none() && self.error_register != 0 {
@@ -221,13 +221,13 @@ impl Comm {
         self.lose(behaviour, HEARTBEAT_LOST, out)
     }
 
-    /// What it cannot do without has stopped; `code` says what.
+    /// The heartbeat or SYNC that it depends on has stopped; `code` is the emergency for it.
     pub fn lose(&mut self, behaviour: Behaviour, code: u16, out: &mut DeviceOutbox) -> CommChange {
         self.lost_at = None;
         self.error_register = COMMUNICATION_ERROR;
         match (self.state, behaviour) {
             (CommState::Operational | CommState::PreOperational, Behaviour::Stopped) => {
-                // Said before it may say nothing any more.
+                // Sent before it may no longer send.
                 self.report(code, 0, out);
                 self.enter(CommState::Stopped);
                 return CommChange::Lost;
@@ -263,7 +263,7 @@ impl Comm {
             None => {
                 let before = std::mem::take(trouble);
                 trouble.unsaid = before.error.map(|_| now);
-                // What it has to say of it is said when it is next looked at.
+                // The emergency for it is sent at the next poll.
                 trouble.off_until = before.off_until.map(|_| now);
                 if before.dead {
                     return self.boot(now);
@@ -296,7 +296,7 @@ impl Comm {
         CommChange::Nothing
     }
 
-    /// Says what has come up while nobody asked: that it was off the bus, that it is in error or no longer.
+    /// Reports changes: that it was off the bus, that it is in error or no longer.
     fn speak_up(&mut self, now: Tick, out: &mut DeviceOutbox) {
         if self.trouble.off_until.is_some_and(|until| until <= now) {
             self.trouble.off_until = None;
@@ -308,7 +308,7 @@ impl Comm {
         }
     }
 
-    /// From now, not from the last one: a caller who is late does not get a burst.
+    /// From now, not from the last one: a caller that is late does not get a burst.
     fn schedule_heartbeat(&mut self, now: Tick) {
         self.next_heartbeat = if self.heartbeat.is_zero() { Tick::NEVER } else { now + self.heartbeat };
     }
@@ -354,8 +354,8 @@ impl Comm {
         }
         let timeout = Duration::from_millis(u16::from_le_bytes([low, high]).into());
         self.watched = NodeId::new(node).filter(|_| !timeout.is_zero()).map(|node| (node, timeout));
-        // The standard starts the watch with the first heartbeat. Here it starts at once: who configures the watch
-        // is there, and if it goes away before its first heartbeat that is a loss too.
+        // The standard starts the watch with the first heartbeat. Here it starts at once: the node that configures the
+        // watch is there, and if it goes away before its first heartbeat that is a loss too.
         self.lost_at = self.watched.map(|(_, timeout)| now + timeout);
         Ok(())
     }

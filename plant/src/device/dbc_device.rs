@@ -1,9 +1,9 @@
-//! A simulated device that speaks no CANopen: the frames of a DBC file, from the far end.
+//! A simulated device without CANopen: the frames of a DBC file, from the far end.
 //!
 //! It sends each message four times within the time in which it is missed, and at once when something changes; of a
-//! multiplexed one all pages in turn. Signals have a value that makes the inputs what the plant has them: nothing else of
-//! them is simulated. It does what a device of this kind has to do by itself: when a message it is sent has not come for
-//! the time that its description says, or three of its periods, or comes with the counter standing still, **its outputs go
+//! multiplexed one all pages in turn. Signals have a value that makes the inputs what the plant has them: nothing else
+//! of them is simulated. It does what a device of this kind has to do by itself: when a message it is sent has not come
+//! for the time in its description, or three of its periods, or comes with the counter standing still, **its outputs go
 //! off**.
 
 use std::collections::BTreeMap;
@@ -37,7 +37,7 @@ struct ReceivedFrame {
     outputs: u128,
 }
 
-/// A simulated device that speaks no CANopen.
+/// A simulated device without CANopen.
 #[derive(Debug)]
 pub struct DbcDeviceNode {
     sent: Vec<SentFrame>,
@@ -148,7 +148,7 @@ fn bytes(frame: &ReceivedFrameBinding, page: usize, count: u64, inputs: u128) ->
         }
         show(page, inputs, &mut data);
     }
-    // What is on every page is on this one too.
+    // Fields of every page are on this one too.
     for page in frame.pages.iter().filter(|page| page.selected.is_none()) {
         show(page, inputs, &mut data);
     }

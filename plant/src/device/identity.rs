@@ -1,4 +1,4 @@
-//! Who a simulated device is: the objects a manager compares with its description, and a technician reads.
+//! Identity of a simulated device: the objects a manager compares with its description, and a technician reads.
 //!
 //! The names are longer than four bytes, so that reading them takes a segmented transfer as with a real device.
 

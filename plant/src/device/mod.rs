@@ -1,14 +1,14 @@
 //! The simulated devices, as pure state machines.
 //!
-//! [`DeviceNode`] is a generic CANopen I/O device (CiA 401), [`DriveNode`] a drive (CiA 402); what both are of CANopen
+//! [`DeviceNode`] is a generic CANopen I/O device (CiA 401), [`DriveNode`] a drive (CiA 402); their common CANopen part
 //! is `comm`, and their servers `serve`.
 //!
-//! [`DbcDeviceNode`] speaks none of that, but the frames of a DBC file, and [`ModbusNode`] has a register map.
+//! [`DbcDeviceNode`] has none of that, but the frames of a DBC file, and [`ModbusNode`] has a register map.
 //!
-//! An I/O device knows its bits and its bus, nothing of mechanisms: inputs are handed to it, outputs are read from it. **Leaving
-//! the operational state puts every output to zero; losing the manager, or being stopped, puts it to its error value**,
-//! which is zero unless somebody has set another. Coming back does not restore outputs: that takes a new PDO from
-//! whoever is in charge.
+//! An I/O device has bits and a bus, no mechanisms: inputs are handed to it, outputs are read from it. **Leaving the
+//! operational state puts every output to zero; losing the manager, or being stopped, puts it to its error value**,
+//! which is zero unless another was written. Coming back does not restore outputs: that takes a new PDO from the
+//! manager.
 
 mod bytes;
 mod channels;
@@ -60,14 +60,14 @@ pub trait CanDevice {
     fn inject(&mut self, now: Tick, fault: Option<DeviceFault>);
 }
 
-/// What a simulated device does to the plant it hangs on, beyond its outputs.
+/// Effect of a simulated device on its plant, beyond its outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlantEffect {
     /// The motions driven by an output bit are to fail, or to work again.
     Fail {
         /// Bit of the device's output PDO.
         output: usize,
-        /// How; `None` clears.
+        /// Fault; `None` clears.
         fault: Option<MotionFault>,
     },
     /// An input bit is to be held at a value, or let go.
@@ -90,7 +90,7 @@ pub enum PlantEffect {
     ClearAll,
 }
 
-/// What a device wants done.
+/// Frames and effects of a device.
 #[derive(Clone, Debug, Default)]
 pub struct DeviceOutbox {
     /// Frames to send, in order.
@@ -159,7 +159,7 @@ impl DeviceNode {
         self.channels.output(channel)
     }
 
-    /// What is behind its analogue channels at `now`: what its owner's inputs would be, and which outputs are on.
+    /// Sets the process behind its analogue channels at `now`: its owner's inputs, and the outputs that are on.
     pub fn set_plant(&mut self, now: Tick, inputs: u128, outputs: u128, out: &mut DeviceOutbox) {
         self.channels.behind(now, inputs, outputs);
         self.poll_channels(now, out);
@@ -176,7 +176,7 @@ impl DeviceNode {
         self.comm.nmt_state()
     }
 
-    /// Sets its inputs as the switches have them at `now`. A change is sent at once, or with a SYNC if it was told so.
+    /// Sets its inputs as the switches have them at `now`. A change is sent at once, or with a SYNC if set so.
     pub fn set_inputs(&mut self, now: Tick, inputs: u64, out: &mut DeviceOutbox) {
         if self.inputs != inputs {
             self.inputs = inputs;
@@ -194,7 +194,7 @@ impl DeviceNode {
                 if !self.outputs_pdo.by_event() {
                     self.sync_watch.heard(now);
                 }
-                // What the inputs are is news to whoever just started it.
+                // The inputs are sent at the start, though unchanged.
                 self.unsent = true;
                 self.channels.started();
                 if self.inputs_pdo.by_event() {
@@ -221,7 +221,7 @@ impl DeviceNode {
     fn let_go(&mut self, outputs: u64) {
         self.outputs = self.wired(outputs);
         self.waiting = None;
-        // Whether the loss of the manager changes its state is for 1029h:01; that its outputs let go is not.
+        // Whether the loss of the manager changes its state is set by 1029h:01; its outputs let go in any case.
         self.channels.let_go();
         if !self.comm.is_operational() {
             self.sync_watch.rest();
@@ -245,7 +245,7 @@ impl DeviceNode {
         }
     }
 
-    /// What of these bits are outputs of this device.
+    /// Those of these bits that are outputs of this device.
     fn wired(&self, bits: u64) -> u64 {
         if self.output_count == 0 { 0 } else { Payload::from_bits(bits, self.output_count).bits() }
     }

@@ -1,8 +1,8 @@
 //! A simulated device in Modbus: the register map of its description, from the far end.
 //!
-//! It has exactly the coils, inputs and registers that the description names; whatever else is asked for is an illegal data
-//! address. It does what its description says of it: with a watchdog register, **its outputs go off** when that has not been
-//! written for its time. Without one they stay as they are, as most devices do.
+//! It has exactly the coils, inputs and registers that the description names; any other request is an illegal data
+//! address. It behaves as described: with a watchdog register, **its outputs go off** when that has not been written
+//! for its time. Without one they stay as they are, as most devices do.
 
 use std::collections::BTreeMap;
 
@@ -60,7 +60,7 @@ impl ModbusNode {
         ModbusNode {
             inputs: 0,
             outputs: 0,
-            // What it is compared by is there from the beginning.
+            // Registers for its identification are there from the beginning.
             registers: set.chain(watchdog).chain(expected).collect(),
             missed: None,
             silent: false,
@@ -68,7 +68,7 @@ impl ModbusNode {
         }
     }
 
-    /// Whether it is reached at this address and unit.
+    /// Whether it has this address and unit.
     pub fn is_at(&self, address: &str, unit: u8) -> bool {
         self.modbus.address == address && self.modbus.unit == unit
     }

@@ -56,7 +56,7 @@ impl ObjectServer for DeviceNode {
             return answer;
         }
         if let Some(answer) = self.inputs_pdo.write(object, data) {
-            // A PDO that was switched on, or told to come by itself, begins to.
+            // A PDO that was switched on, or set to be event-driven, begins to come.
             if answer.is_ok() && self.inputs_pdo.by_event() {
                 self.send_inputs(now, out);
             }

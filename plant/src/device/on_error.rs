@@ -1,11 +1,11 @@
-//! What a device does when it has lost its manager: objects 1029h (CiA 301), 6206h and 6207h (CiA 401).
+//! Error behaviour of a device that has lost its manager: objects 1029h (CiA 301), 6206h and 6207h (CiA 401).
 
 use linewright_canopen::codec::Abort;
 use linewright_canopen::sdo::ObjectId;
 
 use super::bytes::exactly;
 
-/// Where a communication error leads (object 1029h sub 1).
+/// State after a communication error (object 1029h sub 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Behaviour {
     /// 0: pre-operational, if it was operational.
@@ -70,7 +70,7 @@ impl OnError {
         }
     }
 
-    /// Which byte a subindex is.
+    /// Index of a subindex's byte.
     fn at(&self, sub: u8) -> Result<usize, Abort> {
         usize::from(sub).checked_sub(1).filter(|at| *at < self.bytes).ok_or(Abort::NO_SUBINDEX)
     }

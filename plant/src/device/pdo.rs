@@ -14,7 +14,7 @@ use super::bytes::exactly;
 
 /// In a COB-ID entry: the PDO does not exist.
 const INVALID: u32 = 1 << 31;
-/// In a COB-ID entry of a TPDO: it may not be asked for by a remote request. Nothing here answers one anyway.
+/// In a COB-ID entry of a TPDO: it may not be requested by a remote frame. Nothing here answers one anyway.
 const NO_RTR: u32 = 1 << 30;
 /// Sent or taken by event, as the device profile has it; the default (CiA 401).
 const BY_EVENT: u8 = 255;
@@ -36,9 +36,9 @@ pub(super) struct Pdo {
     before: u8,
     /// Bits of each.
     width: u8,
-    /// How many subindices there are to map.
+    /// Number of subindices there are to map.
     entries: u8,
-    /// How many are mapped: all or none.
+    /// Number of those mapped: all or none.
     mapped: u8,
     /// SYNCs since it was last sent.
     syncs: u8,
@@ -84,12 +84,12 @@ impl Pdo {
         self.transmission >= 254
     }
 
-    /// How often it is sent when nothing changes.
+    /// Period at which it is sent when nothing changes.
     pub(super) fn event_timer(&self) -> Option<Duration> {
         (self.by_event() && !self.event_timer.is_zero()).then_some(self.event_timer)
     }
 
-    /// Hears a SYNC; whether it is to be sent. `changed` is whether there is anything new.
+    /// Takes a SYNC; whether it is to be sent. `changed`: whether there is anything new.
     pub(super) fn sync(&mut self, changed: bool) -> bool {
         self.syncs = self.syncs.saturating_add(1);
         let due = match self.transmission {

@@ -54,7 +54,7 @@ impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
     }
 
     fn may_write(&mut self, object: ObjectId, _len: Option<usize>) -> Result<(), Abort> {
-        // One that is not there says so before its bytes come.
+        // A missing object is refused before its bytes come.
         if let Some(code) = self.device.comm().trouble.refuses(object) {
             return Err(code);
         }
@@ -82,7 +82,7 @@ pub(super) fn write_trouble<D: ObjectServer>(
     Ok(())
 }
 
-/// Answers a request. A silent device hears none but the one that ends its silence.
+/// Answers a request. A silent device takes none but the one that ends its silence.
 pub(super) fn serve<D: ObjectServer>(device: &mut D, now: Tick, raw: &SdoBytes, out: &mut DeviceOutbox) {
     let plug = matches!(
         ClientFrame::decode(raw),

@@ -1,7 +1,7 @@
-//! SYNC as a device hears it: its COB-ID (object 1005h), how often it comes (1006h), and that it no longer does.
+//! SYNC as a device receives it: its COB-ID (object 1005h), its period (1006h), and its absence.
 //!
 //! Outputs that wait for a SYNC would stay as they are when it stops, although the manager's heartbeat still comes. A
-//! device that has been told how often SYNC comes takes its absence for an error like that of the manager.
+//! device with a SYNC period takes its absence for an error like that of the manager.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ const COB_ID: u32 = 0x80;
 /// So many periods without a SYNC are an error: one may be lost, and the next be late.
 const PERIODS: u32 = 3;
 
-/// What is known of SYNC.
+/// State of the watch of SYNC.
 #[derive(Debug, Default)]
 pub(super) struct SyncWatch {
     /// Object 1006h; zero is unknown, and nothing is watched.
@@ -30,7 +30,7 @@ impl SyncWatch {
         self.due = (!self.period.is_zero()).then(|| now + self.period * PERIODS);
     }
 
-    /// Nobody waits for it any more.
+    /// Ends the watch: nothing waits for SYNC.
     pub(super) fn rest(&mut self) {
         self.due = None;
     }

@@ -1,5 +1,5 @@
-//! What a simulated device can be made to suffer on the bus, beyond what its mechanism can: the state of that, and how
-//! it is commanded by SDO.
+//! Injected faults of a simulated device on the bus, beyond those of its mechanism: their state, and their commands by
+//! SDO.
 //!
 //! Several troubles may hold at once; each is cleared by itself, or all with 5F00h:00 = 0.
 
@@ -11,7 +11,7 @@ use super::bytes::number;
 use crate::fault::DeviceFault;
 use crate::wire::FrameFaults;
 
-/// What a device suffers now.
+/// Faults of a device now.
 #[derive(Debug, Default)]
 pub(super) struct InjectedFaults {
     /// Unplugged.
@@ -28,7 +28,7 @@ pub(super) struct InjectedFaults {
     pub unsaid: Option<Tick>,
     identity: Option<(ObjectId, u32)>,
     refusal: Option<RefusedWrite>,
-    /// What the next write to its companion makes effective.
+    /// Value that the next write to its companion makes effective.
     value: u32,
     code: u32,
     frames: FrameFaults,
@@ -43,7 +43,7 @@ struct RefusedWrite {
 }
 
 impl InjectedFaults {
-    /// It neither sends nor hears.
+    /// It neither sends nor receives.
     pub fn is_mute(&self) -> bool {
         self.silent || self.dead || self.off_until.is_some()
     }
@@ -53,7 +53,7 @@ impl InjectedFaults {
         self.error.map_or(0, |(_, register)| register)
     }
 
-    /// What reading an object gives instead of what it holds.
+    /// Injected result of reading an object, instead of its value.
     pub fn read(&self, object: ObjectId) -> Option<Result<Vec<u8>, Abort>> {
         if let Some(refusal) = self.refusal.filter(|refusal| refusal.object == object && refusal.reading) {
             return Some(Err(refusal.code));
@@ -111,7 +111,7 @@ impl InjectedFaults {
     }
 }
 
-/// What writing object 5F02h brings about beyond the state kept here.
+/// Effect of writing object 5F02h beyond the state kept here.
 pub(super) enum TroubleEffect {
     None,
     Inject(DeviceFault),
@@ -143,7 +143,7 @@ mod tests {
         out
     }
 
-    /// What it suffers, without the numbers that only wait for their companions.
+    /// Its faults, without the numbers that only wait for their companions.
     fn suffers(node: &mut DeviceNode) -> String {
         let t = &node.comm().trouble;
         let said = (t.silent, t.dead, t.no_heartbeat, t.off_until, t.error, t.unsaid, t.identity);

@@ -14,9 +14,9 @@ use linewright_line::{
 };
 use linewright_plant::{CanDevice, DeviceOutbox, DriveNode, MotionFault};
 
-/// How long a frame is under way.
+/// Time for which a frame is under way.
 const LATENCY: Duration = Duration::from_micros(700);
-/// How often the manager repeats what it said, and its heartbeat.
+/// Period of the manager's repeated outputs, and of its heartbeat.
 const REFRESH: Duration = Duration::from_millis(50);
 /// At most this many frames are lost in a row, each way.
 pub const LOST_MAX: u32 = 3;
@@ -72,10 +72,10 @@ pub struct Pair {
     pub loss: u32,
     random: u64,
     lost: [u32; 2],
-    /// Which states of its power it has been seen in.
+    /// States of its power seen.
     pub states: Vec<linewright_canopen::profile::drive::DriveState>,
     pub emergencies: Vec<u16>,
-    /// What the last image that differed began from: when, and where the axis was.
+    /// Start of the last different image: time, and position of the axis.
     pub since: (Tick, f64),
 }
 
@@ -246,7 +246,7 @@ impl Pair {
         }
     }
 
-    /// How often a frame arrives.
+    /// Number of times a frame arrives.
     fn copies(&mut self, way: usize) -> usize {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;

@@ -1,11 +1,11 @@
-//! What was measured on the bus, and how it is printed.
+//! Measurements on the bus, and their printed form.
 
 use std::fmt;
 use std::time::Duration;
 
 use linewright_line::Tick;
 
-/// How long states took to arrive.
+/// Latencies of states.
 #[derive(Clone, Debug, Default)]
 pub struct Latencies(Vec<Duration>);
 
@@ -37,7 +37,7 @@ impl fmt::Display for Latencies {
     }
 }
 
-/// What became of an exchange of process data.
+/// Result of an exchange of process data.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// When all devices were up.
@@ -46,17 +46,17 @@ pub struct Report {
     pub inputs: Latencies,
     /// From the image to the device.
     pub outputs: Latencies,
-    /// How long it went on.
+    /// Duration.
     pub long: Duration,
-    /// How long others had the bus.
+    /// Time for which others had the bus.
     pub foreign: Duration,
-    /// How long manager and devices had it.
+    /// Time for which manager and devices had it.
     pub own: Duration,
-    /// What share of the time others had it.
+    /// Share of the time for which others had it.
     pub foreign_share: f64,
     /// Frames of the manager that its interface had no room for.
     pub refused: usize,
-    /// How often a device was lost.
+    /// Number of times a device was lost.
     pub lost_devices: usize,
 }
 

@@ -30,18 +30,18 @@ const BITS: u16 = 16;
 /// A program with timers of a millisecond polls that often.
 const GRAIN: Duration = Duration::from_millis(1);
 
-/// How long a frame is on the bus, with the gap after it. The bits from its start to the checksum are subject to
-/// stuffing: after the first, every four can bring one.
+/// Time of a frame on the bus, with the gap after it. The bits from its start to the checksum are subject to stuffing:
+/// after the first, every four can bring one.
 fn time(frame: &Frame) -> Duration {
     let data = 8 * frame.len() as u32;
     let (stuffed, rest) = if frame.cob_id().is_some() { (34 + data, 13) } else { (54 + data, 13) };
     BIT * (stuffed + (stuffed - 1) / 4 + rest)
 }
 
-/// What others send: so much that the bus is busy with it for nine tenths of the time.
+/// Frames of other nodes: they occupy the bus for nine tenths of the time.
 pub struct Foreign {
     ids: Vec<u16>,
-    /// How many send at the same moment.
+    /// Number of frames sent at the same moment.
     at_once: usize,
     next: Tick,
     turn: usize,
@@ -50,7 +50,7 @@ pub struct Foreign {
 }
 
 impl Foreign {
-    /// Nobody.
+    /// No other nodes.
     pub fn none() -> Self {
         Foreign::steady(Vec::new())
     }
@@ -84,14 +84,14 @@ impl Foreign {
                 self.queues[self.turn].push_back(frame);
                 self.turn = (self.turn + 1) % self.ids.len();
             }
-            // A tenth around the mean, so that it is in step with nobody.
+            // A tenth around the mean, so that it is in step with no other.
             let permille = 1110 * (900 + self.random.next() % 201) / 1000;
             self.next = self.next + takes * permille as u32 / 1000;
         }
     }
 }
 
-/// Who has the bus.
+/// Sender that has the bus.
 #[derive(Clone, Copy)]
 enum Sender {
     Manager,
@@ -108,7 +108,7 @@ struct Counter {
     next: Tick,
 }
 
-/// The bus and everybody on it.
+/// The bus and all its nodes.
 pub struct Wire {
     now: Tick,
     polled: Tick,
@@ -188,7 +188,7 @@ impl Wire {
         report
     }
 
-    /// Inputs of the devices and outputs of the owner whose time has come.
+    /// Inputs of the devices and outputs of the owner that are due.
     fn count_up(&mut self) {
         for at in 0..usize::from(DEVICES) {
             if self.inputs[at].next <= self.now {
@@ -214,13 +214,13 @@ impl Wire {
     fn count(&mut self, at: usize, inputs: bool) -> u16 {
         let counter = if inputs { &mut self.inputs[at] } else { &mut self.outputs[at] };
         counter.value = counter.value.wrapping_add(1);
-        // Its own moment, in the middle of somebody's frame: that it takes part only when that has ended is the bus.
+        // Its own moment, in the middle of another frame: the bus makes it wait for the end of that.
         counter.changed = counter.next;
         counter.next = counter.next + Duration::from_micros(40_000 + self.random.next() % 100_000);
         counter.value
     }
 
-    /// What has arrived since the last look. Each state must, before the next one.
+    /// Checks the states that have arrived since the last call. Each must, before the next one.
     fn look(&mut self) {
         let image = self.manager.inputs(self.now, Owner::Console);
         for at in 0..usize::from(DEVICES) {
@@ -310,7 +310,7 @@ impl Wire {
         }
     }
 
-    /// What the manager sends, as far as its interface has room.
+    /// Frames of the manager, as far as its interface has room.
     fn take(&mut self, out: BusOutbox) {
         for event in &out.events {
             match event {
@@ -330,7 +330,7 @@ impl Wire {
         }
     }
 
-    /// What the devices send, each by its own controller.
+    /// Frames of the devices, each by its own controller.
     fn queue(&mut self, frames: Vec<Frame>) {
         for frame in frames {
             let at = match CanopenMessage::decode(&frame) {

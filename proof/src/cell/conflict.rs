@@ -6,7 +6,7 @@
 //! the marking in question, and other ends moved forward as everywhere here: two activities can be in progress at once if,
 //! and only if, a marking is reached that holds what both take together.
 //!
-//! An activity that has failed keeps its tokens until it is closed. What is said here holds until then; afterwards its
+//! An activity that has failed keeps its tokens until it is closed. The property holds until then; afterwards its
 //! stations may stand in the midst of their tasks.
 
 use linewright_line::{Line, StateSpan};
@@ -18,7 +18,7 @@ use super::verdict::limit_in_words;
 use super::words::moved;
 use super::{CellExploration, CellNotExplorable, CellProperty, Detail, Nets, Verdict};
 
-/// What is asked.
+/// Name of the property.
 pub const APART: &str = "tasks in conflict are never under way at once";
 
 /// A transition of a group that orders a task.
@@ -135,7 +135,7 @@ impl ConflictSearch<'_> {
                 Err(why) => open = Some(limit_in_words(&why)),
             }
         }
-        // Resources that have nothing to do with each other wait for nobody: each part comes to where it is by itself.
+        // Resources of different groups do not wait for each other: each part comes to its place independently.
         if let Some((a, b)) = pairs(&a, &b).find(|(a, b)| a.group != b.group).filter(|_| self.wip_max > 1) {
             let end = format!(
                 "`{}` and `{}` have no resource in common, and {names} may be under way at once: {why}",

@@ -1,8 +1,7 @@
-//! How parts come to be stuck, told part by part: what was done with which, where each is in the end, and what it would
-//! need to go on.
+//! How parts come to be stuck, part by part: the steps of each, its place in the end, and its needs to go on.
 //!
-//! The net counts parts of a stage and does not tell them apart; a story does. Of several that are alike, the one moves
-//! that came first.
+//! The net counts parts of a stage without identity; a counterexample names them. Of several alike, the one that came
+//! first moves.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -15,14 +14,14 @@ use super::Nets;
 use super::group::ResourceGroup;
 use super::words::{begun_by, moved, needs, sentence, tokens_of};
 
-/// How something comes to be, in the words of the description.
+/// Path to a marking, in the words of the description.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CellPath {
-    /// What happened, in order: one of the shortest ways.
+    /// Steps, in order: one of the shortest ways.
     pub steps: Vec<String>,
-    /// What is wrong at the end.
+    /// Violation at the end.
     pub end: String,
-    /// What each resource that has to do with it holds then.
+    /// Content of each resource concerned then.
     pub resources: Vec<Holding>,
 }
 
@@ -31,7 +30,7 @@ pub struct CellPath {
 pub struct Holding {
     /// Name of the resource.
     pub name: String,
-    /// How many parts it can hold or carry.
+    /// Number of parts it can hold or carry.
     pub capacity: u32,
     /// Those that it has.
     pub parts: Vec<WaitingPart>,
@@ -42,11 +41,11 @@ pub struct Holding {
 pub struct WaitingPart {
     /// Its name: its type, and the how manieth of it.
     pub part: String,
-    /// How far it is.
+    /// Its stage.
     pub stage: String,
-    /// Where in the resource it is, if there is more to say than that it is there.
+    /// Its position in the resource, if there are several.
     pub at: Option<String>,
-    /// What each way on needs; none if it can go on at once.
+    /// Needs of each way on; none if it can go on at once.
     pub needs: Vec<String>,
 }
 
@@ -62,17 +61,17 @@ struct PartsAtStart {
     parts: Vec<StoryPart>,
     /// By place of the long net, those that came first in front.
     at: HashMap<PlaceId, VecDeque<usize>>,
-    /// How many of each type have come.
+    /// Number of each type that have come.
     seen: HashMap<PartTypeId, u32>,
 }
 
-/// A step, and which activity with which part it belongs to.
+/// A step, with its activity and part.
 struct StoryStep<'n> {
     text: String,
     of: Option<(&'n str, usize, TransitionPhase)>,
 }
 
-/// Tells what was found.
+/// The path to a marking found, in words.
 pub(super) fn tell(nets: &Nets<'_>, group: &ResourceGroup, found: &WitnessMarking, end: &str) -> CellPath {
     let mut cast = PartsAtStart::default();
     let mut steps: Vec<StoryStep<'_>> = Vec::new();
@@ -126,7 +125,7 @@ impl PartsAtStart {
         self.parts.len() - 1
     }
 
-    /// Where a part has moved up to.
+    /// Position up to which a part has moved.
     fn place_of(&self, nets: &Nets<'_>, part: Option<usize>) -> String {
         let at = self.at.iter().find(|(_, parts)| part.is_some_and(|part| parts.contains(&part)));
         if let Some(PlaceMeaning::Held(id, ResourcePosition::Position(at))) = at.map(|(&place, _)| nets.meaning(place))
@@ -180,7 +179,7 @@ impl Nets<'_> {
         }
     }
 
-    /// Who has a part while an activity is in progress.
+    /// The resource that has a part while an activity is in progress.
     fn who_moves(&self, activity: ActivityId) -> Option<ResourceId> {
         let activity = self.cell.activity(activity);
         let roles = [Role::Carrier, Role::Worker, Role::Source, Role::Target];

@@ -1,7 +1,7 @@
 //! The parts of a cell's net that have nothing in common but the number of parts let in.
 //!
 //! Each is an ordinary net of its own, with any number of parts let in. A place that counts the parts inside is added;
-//! it follows from the others and holds nobody up.
+//! it follows from the others and blocks nothing.
 
 use linewright_cell::ResourceId;
 use linewright_cell::net::PlaceMeaning;
@@ -19,7 +19,7 @@ pub(super) struct ResourceGroup {
     pub places: Vec<PlaceId>,
     /// Transitions of the long net, in the same order.
     pub transitions: Vec<TransitionId>,
-    /// What each transition takes and gives, in places of the group's own net.
+    /// Tokens that each transition takes and gives, in places of the group's own net.
     sides: Vec<[Vec<(PlaceId, u32)>; 2]>,
     names: Vec<String>,
     tokens: Vec<u32>,
@@ -72,12 +72,12 @@ impl ResourceGroup {
         }
     }
 
-    /// How many more parts may come in, in the group's own net.
+    /// Place of admission: number of parts that may still come in, in the group's own net.
     fn admission(&self) -> PlaceId {
         PlaceId(self.places.len() as u32)
     }
 
-    /// How many parts are inside, in the group's own net.
+    /// Place that counts the parts inside, in the group's own net.
     pub fn inside(&self) -> PlaceId {
         PlaceId(self.places.len() as u32 + 1)
     }
@@ -94,7 +94,7 @@ impl ResourceGroup {
         for &t in &self.transitions {
             let side = |arcs: &[(PlaceId, u32)]| arcs.iter().map(|&(place, n)| (own(place), n)).collect::<Vec<_>>();
             let [mut takes, mut gives] = [side(long.preset(t)), side(long.postset(t))];
-            // Who is let in is inside, until somebody else may come instead.
+            // An admitted part is inside, until another may come instead.
             let counted = |arcs: &[(PlaceId, u32)]| arcs.iter().find(|(place, _)| *place == admission).map(|&(_, n)| n);
             let (coming, leaving) = (counted(&takes), counted(&gives));
             gives.extend(coming.map(|n| (inside, n)));
@@ -126,12 +126,12 @@ impl ResourceGroup {
         b.build().ok()
     }
 
-    /// What a transition takes, by its place in [`ResourceGroup::transitions`].
+    /// Tokens that a transition takes, by its place in [`ResourceGroup::transitions`].
     pub fn takes(&self, transition: usize) -> &[(PlaceId, u32)] {
         &self.sides[transition][0]
     }
 
-    /// Whether parts are inside and nothing can happen but that others come: then those inside stay for good.
+    /// Whether parts are inside and the only enabled transitions let others in: then those inside stay for good.
     pub fn is_stuck(&self, view: MarkingView<'_>) -> bool {
         let enabled = |takes: &[(PlaceId, u32)]| takes.iter().all(|&(place, weight)| view.tokens(place) >= weight);
         let comes = |takes: &[(PlaceId, u32)]| takes.iter().any(|&(place, _)| place == self.admission());
@@ -140,7 +140,7 @@ impl ResourceGroup {
 }
 
 impl Nets<'_> {
-    /// What a place of the long net stands for.
+    /// Meaning of a place of the long net.
     pub(super) fn meaning(&self, place: PlaceId) -> PlaceMeaning {
         self.net.meaning(self.long.cell(self.net.net(), place).place)
     }

@@ -1,23 +1,22 @@
 //! Whether a cell is right: whatever is decided, nothing gets stuck, and every part can always be finished.
 //!
-//! Explored is the net that is played, written out as an ordinary one, by the explorer of `linewright-nets`. Every mix of
-//! part types may come, in every order, up to `wip_max` parts at a time; whatever can start may start, or not. Three
-//! arguments keep that small. Tests hold each against a player of parts that knows no net (`tests/cells`).
+//! Explored is the net that is played, written out as an ordinary one, by the explorer of `linewright-nets`. Every mix
+//! of part types may come, in every order, up to `wip_max` parts at a time; whatever can start may start, or not. Three
+//! arguments keep that small. Tests compare each with a player of parts without a net (`tests/cells`).
 //!
-//! - **Whole activities.** What has started can always end, and its end takes nothing from anybody. So an end can be
-//!   moved forward to right behind its start, and where nothing is in progress the same markings are reached without
-//!   the states between ([`Detail::Coordination`]). Nothing gets stuck in the midst of an activity that has all it
-//!   needs; a part that was grasped without a reservation is such a marking, not the midst of one.
+//! - **Whole activities.** What has started can always end, and its end takes no tokens. So an end can be moved forward
+//!   to right behind its start, and where nothing is in progress the same markings are reached without the states
+//!   between ([`Detail::Coordination`]). Nothing gets stuck in the midst of an activity that has all it needs; a part
+//!   that was grasped without a reservation is such a marking, not the midst of one.
 //! - **Groups.** Resources that share no part and no activity have only the number of parts let in in common. A part
 //!   that is inside never waits for that. So each group is explored alone, as if it had the whole number for itself.
-//! - **Parts by and by.** Leave one part out of a story, with all that is done with it: what is left is a story, since a
-//!   part only takes what others may need and gives it back. So what is sound with n parts is sound with fewer, what
-//!   gets stuck with n does so with more, and those that are stuck in the end need nobody else to get there. Numbers of
-//!   parts are tried upwards: what is wrong is found where it is smallest, the largest sound number becomes known with
-//!   it, and beyond the limits it is known how far it came. Once more parts are let in than ever fit, all larger numbers
-//!   are the same.
+//! - **Parts by and by.** Leave one part out of a story, with all that is done with it: what is left is a story, since
+//!   a part only takes what others may need and gives it back. So what is sound with n parts is sound with fewer, what
+//!   gets stuck with n does so with more, and those that are stuck in the end got there without the others. Numbers of
+//!   parts are tried upwards: a violation is found with the fewest parts, the largest sound number with it, and beyond
+//!   the limits the number reached. Once more parts are let in than ever fit, all larger numbers are the same.
 //!
-//! Time stands still here, and nothing breaks; what does is for the one who plays the net.
+//! Time and failures are not modelled here; they are up to the token player.
 
 mod conflict;
 mod counterexample;
@@ -42,11 +41,11 @@ pub use verdict::{CellProperty, Checked, GroupExplored};
 /// At most so many places and transitions of the ordinary net: a thousand resources need a tenth of it.
 const NODES_MAX: usize = 1_000_000;
 
-/// What is explored, and how far.
+/// Subject and extent of an exploration.
 #[derive(Clone, Debug)]
 pub struct CellExploration<'c> {
     pub cell: &'c Cell,
-    /// How much of an activity is to be seen. The answers are the same, the numbers of states are not.
+    /// Detail in which activities are explored. The answers are the same, the numbers of states are not.
     pub detail: Detail,
     /// Of each part type at most so many, in their order; none for any mix.
     pub parts: Option<Vec<u32>>,
@@ -89,7 +88,7 @@ impl<'c> Nets<'c> {
     }
 }
 
-/// Explores a cell as far as the limits allow, and says what follows.
+/// Explores a cell as far as the limits allow, and draws the conclusions.
 ///
 /// # Errors
 /// When there is no net to explore.

@@ -1,4 +1,4 @@
-//! How many parts a group can take: sound, stuck, without an end, or too much to be seen.
+//! Number of parts that a group can take: sound, stuck, without an end, or too many states.
 
 use linewright_nets::Marking;
 use linewright_nets::explicit::{
@@ -7,7 +7,7 @@ use linewright_nets::explicit::{
 
 use super::group::ResourceGroup;
 
-/// What was found of a group.
+/// Result for a group.
 #[derive(Debug)]
 pub(super) struct GroupSearch {
     /// With up to so many parts at a time, everything was seen and nothing is wrong.
@@ -16,11 +16,11 @@ pub(super) struct GroupSearch {
     pub size: Size,
     /// By transition, whether it was seen to fire.
     pub fires: Vec<bool>,
-    /// What comes with one part more.
+    /// Result with one part more.
     pub end: Excess,
 }
 
-/// How large a search was.
+/// Size of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Size {
     pub parts: u32,
@@ -29,7 +29,7 @@ pub(super) struct Size {
     pub bytes: usize,
 }
 
-/// What comes with more parts than are sound.
+/// Result with more parts than are sound.
 #[derive(Debug)]
 pub(super) enum Excess {
     /// No more are let in, or none fit.
@@ -44,7 +44,7 @@ pub(super) enum Excess {
     Limit(ExplorationUndecided),
 }
 
-/// The smallest number of parts that is not known to be sound, and why.
+/// The smallest number of parts that is not proved sound, and why.
 enum Bad {
     Wrong(Marking, Size),
     Limit(ExplorationUndecided),

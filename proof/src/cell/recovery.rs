@@ -1,7 +1,8 @@
 //! Whether what fails in a cell leads back, and loses nothing: of the net with error places, by its structure alone.
 //!
-//! - **Back.** Every transition out of an error place takes one token, from there and from nowhere else. So it waits for
-//!   nobody, and from every marking a few of them lead to one without a token on any error place: one of the normal net.
+//! - **Back.** Every transition out of an error place takes one token, from there and from nowhere else. So it waits
+//!   for no other, and from every marking a few of them lead to one without a token on any error place: one of the
+//!   normal net.
 //! - **Nothing lost.** Whatever sum of tokens the normal net conserves, failures and recoveries conserve, where an activity
 //!   that has failed counts as much as one in progress. So no capacity, no admission and no reservation is lost by a recovery,
 //!   and none is there twice.
@@ -18,14 +19,14 @@ use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
 
 use super::{CellProperty, Verdict};
 
-/// What is asked.
+/// Name of the property.
 pub const BACK: &str = "what fails leads back to the normal net";
-/// What is asked.
+/// Name of the property.
 pub const KEPT: &str = "no failure and no recovery loses a token";
-/// What is asked.
+/// Name of the property.
 pub const BOUNDED: &str = "with what fails the net is bounded";
 
-/// What the structure of a cell's net with error places says; nothing of a cell that is not played.
+/// Properties by the structure of a cell's net with error places; none of a cell that is not played.
 pub fn check_recovery(cell: &Cell, line: Option<&Line>) -> Vec<CellProperty> {
     let pace = OrderTiming { refresh: std::time::Duration::from_secs(1), grace: std::time::Duration::from_secs(1) };
     let Ok(made) = compile_cell(cell, line, Supply::Open, pace) else { return Vec::new() };
@@ -53,7 +54,7 @@ fn error_places(net: &RecoveryNet) -> impl Iterator<Item = PlaceId> + '_ {
 
 fn leads_back(net: &RecoveryNet) -> CellProperty {
     let long = &net.net;
-    // How far each error place is from the normal net, as far as that is known.
+    // Distance of each error place from the normal net; `None` while unknown.
     let mut far: BTreeMap<PlaceId, Option<u32>> = error_places(net).map(|place| (place, None)).collect();
     for _ in 0..far.len() {
         for place in far.keys().copied().collect::<Vec<_>>() {
@@ -80,7 +81,7 @@ fn leads_back(net: &RecoveryNet) -> CellProperty {
     }
 }
 
-/// What happens without a failure, as a net of its own with the same places.
+/// The net without failures, with the same places.
 fn normal(net: &RecoveryNet) -> Option<Net> {
     let (long, errors) = (&net.net, error_places(net).collect::<std::collections::BTreeSet<_>>());
     let mut b = NetBuilder::new("normal");
@@ -104,7 +105,7 @@ fn keeps(net: &RecoveryNet) -> CellProperty {
         Some(Err(why)) => return property(KEPT, Verdict::Undecided, why.to_string()),
         None => return property(KEPT, Verdict::Undecided, "the normal net has no form".to_owned()),
     };
-    // What has failed counts as what is in progress.
+    // A failed activity counts as one in progress.
     let mut stands_for: BTreeMap<PlaceId, PlaceId> = BTreeMap::new();
     for part in &net.errors {
         let all = [Some(part.failed), Some(part.asked), part.carried];

@@ -1,4 +1,4 @@
-//! What the searches of all groups say about the cell.
+//! Verdicts on the cell from the searches of all groups.
 
 use linewright_cell::{Cell, StageId};
 use linewright_nets::explicit::{ExplorationLimit, ExplorationUndecided};
@@ -14,15 +14,15 @@ use crate::explore::Verdict;
 /// One property of the cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CellProperty {
-    /// What was asked.
+    /// Name of the property.
     pub name: &'static str,
     /// The answer.
     pub verdict: Verdict,
     /// Why, in words.
     pub reason: String,
-    /// What can be done about it, where that is known.
+    /// Remedy, where one is known.
     pub help: Option<String>,
-    /// How it comes to be, where it fails.
+    /// Path to the violation.
     pub counterexample: Option<CellPath>,
 }
 
@@ -45,7 +45,7 @@ pub struct GroupExplored {
     pub exhausted: bool,
 }
 
-/// What a check came to.
+/// Result of a check.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Checked {
     pub groups: Vec<GroupExplored>,
@@ -55,7 +55,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Whether every property holds; a remark does not speak against the cell.
+    /// Whether every property holds; a remark counts as holding.
     pub fn holds(&self) -> bool {
         self.properties.iter().all(|property| matches!(property.verdict, Verdict::Holds | Verdict::Remark))
     }
@@ -126,7 +126,7 @@ impl<'p> Summary<'p> {
         open.min_by_key(|(sound, _)| *sound)
     }
 
-    /// Where something is wrong with the fewest parts.
+    /// The violation with the fewest parts.
     fn worst(&self) -> Option<(&'p ResourceGroup, &'p GroupSearch)> {
         let is_wrong = |play: &GroupSearch| match play.end {
             Excess::Stuck(_) | Excess::Endless(_) | Excess::Wrong(_) => true,
@@ -168,7 +168,7 @@ impl<'p> Summary<'p> {
                 let end = "something can still move, but never again will all that is here be finished";
                 self.failed(FINISHED, play, Some(tell(nets, group, found, end)))
             }
-            // Told already.
+            // Reported already.
             Excess::Stuck(_) => CellProperty {
                 help: None,
                 reason: format!("not those that are stuck, with {}", with_parts(play.size.parts)),
@@ -193,7 +193,7 @@ impl<'p> Summary<'p> {
         CellProperty { name, verdict: Verdict::Fails, reason, help: self.help(), counterexample: story }
     }
 
-    /// What to change in the description.
+    /// Change of the description that helps.
     fn help(&self) -> Option<String> {
         let reserve = "`reserve = true` in `[cell]`: a part is then grasped only if the place for it is reserved";
         let less = |sound: u32| format!("`wip_max = {sound}` in `[cell]`: with no more parts at once nothing is wrong");
@@ -219,7 +219,7 @@ fn undecided((sound, why): (u32, &ExplorationUndecided)) -> String {
     }
 }
 
-/// What stopped a search. A cell's net is always bounded; there is no need to wonder about that.
+/// Why a search stopped. A cell's net is always bounded, so that is no reason here.
 pub(super) fn limit_in_words(why: &ExplorationUndecided) -> String {
     let what = match &why.cause {
         ExplorationLimit::States { limit } => format!("there are more than the {limit} allowed"),
@@ -228,8 +228,8 @@ pub(super) fn limit_in_words(why: &ExplorationUndecided) -> String {
     format!("undecided after {} states: {what}", why.states)
 }
 
-/// Whether each activity happens for each stage that it is described for. What one part alone can have done to it, it can
-/// among others as well, and the other way round; so it is known as soon as any search came to an end.
+/// Whether each activity happens for each stage that it is described for. An activity possible for one part alone is
+/// possible among others, and the other way round; so one exhausted search decides.
 fn happens(
     setting: &CellExploration<'_>,
     nets: &Nets<'_>,

@@ -1,4 +1,4 @@
-//! What a transition of a cell's net does, and what a marking lacks, in the words of the description.
+//! Effects of a cell net's transitions, and tokens that a marking lacks, in the words of the description.
 
 use linewright_cell::net::{Origin, PlaceMeaning, TransitionPhase};
 use linewright_cell::{Activity, ActivityKind, Cell, ResourceId, Role, StageMove};
@@ -6,7 +6,7 @@ use linewright_nets::{Marking, PlaceId, TransitionId};
 
 use super::Nets;
 
-/// A step of a story: what somebody beside the cell would say of a transition.
+/// A step of a counterexample: a transition as an observer of the cell describes it.
 pub(super) fn sentence(cell: &Cell, activity: &Activity, of: &StageMove, phase: TransitionPhase, part: &str) -> String {
     let name = |role: Role| {
         let of = activity.used(role).and_then(|part| part.of);
@@ -47,7 +47,7 @@ pub(super) fn sentence(cell: &Cell, activity: &Activity, of: &StageMove, phase: 
     format!("{}{how}: {what}", activity.name)
 }
 
-/// What a transition does in one go that is the end of what the phase began; none for other phases.
+/// For the end of a phase: the phase that begins it, and the one that does both in one go. None for other phases.
 pub(super) fn begun_by(phase: TransitionPhase) -> Option<(TransitionPhase, TransitionPhase)> {
     match phase {
         TransitionPhase::End => Some((TransitionPhase::Start, TransitionPhase::Whole)),
@@ -76,7 +76,7 @@ fn step<'c>(cell: &'c Cell, of: &StageMove) -> &'c str {
     part.steps.iter().find(|step| (step.from, step.to) == (of.from, of.to)).map_or("work", |step| step.name.as_str())
 }
 
-/// What has to be there for parts on a place to go on, one sentence for each way; none if something can go on at once.
+/// Needs of parts on a place to go on, one sentence for each way; none if something can go on at once.
 pub(super) fn needs(nets: &Nets<'_>, place: PlaceId, tokens: impl Fn(PlaceId) -> u32) -> Option<Vec<String>> {
     let long = nets.long.net();
     // By what can be done: of several modes, which differ in the level of a stack, the one that lacks least.

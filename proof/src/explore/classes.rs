@@ -1,13 +1,13 @@
-//! What a station comes and goes between by itself, as one.
+//! Local classes: situations between which a station moves unobserved, as one.
 //!
-//! An operator presses a key that nothing answers to, and lets go of it; a reversible motion runs to and fro while
-//! nobody reads its count. Situations of a station between which such moves of its own lead to and fro form a class:
-//! the moves change nothing but the situation, nobody can tell, and they are possible whatever the rest of the line
-//! does. So with one member of a class all others can be reached, for each station independently of the others, and
-//! what can be reached of the line is whole products of classes. The search keeps one state for each product.
+//! An operator presses a key without effect, and lets go of it; a reversible motion runs to and fro while its count is
+//! not read. Situations of a station between which such moves of its own lead to and fro form a class: the moves change
+//! nothing but the situation, are not observable, and are possible in every state of the rest of the line. So with one
+//! member of a class all others can be reached, for each station independently of the others, and what can be reached
+//! of the line is whole products of classes. The search keeps one state for each product.
 //!
-//! Nothing is lost by it. How many states and moves a product stands for is a product itself; whether one of its
-//! states is wrong is asked of all members; a way through products becomes a way through states by walking inside.
+//! Nothing is lost by it. How many states and moves a product stands for is a product itself; all members are checked
+//! for violations; a way through products becomes a way through states by walking inside.
 //!
 //! A class need not be as large as it could be: all that is used is that its members lead to each other. So only so many
 //! situations are looked at together, and a station with more of them has several classes where one would do.
@@ -31,14 +31,14 @@ use super::view_key::ViewKeys;
 pub(crate) struct LocalClass {
     /// All of them; the first stands for the class.
     pub members: Box<[u32]>,
-    /// What leads into other classes of the same station, and concerns nobody else: a member with the number of its
-    /// act, and the situation that stands for the other class.
+    /// Moves into other classes of the same station, without effect on others: a member with the number of its act, and
+    /// the situation that stands for the other class.
     pub leads: Box<[(MemberAct, u32)]>,
     /// Every other act of every member.
     pub acts: Box<[MemberAct]>,
     /// Members in which the station acts on no mode.
     pub idle: Box<[u32]>,
-    /// How many acts are possible, in all members together.
+    /// Number of possible acts, in all members together.
     pub possible: u64,
     /// Members to which nothing can happen by itself.
     pub stuck: u64,
@@ -218,7 +218,7 @@ impl LocalClass {
         class
     }
 
-    /// Every act of a member that is not its station's own business alone, or leads to where nobody has looked.
+    /// Acts of a member that concern other stations, or lead to unexplored situations.
     fn other_acts(
         &self,
         setting: &LineExploration,

@@ -11,12 +11,12 @@ use super::state::ComposedState;
 use super::station::{PanelKey, StationAct};
 use super::system::{System, SystemMove};
 
-/// What led to a state, in words and as a bar chart.
+/// Path to a state, in words and as a bar chart.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinePath {
-    /// What happened, in order: `clamp_1: starts advance clamp`.
+    /// Steps, in order: `clamp_1: starts advance clamp`.
     pub steps: Vec<String>,
-    /// What is wrong at the end.
+    /// Violation at the end.
     pub end: String,
     /// The operations that moved, a line of text each: a column for every step, `█` while an operation runs, `░` while
     /// it is undone, `✗` while it stands incomplete.
@@ -24,7 +24,7 @@ pub struct LinePath {
 }
 
 impl LinePath {
-    /// Tells a way: the states before each move with the move, and the last state.
+    /// A way in words: from the states before each move with the move, and the last state.
     pub(crate) fn tell(
         system: &System,
         way: &[(ComposedState, SystemMove)],
@@ -61,12 +61,12 @@ fn step(system: &System, state: &ComposedState, what: SystemMove) -> String {
     }
 }
 
-/// A motion that starts or ends says enough by itself; devices that come back in the next image are part of a failure.
+/// A motion that starts or ends needs no cause; devices that come back in the next image are part of a failure.
 fn worth_telling(event: &StationHappening) -> bool {
     !matches!(event.what, linewright_station_logic::HappeningKind::Devices(true))
 }
 
-/// Why anything happens; nothing where the events themselves say it.
+/// Cause of a move; empty where the events themselves show it.
 fn cause(system: &System, state: &ComposedState, what: SystemMove) -> String {
     let setting = &system.setting;
     match what {

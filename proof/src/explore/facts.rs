@@ -1,5 +1,5 @@
-//! What is true of one situation of a station, worked out once: what may happen next, what others can tell, and
-//! whether anything is wrong with it. Judged from the description alone, not from the controller's own reasoning.
+//! Facts on one situation of a station, computed once: possible acts, view keys for its readers, and violations. Judged
+//! from the description alone, not from the controller's own reasoning.
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{Line, MotionSignals, OpId, OperationModule, StateSpan, StationId};
@@ -15,14 +15,14 @@ pub(crate) const CONFLICTS_MAX: usize = 64;
 /// At most this many stations: one bit each.
 pub(crate) const STATIONS_MAX: usize = 32;
 
-/// What is true of one situation.
+/// Facts on one situation.
 #[derive(Debug)]
 pub(crate) struct SituationFacts {
-    /// What may happen next, to this station by itself.
+    /// Acts that may come next, of this station by itself.
     pub acts: Box<[StationAct]>,
-    /// What it tells over each outgoing link, relative to its cycle.
+    /// Its view key for each outgoing link, relative to its cycle.
     pub says: Box<[ViewKey]>,
-    /// What it holds over each incoming link, relative to its cycle.
+    /// The view key it holds for each incoming link, relative to its cycle.
     pub holds: Box<[ViewKey]>,
     /// The conflicts of which it is in the one state, a bit each.
     pub in_a: u64,
@@ -33,14 +33,14 @@ pub(crate) struct SituationFacts {
     pub is_lost: bool,
     /// It is not in stand-by.
     pub acts_on_a_mode: bool,
-    /// What is wrong with the station by itself.
+    /// Violation by the station itself.
     pub wrong: Option<Box<str>>,
 }
 
 impl SituationFacts {
     pub fn of(setting: &LineExploration, words: &mut [ViewKeys], of: &Situations, situation: &Situation) -> Self {
         let line = &setting.line;
-        // Without its memory its marking says what moves, and not where the rest stands.
+        // Without its memory its marking shows what moves, and not where the rest stands.
         let stands = |place: &StationPlace| !situation.is_lost() || place.is_operating();
         let stood = situation.stood.as_deref().unwrap_or_default();
         let inside = |span: &StateSpan| {
@@ -68,7 +68,7 @@ impl SituationFacts {
     }
 }
 
-/// Everything that may happen to this station next, but for what it hears from others.
+/// Everything that may happen to this station next, but for reports from others.
 fn acts(setting: &LineExploration, station: usize, situation: &Situation) -> Vec<StationAct> {
     let mut acts = Vec::new();
     for place in situation.controller.marking().filter(|place| place.is_operating()) {
@@ -106,7 +106,7 @@ fn acts(setting: &LineExploration, station: usize, situation: &Situation) -> Vec
     acts
 }
 
-/// The modes it may hear of next. In epochs, stand-by comes between any two.
+/// The modes it may receive next. In epochs, stand-by comes between any two.
 fn modes_from(setting: &LineExploration, mode: ControlMode) -> impl Iterator<Item = ControlMode> + '_ {
     let back = (setting.grants == Grants::InEpochs && mode != ControlMode::StandBy).then_some(ControlMode::StandBy);
     let all = setting.modes.iter().copied().filter(move |&other| back.is_none() && other != mode);

@@ -9,8 +9,8 @@ impl<const N: usize> LineSearch<N> {
     /// Of an exhausted search: a state from which home cannot be reached, if there is one.
     ///
     /// With manual mode among the modes, by manual mode alone: no station takes up any other on the way. The mode
-    /// decision lets an operator come to manual from everywhere, whatever is wrong; it lets nobody into auto or hand
-    /// while something is.
+    /// decision lets an operator come to manual from everywhere, whatever the fault; auto and hand are refused while
+    /// there is one.
     pub fn stranded(&self) -> Option<u32> {
         match self.home_by_manual() {
             None => self.cut_off_from(self.at_home.clone(), |_, _| true),
@@ -21,7 +21,7 @@ impl<const N: usize> LineSearch<N> {
         }
     }
 
-    /// The number of manual mode, where home is asked for by it alone.
+    /// The number of manual mode, if home is to be reached by it alone.
     pub fn home_by_manual(&self) -> Option<u8> {
         let LineExploration { modes, grants, .. } = &self.system.setting;
         let manual = modes.iter().position(|&mode| mode == ControlMode::Manual)?;

@@ -1,5 +1,5 @@
-//! Tests of the search that keeps one state for many, by itself: without the plain search that is asked again where
-//! something is wrong.
+//! Tests of the search that keeps one state for many, by itself: without the plain search that repeats it after a
+//! violation.
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Arrow, Line};
@@ -23,7 +23,7 @@ fn searched(setting: &LineExploration, states: usize) -> LineSearch<8> {
     }
 }
 
-/// A small line with or without a mistake in it, and something that is asked of it.
+/// A small line with or without a mistake in it, and a property to check.
 fn random_setting(seed: u64) -> LineExploration {
     let mut random = Random::new(seed);
     let stations = *random.pick(&[1, 2, 2, 2, 3]);
@@ -51,7 +51,7 @@ fn random_setting(seed: u64) -> LineExploration {
 /// So many random settings: what a build can wait for. Some thousands of others have been compared by hand.
 const SETTINGS: u64 = 100;
 
-/// What is said of all states, once all have been seen.
+/// Results for all states, once all have been seen.
 fn of_all(search: &LineSearch<8>) -> (StateTally, bool, bool) {
     (search.tally, search.stranded().is_some(), search.no_return().is_some())
 }

@@ -1,9 +1,9 @@
 //! Exploration: the real controllers of several stations, composed with an environment that may do anything.
 //!
 //! Motions complete, fail or stay at any moment; operators press, hold and release at every panel at once; a station
-//! hears of a change of mode when it hears of it; every reader holds any report between its last one and the newest.
-//! In every state the line's conflicts and the soundness of each station are judged from the description alone, and
-//! of all states together it is decided whether home and the start can be reached from each.
+//! receives a change of mode at any time; every reader holds any report between its last one and the newest. In every
+//! state the line's conflicts and the soundness of each station are judged from the description alone, and of all
+//! states together it is decided whether home and the start can be reached from each.
 //!
 //! Controllers are not modelled but called. What keeps this fast is that a station by itself has few situations
 //! (`station.rs`): what its controller makes of each is worked out once, and the composed line is played with numbers.

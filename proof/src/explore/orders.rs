@@ -1,5 +1,5 @@
-//! What may happen to a station on order besides what happens to every station: orders, their end from outside, and the
-//! inputs its operations wait for.
+//! Events of a task-driven station besides those of every station: orders, their end from outside, and the inputs its
+//! operations wait for.
 //!
 //! Orders have a number each, which grows for ever; what a station does with one does not depend on it. Time stands still
 //! but for the time of an order: each has the shortest there is, and only [`StationAct::Expire`] lets it pass.
@@ -49,7 +49,7 @@ pub(super) fn parameters(line: &Line, station: StationId, situation: &Situation)
     bits.fold(0, |bits, output| bits | output.bit())
 }
 
-/// What may happen next.
+/// Possible events.
 pub(super) fn acts(line: &Line, station: StationId, situation: &Situation, acts: &mut Vec<StationAct>) {
     let Some(report) = situation.controller.report().order else { return };
     match (report.slot, report.rest) {

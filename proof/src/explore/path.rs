@@ -6,8 +6,8 @@ use super::successors::{Successor, SuccessorMove, Successors};
 use super::system::{FixedSituation, SystemMove};
 
 impl<const N: usize> LineSearch<N> {
-    /// How the line comes from the start to one of the states that the kept one stands for, to one with these pins:
-    /// each state with the move from it, and the last.
+    /// The way from the start to one of the states that the kept one stands for, to one with these pins: each state
+    /// with the move from it, and the last.
     pub fn way_to(
         &mut self,
         number: u32,

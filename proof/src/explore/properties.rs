@@ -1,16 +1,16 @@
-//! What is said of a state that the search keeps: whether anything is wrong in one of those it stands for, whether home
-//! is among them, and how many there are. Judged from the description alone, by the facts of each situation.
+//! Properties of a state that the search keeps: violations in one of those it stands for, whether home is among them,
+//! and their number. Judged from the description alone, by the facts of each situation.
 
 use super::classes::LocalClass;
 use super::facts::SituationFacts;
 use super::state::ComposedState;
 use super::system::{FixedSituation, System};
 
-/// How far apart the cycles of two neighbours may be. A pair of arrows, one of lag 0 and one of lag 1, lets the one be
+/// Largest difference of the cycles of two neighbours. A pair of arrows, one of lag 0 and one of lag 1, lets the one be
 /// a cycle ahead; operations listed before the arrow's end may have begun another.
 const CYCLES_APART_MAX: i32 = 2;
 
-/// How many states there are, how many moves from them, and how many that nothing can follow.
+/// Number of states, of moves from them, and of states without successors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct StateTally {
     pub states: u64,
@@ -26,7 +26,7 @@ impl StateTally {
     }
 }
 
-/// What must never be.
+/// State that must never be reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Violation {
     /// Both states of a conflict hold.
@@ -86,7 +86,7 @@ impl System {
         Some(FixedSituation { station, member })
     }
 
-    /// What the states that this one stands for come to.
+    /// Tally of the states that this one stands for.
     pub fn tally(&self, state: &ComposedState) -> StateTally {
         let classes = || (0..self.stations.len()).map(|station| self.class(state, station));
         let product =
@@ -102,7 +102,7 @@ impl System {
         StateTally { states, arcs, deadlocks: if waiting > 0 { 0 } else { still } }
     }
 
-    /// What is wrong, in words.
+    /// A violation, in words.
     pub fn wrong_text(&self, state: &ComposedState, wrong: Violation) -> String {
         match wrong {
             Violation::Conflict(nth) => self.setting.line.conflicts[nth].why.clone(),

@@ -1,4 +1,4 @@
-//! A station whose process ends and starts again: with its memory, and without.
+//! Restart of a station, with its memory and without.
 
 use linewright_line::StationId;
 use linewright_station_logic::{Controller, Restore, StationHappening, StationInput, StationReport};
@@ -7,7 +7,7 @@ use super::setting::LineExploration;
 use super::station::Situation;
 
 impl Situation {
-    /// Comes up from its snapshot. It hears again what it had heard from each writer last; buttons start released.
+    /// Comes up from its snapshot. It receives again the last report from each writer; buttons start released.
     pub(super) fn restart(&mut self, setting: &LineExploration, events: &mut Vec<StationHappening>) {
         let station = self.controller.station();
         let held: Vec<(StationId, StationReport)> =
@@ -21,7 +21,8 @@ impl Situation {
         }
     }
 
-    /// Comes up without its snapshot. Its switches say whether it is at home; what it hears cannot be compared with anything.
+    /// Comes up without its snapshot. Its switches show whether it is at home; reports it receives cannot be compared
+    /// with anything.
     pub(super) fn forget(&mut self, setting: &LineExploration, events: &mut Vec<StationHappening>) {
         let (line, station) = (&setting.line, self.controller.station());
         self.stood = Some(self.controller.marking().collect());
@@ -42,7 +43,7 @@ impl Situation {
         (self.key, self.button, self.outputs) = (None, None, 0);
     }
 
-    /// The last report that it heard over a link, but for the answer to a request that it has forgotten.
+    /// The last report that it received over a link, but for the answer to a request that it has forgotten.
     fn heard_over(&self, setting: &LineExploration, link: usize) -> Option<(StationId, StationReport)> {
         let writer = StationId::at(setting.links[link].writer);
         let held = self.controller.held(writer)?;

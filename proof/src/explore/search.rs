@@ -14,7 +14,7 @@ use super::system::{Granted, System};
 use super::table::StateKey;
 use super::verdict::{self, LineExplored};
 
-/// How far a search may go.
+/// Limits of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SearchLimits {
     /// At most this many states looked at, each of those that are kept once. What follows them is kept as well.
@@ -41,7 +41,7 @@ pub(crate) enum SearchEnd {
     Limit,
 }
 
-/// What a search has seen.
+/// Result of a search.
 #[derive(Debug)]
 pub(crate) struct LineSearch<const N: usize> {
     pub system: System,
@@ -49,9 +49,9 @@ pub(crate) struct LineSearch<const N: usize> {
     pub store: StateStore<N>,
     pub start: ComposedState,
     pub at_home: Vec<bool>,
-    /// For each state, the mode granted and who acts on it.
+    /// For each state, the mode granted and the stations that act on it.
     pub grants: Vec<Granted>,
-    /// What the states looked at stand for.
+    /// Tally of the states explored.
     pub tally: StateTally,
     pub end: SearchEnd,
 }
@@ -85,7 +85,7 @@ const BATCHES_MAX: usize = 16;
 /// The successors of one state may take this part of the memory. One kept state stands for many, and so may have many.
 const SHARE_OF_ONE: usize = 4;
 
-/// Why not everything that follows a state is known.
+/// Why the successors of a state are incomplete.
 enum SearchStop {
     Unfit(FieldOverflow),
     /// There is too much of it.
@@ -168,12 +168,12 @@ impl<const N: usize> LineSearch<N> {
         })
     }
 
-    /// How many states are kept; each may stand for several.
+    /// Number of states kept; each may stand for several.
     pub fn kept(&self) -> usize {
         self.store.len()
     }
 
-    /// How many of those have been looked at.
+    /// Number of those that have been explored.
     pub fn looked_at(&self) -> usize {
         self.grants.len()
     }
@@ -210,7 +210,7 @@ impl PackedPlayer<'_> {
         let (begin, keys) = (batch.keys.len(), &mut batch.keys);
         followers.each(system, here, &mut |follower| {
             let next = match follower.next {
-                // Most of what happens is nobody else's business.
+                // Most moves concern no other station.
                 Successor::Beside { station, to } => {
                     layout.with_situation(key, station, to).ok_or(FieldOverflow::Situation)
                 }
@@ -234,8 +234,9 @@ const PLAIN_STATES_MAX: usize = 1_000_000;
 /// Explores and draws the conclusions.
 ///
 /// Where each kept state stands for several, the way to the nearest wrong one of those kept need not be the shortest of
-/// the line's own. People read the shortest; it is looked for where that takes about a second. Nor need the nearest
-/// wrong one be among the first that are kept: where the search did not come to an end, it is looked for as well.
+/// the line's own. The shortest is easier to read; it is looked for where that takes about a second. Nor need the
+/// nearest wrong one be among the first that are kept: where the search did not come to an end, it is looked for as
+/// well.
 pub(crate) fn explore(setting: &LineExploration, limits: SearchLimits) -> Result<LineExplored, LineNotExplorable> {
     let explored = fit(setting, limits)?;
     if !setting.lumped || explored.exhausted {

@@ -1,4 +1,4 @@
-//! What is explored, and how freely.
+//! Subject and freedom of an exploration.
 //!
 //! The line is taken out of time: views, leases and watchdogs do not run out by themselves. What running out would do
 //! is among what may happen anyway: a watchdog is a failing motion, a lapsed lease is a change of mode, and a stale
@@ -12,7 +12,7 @@ use linewright_station_logic::Rules;
 
 use super::station::StationAct;
 
-/// What is explored, and how freely. Made by [`LineExploration::new`]; the fields may be changed before exploring.
+/// Subject and freedom of an exploration. Made by [`LineExploration::new`]; the fields may be changed before exploring.
 #[derive(Clone, Debug)]
 pub struct LineExploration {
     pub(crate) line: Line,
@@ -20,41 +20,40 @@ pub struct LineExploration {
     pub rules: Rules,
     /// The modes that may be granted.
     pub modes: Vec<ControlMode>,
-    /// How modes come to the stations.
+    /// Rule by which modes come to the stations.
     pub grants: Grants,
-    /// How many reports may be on their way to one reader; one more pushes the oldest out. 0: every report is heard
-    /// at once.
+    /// Most reports on their way to one reader; one more pushes the oldest out. 0: every report is received at once.
     pub lag: usize,
     /// Motions may fail, and devices may be lost for a moment.
     pub faults: bool,
     /// Stations are restarted at any moment, with their memories.
     pub restarts: bool,
-    /// Stations are restarted at any moment of auto and hand mode, without their memories. Manual mode is not granted any more
-    /// then: measured positions stand in for the counts in it, and these are not explored here. Deadlocks and ways home are
-    /// not asked for.
+    /// Stations are restarted at any moment of auto and hand mode, without their memories. Manual mode is not granted
+    /// any more then: measured positions stand in for the counts in it, and these are not explored here. Deadlocks and
+    /// ways home are not checked.
     pub forgets: bool,
     /// Operators let go of their panels before the mode changes. Fewer situations.
     pub tidy_hands: bool,
     /// Keep one state for all that differ only in what stations come and go between by themselves. Every verdict and
     /// every count is the same without, which is how it is tested; it only takes longer.
     pub lumped: bool,
-    /// So many situations of a station are looked at together, at most, when it is asked which are one.
+    /// Most situations of a station that are compared together to find classes.
     pub(crate) together_max: usize,
     pub(crate) links: Vec<ReaderLink>,
 }
 
-/// How modes come to the stations.
+/// Rule by which modes come to the stations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grants {
     /// By the coordinator's rule: a mode that enables motion is acted on only when every station has acknowledged its
     /// epoch, and so has left the mode before. Until then, and whenever an order or its lease ends, a station is in
-    /// stand-by. Which mode comes when is anybody's choice: what holds here holds under every decision.
+    /// stand-by. The sequence of modes is arbitrary: what holds here holds under every decision.
     InEpochs,
-    /// Each station hears of any mode at any moment, whatever the others act on: a coordinator that keeps no rule.
+    /// Each station receives any mode at any moment, whatever the others act on: a coordinator that keeps no rule.
     Anyhow,
 }
 
-/// Who reads whom, and which of the writer's counts matter to the reader.
+/// Reader and writer, and the writer's counts that matter to the reader.
 #[derive(Clone, Debug)]
 pub(crate) struct ReaderLink {
     pub writer: usize,
@@ -115,9 +114,9 @@ impl LineExploration {
 
     /// Whether one report on its way over each link is every delay there is.
     ///
-    /// It is where the stations that read each other form no ring. A reader that hears a report only after a newer one
-    /// was sent could then as well have heard it before: nothing it did in between can have come from the newer one,
-    /// for the link itself is the only way from its writer.
+    /// It is where the stations that read each other form no ring. A reader that receives a report only after a newer
+    /// one was sent could then as well have received it before: nothing it did in between can have come from the newer
+    /// one, for the link itself is the only way from its writer.
     pub fn covers_every_delay(&self) -> bool {
         let mut group: Vec<usize> = (0..self.line.stations.len()).collect();
         self.links.iter().filter(|link| link.writer < link.reader).all(|link| {
@@ -127,8 +126,8 @@ impl LineExploration {
         })
     }
 
-    /// Whether a station may hear of a mode, or anything else happen to it, while this mode is granted. Of the modes it
-    /// may hear of, only the granted one and stand-by are there to be heard.
+    /// Whether this act may happen to a station while this mode is granted. Of the modes, it may receive only the
+    /// granted one and stand-by.
     pub(crate) fn lets(&self, granted: usize, act: StationAct) -> bool {
         match act {
             StationAct::Mode(mode) => {

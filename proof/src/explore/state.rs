@@ -36,7 +36,7 @@ pub(crate) enum FieldOverflow {
     Offset,
 }
 
-/// How wide the parts of a packed state are.
+/// Widths of the parts of a packed state, in bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Widths {
     pub situation: u32,
@@ -70,7 +70,7 @@ struct StateField {
     width: u32,
 }
 
-/// Where the parts of a state lie in its bits.
+/// Positions of the parts of a state in its bits.
 #[derive(Clone, Debug)]
 pub(crate) struct StateLayout {
     granted: StateField,
@@ -83,7 +83,7 @@ pub(crate) struct StateLayout {
 }
 
 impl StateLayout {
-    /// `links` says for each link whether its words have a base; each has `lag` places.
+    /// `links`: for each link, whether its view keys have a base; each has `lag` places.
     pub fn new(stations: usize, links: impl Iterator<Item = bool>, lag: usize, widths: Widths) -> Self {
         let mut next = StateField { at: 0, shift: 0, width: 0 };
         let mut field = |width: u32| {

@@ -1,9 +1,9 @@
-//! One station on its own: the situations it can be in, and what each thing that may happen makes of them.
+//! One station on its own: the situations it can be in, and the result of each act in them.
 //!
-//! A situation is a real controller together with its operator's hands and the mode it has heard of. Two controllers
+//! A situation is a real controller together with its operator's hands and the mode it has received. Two controllers
 //! whose [`Controller::situation`] is equal relative to their own cycle go on alike, so each situation is entered once,
-//! under a number, and what a stimulus makes of it is worked out once, by the controller itself. The composed line is
-//! then played with numbers: what costs a microsecond here costs a look into a table there.
+//! under a number, and the result of a stimulus is computed once, by the controller itself. The composed line is then
+//! played with numbers: what costs a microsecond here costs a look into a table there.
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{OpId, StationId, TaskId, Tick};
@@ -34,10 +34,10 @@ pub(crate) enum PanelKey {
 /// Something that may happen to a station by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum StationAct {
-    /// It hears of a mode.
+    /// It receives a mode.
     Mode(ControlMode),
     Key(Option<PanelKey>),
-    /// A hand-mode button of the console, as the station hears of it.
+    /// A hand-mode button of the console, as the station receives it.
     Button(Option<u16>),
     /// A motion arrives: its switch comes on, and is off again in the next image.
     Arrive(OpId, Block),
@@ -47,7 +47,7 @@ pub(crate) enum StationAct {
     Step,
     /// It is ordered to do a task.
     Order(TaskId),
-    /// It is told to leave its order, or the last one, and to go back.
+    /// It is ordered to leave its order, or the last one, and to go back.
     Secure,
     /// The time of its order runs out.
     Expire,
@@ -55,12 +55,12 @@ pub(crate) enum StationAct {
     Sensors(bool),
     /// Its process ends and starts again, with its memory.
     Restart,
-    /// The same without its memory. Nothing gives it back: common counts are founded only where all stations stand at home,
-    /// which is how the exploration starts.
+    /// The same without its memory. Nothing gives it back: common counts are founded only where all stations stand at
+    /// home, as at the start of the exploration.
     Forget,
 }
 
-/// What a situation becomes.
+/// Result of an act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Effect {
     pub to: u32,
@@ -68,9 +68,9 @@ pub(crate) struct Effect {
     pub cycles: i32,
     /// The request that was open is not open any more.
     pub closed: bool,
-    /// Nobody can tell that anything has happened.
+    /// The change is not observable.
     pub quiet: bool,
-    /// An image with every switch off is still to come: what others may hear in between matters.
+    /// An image with every switch off is still to come: reports in between matter.
     pub off_follows: bool,
 }
 
@@ -94,11 +94,11 @@ pub(crate) struct Situation {
     pub outputs: u128,
     epoch: u64,
     pub(super) now: Tick,
-    /// What of the image the station waits for is on, whatever moves.
+    /// Inputs of the image that the station waits for and that are on, whatever moves.
     sensors: u128,
     /// The last order it was given.
     order: u64,
-    /// Where its mechanisms stood when it lost its memory, if it has; its marking does not say so any more.
+    /// Places of its mechanisms when it lost its memory, if it has; its marking does not show them any more.
     pub stood: Option<Box<[StationPlace]>>,
     /// For each incoming link, whether the request held is still open at its writer.
     pub open: u64,
@@ -125,7 +125,7 @@ pub(crate) struct Situations {
     pub facts: Vec<SituationFacts>,
     /// For each act of each situation, one situation after the other.
     effects: Vec<Effect>,
-    /// Where those of a situation begin.
+    /// Index of the first one of a situation.
     first_effect: Vec<u32>,
     /// By situation: the image in which every switch is off again.
     off: Vec<Effect>,
@@ -172,7 +172,7 @@ impl Situations {
         number
     }
 
-    /// What the `nth` act of a situation makes of it.
+    /// Result of the `nth` act of a situation.
     #[inline]
     pub fn effect(&mut self, setting: &LineExploration, words: &mut [ViewKeys], from: u32, nth: usize) -> Effect {
         let effect = self.effects[self.first_effect[from as usize] as usize + nth];
@@ -194,7 +194,7 @@ impl Situations {
         effect
     }
 
-    /// Two images as one effect, unless somebody could hear something between them.
+    /// Two images as one effect, unless a report could be received between them.
     fn both(&self, words: &[ViewKeys], from: u32, on: Effect, off: Effect) -> Effect {
         if !off.quiet || off.closed {
             return Effect { off_follows: true, quiet: false, ..on };
@@ -242,7 +242,7 @@ impl Situations {
         effect
     }
 
-    /// Whether the station holds a request over the `nth` incoming link that it takes for open.
+    /// Whether the station holds a request over the `nth` incoming link that it takes as open.
     pub fn minds_closing(&self, setting: &LineExploration, from: u32, nth: usize) -> bool {
         setting.rules.fresh_numbers && self.all[from as usize].open & (1 << nth) != 0
     }
@@ -266,7 +266,7 @@ impl Situations {
         let before = &self.all[from as usize].controller;
         let open = |controller: &Controller| controller.request().map(|request| request.number);
         let closed = setting.rules.fresh_numbers && open(before).is_some() && open(before) != open(&next.controller);
-        // On order nobody compares cycles, which count orders and grow for ever.
+        // On order, cycles are not compared: they count orders and grow for ever.
         let on_order = setting.line.stations[self.station].is_task_driven();
         // Nor are those of a station without its memory compared.
         let compared = !on_order && next.stood.is_none();
@@ -286,7 +286,7 @@ impl Situations {
 }
 
 impl Situation {
-    /// A station at home that has heard nobody yet.
+    /// A station at home that has received nothing yet.
     pub fn at_home(setting: &LineExploration, station: StationId) -> Result<Self, CompileError> {
         let line = &setting.line;
         let controller = Controller::new(line, station, 1, Restore::Fresh)?.with_rules(setting.rules);
@@ -427,7 +427,7 @@ impl Situation {
         if setting.rules.fresh_numbers { self.controller.request().map(|request| request.number) } else { Some(1) }
     }
 
-    /// What it tells the reader of a link; bases are relative to its own cycle.
+    /// View key for the reader of a link; bases are relative to its own cycle.
     pub fn says(&self, setting: &LineExploration, link: usize, words: &mut ViewKeys) -> ViewKey {
         if self.is_lost() {
             return ViewKey::LOST;
@@ -447,7 +447,7 @@ impl Situation {
         self.stood.is_some()
     }
 
-    /// What it holds over its `nth` incoming link; bases are relative to its own cycle.
+    /// View key that it holds over its `nth` incoming link; bases are relative to its own cycle.
     pub fn holds(&self, setting: &LineExploration, link: usize, nth: usize, words: &mut ViewKeys) -> ViewKey {
         let (described, cycle) = (&setting.links[link], self.controller.cycle());
         let Some(held) = self.controller.held(StationId::at(described.writer)).filter(|_| !self.is_lost()) else {

@@ -11,7 +11,7 @@ pub(crate) struct StateStore<const N: usize> {
     came_from: Vec<u32>,
     /// The numbers of the states that follow each, one state after the other.
     arcs: Vec<u32>,
-    /// Where those of each state end.
+    /// Index after the last one of each state.
     arcs_until: Vec<u64>,
     scratch: Vec<(u64, u64)>,
 }
@@ -26,7 +26,7 @@ pub(crate) struct Batch<const N: usize> {
     pub bytes: usize,
 }
 
-/// What became of a batch.
+/// Result of entering a batch.
 #[derive(Debug)]
 pub(crate) struct InsertResult<const N: usize> {
     /// The states that are new, in the order of their numbers.
@@ -36,7 +36,7 @@ pub(crate) struct InsertResult<const N: usize> {
 }
 
 impl<const N: usize> Batch<N> {
-    /// What was added since `begin` is what follows one state. Each needs to be there once.
+    /// The keys added since `begin` are the successors of one state. Each needs to be there once.
     pub fn close(&mut self, begin: usize) {
         self.keys[begin..].sort_unstable();
         let mut until = begin;
@@ -62,7 +62,7 @@ impl<const N: usize> StateStore<N> {
         }
     }
 
-    /// Enters the successors of the states that come next in order. The start, alone, is nobody's successor.
+    /// Enters the successors of the states that come next in order. The start alone is no successor.
     pub fn enter(&mut self, batch: &Batch<N>, limits: SearchLimits) -> InsertResult<N> {
         let (first_new, first_arc) = (self.table.len() as u32, self.arcs.len());
         self.table.enter_all(&batch.keys, &mut self.scratch, &mut self.arcs);

@@ -1,7 +1,8 @@
-//! What follows a state that the search keeps: everything that may happen in any of the states it stands for.
+//! Successors of a state that the search keeps: everything that may happen in any of the states it stands for.
 //!
-//! A move is tried with every station in the one situation at hand. Most moves ask of the other stations only what is
-//! the same throughout a class. Where a move needs more of a station, it is tried again with each of its situations.
+//! A move is tried with every station in the one situation at hand. Most moves depend on the other stations only by
+//! what is the same throughout a class. Where a move needs more of a station, it is tried again with each of its
+//! situations.
 
 use super::state::ComposedState;
 use super::system::{FixedSituation, RelevantStation, System, SystemMove};
@@ -16,7 +17,7 @@ pub(crate) struct SuccessorMove<'a> {
     pub bytes: usize,
 }
 
-/// What comes of it.
+/// Result of a move.
 pub(crate) enum Successor<'a> {
     /// One station is in another situation, and nothing else has changed.
     Beside { station: usize, to: u32 },
@@ -60,7 +61,7 @@ impl Successors {
         Ok(())
     }
 
-    /// What may happen to one station by itself.
+    /// Moves of one station by itself.
     fn of_one<E>(
         &mut self,
         system: &mut System,

@@ -1,8 +1,7 @@
-//! The stations together: what may happen next, and what comes of it.
+//! The stations together: possible moves, and their results.
 //!
-//! Whatever happens to a station happens by itself; then its new report goes on its way to every reader for whom it
-//! says something new, and takes the place of an older one that has not been heard. That is the whole of what joins
-//! stations: there is no other way for one to learn of another.
+//! Whatever happens to a station happens by itself; then its new report goes on its way to every reader for which its
+//! view key is new, and replaces an older one not yet received. Stations are joined by nothing else.
 
 use linewright_line::StationId;
 use linewright_line::net::{ControlMode, StationNet};
@@ -14,9 +13,9 @@ use super::state::{ComposedState, StateLayout, Widths};
 use super::station::{Effect, Situation, Situations, StationAct};
 use super::view_key::{ViewKey, ViewKeys};
 
-/// A view that is this many cycles behind has long been too old to be relied on, and unknown blocks: the reader hears
-/// the report that would put it there. Without a bound, a view that no arrow of the present mode reads could fall
-/// behind for ever.
+/// A view that is this many cycles behind has long been too old to be relied on, and unknown blocks: the reader
+/// receives the report that would put it there. Without a bound, a view that no arrow of the present mode reads could
+/// fall behind for ever.
 const CYCLES_BEHIND_MAX: i32 = 4;
 
 /// One thing that happens.
@@ -24,7 +23,7 @@ const CYCLES_BEHIND_MAX: i32 = 4;
 pub(crate) enum SystemMove {
     /// To a station by itself: the number of the act among those of its situation.
     Act { station: usize, nth: usize },
-    /// A reader hears a word on its way to it; the ones before it are lost.
+    /// A reader receives a view key on its way to it; the ones before it are lost.
     Hear { link: usize, nth: usize },
     /// Another mode is granted: the number of it among those of the setting.
     Grant(usize),
@@ -89,7 +88,7 @@ impl System {
         let nth_outgoing = (0..setting.links.len())
             .map(|link| setting.out_of(setting.links[link].writer).position(|l| l == link).unwrap_or(0))
             .collect();
-        // Where no mode may be granted, that is how it is from the start to the end.
+        // Where no mode may be granted, none is from the start to the end.
         let grants = setting.modes.len().max(1);
         let classes = line.station_ids().map(|_| vec![Classes::default(); grants]).collect();
         let setting = setting.clone();
@@ -98,7 +97,7 @@ impl System {
         Ok((system, start))
     }
 
-    /// All stations at home in stand-by, having heard each other.
+    /// All stations at home in stand-by, with each other's reports received.
     fn start(&mut self) -> Result<ComposedState, CompileError> {
         let ids = self.setting.line.station_ids();
         let mut nodes =
@@ -124,7 +123,7 @@ impl System {
         StateLayout::new(self.stations.len(), bases, self.setting.lag, widths)
     }
 
-    /// How many words are on their way over a link.
+    /// Number of view keys on their way over a link.
     #[inline]
     pub fn waiting(&self, state: &ComposedState, link: usize) -> usize {
         let lag = self.setting.lag;
@@ -180,7 +179,7 @@ impl System {
         known
     }
 
-    /// How a station comes by itself to another situation of its class.
+    /// The acts by which a station comes to another situation of its class by itself.
     pub fn walk(&mut self, state: &ComposedState, pin: FixedSituation) -> Vec<MemberAct> {
         let FixedSituation { station, member } = pin;
         let (granted, from) = (state.granted as usize, state.situations[station]);
@@ -206,15 +205,16 @@ impl System {
         (0..modes).filter(move |&mode| mode != granted && Some(mode) != without)
     }
 
-    /// The mode that is granted, and who acts on it and cannot leave it by itself.
+    /// The mode that is granted, and the stations that act on it and cannot leave it by themselves.
     pub fn granted(&self, state: &ComposedState) -> Granted {
         let acts = |station: usize| u32::from(self.class(state, station).idle.is_empty());
         let acting = (0..self.stations.len()).fold(0, |bits, station| bits | acts(station) << station);
         Granted { mode: state.granted as u8, acting }
     }
 
-    /// Lets it happen. Of a loose station it may be asked what it says and holds, which is the same in all situations
-    /// of its class; where anything else is needed the state is left half-done, to be tried again for each of them.
+    /// Performs a move. Of a loose station its view keys, given and held, may be read, as they are the same in all
+    /// situations of its class; where anything else is needed the state is left half-done, to be tried again for each
+    /// of them.
     pub fn play(&mut self, state: &mut ComposedState, what: SystemMove, loose: u32) -> Result<(), RelevantStation> {
         match what {
             SystemMove::Act { station, nth } => {
@@ -282,7 +282,7 @@ impl System {
         if effect.quiet { Ok(()) } else { self.post(state, station, loose) }
     }
 
-    /// What it had asked for is not open any more: answers to it are worth nothing, wherever they are.
+    /// Its request is not open any more: answers to it are void, wherever they are.
     fn close(&mut self, state: &mut ComposedState, writer: usize, loose: u32) -> Result<(), RelevantStation> {
         let lag = self.setting.lag;
         for at in 0..self.stations[writer].outgoing.len() {
@@ -306,7 +306,7 @@ impl System {
         Ok(())
     }
 
-    /// The station's report goes on its way to every reader for whom it says something new.
+    /// The station's report goes on its way to every reader for which its view key is new.
     fn post(&mut self, state: &mut ComposedState, writer: usize, loose: u32) -> Result<(), RelevantStation> {
         let lag = self.setting.lag;
         for at in 0..self.stations[writer].outgoing.len() {
@@ -337,8 +337,8 @@ impl System {
         Ok(())
     }
 
-    /// Whether a station has lost its memory; the same throughout a class. What it hears can be compared with nothing, so
-    /// it is as if it heard nothing.
+    /// Whether a station has lost its memory; the same throughout a class. Reports it receives cannot be compared, as
+    /// if it received none.
     fn is_lost(&self, state: &ComposedState, station: usize) -> bool {
         self.setting.forgets && self.stations[station].facts[state.situations[station] as usize].is_lost
     }
@@ -362,7 +362,7 @@ impl System {
         }
     }
 
-    /// What the writer of a link says now.
+    /// View key of the writer of a link now.
     fn said(&self, state: &ComposedState, link: usize) -> ViewKey {
         let writer = self.setting.links[link].writer;
         let facts = &self.stations[writer].facts[state.situations[writer] as usize];
@@ -370,21 +370,21 @@ impl System {
         word.shifted(state.cycles[writer], &self.words[link])
     }
 
-    /// The newest word the reader of a link has heard or may still hear.
+    /// Newest view key that the reader of a link has received or may still receive.
     fn newest(&self, state: &ComposedState, link: usize) -> ViewKey {
         let lag = self.setting.lag;
         let waiting = state.mail[link * lag..][..lag].iter().rev().find(|word| word.id != 0);
         waiting.copied().unwrap_or_else(|| self.held(state, link))
     }
 
-    /// What the reader of a link holds.
+    /// View key that the reader of a link holds.
     fn held(&self, state: &ComposedState, link: usize) -> ViewKey {
         let reader = self.setting.links[link].reader;
         let held = self.stations[reader].facts[state.situations[reader] as usize].holds[self.nth_incoming[link]];
         held.shifted(state.cycles[reader], &self.words[link])
     }
 
-    /// What the station concerned says about a move, if it concerns one.
+    /// Events of the station concerned in a move, if it concerns one.
     pub fn events(&self, state: &ComposedState, what: SystemMove) -> Option<(StationId, Vec<StationHappening>)> {
         let mut events = Vec::new();
         let station = match what {

@@ -1,4 +1,4 @@
-//! What an exploration says about a line: each property, whether it holds, and a story where it does not.
+//! Verdicts of an exploration of a line: each property, whether it holds, and a counterexample where it does not.
 
 use std::thread;
 
@@ -11,14 +11,14 @@ use super::search::{LineSearch, SearchEnd};
 use super::station::Situations;
 use super::system::FixedSituation;
 
-/// Whether a property holds.
+/// Verdict on a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// In every state.
     Holds,
     /// There is a counterexample, or nothing that would have to be there.
     Fails,
-    /// The search ended before it could be known.
+    /// The search ended before it was decided.
     Undecided,
     /// Nothing is wrong, but something may not be as it was meant.
     Remark,
@@ -27,17 +27,17 @@ pub enum Verdict {
 /// One property of the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineProperty {
-    /// What was asked.
+    /// Name of the property.
     pub name: String,
     /// The answer.
     pub verdict: Verdict,
     /// Why, in words.
     pub reason: String,
-    /// How it comes to be, where it fails.
+    /// Path to the violation.
     pub counterexample: Option<LinePath>,
 }
 
-/// What an exploration came to.
+/// Result of an exploration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineExplored {
     /// States seen.
@@ -57,7 +57,7 @@ pub struct LineExplored {
 }
 
 impl LineExplored {
-    /// Whether every property holds; a remark does not speak against the line.
+    /// Whether every property holds; a remark counts as holding.
     pub fn holds(&self) -> bool {
         self.properties.iter().all(|property| matches!(property.verdict, Verdict::Holds | Verdict::Remark))
     }
@@ -83,7 +83,7 @@ pub(crate) fn judge<const N: usize>(mut search: LineSearch<N>) -> LineExplored {
     }
 }
 
-/// What must not be in any state.
+/// Properties of each state.
 fn never_wrong<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty> {
     let found = match search.end {
         SearchEnd::Wrong(number) => {
@@ -113,7 +113,7 @@ fn never_wrong<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty> 
                 (None, SearchEnd::Wrong(_) | SearchEnd::Limit) => Verdict::Undecided,
             };
             let reason = match (&story, verdict) {
-                // What is wrong need not be said twice: a conflict's property is named by it.
+                // A violation is not repeated: a conflict's property is named by it.
                 (Some(story), _) if name.ends_with(&story.end) => format!("after {} steps", story.steps.len()),
                 (Some(story), _) => format!("{}, after {} steps", story.end, story.steps.len()),
                 (None, Verdict::Holds) => format!("in all {} states", counted(search.tally.states)),
@@ -156,7 +156,7 @@ fn tell<const N: usize>(search: &mut LineSearch<N>, number: u32, end: String) ->
     LinePath::tell(&search.system, &way, &last, end)
 }
 
-/// What is decided by looking at all states together.
+/// Properties of all states together.
 fn of_all_states<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty> {
     let mut properties = Vec::new();
     if search.system.setting.forgets {

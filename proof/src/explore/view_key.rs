@@ -1,12 +1,12 @@
-//! What one reader can tell of a report, as a word: equal words, equal reports to that reader.
+//! View keys: what one reader can observe of a report, as a word: equal words, equal reports to that reader.
 //!
 //! A word holds the counts the reader's arrows read, the request that the writer has open, and the writer's answer to
 //! the reader. Counts grow for ever while the line repeats itself, so they are kept relative to a base that follows
 //! from the word's own content: two equal reports then have the same word and the same base, whenever they were made.
 //!
 //! Request numbers never repeat and so grow for ever as well. Of a number matters only whether it is the one that is
-//! open: a request that has been closed still blocks the counts it names until the reader hears that it is gone, but
-//! an answer to it is worth nothing to anybody.
+//! open: a request that has been closed still blocks the counts it names until the reader receives its end, but an
+//! answer to it is void.
 
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::{StationReport, WithdrawalAnswer, WithdrawalRequest};
@@ -25,7 +25,7 @@ impl ViewKey {
     /// That of a writer that has lost its memory.
     pub const LOST: ViewKey = ViewKey { id: 1, base: 0 };
 
-    /// Whether it is one whose base says something, on a link whose words have one.
+    /// Whether its base has a meaning, on a link whose words have one.
     #[inline]
     pub fn has_base(self) -> bool {
         self.id > ViewKey::LOST.id
@@ -37,7 +37,7 @@ impl ViewKey {
     }
 }
 
-/// What a word says.
+/// Content of a word.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ReportView {
     /// The counts, relative to the base.
@@ -48,7 +48,7 @@ pub(crate) struct ReportView {
     pub request: Option<(u64, bool)>,
     /// Its answer to the request that the reader has open.
     pub answer: Option<Option<OpId>>,
-    /// The writer has lost its memory. Then it says nothing else, since nothing it says can be compared.
+    /// The writer has lost its memory. Nothing else counts then, since nothing can be compared.
     pub is_lost: bool,
 }
 
@@ -131,7 +131,7 @@ impl ViewKeys {
     }
 }
 
-/// The numbers a report needs to be told to a controller.
+/// The numbers that a report to a controller needs.
 pub(crate) struct ReportNumbers {
     /// The number of the writer's request.
     pub request: u64,
@@ -139,8 +139,8 @@ pub(crate) struct ReportNumbers {
     pub answered: Option<u64>,
 }
 
-/// A report that says to `reader` what the word says. `ops` is how many operations the writer has; counts that the
-/// reader does not read are anything.
+/// A report that means the word to `reader`. `ops`: number of the writer's operations; counts that the reader does not
+/// read are anything.
 pub(crate) fn report(
     content: &ReportView,
     base: i32,

@@ -8,7 +8,7 @@ use linewright_line::{Arrow, Conflict, Line, OpId, StateSpan, Station, StationId
 
 use super::{LineShape, Random};
 
-/// How often to look for stretches of two stations that go together with everything drawn before.
+/// Number of attempts to find stretches of two stations that go together with everything drawn before.
 const TRIES: usize = 20;
 
 type ArrowEnd = (StationId, OpId);
@@ -120,7 +120,7 @@ fn is_new(line: &Line, new: &Arrow) -> bool {
     !line.arrows.iter().filter(same).any(|old| (old.auto && new.auto) || (old.manual && new.manual))
 }
 
-/// What counts as done at home did not need what does not.
+/// Operations counted as done at home needed none that are not.
 fn holds_at_home(line: &Line, arrow: &Arrow) -> bool {
     let count = |(station, op): ArrowEnd| {
         let station: &Station = line.station(station);

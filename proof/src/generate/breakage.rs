@@ -1,7 +1,7 @@
-//! Deliberate mistakes, one at a time: what a checker must see through.
+//! Deliberate mistakes, one at a time, that a checker must find.
 //!
-//! Not every mistake does harm: an arrow may be reversed where another says the same, a conflict drawn longer where
-//! there is room. Whether it does is for the two ways of judging a line to say, and they must say the same.
+//! Not every mistake does harm: an arrow may be reversed where another has the same effect, a conflict drawn longer
+//! where there is room. Whether it does is decided by the two ways of judging a line, and they must agree.
 
 use linewright_line::net::{ControlMode, StationNet, StationTransition};
 use linewright_line::{Line, OpId, OperationModule, StateSpan, StationId};
@@ -21,9 +21,9 @@ pub enum Breakage {
     AutoOnly(usize),
     /// An arrow does not hold in auto mode.
     ManualOnly(usize),
-    /// The first state of a conflict begins a step earlier than its arrows know of.
+    /// The first state of a conflict begins a step before its arrows have it.
     Earlier(usize),
-    /// The first state of a conflict lasts a step longer than its arrows know of.
+    /// The first state of a conflict lasts a step longer than its arrows have it.
     Longer(usize),
     /// Home is where the next step ends.
     HomeMoved(StationId),
@@ -41,7 +41,7 @@ pub fn breakages(line: &Line) -> Vec<Breakage> {
 
 /// The line with this mistake; `None` where it cannot be made.
 ///
-/// What comes out is a line that compiles. What is wrong with it may be something the parser would have said already.
+/// The result is a line that compiles. The parser may refuse it already.
 pub fn break_it(line: &Line, breakage: Breakage) -> Option<Line> {
     let mut broken = line.clone();
     match breakage {

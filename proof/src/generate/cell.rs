@@ -1,7 +1,7 @@
-//! Cells nobody has thought of, as text: what comes out is read like any other description.
+//! Random cells, as text: read like any other description.
 //!
-//! Every machine is loaded from some store and unloaded to some store, and all stores are joined in a ring, so that every
-//! plan can be done; what else there is, is by chance. Whether such a cell gets stuck is for others to find out: some do.
+//! Every machine is loaded from some store and unloaded to some store, and all stores are joined in a ring, so that
+//! every plan can be done; the rest is by chance. Some of these cells get stuck.
 
 use std::fmt::Write;
 use std::ops::RangeInclusive;
@@ -11,19 +11,19 @@ use super::Random;
 /// The kind of cells to generate. Chances are in percent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CellShape {
-    /// How many machines and humans, at least one.
+    /// Number of machines and humans, at least one.
     pub machines: RangeInclusive<usize>,
-    /// How many robots and conveyors.
+    /// Number of robots and conveyors.
     pub carriers: RangeInclusive<usize>,
-    /// How many stores and buffers, at least one.
+    /// Number of stores and buffers, at least one.
     pub stores: RangeInclusive<usize>,
-    /// How many parts each of them holds.
+    /// Capacity of each of them, in parts.
     pub room: RangeInclusive<usize>,
-    /// How many part types.
+    /// Number of part types.
     pub types: RangeInclusive<usize>,
-    /// How many steps a plan has, without alternatives to them.
+    /// Number of steps of a plan, alternatives not counted.
     pub steps: RangeInclusive<usize>,
-    /// How many parts are let in at a time.
+    /// Number of parts let in at a time.
     pub wip: RangeInclusive<usize>,
     /// That nothing is reserved.
     pub unreserved: u32,
@@ -88,7 +88,7 @@ struct RandomResource {
 /// The description of a cell of this shape; the same for the same seed.
 ///
 /// # Panics
-/// When the shape asks for no machine or no store.
+/// When the shape has no machine or no store.
 pub fn cell(shape: &CellShape, seed: u64) -> String {
     let mut random = Random::new(seed ^ 0x6365_6C6C);
     let mut text = String::new();
@@ -210,7 +210,7 @@ impl Syncs<'_> {
         let humans =
             self.machines.iter().filter(|machine| machine.prototype == "human" && !ends.contains(&machine.name));
         let mut can_carry: Vec<&RandomResource> = self.carriers.iter().collect();
-        // Somebody who works may help out; a robot is there for it.
+        // A worker may help out; a robot is there for it.
         can_carry.extend(humans.filter(|_| random.chance(30)));
         write!(self.out, "[[sync]]\nname = \"{name}\"\nactions = [\"{source}\"")?;
         if !can_carry.is_empty() && random.chance(80) {

@@ -1,11 +1,11 @@
-//! Lines nobody has thought of: random, well formed, and the same again for the same seed.
+//! Random lines: well formed, and the same for the same seed.
 //!
-//! What is generated is what [`linewright_line::parse`] accepts, and [`text`] writes it the way it is read: motions chain
-//! along their axes and lead home, hand-mode types form sequences, recovery paths take back what has been done since home,
-//! neighbours in one another's way have the arrows that keep them apart. [`break_it`] then spoils a line in one known way.
-//! A check is worth believing if it accepts all of the first and sees through the second.
+//! Generated lines are accepted by [`linewright_line::parse`], and [`text`] writes them in the form it reads: motions
+//! chain along their axes and lead home, hand-mode types form sequences, recovery paths take back what has been done
+//! since home, neighbours in one another's way have the arrows that keep them apart. [`break_it`] then spoils a line in
+//! one known way. A check is credible if it accepts all of the first and finds the second.
 //!
-//! Nothing here knows how a line is judged: that the generated lines are sound is for tests to find out.
+//! No way of judging a line is used here: tests show that the generated lines are sound.
 
 mod arrows;
 mod breakage;
@@ -30,9 +30,9 @@ pub use text::text;
 /// The kind of lines to generate. Chances are in percent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineShape {
-    /// How many stations.
+    /// Number of stations.
     pub stations: RangeInclusive<usize>,
-    /// How many operations a station has, from 2 to 24.
+    /// Number of operations of a station, from 2 to 24.
     pub operations: RangeInclusive<usize>,
     /// That an operation which may be irreversible is.
     pub irreversible: u32,
@@ -44,10 +44,10 @@ pub struct LineShape {
     pub sensors: u32,
     /// That an arrow is written as two, one for each mode, where it holds in both.
     pub divided: u32,
-    /// How often to try another arrow, between any two stations, with any lag up to 2 and in any modes. It stays if
-    /// the line stays live and its home consistent.
+    /// Number of attempts to add another arrow, between any two stations, with any lag up to 2 and in any modes. It
+    /// stays if the line stays live and its home consistent.
     pub more_arrows: usize,
-    /// How often to try another conflict, between any two stations, with its pair of arrows.
+    /// Number of attempts to add another conflict, between any two stations, with its pair of arrows.
     pub more_conflicts: usize,
 }
 
@@ -90,7 +90,7 @@ impl LineShape {
 /// A line of this shape; the same for the same seed.
 ///
 /// # Panics
-/// When the shape asks for no station, or for operations out of their bounds.
+/// When the shape has no station, or operations out of their bounds.
 pub fn line(shape: &LineShape, seed: u64) -> Line {
     let mut random = Random::new(seed);
     let count = random.within(&shape.stations);

@@ -19,7 +19,7 @@ const RESTS: std::ops::RangeInclusive<usize> = 1..=3;
 const MORE_TASKS: std::ops::RangeInclusive<usize> = 0..=2;
 /// Operations of a task.
 const OPERATIONS: std::ops::RangeInclusive<usize> = 1..=3;
-/// How far rests lie apart.
+/// Distance of rests.
 const APART: f64 = 100.0;
 
 /// A line of so many stations on order; the same for the same seed. Of the shape count the chances.

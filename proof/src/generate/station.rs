@@ -1,9 +1,9 @@
 //! A random station, thought of from home: first what it does and which axes that moves, then where its list begins,
 //! then how hand mode divides it into sequences.
 //!
-//! One axis goes on with every step and comes back with the home operation, so whatever recovery path is taken, home
-//! lies at its end. A concurrent group moves axes of its own besides, each of which some later operation brings back.
-//! Irreversible operations come before any group, since no recovery path could take the group back.
+//! One axis goes on with every step and comes back with the home operation, so home is at the end of every recovery
+//! path. A concurrent group moves axes of its own besides, each of which some later operation brings back. Irreversible
+//! operations come before any group, since no recovery path could take the group back.
 
 use std::time::Duration;
 
@@ -223,7 +223,7 @@ fn build(
     station
 }
 
-/// Where the main axis goes from and to, step by step from home: on by one with each that moves it, back at the end.
+/// Start and end of the main axis, step by step from home: on by one with each that moves it, back at the end.
 fn main_positions(plan: &RoundPlan) -> Vec<(f64, f64)> {
     let moves = |step: &Vec<PlannedOperation>| step.iter().any(|op| op.axis == MAIN);
     let mut at = 0.0;

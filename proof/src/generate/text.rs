@@ -1,7 +1,7 @@
 //! A line, written as the description it could have been read from.
 //!
 //! Signals, axes and operations have no text of their own to go back to, so this is for lines made in code: comments
-//! and the order of keys are nobody's. A line whose times are whole microseconds reads back the same.
+//! and the order of keys are not kept. A line whose times are whole microseconds reads back the same.
 
 use std::fmt::{self, Display, Write};
 use std::time::Duration;
@@ -194,7 +194,7 @@ fn write_operation(out: &mut String, line: &Line, station: &Station, id: OpId) -
         id.map_or_else(String::new, |id| format!(", {key} = {}", quoted(&line.buttons[id.index()])))
     };
     let hand = &operation.hand;
-    // Where a task ends, what follows is whichever is begun.
+    // After the end of a task, any may follow.
     let next = hand.next().filter(|_| station.rest_after(id).is_none());
     let buttons = [("forward", Some(hand.forward())), ("back", hand.back()), ("next", next)];
     let buttons: String = buttons.iter().map(|&(key, id)| button(key, id)).collect();

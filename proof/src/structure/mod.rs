@@ -1,8 +1,8 @@
-//! What structure says of a line without playing it: of each station's net, of the mode decision, and of the timing bar
-//! chart as an event graph. It takes time linear in the size of the line, or nearly, so it is what scales.
+//! Properties of a line by its structure, without playing it: of each station's net, of the mode decision, and of the
+//! timing bar chart as an event graph. It takes time linear in the size of the line, or nearly, so it is what scales.
 //!
-//! It says a lot about one station and about the forward motion of all of them. What faults, operators and delayed
-//! messages can do to the composed line is for [`crate::explore`].
+//! It covers each station, and the forward motion of all of them. Effects of faults, operators and delayed messages on
+//! the composed line are for [`crate::explore`].
 
 pub mod chart;
 mod modes;
@@ -12,7 +12,7 @@ mod station;
 use linewright_line::{Line, OperationModule, Station, StationId};
 use serde::Serialize;
 
-/// What was found about one station.
+/// Findings on one station.
 #[derive(Clone, Debug, Serialize)]
 pub struct StructureReport {
     /// Name of the station.
@@ -31,7 +31,7 @@ pub struct StructureReport {
 /// One property, and why it holds or does not.
 #[derive(Clone, Debug, Serialize)]
 pub struct Check {
-    /// What was checked.
+    /// Name of the check.
     pub name: String,
     /// Whether it holds.
     pub ok: bool,
@@ -103,7 +103,7 @@ pub fn judge_line(line: &Line) -> Vec<Check> {
         Check::of("mode decision exclusive", modes::at_most_one_arc()),
         Check::of("manual from every mode", modes::manual_from_everywhere()),
     ];
-    // Tasks are kept apart by orders; the chart says nothing of them.
+    // Tasks are kept apart by orders, which are not in the chart.
     let line = &line.without_conflicts_of_tasks();
     let separated = line.conflicts.iter().zip(chart::all_separated(line));
     checks.extend(separated.map(|(conflict, found)| {

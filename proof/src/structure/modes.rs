@@ -30,8 +30,8 @@ pub fn at_most_one_arc() -> Result<String, String> {
     Ok(format!("one arc at most in all {cases} cases of mode, command and facts"))
 }
 
-/// From every mode an operator can come to manual, whatever is wrong: pressing and resetting the emergency stop, asking
-/// for manual, and waiting until what moves has stopped is enough. Recovery relies on it.
+/// From every mode an operator can come to manual, whatever is wrong: pressing and resetting the emergency stop,
+/// requesting manual, and waiting until what moves has stopped is enough. Recovery relies on it.
 pub fn manual_from_everywhere() -> Result<String, String> {
     let at_hand = || ModeFacts::all().filter(|facts| facts.trouble && facts.all_stopped && !facts.all_home);
     let mut leads = vec![ControlMode::Manual];

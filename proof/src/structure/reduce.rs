@@ -6,7 +6,7 @@
 //! * every other transition takes from, or gives to, a group all or nothing: one place of every branch.
 //!
 //! Then between fork and join each branch is a state machine with one token that goes its way without the others, and
-//! whatever they are doing, all of them can come to stand where a given join wants them. So the group behaves as one
+//! whatever they are doing, all of them can come to the places that a given join needs. So the group behaves as one
 //! place does, and the net is live, safe and reversible if the one with a place for each group is. This takes linear
 //! time, where playing the branches out would take the product of their sizes.
 
@@ -34,7 +34,7 @@ pub enum NotReducible {
     Branch(NotConnected),
 }
 
-/// Where an arc's end lies once groups are places.
+/// An arc's end once groups are places.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Unit {
     Alone(PlaceId),

@@ -1,4 +1,4 @@
-//! What may happen next in the plain explorer.
+//! Actions possible next in the plain explorer.
 
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{OpId, StationId};

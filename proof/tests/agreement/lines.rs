@@ -77,8 +77,8 @@ pub fn two_jaws() -> Line {
     line
 }
 
-/// Two stations in one another's way, where the second's home motion (op 2) lies in its stretch: its irreversible
-/// op 1 goes home by undoing op 0 and then running op 2.
+/// Two stations in one another's way, where the second's home motion (op 2) is in its stretch: its irreversible op 1
+/// goes home by undoing op 0 and then running op 2.
 pub fn home_in_the_way() -> Line {
     let x = station("x", 2, &[r(6), r(6), r(6)], 0, false);
     let y = station("y", 2, &[r(6), i(2, &[0]), r(6)], 10, false);

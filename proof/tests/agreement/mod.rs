@@ -2,7 +2,7 @@
 //!
 //! The plain one, in this folder, plays each state with real controllers from end to end, without situations, packed
 //! states or classes: motions complete, fail or stay at any moment; operators press, hold and release at every panel at
-//! once; a station hears a change of mode when it hears it; every reader holds any report between its last one and the
+//! once; a station receives a change of mode at any time; every reader holds any report between its last one and the
 //! newest; stations restart from what they kept. It is slow. Where both see every state they must see equally many.
 
 mod actions;
@@ -18,7 +18,7 @@ use linewright_proof::generate::{self, Breakage, LineShape, Random, break_it, br
 
 use crate::common::{self, HOME, auto_and_manual, explored, verdict};
 
-/// What both are asked.
+/// Freedom given to both.
 #[derive(Clone, Copy, Debug)]
 struct Freedom {
     lag: usize,
@@ -28,7 +28,7 @@ struct Freedom {
 
 const PLAIN: Freedom = Freedom { lag: 1, hand: false, tidy: true };
 
-/// What one of them says; `home` only where every state was seen.
+/// Result of one of them; `home` only where every state was seen.
 #[derive(Debug, PartialEq, Eq)]
 enum Said {
     Wrong,
@@ -61,7 +61,7 @@ fn newer(line: &Line, freedom: Freedom, states: usize) -> (Said, LineExplored) {
     let said = if never.into_iter().any(|p| p.verdict == Verdict::Fails) {
         Said::Wrong
     } else if explored.exhausted {
-        // Without manual mode nothing is said about home.
+        // Without manual mode, home is not decided.
         let home = !freedom.hand && verdict(&explored, HOME) == Verdict::Holds;
         Said::All { states: explored.states, home }
     } else {
@@ -81,7 +81,8 @@ fn agree(what: &str, line: &Line, freedom: Freedom, states: usize) -> Option<Sai
         (Said::All { .. }, _) => older(line, freedom, states),
     };
     if freedom.hand {
-        // Which buttons may be held when the mode changes is decided otherwise there, so only verdicts are compared.
+        // Which buttons may be held when the mode changes is decided in another way there, so only verdicts are
+        // compared.
         assert_eq!(old == Said::Wrong, new == Said::Wrong, "{what}, {freedom:?}\n{}", generate::text(line));
         return (old != Said::Open).then_some(new);
     }

@@ -1,11 +1,11 @@
-//! What must hold in every state, judged from the description alone.
+//! Invariants of every state, judged from the description alone.
 
 use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{OpId, StateSpan, StationId};
 
 use super::world::{Setting, World};
 
-/// How far apart the cycles of two neighbours may be. A pair of arrows, one of lag 0 and one of lag 1, lets the one be
+/// Largest difference of the cycles of two neighbours. A pair of arrows, one of lag 0 and one of lag 1, lets the one be
 /// a cycle ahead; operations listed before the arrow's end may have begun another.
 const CYCLES_APART_MAX: i32 = 2;
 

@@ -8,12 +8,12 @@ use super::actions::{Action, apply, possible};
 use super::oracle::violation;
 use super::world::Setting;
 
-/// What a search came to.
+/// Result of a search.
 pub struct Found {
     pub states: usize,
-    /// What is wrong with the first wrong state, and the actions that lead there.
+    /// The first violation, and the actions that lead there.
     pub counterexample: Option<(String, Vec<Action>)>,
-    /// From every state home can be reached; known only of an exhausted search.
+    /// From every state home can be reached; `None` unless the search is exhausted.
     pub home_from_everywhere: Option<bool>,
 }
 
@@ -101,7 +101,7 @@ pub fn random_walk(setting: &Setting, seed: u64, steps: usize) -> Option<(String
         if let Some(what) = violation(setting, &world) {
             return Some((what, way));
         }
-        // What began long ago explains nothing any more: go on from a fresh line now and then.
+        // A long past explains nothing: go on from a fresh line now and then.
         if step % 20_000 == 19_999 {
             world = setting.start();
             way.clear();

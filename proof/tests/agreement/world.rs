@@ -12,13 +12,13 @@ use linewright_station_logic::{
 /// The one moment at which everything happens.
 const NOW: Tick = Tick::from_millis(1);
 
-/// What is explored, and how freely.
+/// Subject and freedom of an exploration.
 #[derive(Clone, Debug)]
 pub struct Setting {
     pub line: Line,
-    /// Modes a station may hear, in any order.
+    /// Modes a station may receive, in any order.
     pub modes: Vec<ControlMode>,
-    /// Reports on their way to one reader; what comes on top pushes the oldest out, for every one may be lost.
+    /// Reports on their way to one reader; one more pushes the oldest out, for every one may be lost.
     pub reports_max: usize,
     pub restarts: bool,
     /// Operators let go of their panels before the mode changes. Fewer states; what a held button may do is tested
@@ -27,7 +27,7 @@ pub struct Setting {
     links: Vec<Link>,
 }
 
-/// Who reads whom, and which of the writer's counts matter to the reader.
+/// Reader and writer, and the writer's counts that matter to the reader.
 #[derive(Clone, Debug)]
 struct Link {
     writer: usize,
@@ -91,7 +91,7 @@ impl Setting {
         (self.links[link].writer, self.links[link].reader)
     }
 
-    /// All stations at home in stand-by, having heard each other.
+    /// All stations at home in stand-by, with each other's reports received.
     pub fn start(&self) -> World {
         let nodes: Vec<Rc<Node>> = self.line.station_ids().map(|station| Rc::new(self.node(station))).collect();
         let mail =
@@ -142,7 +142,7 @@ impl Node {
         let order = ModeOrder {
             manual_all: true,
             buttons: self.button.map_or(0, |b| 1 << b),
-            // For the lives of the start; a station that has lost its memory hears it too.
+            // For the lives of the start; a station that has lost its memory receives it too.
             found: Some(Founding { generation: 1, boot_id: 1 }),
             ..ModeOrder::of(1, self.epoch, self.mode, line.timing.lease)
         };
@@ -158,7 +158,7 @@ impl World {
         Rc::make_mut(&mut self.nodes[station]).act(what);
     }
 
-    /// The station's new report goes on its way to every reader for whom it says something new.
+    /// The station's new report goes on its way to every reader for which it is new.
     fn post(&mut self, setting: &Setting, writer: usize) {
         let mut report = None;
         for (link, (held, waiting)) in setting.links.iter().zip(&mut self.mail) {
@@ -256,7 +256,7 @@ impl World {
         self.post(setting, station);
     }
 
-    /// The same number for states that cannot be told apart: counts are relative to the first station's cycle.
+    /// The same number for indistinguishable states: counts are relative to the first station's cycle.
     pub fn key(&self, setting: &Setting, scratch: &mut Vec<i64>) -> u128 {
         scratch.clear();
         let origin = self.nodes[0].controller.cycle();
@@ -303,7 +303,7 @@ impl World {
 
 impl Link {
     fn says_the_same(&self, a: &StationReport, b: &StationReport, reader: &Controller) -> bool {
-        // That an answer nobody waits for any more is gone is no news.
+        // An answer that is not awaited any more may go without a change.
         let awaited = |x: &&WithdrawalAnswer| x.to.index() == self.reader && reader.awaits(x.number);
         let to_reader = |report: &StationReport| report.answers.iter().find(awaited).copied();
         a.boot_id == b.boot_id

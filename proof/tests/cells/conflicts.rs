@@ -1,4 +1,4 @@
-//! Conflicts of tasks, at the shipped workcell: which the cell's net excludes, and what switches say of those.
+//! Conflicts of tasks, at the shipped workcell: which the cell's net excludes, and the effect of switches on those.
 
 use linewright_cell::Cell;
 use linewright_line::{Conflict, Line, StateSpan, Station, StationId, TaskId};
@@ -60,7 +60,7 @@ fn with_one_part_at_a_time_two_machines_never_run_at_once() {
     assert_eq!(verdict(&cell), Verdict::Holds);
 }
 
-/// Two machines whose slides would meet. Each slide is moved by this task alone, so each sees when the other is out of the way.
+/// Two machines whose slides would meet. Each slide is moved by this task alone, so each has the other's clearance.
 #[test]
 fn measured_positions_by_themselves_keep_two_tasks_apart() {
     let text = include_str!("../../../model/line/tests/descriptions/on_order.toml");

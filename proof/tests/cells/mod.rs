@@ -1,4 +1,4 @@
-//! Cells: what is found wrong with them and what is not, against players that know nothing of the check.
+//! Cells: verdicts of the check against players independent of it.
 
 mod conflicts;
 mod oracle;
@@ -26,7 +26,7 @@ pub fn described(name: &str, more: &str) -> (Cell, Line) {
     (cell.unwrap_or_else(|why| panic!("{why:#}")).cell, line.line)
 }
 
-/// What is found of it, with any mix of parts.
+/// Result of its check, with any mix of parts.
 #[track_caller]
 pub fn checked(cell: &Cell) -> Checked {
     check(&CellExploration::new(cell)).expect("it is small")

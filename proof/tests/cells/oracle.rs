@@ -1,7 +1,7 @@
 //! A cell played with parts in places: slow, obvious, and without a net.
 //!
-//! It reads the checked description only: who has which part, in which stage, in which order where that matters. What can
-//! happen follows from what is in a machine, a store or a hand; capacities are counted, not tokens.
+//! It reads the checked description only: the parts of each resource, their stages, their order where that matters.
+//! Possible steps follow from the contents of machines, stores and hands; capacities are counted, not tokens.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 
@@ -9,7 +9,7 @@ use linewright_cell::{
     Activity, ActivityKind, Cell, Prototype, ResourceAction, ResourceId, Role, StageId, StageMove, Staying, Use,
 };
 
-/// What a resource has.
+/// Content of a resource.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 enum Inside {
     /// Each part with whether it has been worked on; sorted.
@@ -23,7 +23,7 @@ enum Inside {
     Nothing,
 }
 
-/// Everything there is to say of a moment.
+/// State of the whole cell at a moment.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 struct Moment {
     inside: Vec<Inside>,
@@ -31,7 +31,7 @@ struct Moment {
     held: Vec<(usize, StageId)>,
 }
 
-/// What playing with up to so many parts at a time comes to.
+/// Result of playing with up to so many parts at a time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Played {
     pub moments: usize,
@@ -59,7 +59,7 @@ pub fn play(cell: &Cell, parts: u32, limit: usize) -> Option<Played> {
     while let Some(moment) = queue.pop_front() {
         let following = player.steps(&moment);
         steps += following.len();
-        // Who has been grasped outside has come already.
+        // Parts grasped outside have come already.
         let only_coming = following.keys().all(|(activity, (_, how))| match activity {
             Some(id) => cell.activities[*id].kind == ActivityKind::Enter && how % 2 == 0,
             None => false,
@@ -99,7 +99,7 @@ pub fn play(cell: &Cell, parts: u32, limit: usize) -> Option<Played> {
     Some(Played { moments: numbers.len(), steps, stuck, empties: leads_back.into_iter().all(|back| back) })
 }
 
-/// What is done, by activity (none for a part that moves up) and stage; and for a row, by position.
+/// Label of a step: activity (none for a part that moves up) and stage; for a row, position.
 type Label = (Option<usize>, (StageId, usize));
 
 impl Player<'_> {
@@ -129,7 +129,7 @@ impl Player<'_> {
         for (number, activity) in self.cell.activities.iter().enumerate() {
             for of in &activity.moves {
                 for (how, after) in self.done(number, activity, of, moment) {
-                    // The stage tells modes of one activity apart, unless it makes different things of one stage.
+                    // The stage distinguishes modes of one activity, unless it turns one stage into different ones.
                     let label = (Some(number), (of.from, (usize::from(of.to.0) << 1) | how));
                     found.insert(label, after);
                 }
@@ -151,7 +151,7 @@ impl Player<'_> {
         found
     }
 
-    /// What an activity can make of a stage: all in one, or grasping (0) and putting (1).
+    /// Steps of an activity with a stage: all in one, or grasping (0) and putting (1).
     fn done(&self, number: usize, activity: &Activity, of: &StageMove, moment: &Moment) -> Vec<(usize, Moment)> {
         let used = |role: Role| activity.used(role);
         if let Some(worker) = used(Role::Worker).and_then(|part| part.of) {
@@ -193,7 +193,7 @@ impl Player<'_> {
         found
     }
 
-    /// How many more parts somebody can carry.
+    /// Number of further parts that a carrier can take.
     fn hands_free(&self, moment: &Moment, carrier: ResourceId) -> usize {
         let of = |number: usize| self.cell.activities[number].used(Role::Carrier).and_then(|part| part.of);
         let holds = moment.held.iter().filter(|(number, _)| of(*number) == Some(carrier)).count();

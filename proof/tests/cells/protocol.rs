@@ -41,7 +41,8 @@ fn every_activity_of_c1_keeps_the_rules() {
     assert!(properties(&found).iter().all(|property| property.verdict == Verdict::Holds), "{}", told(&found));
 }
 
-/// With a fault, a restart, a lost memory, an alarm, a late report, somebody who leads the station, and any two of them.
+/// With a fault, a restart, a lost memory, an alarm, a late report, a person who leads the station, and any two of
+/// them.
 #[test]
 fn working_in_c1_keeps_the_rules_whatever_disturbs_it() {
     let (cell, line) = shipped("workcell-c1");
@@ -75,7 +76,7 @@ fn loading_in_c1_keeps_the_rules_when_alarm_is_given_as_far_as_is_looked() {
     assert_eq!((found.len(), &found[0].wrong, found[0].states >= 300_000), (1, &None, true), "{}", told(&found));
 }
 
-/// What is found with some rules off.
+/// The broken rule found with some rules off.
 fn without(only: &'static str, disturbances: u8, change: impl Fn(&mut ProtocolSetting<'_>)) -> BrokenRule {
     let (cell, line) = shipped("workcell-c1");
     let mut setting = ProtocolSetting::new(&cell, &line);
@@ -89,8 +90,8 @@ fn without(only: &'static str, disturbances: u8, change: impl Fn(&mut ProtocolSe
 const LOAD: &str = "load M1";
 const PROCESS: &str = "M1.process";
 
-/// The race: the station says that an order has ended as soon as its time is over, then it goes back; who hears that takes it
-/// for standing, asks, is answered, and starts the loading again while the arm moves.
+/// The race: the station reports the end of an order as soon as its time is over, then it goes back; the player takes
+/// it for standing, raises an alarm, is answered, and starts the loading again while the arm moves.
 #[test]
 fn an_order_that_has_ended_while_its_station_moves_is_answered_and_started_again_too_soon() {
     let race = |asked| {
@@ -120,7 +121,7 @@ fn a_station_that_ends_its_order_before_it_stands_says_what_is_not_so() {
     assert_eq!(found.rule, ENDED);
 }
 
-/// What a fault or a person has ended is gone back from, and a result says all the time that it has ended.
+/// An order ended by a fault or a person is gone back from, while its result reports the end all the time.
 #[test]
 fn a_slot_that_does_not_count_is_answered_while_the_station_goes_back() {
     let found = without(LOAD, 1, |setting| setting.rules.slot_counts = false);

@@ -10,7 +10,8 @@ use super::{cell, checked, verdicts};
 /// More moments than this are not looked at one by one.
 const MOMENTS_MAX: usize = 8_000;
 
-/// What the player of parts says: how many parts are sound, and what comes with one more; none if there is too much to see.
+/// Result of the player of parts: the sound number of parts, and the result with one more; none if there are too many
+/// states.
 fn by_hand(cell: &linewright_cell::Cell) -> Option<(u32, Option<Played>, Played)> {
     let mut last = play(cell, 0, MOMENTS_MAX)?;
     for parts in 1..=cell.limits.wip_max {
@@ -72,7 +73,7 @@ fn the_check_finds_what_a_player_of_parts_finds() {
     assert!(sound >= 20 && wrong >= 20 && apart >= 5);
 }
 
-/// Starts and ends seen apart say the same as whole activities, and about as many parts.
+/// Starts and ends explored apart give the same verdicts as whole activities, and about as many parts.
 #[test]
 fn both_details_say_the_same() {
     for seed in 0..60 {

@@ -1,5 +1,5 @@
-//! The shipped cells: sound as they are, and with a story where they are not. And what is said of cells that no text
-//! describes: broken behind the parser's back.
+//! The shipped cells: sound as they are, and with a counterexample where they are not. And verdicts on cells that no
+//! text describes: broken after parsing.
 
 use linewright_cell::ActivityKind;
 use linewright_nets::explicit::ExplorationLimits;
@@ -18,7 +18,7 @@ fn the_shipped_cells_are_sound() {
     }
 }
 
-/// What is said of the first property that fails: the reason, the steps, and who needs what in the end.
+/// The first property that fails: the reason, the steps, and the needs in the end.
 #[track_caller]
 fn story(text: &str) -> (String, Vec<String>, Vec<String>) {
     let checked = checked(&cell(text));
@@ -88,7 +88,7 @@ fn more_parts_than_the_store_holds_get_stuck() {
     assert_eq!(needs[4], "M3: B #1 (B.grind): `unload M3` needs room in ST");
 }
 
-/// Starts and ends side by side are told as one step, others as two.
+/// Starts and ends side by side are one step of the counterexample, others two.
 #[test]
 fn starts_and_ends_are_told_apart_only_where_something_is_between() {
     let cell = cell(&edited(C1, &[("reserve = true", "reserve = false")]));
@@ -121,7 +121,7 @@ fn what_goes_on_without_an_end_is_found() {
     assert!(parts.len() == 1 && parts[0].needs.is_empty(), "it can go on: {story:?}");
 }
 
-/// Nobody loads M1 any more: what is described for it and after it can never be done, and M2 does it all.
+/// M1 is not loaded any more: the activities for it and after it can never be done, and M2 does it all.
 #[test]
 fn what_can_never_be_done_is_said() {
     let mut cell = cell(C1);
@@ -133,7 +133,7 @@ fn what_can_never_be_done_is_said() {
     assert!(found.holds(), "a remark does not speak against the cell");
 }
 
-/// Limits: what was not seen is not taken for right, and it is said how far it came.
+/// Limits: unseen states are not taken for right, and the extent is reported.
 #[test]
 fn what_is_too_much_is_undecided_from_there_on() {
     let cell = cell(C1);
@@ -151,7 +151,7 @@ fn what_is_too_much_is_undecided_from_there_on() {
     let nothing = limited(2);
     assert_eq!((nothing.sound, verdicts(&nothing)), (0, [Verdict::Undecided; 3]), "{nothing:#?}");
 
-    // What is wrong within the limits is found all the same, whatever is beyond them.
+    // A violation within the limits is found all the same, whatever is beyond them.
     let stuck = super::cell(&edited(C1, &[("reserve = true", "reserve = false"), ("wip_max = 6", "wip_max = 10000")]));
     let limits = ExplorationLimits { states: 1_000, ..ExplorationLimits::default() };
     let found = check(&CellExploration { limits, ..CellExploration::new(&stuck) }).expect("it has a net");

@@ -1,5 +1,5 @@
 //! The numbers of an explorer written in Python before any of this, which shares nothing with it; the same table as in
-//! `model/cell/tests/net/counts.rs`, here for what `check` says.
+//! `model/cell/tests/net/counts.rs`, here for the numbers of `check`.
 
 use linewright_cell::net::Detail;
 use linewright_proof::cell::{CellExploration, Checked, Verdict, check};

@@ -1,11 +1,11 @@
-//! What several tests need: how many lines, a line's parts, and a property by its name.
+//! Common to several tests: the number of lines, a line's parts, and a property by its name.
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Arrow, Conflict, Line};
 use linewright_proof::explore::{Grants, LineExploration, LineExplored, SearchLimits, Verdict, explore};
 use linewright_proof::structure::chart::{every_circuit_has_a_token, home_is_consistent};
 
-/// How many lines to generate: what a build can wait for, or `GENERATED_LINES` times as many hundredths of it.
+/// Number of lines to generate: as many as a build can wait for, or `GENERATED_LINES` times as many hundredths of it.
 pub fn lines(default: u64) -> u64 {
     let percent = std::env::var("GENERATED_LINES").ok().and_then(|text| text.parse().ok()).unwrap_or(100);
     (default * percent / 100).max(1)
@@ -33,7 +33,7 @@ pub fn undisturbed(line: &Line) -> LineExploration {
     setting
 }
 
-/// Auto and manual, each station in whichever it hears of.
+/// Auto and manual, each station in whichever it receives.
 pub fn auto_and_manual(line: &Line) -> LineExploration {
     let mut setting = LineExploration::new(line);
     (setting.modes, setting.grants) = (vec![ControlMode::Auto, ControlMode::Manual], Grants::Anyhow);

@@ -31,10 +31,10 @@ pub const PURE: [&str; 21] = [
     "linewright-simulation",
 ];
 
-/// What neither they nor the messages may need, at any distance.
+/// Dependencies that neither they nor the messages may have, at any distance.
 const IMPURE: [&str; 4] = ["ros2-client", "rustdds", "tokio", "socketcan"];
 
-/// What the sources of a pure crate do not mention: clocks, threads that outlive a call, sockets, files, the
+/// Words that the sources of a pure crate must not contain: clocks, threads that outlive a call, sockets, files, the
 /// environment. `thread::scope` is allowed: what it starts has ended when the call returns.
 const FORBIDDEN: [&str; 9] = [
     "Instant::now",
@@ -72,7 +72,7 @@ const MAY_USE: [(&str, &[&str]); 37] = [
         &[
             "linewright-line",
             "linewright-station-logic",
-            // Which of two messages is the newer one is decided once, there.
+            // The choice of the newer of two messages is made once, there.
             "linewright-station-shell",
             "linewright-coordinator-logic",
             "linewright-coordinator-cell",
@@ -103,7 +103,7 @@ const MAY_USE: [(&str, &[&str]); 37] = [
             "linewright-station-logic",
             "linewright-coordinator-logic",
             "linewright-coordinator-cell",
-            // What the token player takes from a station's report is written once, there.
+            // The conversion of a station's report for the token player is written once, there.
             "linewright-coordinator-shell",
         ],
     ),
@@ -159,7 +159,7 @@ const MAY_USE: [(&str, &[&str]); 37] = [
             "linewright-coordinator-cell",
             "linewright-coordinator-shell",
             "linewright-history",
-            // What a report compares with, a line's planned times, is computed there.
+            // The planned times of a line, for the comparison in a report, are computed there.
             "linewright-simulation",
             "linewright-station-logic",
             "linewright-station-shell",
@@ -180,7 +180,7 @@ const MAY_USE: [(&str, &[&str]); 37] = [
 /// Everything but [`TOPS`].
 const EVERYTHING: &[&str] = &["*"];
 
-/// Tests may look at what lies above them, but nothing of any kind builds on these.
+/// Tests may use crates above them, but nothing of any kind builds on these.
 const TOPS: [&str; 5] = ["linewright", "linewright-tests", "linewright-examples", "linewright-fuzz", "xtask"];
 
 /// Checks every crate.
@@ -203,7 +203,7 @@ pub fn check(root: &Path, members: &[WorkspaceMember]) -> Vec<String> {
         }
         let is_pure = PURE.contains(&member.name.as_str());
         if is_pure || member.name == "linewright-msgs" {
-            // By itself: beside others it might have features that it does not ask for.
+            // By itself: beside others it might have features that it does not request.
             match tree(root, &["--package", &member.name, "--edges", "normal", "--prefix", "none"]) {
                 Ok(all) => findings.extend(purity(&member.name, &all[1..])),
                 Err(error) => findings.push(error),
@@ -221,7 +221,7 @@ fn noted(error: String, findings: &mut Vec<String>) -> BTreeMap<String, Vec<Stri
     BTreeMap::new()
 }
 
-/// What each crate of the workspace depends on itself, by edges of these kinds.
+/// Direct dependencies of each crate of the workspace, by edges of these kinds.
 fn direct(root: &Path, edges: &str) -> Result<BTreeMap<String, Vec<String>>, String> {
     let lines = tree(root, &["--workspace", "--edges", edges, "--prefix", "depth", "--depth", "1", "--no-dedupe"])?;
     let mut all: BTreeMap<String, Vec<String>> = BTreeMap::new();

@@ -1,9 +1,9 @@
-//! Rules about single files: a head that says what it is, a bounded length, nothing of the machine it was written on.
+//! Rules about single files: a head that describes it, a bounded length, no paths of the machine it was written on.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A file that is longer wants to be two.
+/// Most lines of a file; a longer one is to be divided.
 const LINES_MAX: usize = 500;
 
 /// Never part of the product, whatever is in them.
@@ -71,8 +71,8 @@ fn of_file(name: &str, text: &str) -> Vec<String> {
     findings
 }
 
-/// Tests beside `all.rs` that neither it nor another test program of the crate names, and that are none themselves: nobody
-/// would compile them, and nobody would miss them.
+/// Tests beside `all.rs` that neither it nor another test program of the crate names, and that are none themselves:
+/// they would not be compiled, and not be missed.
 fn left_out(name: &str, text: &str, path: &Path) -> Vec<String> {
     let dir = path.parent().unwrap_or(path);
     let manifest = dir.parent().and_then(|root| fs::read_to_string(root.join("Cargo.toml")).ok()).unwrap_or_default();
@@ -100,7 +100,7 @@ fn length(name: &str, lines: usize) -> Option<String> {
     (lines > LINES_MAX).then(|| format!("{name}: {lines} lines, {LINES_MAX} at most; which half can stand alone?"))
 }
 
-/// Where people's and machines' own directories begin. Put together here, so that this file does not contain them.
+/// Beginnings of people's and machines' own directories. Put together here, so that this file does not contain them.
 fn homes() -> impl Iterator<Item = String> {
     ["work", "home", "root", "Users"].into_iter().map(|dir| format!("/{dir}/"))
 }

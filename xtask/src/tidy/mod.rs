@@ -1,7 +1,7 @@
 //! The house rules that a program can check: `cargo xtask tidy`, and part of `cargo xtask test`.
 //!
-//! A rule is a function from what is there to findings, and a finding says what to do. Rules that need judgement are
-//! not here.
+//! A rule is a function from the sources to findings, and a finding names the remedy. Rules that need judgement are not
+//! here.
 
 mod crates;
 mod documents;
@@ -18,7 +18,7 @@ pub use crates::PURE;
 pub struct WorkspaceMember {
     /// Package name.
     pub name: String,
-    /// Where it lies.
+    /// Its directory.
     pub dir: PathBuf,
     /// The text of its manifest.
     pub manifest: String,

@@ -1,6 +1,6 @@
-//! Tests in a library that its manifest says has none: nothing would run them, and nothing would miss them.
+//! Tests in a library without tests by its manifest: they would not be run, and not be missed.
 //!
-//! A library without unit tests says `test = false`, one without examples `doctest = false`; otherwise each would be
+//! A library without unit tests has `test = false`, one without examples `doctest = false`; otherwise each would be
 //! compiled once more for nothing.
 
 use super::WorkspaceMember;

@@ -1,4 +1,4 @@
-//! Dependencies that no source mentions: built by everybody for nothing.
+//! Dependencies that no source mentions: built for nothing.
 
 use std::path::Path;
 

@@ -8,7 +8,7 @@ use crate::chart::{ActivityBar, BarChart, BarRow};
 
 /// Characters for the time.
 const WIDTH: usize = 80;
-/// The margin for names, at least: the legend wants this much.
+/// Least margin for names: the legend needs this much.
 const LABELS_MIN: f64 = 240.0;
 const MEASURED: &str = "#2f6fb0";
 const STOPPED: &str = "#c0392b";

@@ -44,7 +44,7 @@ fn line(source: &LineSource, to: &mut Recording) -> Result<(), McapError> {
     Ok(())
 }
 
-/// What each station is doing, whenever that changes.
+/// State of each station, whenever that changes.
 fn stations(source: &LineSource, to: &mut Recording) -> Result<(), McapError> {
     let (from, until) = source.report.span;
     for (of, track) in std::iter::zip(&source.about.stations, source.tracking.stations()) {

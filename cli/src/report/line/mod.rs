@@ -24,7 +24,7 @@ use crate::out::{self, say};
 /// So many causes of waits are listed for a station; JSON and CSV have all.
 const WAITS_MAX: usize = 5;
 
-/// The records of a line's database within a span of time, and the report made of them.
+/// Data of a line's database for a span.
 pub struct LineSource {
     pub reader: HistoryReader,
     pub about: LineAbout,
@@ -39,7 +39,7 @@ impl LineSource {
     /// Reads the database.
     ///
     /// # Errors
-    /// The database cannot be read, or the arguments do not fit it.
+    /// A fault of the database, or of the arguments.
     pub fn read(
         reader: HistoryReader,
         about: LineAbout,
@@ -163,7 +163,7 @@ impl LineSource {
     }
 }
 
-/// Prints and writes what is asked for.
+/// Prints and writes the output requested.
 pub fn run(args: &Args, source: LineSource) -> miette::Result<ExitCode> {
     if let Some(dir) = &args.csv {
         tables::csv(&source, dir)?;

@@ -52,7 +52,7 @@ struct JsonActivity {
     end_s: Option<f64>,
 }
 
-/// What was decided at a moment, and why.
+/// Decision at a moment, and its reason.
 #[derive(Serialize)]
 pub struct Decision {
     at_s: f64,

@@ -1,4 +1,4 @@
-//! What came out of a simulation of a cell, from its records: parts, activities, and how much resources worked.
+//! Result of a simulation of a cell, from its records: parts, activities, and utilisation of resources.
 
 use linewright_cell::Cell;
 use linewright_coordinator_cell::Record;
@@ -12,14 +12,14 @@ pub struct ProductionResult {
     pub parts: Vec<PartHistory>,
     /// In the order in which they started, without those that take no time: they are no bar in a chart.
     pub activities: Vec<FinishedActivity>,
-    /// What the same is in sum.
+    /// Summary of the same.
     pub report: CellSummary,
     /// When the last part left, or the last thing happened.
     pub end: Tick,
 }
 
 impl ProductionResult {
-    /// What records say.
+    /// Result from records.
     pub fn new(cell: &Cell, played: &CompiledCell, records: &[Record]) -> Self {
         let end = records.last().map_or(Tick::ZERO, |record| record.at);
         let (mut tracking, mut activities) = (Tracking::new(sheet(cell, played)), Activities::default());

@@ -1,9 +1,9 @@
 //! `linewright simulate` for a flexible cell: so many parts, made by the cell's own token player and dispatcher, with
-//! stations that take as long as the description says.
+//! stations whose times are those of the description.
 //!
-//! [`linewright_simulation::cell`] plays; this reads the description, shows what came out and decides the exit code: 0 if
-//! all parts were finished and have left, 1 otherwise, with what each of the others waits for. With a scenario or several
-//! replications, [`study`] does it.
+//! [`linewright_simulation::cell`] plays; this reads the description, shows the result and decides the exit code: 0 if
+//! all parts were finished and have left, 1 otherwise, with what each of the others waits for. With a scenario or
+//! several replications, [`study`] does it.
 
 mod json;
 mod made;
@@ -32,7 +32,7 @@ use made::ProductionResult;
 
 /// More parts are no more informative.
 const PARTS_MAX: u32 = 100_000;
-/// Of so many parts at most it is said why they have not been finished.
+/// Most unfinished parts for which the reason is printed.
 const STUCK_MAX: usize = 10;
 
 /// So many parts of a type, as `A=3`.
@@ -78,7 +78,7 @@ pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
         ..CellSimOptions::default()
     };
     let stations = line.as_ref().map_or(cell.controllers.len(), |line| line.stations.len());
-    // Whatever is wrong with the file is said before anything is played.
+    // Faults of the file are reported before anything is played.
     let begin = |path: &PathBuf| record::begin(path, &cell, line.as_ref(), &played);
     let mut history = args.record.as_ref().map(begin).transpose()?;
     let table = Arc::new(played.table.clone());
@@ -115,7 +115,7 @@ fn beside(file: &Path, quiet: bool) -> miette::Result<Option<Line>> {
     if line.exists() { load::line(&line, quiet).map(Some) } else { Ok(None) }
 }
 
-/// How many parts of each type, in the order of the description.
+/// Number of parts of each type, in the order of the description.
 fn batch(cell: &Cell, asked: &[(String, u32)]) -> miette::Result<Vec<u32>> {
     if asked.is_empty() {
         return Ok(vec![1; cell.part_types.len()]);

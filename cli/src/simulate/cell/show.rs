@@ -1,4 +1,4 @@
-//! What came out of a simulation of a cell, as text.
+//! Result of a simulation of a cell, as text.
 
 use std::fmt::Write;
 

@@ -23,9 +23,9 @@ const RECEIVE_BUFFER: libc::c_int = 1 << 20;
 pub(super) struct KernelBus {
     name: String,
     socket: CanSocket,
-    /// The last read failed: said once, not every time it is tried again.
+    /// The last read failed: reported once, not at every retry.
     failing: bool,
-    /// The kernel's number for why the interface is gone. It reports that once, to whatever is tried next.
+    /// The `errno` of the lost interface. The kernel reports it once, to the next call.
     gone: Option<i32>,
 }
 
@@ -104,7 +104,7 @@ pub(super) fn means_no_interface(error: &io::Error) -> bool {
     error.raw_os_error().is_some_and(|code| absent.contains(&code))
 }
 
-/// Whether the kernel speaks CAN, as far as can be told without opening a socket: the protocol registers itself here.
+/// Whether the kernel has CAN, without opening a socket: the protocol registers itself here.
 pub(super) fn has_can() -> bool {
     Path::new("/proc/net/can").exists()
 }
@@ -114,7 +114,7 @@ pub(super) fn to_kernel(frame: &Frame) -> Option<CanFrame> {
     match frame.kind() {
         FrameKind::Data => CanDataFrame::new(id, frame.data()).map(CanFrame::Data),
         FrameKind::Remote => CanRemoteFrame::new_remote(id, frame.len()).map(CanFrame::Remote),
-        // The kernel makes error frames; nobody can send one.
+        // Error frames come from the kernel alone; they cannot be sent.
         FrameKind::Error(_) => None,
     }
 }

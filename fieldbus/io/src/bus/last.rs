@@ -1,7 +1,7 @@
 //! A second socket on a bus, for frames that must go out while the task that owns the first one does not run.
 //!
-//! It hears nothing, waits for nothing and shares nothing with the [`Bus`](super::Bus) but the wire, so any thread can use
-//! it at any time.
+//! It receives nothing, waits for nothing and shares nothing with the [`Bus`](super::Bus) but the wire, so any thread
+//! can use it at any time.
 
 use std::os::unix::net::UnixDatagram;
 use std::path::PathBuf;

@@ -1,9 +1,9 @@
-//! Who is on a virtual bus: the sockets in its directory.
+//! Members of a virtual bus: the sockets in its directory.
 //!
 //! Each participant binds one datagram socket, under a name that is never used twice. The directory is the whole
-//! membership: whoever has a socket in it is on the bus, whoever dies without removing it is found out by the first
-//! frame sent to it, and no process has to run for the others to meet. Because names are never reused, removing a
-//! dead one can never hit a living newcomer.
+//! membership: a process with a socket in it is on the bus, one that dies without removing it is detected by the first
+//! frame sent to it, and no process has to run for the others to meet. Because names are never reused, removing a dead
+//! one can never hit a living newcomer.
 
 use std::collections::VecDeque;
 use std::fs;
@@ -15,8 +15,8 @@ use std::time::{Duration, Instant, SystemTime};
 
 use linewright_canopen::FRAME_BYTES;
 
-/// At most this long a newcomer goes unnoticed by somebody who sends. Devices and managers time out at ten times that
-/// or more. A change of the directory's own time is noticed at once, but that clock can be as coarse as 10 ms.
+/// Most time until a sender notices a newcomer. Devices and managers time out at ten times that or more. A change of
+/// the directory's own time is noticed at once, but that clock can be as coarse as 10 ms.
 const RESCAN: Duration = Duration::from_millis(20);
 
 /// One other participant.
@@ -103,7 +103,7 @@ pub(super) fn prepare(name: &str, dir: Option<&Path>) -> io::Result<PathBuf> {
     Ok(dir)
 }
 
-/// Where buses live: in this directory, if one is given.
+/// Directory of the buses: this one, if one is given.
 pub(super) fn base(dir: Option<&Path>) -> io::Result<PathBuf> {
     match dir.map(Path::to_owned).or_else(chosen_base) {
         Some(base) => Ok(base),
@@ -116,11 +116,11 @@ pub(super) fn chosen_base() -> Option<PathBuf> {
     from_env("LINEWRIGHT_BUS_DIR")
 }
 
-/// The directory for buses where the user has chosen none; it exists, and nobody else can listen in.
+/// The directory for buses where the user has chosen none; it exists, and other users cannot listen in.
 pub(super) fn checked_base() -> io::Result<PathBuf> {
     let base = default_base()?;
     prepare_again(&base)?;
-    // In a shared directory for temporary files somebody else may have been there first.
+    // In a shared directory for temporary files another user may have made it first.
     let meta = fs::symlink_metadata(&base)?;
     if !meta.is_dir() || meta.uid() != own_uid()? || meta.mode() & 0o022 != 0 {
         return Err(io::Error::new(
@@ -142,12 +142,12 @@ fn from_env(name: &str) -> Option<PathBuf> {
     std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from)
 }
 
-/// The user this process runs as: the owner of its own entry in `/proc`, which needs no unsafe call to ask.
+/// The user this process runs as: the owner of its own entry in `/proc`, which needs no unsafe call.
 fn own_uid() -> io::Result<u32> {
     fs::metadata("/proc/self").map(|m| m.uid())
 }
 
-/// Makes the directory, anew after somebody removed it.
+/// Makes the directory, anew after its removal.
 pub(super) fn prepare_again(dir: &Path) -> io::Result<()> {
     fs::DirBuilder::new().recursive(true).mode(0o700).create(dir).map_err(|error| at(dir, &error))
 }

@@ -1,10 +1,10 @@
 //! The wire: SocketCAN where the kernel has an interface of that name, else a virtual bus between processes.
 //!
-//! Both carry the same sixteen bytes per frame and behave alike: everyone else hears a frame, its sender does not,
-//! frames of one sender arrive in order, and nobody waits for anybody. Which of the two it is, [`Bus::describe`] says
-//! in words, because a line that moves nothing is a nuisance to debug when the frames are somewhere else.
+//! Both carry the same sixteen bytes per frame and behave alike: all other members receive a frame, its sender does
+//! not, frames of one sender arrive in order, and no member waits for another. [`Bus::describe`] names the one in use,
+//! because a line without motion is hard to debug when the frames are on the other.
 //!
-//! This module knows sockets and directories; it does not look into frames.
+//! This module handles sockets and directories; it does not look into frames.
 
 mod kernel;
 mod last;
@@ -25,11 +25,11 @@ use linewright_canopen::candump::CandumpWriter;
 pub use own::{BusDirectory, OwnBuses, find as find_bus};
 use virtual_bus::VirtualBus;
 
-/// Where to look for the bus.
+/// Transport and place of the bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BusOptions {
     pub transport: Transport,
-    /// Where virtual buses live, one directory each. By default `$LINEWRIGHT_BUS_DIR`, else
+    /// Directory of the virtual buses, one directory each. By default `$LINEWRIGHT_BUS_DIR`, else
     /// `$XDG_RUNTIME_DIR/linewright-bus`, else `linewright-bus-<uid>` in the directory for temporary files.
     pub dir: Option<PathBuf>,
 }
@@ -53,7 +53,7 @@ pub enum BusError {
     Name { name: String },
     #[error("cannot open CAN interface {name}: {error}")]
     Kernel { name: String, error: io::Error },
-    /// There is no such interface, and the virtual bus was not asked for.
+    /// There is no such interface, and the virtual bus was not requested.
     #[error(
         "there is no CAN interface {name} ({error}): see `ip link show {name}` and the name given; \
          without CAN hardware `linewright run` and nodes started with --virtual-bus use a virtual bus"
@@ -75,7 +75,7 @@ pub enum BusError {
     },
 }
 
-/// What went wrong on a bus without stopping it.
+/// Counters of a bus, with the errors that did not stop it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BusStats {
     pub sent: u64,
@@ -165,7 +165,7 @@ impl Bus {
         self.recorder = Some(recorder);
     }
 
-    /// Sends a frame to everyone else on the bus. Never waits: what cannot be sent now is counted, and lost as on a
+    /// Sends a frame to all other members of the bus. Never waits: what cannot be sent now is counted, and lost as on a
     /// wire unless the caller tries again. (The virtual bus holds a short backlog for members that are slow.)
     ///
     /// False if the interface's queue is full, and the frame was not sent.
@@ -183,11 +183,11 @@ impl Bus {
         taken
     }
 
-    /// The next frame somebody else has sent. Cancel safe: a frame is either returned or still to come. Other failures of
+    /// The next frame from another member. Cancel safe: a frame is either returned or still to come. Other failures of
     /// the system are counted and waited out.
     ///
     /// # Errors
-    /// The CAN interface is down or gone. What was sent last may not have left, and nothing is heard any more: a node ends.
+    /// The CAN interface is down or gone. The last frames may not have left, and no more are received: a node ends.
     pub async fn recv(&mut self) -> Result<Frame, BusError> {
         let frame = match &mut self.wire {
             BusWire::Kernel(bus) => {
@@ -200,7 +200,7 @@ impl Bus {
         Ok(frame)
     }
 
-    /// What went wrong so far, and what did not.
+    /// Counters so far, those of errors among them.
     pub fn stats(&self) -> BusStats {
         self.stats
     }
@@ -213,7 +213,7 @@ impl Bus {
     }
 }
 
-/// Where a bus is, without opening it: its interface's name, or the directory of a virtual one. Two programs that open
+/// Place of a bus, without opening it: its interface's name, or the directory of a virtual one. Two programs that open
 /// buses of one place are on one bus.
 pub fn place(name: &str, options: &BusOptions) -> String {
     let is_interface = is_bus_name(name) && Path::new("/sys/class/net").join(name).exists();
@@ -225,7 +225,7 @@ pub fn place(name: &str, options: &BusOptions) -> String {
     directory.join(name).display().to_string()
 }
 
-/// What Linux takes as an interface name, narrowed to what is harmless as a directory name.
+/// Whether it is an interface name for Linux, and harmless as a directory name.
 fn is_bus_name(name: &str) -> bool {
     let plain = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'.' | b'_' | b'-');
     (1..=15).contains(&name.len()) && !name.starts_with('.') && name.bytes().all(plain)

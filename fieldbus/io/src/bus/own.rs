@@ -1,8 +1,8 @@
 //! The virtual buses of one run, apart from all others.
 //!
-//! A run that simulates its devices brings its whole bus along: nobody else has a device on it. So it gets a directory of
-//! its own, in which every bus it names is another bus than one of the same name elsewhere. A tool that looks for a bus by
-//! name finds it here as long as somebody is on it (see [`find`]).
+//! A run that simulates its devices brings its whole bus along: it shares no device with another. So it gets a
+//! directory of its own, in which every bus it names is another bus than one of the same name elsewhere. A tool that
+//! looks for a bus by name finds it here as long as it has a member (see [`find`]).
 
 use std::fs;
 use std::io;
@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 
 use super::members::{at, checked_base, chosen_base, scan};
 
-/// How the directory of a run is called, before a number.
+/// Prefix of the directory of a run, before a number.
 const PREFIX: &str = "run-";
-/// The file that says which run it is.
+/// The file that names the run.
 const ABOUT: &str = "about";
-/// As many names are tried for a new directory.
+/// Most names tried for a new directory.
 const TRIES: u32 = 64;
 
 /// A directory of buses. Dropping it removes it.
@@ -26,7 +26,7 @@ pub struct OwnBuses {
 }
 
 impl OwnBuses {
-    /// A new one; `about` says whose. `None` where the environment names a directory for all buses: it is obeyed.
+    /// A new one; `about` names its run. `None` where the environment names a directory for all buses: that is used.
     ///
     /// # Errors
     /// When the directory cannot be made.
@@ -55,7 +55,7 @@ impl OwnBuses {
         Err(io::Error::new(io::ErrorKind::AlreadyExists, format!("no name is free in {}", base.display())))
     }
 
-    /// Where they are: for [`Options::dir`](super::BusOptions), and for other processes in `LINEWRIGHT_BUS_DIR`.
+    /// Their directory: for [`Options::dir`](super::BusOptions), and for other processes in `LINEWRIGHT_BUS_DIR`.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
@@ -67,7 +67,7 @@ impl Drop for OwnBuses {
     }
 }
 
-/// Removes what runs have left behind that were killed: directories whose process has ended and where nobody is on a bus.
+/// Removes the remains of killed runs: directories whose process has ended and whose buses have no member.
 fn sweep(base: &Path) {
     for dir in runs(base) {
         let process = dir.file_name().and_then(|name| name.to_str()?.strip_prefix(PREFIX)?.split('-').next()?.into());
@@ -88,23 +88,23 @@ fn runs(base: &Path) -> impl Iterator<Item = PathBuf> + use<> {
     entries(base).filter(is_run)
 }
 
-/// Whether a living process is on a bus: what a killed one has left refuses to be connected to.
+/// Whether a living process is on a bus: the socket of a killed one refuses connections.
 fn has_members(bus: &Path) -> bool {
     let is_alive = |path: PathBuf| UnixDatagram::unbound().is_ok_and(|socket| socket.connect(path).is_ok());
     scan(bus).unwrap_or_default().into_iter().any(is_alive)
 }
 
-/// A directory in which somebody is on a bus of the name that was looked for.
+/// A directory with members on a bus of the requested name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BusDirectory {
-    /// The run whose bus it is; `None` for the one that everybody shares.
+    /// The run whose bus it is; `None` for the shared one.
     pub about: Option<String>,
     /// For [`Options::dir`](super::BusOptions).
     pub dir: PathBuf,
 }
 
-/// Where somebody is on a virtual bus `name`: the shared one, and those of runs; only of the run `about` if that is given.
-/// Empty where the environment names a directory for all buses.
+/// Directories with members on a virtual bus `name`: the shared one, and those of runs; only of the run `about` if that
+/// is given. Empty where the environment names a directory for all buses.
 pub fn find(name: &str, about: Option<&str>) -> Vec<BusDirectory> {
     if chosen_base().is_some() {
         return Vec::new();

@@ -19,13 +19,13 @@ use super::{BusError, BusStats};
 /// Frames kept for a member that does not read. At 1 Mbit/s a real bus carries some 8,000 frames a second: this is
 /// 60 ms of a fully loaded one.
 const BACKLOG: usize = 512;
-/// How often a backlog is tried again.
+/// Period of the retries of a backlog.
 const FLUSH: Duration = Duration::from_millis(1);
 
 pub(super) struct VirtualBus {
     socket: UnixDatagram,
-    /// Sends, outside the async runtime: that would take one member's full queue for a socket that cannot send at
-    /// all, and wait for a readiness that nobody reports.
+    /// Sends, outside the async runtime: that would take one member's full queue for a socket that cannot send at all,
+    /// and wait for a readiness that is never reported.
     sender: Sender,
     members: Members,
     /// A socket this member had before its place in the directory was taken away; emptied first.
@@ -33,7 +33,7 @@ pub(super) struct VirtualBus {
     waiting: bool,
 }
 
-/// What became of one datagram.
+/// Result of sending one datagram.
 enum DatagramResult {
     Yes,
     Full,
@@ -124,7 +124,7 @@ impl VirtualBus {
         self.waiting = self.members.others().iter().any(|m| !m.backlog.is_empty());
     }
 
-    /// Binds a new socket after the old one's name has gone from the directory: without it nobody would send here.
+    /// Binds a new socket after the old one's name has gone from the directory: without it nothing would be sent here.
     fn rejoin(&mut self) {
         if members::prepare_again(self.members.dir()).is_err() {
             return;
@@ -138,7 +138,7 @@ impl VirtualBus {
 
 impl Drop for VirtualBus {
     fn drop(&mut self) {
-        // Whoever is killed cannot do this; the others then find out by themselves.
+        // A killed member cannot do this; the others then detect it themselves.
         let _ = std::fs::remove_file(self.members.own());
     }
 }

@@ -1,10 +1,10 @@
 //! Process data among others' frames that would fill nine tenths of a bus.
 //!
-//! `vcan` has no bit rate, so a thread paces what others send. Their frames are counted by everybody, so it shows when a
-//! socket has dropped any. Outputs count up one by one, each device says back what it was sent, and no state
-//! may be missing on either way. Latencies are printed, not judged: they are the machine's. So is the bit rate: a user-mode
-//! Linux can need a tenth of a millisecond for a system call. What the machine carries is measured first, and the fastest
-//! bus that it leaves room for is taken; where there is none, others send a third of it, and the test says so.
+//! `vcan` has no bit rate, so a thread paces the frames of others. All members count them, so it shows when a socket
+//! has dropped any. Outputs count up one by one, each device sends them back as inputs, and no state may be missing on
+//! either way. Latencies are printed, not judged: they are the machine's. So is the bit rate: a user-mode Linux can
+//! need a tenth of a millisecond for a system call. What the machine carries is measured first, and the fastest bus
+//! that it leaves room for is taken; where there is none, others send a third of it, and the test prints that.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -21,10 +21,10 @@ use linewright_testkit::crowd::{self, BITS, OF_ONE_OWNER};
 /// Bit rates of CiA 301 in kbit/s, and what 90 % of each are in frames of eight bytes with half of their possible stuff
 /// bits. The first is tried, and what it carries decides.
 const BUSES: [(u32, u32); 3] = [(500, 3750), (250, 1875), (125, 937)];
-/// What a machine must carry of what it is to carry without being held up.
+/// Required capacity of a machine, as a multiple of the load.
 const ROOM: f64 = 1.4;
 const LONG: Duration = Duration::from_secs(3);
-/// Half of them go before process data on a real bus, half after. Here that changes nothing but who sees what.
+/// Half of them go before process data on a real bus, half after. Here that changes only which socket sees them.
 const FOREIGN_IDS: [u16; 4] = [0x010, 0x07F, 0x681, 0x6DF];
 /// Frames of others under way at most, a fraction of what a socket holds.
 const WINDOW: u32 = 200;
@@ -33,20 +33,19 @@ const TRIES: usize = 3;
 /// The devices, all of one owner.
 const DEVICES: u8 = OF_ONE_OWNER as u8;
 
-/// Whether it is one of those.
 fn is_foreign(frame: &Frame) -> bool {
     frame.cob_id().is_some_and(|id| FOREIGN_IDS.contains(&id))
 }
 
-/// What the threads know of each other.
+/// State shared by the threads.
 #[derive(Default)]
 struct Shared {
     stop: AtomicBool,
-    /// How many frames others send in a second.
+    /// Frames of others per second.
     rate: AtomicU32,
-    /// How many of them the manager has heard.
+    /// Number of them received by the manager.
     manager: AtomicU32,
-    /// How many of them the devices have heard.
+    /// Number of them received by the devices.
     devices: AtomicU32,
 }
 
@@ -55,7 +54,7 @@ impl Shared {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// How many of the frames sent are still on their way.
+    /// Number of the frames sent that are still under way.
     fn under_way(&self, sent: u32) -> u32 {
         let heard = self.manager.load(Ordering::Relaxed).min(self.devices.load(Ordering::Relaxed));
         sent.saturating_sub(heard)
@@ -101,7 +100,7 @@ fn send_foreign(shared: &Shared) -> (u32, Duration) {
     })
 }
 
-/// The devices: they say back what they are sent. Gives how many states of outputs were skipped.
+/// The devices: they send their outputs back. Gives the number of skipped output states.
 fn play_devices(shared: &Shared) -> u32 {
     run(async {
         let mut bus = open().expect("it was open before");
@@ -159,7 +158,7 @@ impl Exchange {
         self.shared.manager.store(self.foreign(), Ordering::Relaxed);
     }
 
-    /// How many frames of others it has heard. Their identifiers mean nothing in CANopen.
+    /// Number of frames of others received. Their identifiers mean nothing in CANopen.
     fn foreign(&self) -> u32 {
         self.driver.manager().ignored(IgnoreReason::UnknownCobId) as u32
     }
@@ -170,7 +169,7 @@ impl Exchange {
         }
     }
 
-    /// How many frames of others in a second this machine carries, and all of what is listening.
+    /// Frames of others per second that this machine carries to all listeners.
     async fn carried(&mut self) -> f64 {
         let (began, before) = (Instant::now(), self.foreign());
         while began.elapsed() < Duration::from_secs(1) {
@@ -202,7 +201,7 @@ impl Exchange {
     }
 }
 
-/// How many frames others send in a second on a machine that carries so many. Says which bus that is.
+/// Frames of others per second for a machine of this capacity. Prints which bus that is.
 fn others_on(carried: f64) -> u32 {
     let (fastest, tried) = BUSES[0];
     let bus = if carried > f64::from(tried) * 0.98 {
@@ -227,7 +226,7 @@ fn others_on(carried: f64) -> u32 {
     }
 }
 
-/// Whether no socket dropped anything. What was measured is printed either way.
+/// Whether no socket dropped anything. Measurements are printed either way.
 fn exchange() -> bool {
     let shared = Arc::new(Shared::default());
     let stop = Stop(shared.clone());
@@ -252,7 +251,7 @@ fn exchange() -> bool {
         let (began, before) = (Instant::now(), exchange.foreign());
         exchange.count_up(LONG).await;
         let rate = f64::from(exchange.foreign() - before) / began.elapsed().as_secs_f64();
-        // What is still under way arrives.
+        // Frames still under way arrive.
         shared.rate.store(0, Ordering::Relaxed);
         let ended = Instant::now();
         while ended.elapsed() < Duration::from_millis(300) {

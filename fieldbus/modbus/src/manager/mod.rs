@@ -1,8 +1,8 @@
 //! The manager of a node's Modbus devices.
 //!
-//! Each device has a connection of its own and is asked one thing at a time. There is no heartbeat in Modbus: the device is
-//! alive because it answers, and it lets go of its outputs by itself only if it has a watchdog register, which is written
-//! with another number in each cycle.
+//! Each device has a connection of its own and one request at a time. There is no heartbeat in Modbus: the device is
+//! alive because it answers, and it lets go of its outputs by itself only if it has a watchdog register, which is
+//! written with another number in each cycle.
 
 mod peer;
 mod words;
@@ -15,31 +15,31 @@ use linewright_line::{Device, DeviceKind, Owner, Tick};
 use crate::message::{ModbusFailure, ModbusRequest};
 use peer::ModbusPeer;
 
-/// What a connection has to do.
+/// Task of one connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkAct {
-    /// Whose, by its place among the devices.
+    /// Its place among the devices.
     pub device: usize,
-    /// Which connection of that device: what an older one still brings is ignored.
+    /// Number of that device's connection: outcomes of older ones are ignored.
     pub link: u32,
     pub what: LinkTask,
 }
 
-/// What a connection has to do.
+/// Task of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkTask {
     /// To be made.
     Connect,
-    /// To ask this and bring the answer.
+    /// To send this request and bring the answer.
     Ask(ModbusRequest),
     /// To be closed, whatever it is doing; before that, to send this without waiting for the answer.
     Close {
-        /// What turns the outputs off.
+        /// Request that turns the outputs off.
         last: Option<ModbusRequest>,
     },
 }
 
-/// What a connection has brought.
+/// Outcome from a connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LinkOutcome {
     Connected,
@@ -48,18 +48,18 @@ pub enum LinkOutcome {
     Failed(ModbusFailure),
 }
 
-/// What connections have to do, in order, and what to report.
+/// Tasks of connections, in order, and reports.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModbusOutbox {
     pub acts: Vec<LinkAct>,
     pub news: Vec<News>,
-    /// What requests have come to.
+    /// Results of requests.
     pub answers: Vec<(u64, Answer)>,
 }
 
 struct OwnerImage {
     owner: Owner,
-    /// What the owner last set; zero from the start and after every loss.
+    /// Image last set by the owner; zero from the start and after every loss.
     outputs: u128,
     inputs: InputImage,
 }
@@ -72,7 +72,7 @@ pub struct ModbusManager {
     has_ended: bool,
 }
 
-/// What became of a device.
+/// Change of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ModbusChange {
     Nothing,
@@ -83,7 +83,7 @@ enum ModbusChange {
 }
 
 impl ModbusManager {
-    /// The manager of those of these devices that speak Modbus. Nothing is done before the first [`ModbusManager::poll`].
+    /// The manager of the Modbus devices among these. Nothing is done before the first [`ModbusManager::poll`].
     pub fn new<'a>(devices: impl IntoIterator<Item = &'a Device>) -> Self {
         let mut peers = Vec::new();
         let mut images: Vec<OwnerImage> = Vec::new();
@@ -105,7 +105,7 @@ impl ModbusManager {
         self.peers[device].go_on(now, out);
     }
 
-    /// Does what is due at `now`: connecting, asking, noticing that no answer comes.
+    /// Does what is due at `now`: connecting, requests, missing answers.
     pub fn poll(&mut self, now: Tick, out: &mut ModbusOutbox) {
         if self.has_ended {
             return;
@@ -166,7 +166,7 @@ impl ModbusManager {
     /// The inputs of `owner` as they stand at `now`; `None` if none of its devices is here.
     pub fn inputs(&self, now: Tick, owner: Owner) -> Option<InputImage> {
         let image = self.images.iter().find(|image| image.owner == owner)?.inputs;
-        // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
+        // Checked again here, so that a caller that polls late does not read a dead device as a live one.
         Some(InputImage { valid: image.valid && self.are_trusted(now, owner), ..image })
     }
 
@@ -174,7 +174,7 @@ impl ModbusManager {
         self.peers.iter().filter(|peer| peer.owner == owner).all(|peer| peer.is_trusted(now))
     }
 
-    /// What a change of one device means for its owner's images.
+    /// Effect of a change of one device on its owner's images.
     fn settle(&mut self, now: Tick, at: usize, change: ModbusChange, out: &mut ModbusOutbox) {
         let owner = self.peers[at].owner;
         let Some(image) = self.images.iter_mut().find(|image| image.owner == owner) else { return };
@@ -189,7 +189,7 @@ impl ModbusManager {
         }
     }
 
-    /// Turns all outputs of an owner off: what was set was decided without knowing of a loss.
+    /// Turns all outputs of an owner off: they were set before a loss was known.
     fn let_go(&mut self, now: Tick, owner: Owner, out: &mut ModbusOutbox) {
         self.images.iter_mut().filter(|image| image.owner == owner).for_each(|image| image.outputs = 0);
         for peer in self.peers.iter_mut().filter(|peer| peer.owner == owner) {
@@ -213,7 +213,7 @@ impl ModbusManager {
         before.valid && !valid
     }
 
-    /// Asks a device; the answer is in the outbox at once. `None` if it is not one of these.
+    /// Sends a request to a device; the answer is in the outbox at once. `None` if it is not one of these.
     pub fn ask(
         &mut self,
         now: Tick,

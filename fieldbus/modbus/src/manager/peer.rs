@@ -1,4 +1,4 @@
-//! One device, and where its connection stands.
+//! One device, and the state of its connection.
 //!
 //! ```text
 //!  Down ──after a while──▶ Connecting ──▶ Preparing ──▶ Operational
@@ -6,8 +6,8 @@
 //!   └── no connection, no answer in time, an exception, a wrong register ──┘
 //! ```
 //!
-//! Preparing: it is compared, its outputs are turned off, it is set up, its inputs are read. From then on it is told its
-//! outputs and asked for its inputs in each cycle, and what changes goes out of turn.
+//! Preparing: it is compared, its outputs are turned off, it is set up, its inputs are read. From then on outputs are
+//! written and inputs read in each cycle, and changed outputs go out of turn.
 
 use std::time::Duration;
 
@@ -17,9 +17,9 @@ use linewright_line::{Modbus, Owner, RegisterValue, Table, Tick};
 use super::{LinkAct, LinkOutcome, LinkTask, ModbusChange, ModbusOutbox};
 use crate::message::{ModbusFailure, ModbusRequest, exception_text, kept_bits};
 
-/// How long a device has to take a connection.
+/// Most time until a device takes a connection.
 const CONNECT: Duration = Duration::from_secs(1);
-/// How soon a device that was lost is tried again the first time; then twice as late each time.
+/// Time until a lost device is tried again the first time; then doubled each time.
 const RETRY_FIRST: Duration = Duration::from_millis(100);
 /// And at the latest.
 const RETRY_MAX: Duration = Duration::from_secs(2);
@@ -78,17 +78,17 @@ pub(super) struct ModbusPeer {
     phase: Phase,
     steps: Vec<Step>,
     parts: Vec<ReadPart>,
-    /// What it was asked and when; it has not answered yet.
+    /// Pending request, and when it was sent.
     asked: Option<(ModbusRequest, Tick)>,
     /// The part of the cycle that comes next.
     part: usize,
     next_cycle: Tick,
     answered: Tick,
     wanted: u64,
-    /// What it was last told; `None` since it was last lost.
+    /// Outputs last sent; `None` since it was last lost.
     sent: Option<u64>,
     feed: u16,
-    /// When its watchdog register was last written, as asked.
+    /// When the last write of its watchdog register was sent.
     fed: Tick,
     heard: u64,
     /// When its inputs last came; `None` since it was last lost.
@@ -97,7 +97,7 @@ pub(super) struct ModbusPeer {
     failures: u32,
     up_since: Tick,
     pub losses: u32,
-    /// How long its last answer took.
+    /// Time until its last answer.
     pub took: Duration,
     pub is_slow: bool,
     calm: u32,
@@ -162,7 +162,7 @@ impl ModbusPeer {
         }
     }
 
-    /// What it was asked and has not answered yet.
+    /// Pending request.
     pub fn pending(&self) -> Option<ModbusRequest> {
         self.asked.map(|(request, _)| request)
     }
@@ -180,7 +180,7 @@ impl ModbusPeer {
         gather(self.heard, &self.modbus.inputs)
     }
 
-    /// What turns its outputs off, if it has any.
+    /// Request that turns its outputs off, if it has any.
     pub fn rest(&self) -> Option<ModbusRequest> {
         (!self.modbus.outputs.is_empty()).then(|| self.write(0))
     }
@@ -203,9 +203,9 @@ impl ModbusPeer {
         }
     }
 
-    /// Why nothing that was decided before may be written any more: nothing was asked for longer than a cycle may take, since
-    /// this program or its machine stood still, or the device's watchdog may have run out. The device may have turned its
-    /// outputs off by itself then, and a write would turn them on again.
+    /// Why earlier outputs may not be written any more: no request was sent for longer than a cycle may take, since
+    /// this program or its machine stood still, or the device's watchdog may have run out. The device may have turned
+    /// its outputs off by itself then, and a write would turn them on again.
     fn stood_still(&self, now: Tick) -> Option<Why> {
         if !self.is_operational() || self.asked.is_some() {
             return None;
@@ -213,7 +213,7 @@ impl ModbusPeer {
         let text = if !self.is_trusted(now) {
             format!("not asked for {} ms", now.since(self.answered).as_millis())
         } else if self.modbus.watchdog.is_some_and(|watchdog| {
-            // A write that is asked now may take as long as an answer to arrive.
+            // A write that is sent now may take as long as an answer to arrive.
             self.fed + watchdog.timeout <= now + self.modbus.timeout
         }) {
             format!("its watchdog was not written for {} ms and may have run out", now.since(self.fed).as_millis())
@@ -285,7 +285,7 @@ impl ModbusPeer {
         ModbusChange::Inputs
     }
 
-    /// The part of the cycle that was asked last.
+    /// The last part of the cycle that was requested.
     fn part_asked(&self) -> Option<ReadPart> {
         self.parts.get(self.part.checked_sub(1)?).copied()
     }
@@ -319,7 +319,7 @@ impl ModbusPeer {
         self.prepare(now, step + 1, out)
     }
 
-    /// Asks the next step of its preparation, or is operational after the last one.
+    /// Sends the next step of its preparation, or is operational after the last one.
     fn prepare(&mut self, now: Tick, step: usize, out: &mut ModbusOutbox) -> ModbusChange {
         self.phase = Phase::Preparing(step);
         let request = match self.steps.get(step) {
@@ -349,13 +349,13 @@ impl ModbusPeer {
         ModbusRequest::write_register(self.modbus.watchdog.map_or(0, |watchdog| watchdog.register), self.feed)
     }
 
-    /// Asks what is due next, unless an answer is awaited.
+    /// Sends the next request that is due, unless an answer is awaited.
     pub fn go_on(&mut self, now: Tick, out: &mut ModbusOutbox) {
-        // Where it stood still, the next poll loses it.
+        // If it stood still, the next poll loses it.
         if !self.is_operational() || self.asked.is_some() || self.stood_still(now).is_some() {
             return;
         }
-        // What changes goes first, whatever else is due.
+        // Changed outputs go first, whatever else is due.
         if !self.modbus.outputs.is_empty() && self.sent != Some(self.wanted) {
             return self.send_outputs(now, out);
         }
@@ -441,7 +441,7 @@ impl ModbusPeer {
     fn hang_up(&mut self, out: &mut ModbusOutbox) {
         if !matches!(self.phase, Phase::Down { .. }) {
             let is_connected = !matches!(self.phase, Phase::Connecting { .. });
-            // One that may be another device is told nothing.
+            // One that may be another device is sent nothing.
             let is_known = match self.phase {
                 Phase::Preparing(step) => !matches!(self.steps.get(step), Some(Step::Expect(_))),
                 _ => true,
@@ -458,7 +458,7 @@ impl ModbusPeer {
         self.phase = Phase::Down { retry: Tick::NEVER };
     }
 
-    /// Starts anew at somebody's request.
+    /// Starts anew on request.
     pub fn reset(&mut self, now: Tick, out: &mut ModbusOutbox) -> ModbusChange {
         let change = self.lose(now, Why { text: "reset by request".to_owned(), is_refusal: false }, out);
         self.retry_now(now);
@@ -479,7 +479,7 @@ fn why(asked: Option<ModbusRequest>, failure: ModbusFailure) -> Why {
     match failure {
         ModbusFailure::Gone(text) => Why { text: format!("no connection: {text}"), is_refusal: false },
         ModbusFailure::Exception(code) => {
-            // The two by which a device says that there is nothing at an address, or not so much.
+            // The two by which a device reports that there is nothing at an address, or not so much.
             let map = if matches!(code, 2 | 3) { "wrong register map: " } else { "" };
             let text = format!("{map}{doing} is refused: {} (exception {code})", exception_text(code));
             Why { text, is_refusal: true }

@@ -40,7 +40,7 @@ struct Station {
     fed: Vec<u64>,
     set: Vec<(u16, u64)>,
     code: u64,
-    /// How long an answer takes.
+    /// Time for an answer.
     takes: Duration,
     /// It takes no connections, and none that it had is left.
     gone: bool,
@@ -81,7 +81,7 @@ struct Bench {
     now: Tick,
     out: ModbusOutbox,
     stations: Vec<Station>,
-    /// What is under way: when it arrives, and of which connection.
+    /// Outcomes under way: time of arrival, device, connection.
     coming: Vec<(Tick, usize, u32, LinkOutcome)>,
     news: Vec<News>,
 }

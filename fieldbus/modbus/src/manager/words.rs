@@ -1,4 +1,4 @@
-//! How a device is, in words.
+//! State of a device, in words.
 
 use linewright_fieldbus_seam::{Diagnosis, Level, NOT_HEARD};
 use linewright_line::{Owner, Tick};
@@ -7,7 +7,7 @@ use super::ModbusManager;
 use super::peer::ModbusPeer;
 
 impl ModbusManager {
-    /// What keeps the inputs of `owner` from being valid at `now`: a sentence for each of its devices that is in the way.
+    /// Why the inputs of `owner` are invalid at `now`: a sentence for each of its devices that is in the way.
     pub fn trouble(&self, now: Tick, owner: Owner) -> Vec<String> {
         let own = self.peers.iter().filter(|peer| peer.owner == owner && !peer.is_trusted(now));
         own.map(|peer| format!("{} ({}): {}", peer.name, peer.modbus.place(), peer.trouble(now))).collect()

@@ -38,7 +38,7 @@ impl Emergency {
 /// By which table an error code is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Profile {
-    /// CiA 301 alone: nothing is known of the device.
+    /// CiA 301 alone: the device's profile is unknown.
     #[default]
     Unknown,
     /// CiA 401, digital and analogue inputs and outputs.
@@ -48,7 +48,7 @@ pub enum Profile {
 }
 
 impl Emergency {
-    /// What its code means of such a device; `None` for a code no table has.
+    /// Meaning of its code for such a device; `None` for a code no table has.
     pub fn meaning(&self, profile: Profile) -> Option<&'static str> {
         match profile {
             Profile::Unknown => emcy_codes::general(self.code),

@@ -1,21 +1,21 @@
-//! The error codes of emergencies, in words: CiA 301 (table 26), and what CiA 401 adds for I/O devices.
+//! The error codes of emergencies, in words: CiA 301 (table 26), and the additions of CiA 401 for I/O devices.
 //!
-//! A code without a row of its own is described by its group: 8131h lies in 8100h, and that in 8000h. Drives have a
-//! table of their own (`profile::drive`), in which the same groups are divided otherwise.
+//! A code without a row of its own is described by its group: 8131h is in 8100h, and that in 8000h. Drives have a table
+//! of their own (`profile::drive`), in which the same groups are divided otherwise.
 
-/// What a code means of a device that follows no profile known here.
+/// Meaning of a code of a device without a profile known here.
 pub(super) fn general(code: u16) -> Option<&'static str> {
     nearest(code, &[GENERAL])
 }
 
-/// What a code means of an I/O device.
+/// Meaning of a code of an I/O device.
 pub(super) fn io(code: u16) -> Option<&'static str> {
     nearest(code, &[IO, GENERAL])
 }
 
-/// The row of a code in these tables, or that of the smallest group it lies in.
+/// The row of a code in these tables, or that of the smallest group it is in.
 pub(crate) fn nearest(code: u16, tables: &[&[(u16, &'static str)]]) -> Option<&'static str> {
-    // The manufacturer's own codes are FF00h to FFFFh; what else F000h would be is for additional functions.
+    // The manufacturer's own codes are FF00h to FFFFh; the rest of F000h is for additional functions.
     let masks = [0xFFFF, 0xFFF0, 0xFF00, 0xF000];
     let row = |code: u16| tables.iter().flat_map(|table| table.iter()).find(|(known, _)| *known == code);
     masks.iter().find_map(|mask| row(code & mask)).map(|(_, meaning)| *meaning)

@@ -1,8 +1,9 @@
 //! CANopen messages: frame ↔ [`CanopenMessage`], total in both directions.
 //!
 //! Pure translation by the predefined connection set (CiA 301 §7.3.5, table 40): which COB-ID means what, and how its
-//! bytes are laid out (§7.2). Unknown codes survive as values; whatever else does not fit is a [`FrameDecodeError`] that
-//! says what was expected. What a message is good for, and whether it comes at the right moment, is decided elsewhere.
+//! bytes are laid out (§7.2). Unknown codes survive as values; anything else that does not fit is a
+//! [`FrameDecodeError`] with the expectation. The use of a message, and whether it comes at the right moment, is
+//! decided elsewhere.
 
 mod emcy;
 pub(crate) mod emcy_codes;
@@ -43,7 +44,7 @@ impl fmt::Display for NodeId {
     }
 }
 
-/// One message of the predefined connection set, as far as Linewright speaks it.
+/// One message of the predefined connection set, as far as Linewright uses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CanopenMessage {
     /// Network management order, COB-ID 0x000 (CiA 301 §7.2.8.3.1). `node` `None` addresses all.
@@ -83,10 +84,10 @@ pub enum CanopenMessage {
         /// Four channels of 16 bits.
         payload: Payload,
     },
-    /// SDO answer, COB-ID 0x580 + node (CiA 301 §7.2.4). What it says depends on the transfer under way:
-    /// [`sdo::SdoClient`](crate::sdo::SdoClient) knows.
+    /// SDO answer, COB-ID 0x580 + node (CiA 301 §7.2.4). Its meaning depends on the transfer under way: see
+    /// [`sdo::SdoClient`](crate::sdo::SdoClient).
     SdoResponse { node: NodeId, raw: SdoBytes },
-    /// SDO request, COB-ID 0x600 + node (CiA 301 §7.2.4). [`sdo::SdoServer`](crate::sdo::SdoServer) knows what it says.
+    /// SDO request, COB-ID 0x600 + node (CiA 301 §7.2.4). Meaning: see [`sdo::SdoServer`](crate::sdo::SdoServer).
     SdoRequest { node: NodeId, raw: SdoBytes },
     /// Heartbeat, or boot-up in state [`NmtState::BootUp`], COB-ID 0x700 + node (CiA 301 §7.2.8.3.2, §7.2.8.3.3).
     Heartbeat { node: NodeId, state: NmtState },
@@ -98,7 +99,7 @@ pub enum FrameDecodeError {
     /// An extended identifier: CANopen's predefined connections use standard ones.
     #[error("identifier {id:08X}h is extended, CANopen uses 11-bit identifiers")]
     Extended { id: u32 },
-    /// A remote request: PDOs here are sent by change and by time, never asked for.
+    /// A remote request: PDOs here are sent by change and by time, never on request.
     #[error("{id:03X}h is a remote request")]
     Remote { id: u32 },
     /// The kernel's report about the bus, not a frame from it.
@@ -110,11 +111,11 @@ pub enum FrameDecodeError {
     /// No message of ours has this COB-ID.
     #[error("COB-ID {cob_id:03X}h has no meaning here")]
     UnknownCobId { cob_id: u16 },
-    /// The frame is too short or too long for what its COB-ID says it is.
+    /// The frame is too short or too long for its COB-ID.
     #[error("COB-ID {cob_id:03X}h: {actual} data bytes, expected {expected}")]
     Length {
         cob_id: u16,
-        /// What the standard asks for.
+        /// Value required by the standard.
         expected: &'static str,
         actual: usize,
     },
@@ -123,7 +124,7 @@ pub enum FrameDecodeError {
     Field {
         cob_id: u16,
         field: &'static str,
-        /// What the standard asks for.
+        /// Value required by the standard.
         expected: &'static str,
         actual: u8,
     },
@@ -199,7 +200,7 @@ fn frame(base: u16, node: Option<NodeId>, data: &[u8]) -> Frame {
     Frame::data_frame(cob_id, data).expect("every message fits an 11-bit identifier and eight bytes")
 }
 
-/// Which PDO has a COB-ID, that of the second being `second`.
+/// Number of the PDO with this COB-ID, that of the second being `second`.
 fn number(cob_id: u16, second: u16) -> u8 {
     ((cob_id - second) / 0x100) as u8 + 2
 }

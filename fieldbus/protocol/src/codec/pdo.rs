@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Up to eight bytes of process data. Bit `i` lies in byte `i / 8` at weight `i % 8` (CiA 301 §7.1.4).
+/// Up to eight bytes of process data. Bit `i` is in byte `i / 8` at weight `i % 8` (CiA 301 §7.1.4).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Payload {
     len: u8,

@@ -96,7 +96,7 @@ proptest! {
     fn any_frame_is_a_message_or_an_error(cob_id in 0u16..0x800, data in prop::collection::vec(any::<u8>(), 0..=8)) {
         let frame = Frame::data_frame(cob_id, &data).unwrap();
         match CanopenMessage::decode(&frame) {
-            // What was understood is understood the same way again; reserved bytes may have been dropped.
+            // A decoded message decodes the same way again; reserved bytes may have been dropped.
             Ok(message) => prop_assert_eq!(CanopenMessage::decode(&message.encode()), Ok(message)),
             Err(error) => prop_assert!(!error.to_string().is_empty()),
         }

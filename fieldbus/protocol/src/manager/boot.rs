@@ -1,12 +1,12 @@
-//! Bringing one device up: who it is, and what it is to be told, before it may be started.
+//! Boot-up procedure of one device: identification and configuration, before it may be started.
 //!
 //! As in the boot process of CiA 302-2: the device type and the identity are read and compared with what is expected;
 //! only then are objects written, in the order given, and those read back on which safety rests (`on_error.rs`); only
-//! when all are as required may the device be started. Last, object 1001h is read: the owner must know of a standing
-//! error before it relies on the device. A device with another identity than described is not written to.
+//! when all are as required may the device be started. Last, object 1001h is read: a standing error is reported before
+//! the owner relies on the device. A device with another identity than described is not written to.
 //!
-//! Every step is one SDO transfer, so what a boot waits for is always one object. Nothing here knows of heartbeats or
-//! of the other devices: all of them boot side by side, and one that does not answer holds up nobody.
+//! Every step is one SDO transfer, so a boot always waits for exactly one object. Heartbeats and other devices are not
+//! handled here: all devices boot side by side, and one that does not answer delays none.
 
 use std::fmt;
 use std::time::Duration;
@@ -23,12 +23,12 @@ use crate::frame::Frame;
 use crate::sdo::wire::SdoBytes;
 use crate::sdo::{Abort, ObjectId, SdoWrite, TransferError, TransferFailure, TransferProgress};
 
-/// What a device is to be before it is started.
+/// Required identity and settings of a device before it is started.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct BootPlan {
-    /// Who it has to be.
+    /// Required identity.
     pub identity: DeviceIdentity,
-    /// What is written, in this order.
+    /// Objects to write, in this order.
     pub settings: Vec<SdoWrite>,
 }
 
@@ -37,7 +37,7 @@ pub enum BootError {
     /// It is another device.
     Identity {
         object: ObjectId,
-        /// What it should be.
+        /// Expected value.
         expected: u32,
         /// Value that the device reports.
         found: u32,
@@ -50,13 +50,13 @@ pub enum BootError {
     /// It has taken a setting, and gives back something else.
     NotKept {
         object: ObjectId,
-        /// What was written, as a number.
+        /// Written value, as a number.
         written: u32,
         found: u32,
     },
-    /// It does not say whether it has kept a setting.
+    /// The device does not report whether it has kept a setting.
     NotReadBack(TransferError),
-    /// It is who it should be, but loses SYNC, which its outputs wait for.
+    /// The identity is right, but the device loses SYNC, which its outputs wait for.
     NoSync { times: u32 },
     Transfer {
         /// It was to be written; otherwise read.
@@ -99,7 +99,7 @@ impl fmt::Display for BootError {
     }
 }
 
-/// For objects by which outputs go off without a manager: what they are for, and what to do if a device lacks one.
+/// For objects by which outputs go off without a manager: their purpose, and the remedy if a device lacks one.
 fn remedied(index: u16) -> &'static str {
     if is_one(index) {
         " (it turns the outputs off when the manager is gone; without it they may stay on. Use or set up a device that \
@@ -131,17 +131,17 @@ pub(super) enum BootStep {
 #[derive(Debug)]
 pub(super) struct Boot {
     node: NodeId,
-    /// Transfers done: first what is read, then what is written.
+    /// Number of transfers done: first the reads, then the writes.
     at: usize,
     /// The last setting is being read back.
     reads_back: bool,
     transfer: Transfer,
 }
 
-/// The object every device has, and that is read first: it also tells whether somebody is there.
+/// Present in every device and read first: its answer also shows that a device is there.
 pub(super) const DEVICE_TYPE: ObjectId = ObjectId::new(0x1000, 0);
 
-/// What is read, in order; of what follows the device type, only what is compared.
+/// Objects to read, in order; after the device type, only those that are compared.
 const READ: [ObjectId; 5] = [
     DEVICE_TYPE,
     ObjectId::new(0x1018, 1),
@@ -161,14 +161,14 @@ fn compare(identity: &DeviceIdentity, nth: usize, bytes: &[u8]) -> Result<(), Bo
     let number = bytes.try_into().map_err(|_| BootError::NotANumber { object, bytes: bytes.len() })?;
     let found = u32::from_le_bytes(number);
     let same = match nth {
-        // The major revision must be the same, the minor one at least what is expected.
+        // The major revision must be the same, the minor one at least the expected.
         3 => found >> 16 == expected >> 16 && found & 0xFFFF >= expected & 0xFFFF,
         _ => found == expected,
     };
     if same { Ok(()) } else { Err(BootError::Identity { object, expected, found }) }
 }
 
-/// What has come of reading a setting back.
+/// Result of reading a setting back.
 fn read_back(setting: &SdoWrite, result: Result<Vec<u8>, TransferError>) -> Result<(), BootError> {
     let number = |bytes: &[u8]| bytes.iter().take(4).rev().fold(0, |all, byte| all << 8 | u32::from(*byte));
     match result {
@@ -183,7 +183,7 @@ fn read_back(setting: &SdoWrite, result: Result<Vec<u8>, TransferError>) -> Resu
 }
 
 impl Boot {
-    /// Begins: asks for the device type.
+    /// Begins by reading the device type.
     pub fn start(now: Tick, node: NodeId, out: &mut Vec<Frame>) -> Self {
         Boot { node, at: 0, reads_back: false, transfer: Transfer::read(now, node, DEVICE_TYPE, out) }
     }
@@ -211,7 +211,7 @@ impl Boot {
         self.transfer.deadline()
     }
 
-    /// What it waits for, in words.
+    /// The object it waits for, in words.
     pub fn explain(&self, plan: &BootPlan) -> String {
         let object = self.transfer.object();
         match self.at.checked_sub(READ.len()) {
@@ -231,7 +231,7 @@ impl Boot {
             TransferProgress::Busy => BootStep::Busy,
             TransferProgress::Done(result) if self.at == READ.len() + plan.settings.len() => match result {
                 Ok(bytes) => BootStep::Done(bytes.first().copied()),
-                // Every device should have one (CiA 301 §7.5.2.2); what it does not have it cannot report.
+                // Every device should have one (CiA 301 §7.5.2.2); a device without it reports no errors there.
                 Err(TransferError { cause: TransferFailure::Refused(_), .. }) => BootStep::Done(None),
                 Err(error) => BootStep::Failed(BootError::Transfer { writing: false, error }),
             },
@@ -285,7 +285,7 @@ impl Boot {
         }
         self.at += 1;
         self.reads_back = false;
-        // What is not compared need not be there.
+        // Objects that are not compared may be absent.
         while self.at < READ.len() && expected(&plan.identity, self.at).is_none() {
             self.at += 1;
         }
@@ -298,16 +298,16 @@ impl Boot {
     }
 }
 
-/// What every device has to be, and what it is told before it is started.
+/// Required identity of a device, and all its settings before it is started.
 pub(super) fn plan(node: NodeId, setup: &DeviceSetup, process: &ProcessData, timing: &Timing) -> BootPlan {
     let millis = |span: Duration| u16::try_from(span.as_millis()).unwrap_or(u16::MAX);
     // Object 1017h, producer heartbeat time in ms.
     let produce = SdoWrite::new(0x1017, 0, millis(timing.heartbeat).to_le_bytes());
-    // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. What makes outputs safe when
-    // the manager is gone, so a device that has outputs must accept it; one that has none need not know the object.
+    // Object 1016h sub 1, consumer heartbeat time: node id in bits 16 to 23, ms below. It makes outputs safe when the
+    // manager is gone, so a device with outputs must accept it; others may lack the object.
     let watched = u32::from(MANAGER_NODE.get()) << 16 | u32::from(millis(timing.heartbeat_timeout));
     let consume = process.has_outputs().then(|| SdoWrite::new(0x1016, 1, watched.to_le_bytes()));
-    // What the description says comes first: what the safety of a drive rests on comes after it, and stays.
+    // The description's settings come first: those on which the safety of a drive rests come after them, and stay.
     let described = setup.settings.iter().map(|own| SdoWrite::new(own.index, own.sub, own.data.clone()));
     let described = described.chain(super::sync::settings(setup, timing));
     let settings = described.chain([produce]).chain(consume).chain(process.settings(node, &setup.settings));

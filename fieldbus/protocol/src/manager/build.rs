@@ -32,7 +32,7 @@ pub enum ManagerError {
         second: String,
         node: u8,
     },
-    /// The DBC file of a device that speaks no CANopen has not been read.
+    /// The DBC file of a device without CANopen has not been read.
     #[error("device `{device}`: its file {file} has not been read")]
     Unread { device: String, file: String },
     /// An identifier with two meanings.

@@ -1,11 +1,11 @@
 //! The manager's own interface has left the bus.
 //!
-//! After too many errors a CAN controller switches itself off (bus-off) and neither sends nor hears until it is
-//! restarted; the kernel says so by error frames. Devices are then lost at once, for that reason and not for two
-//! hundred milliseconds of silence: nobody would hear them if they spoke. Nothing has to be restarted here afterwards.
-//! The first frame heard, or the kernel's word, ends it; every output is let go before anything else, since a device
-//! that waits longer for its manager than the interruption lasted still has the outputs from before; and every device
-//! is brought up as one that was lost.
+//! After too many errors a CAN controller switches itself off (bus-off) and neither sends nor receives until it is
+//! restarted; the kernel reports it by error frames. Devices are then lost at once, for that reason and not for two
+//! hundred milliseconds of silence: their frames would not be received. Nothing has to be restarted here afterwards.
+//! The first frame received, or the kernel's report, ends it; every output is let go before anything else, since a
+//! device that waits longer for its manager than the interruption lasted still has the outputs from before; and every
+//! device is brought up as one that was lost.
 
 use linewright_line::Tick;
 
@@ -33,7 +33,7 @@ impl Manager {
         }
     }
 
-    /// The interface is on the bus: something has been heard.
+    /// The interface is on the bus: a frame has been received.
     pub(super) fn back_on_the_bus(&mut self, now: Tick, out: &mut BusOutbox) {
         if self.off.take().is_none() || self.rival.is_mute() {
             return;
@@ -41,14 +41,14 @@ impl Manager {
         self.bring_back(now, out);
     }
 
-    /// From here on nothing is known of any device, and every output is let go.
+    /// From here on the state of every device is unknown, and every output is let go.
     pub(super) fn cut_off_all(&mut self, now: Tick, out: &mut BusOutbox) {
         let why = if self.off.is_some() { NotOperationalReason::BusOff } else { NotOperationalReason::Contested };
         for at in 0..self.peers.len() {
             let outcome = self.peers[at].leave(now, PeerPhase::Absent { probe: now + RETRY }, why);
             self.settle(now, at, outcome, out);
         }
-        // Also those whose devices all speak no CANopen, which may be silent for longer than the bus was off.
+        // Also of owners without CANopen devices: these may be silent for longer than the bus was off.
         for owner in self.images.iter().map(|image| image.owner).collect::<Vec<_>>() {
             self.let_go(now, owner, out);
             self.gather(now, owner, out);
@@ -69,7 +69,7 @@ impl Manager {
 }
 
 impl Peer {
-    /// Asks for it at once, if it is absent.
+    /// Reads its device type at once, if it is absent.
     pub(super) fn ask_soon(&mut self, now: Tick) {
         if let PeerPhase::Absent { probe } = &mut self.phase {
             *probe = now;

@@ -1,25 +1,25 @@
 //! Analogue channels of an I/O device (CiA 401): numbers ↔ bits of its owner's image.
 //!
 //! A measured number turns inputs on and off by limits, each with its own memory for its hysteresis: what is on follows
-//! from the numbers heard since the device came up, in their order, and from nothing else. An output gives a channel its
-//! value; none, or two at once, is rest.
+//! from the numbers received since the device came up, in their order, and from nothing else. An output gives a channel
+//! its value; none, or two at once, is rest.
 //!
-//! # What is no measurement
+//! # Invalid measurements
 //!
 //! A number at the end of its range, or outside of what the description allows, comes from a broken wire or a converter
 //! that has run out of its range. Nothing follows from it: "not above 5 bar" would be as wrong as "above 5 bar". If the
 //! description names an input for it, that is on and the limits' are off, and the owner decides. Otherwise the owner's
 //! inputs are invalid until the channel measures again, as if the device were lost. It does when its numbers have been
 //! measurements for as long as they may stay away: a loose contact may flicker with every frame, and each change of the
-//! owner's validity is told to others. The same holds for a value that stays
-//! away: digital inputs that do not come have not changed, but the device is told to send its channels again and again,
-//! so one that does not is in trouble, and its last value means nothing.
+//! owner's validity is published. The same holds for a value that stays away: digital inputs that do not come have not
+//! changed, but the device is configured to send its channels cyclically, so one that does not is faulty, and its last
+//! value means nothing.
 //!
-//! # What the device is told
+//! # Settings
 //!
-//! That it may send by itself (6423h, by default it may not), on a change and ten times a second; which errors make its
-//! outputs rest (6443h: each), and at what (6444h), both read back (`on_error.rs`). A device that refuses one of these is
-//! not started. How large a change is one (6426h), the device's settings may say.
+//! Permission to send by itself (6423h, by default it may not), on a change and ten times a second; which errors make
+//! its outputs rest (6443h: each), and at what (6444h), both read back (`on_error.rs`). A device that refuses one of
+//! these is not started. The size of such a change (6426h) may be given by the device's settings.
 
 use std::time::Duration;
 
@@ -32,11 +32,11 @@ use crate::sdo::SdoWrite;
 /// The first process data object with channels, and how many there are.
 const FIRST: u8 = 2;
 const OBJECTS: usize = 3;
-/// How often the device sends its channels when nothing changes (event timer).
+/// Period at which the device sends its channels when nothing changes (event timer).
 const EVERY: Duration = Duration::from_millis(100);
 /// So many in a row may be missing.
 const MISSING: u32 = 3;
-/// How long the device waits at least between two frames, in 100 µs: a noisy input changes all the time.
+/// Least time between two frames of the device, in 100 µs: a noisy input changes all the time.
 const INHIBIT: u16 = 50;
 /// Transmission type: when something changes, and by the event timer.
 const EVENT_DRIVEN: u8 = 255;
@@ -47,9 +47,10 @@ const NO_REMOTE: u32 = 1 << 30;
 #[derive(Debug)]
 struct ChannelInput {
     of: AnalogueInput,
-    /// What it last gave; `None` since the last boot or loss.
+    /// Its last number; `None` since the last boot or loss.
     number: Option<i16>,
-    /// Which of its limits' inputs are on, by its numbers since the last that was none; kept for showing after a loss.
+    /// For each of its limits' inputs whether it is on, by its numbers since the last invalid one; kept for display
+    /// after a loss.
     on: Vec<bool>,
     /// Why it counts as no measurement; `None` while it is one.
     broken: Option<BrokenChannel>,
@@ -68,7 +69,7 @@ struct BrokenChannel {
 pub(super) struct AnalogueChannels {
     inputs: Vec<ChannelInput>,
     outputs: Vec<AnalogueOutput>,
-    /// How long inputs may stay away, and how long they are measurements again before that counts.
+    /// Most time between inputs, and time for which they are measurements again before that counts.
     within: Duration,
     /// The image its owner set last.
     image: u128,
@@ -76,7 +77,7 @@ pub(super) struct AnalogueChannels {
     sent: Option<u128>,
     /// For each object, when it last came since the last boot or loss.
     heard: [Option<Tick>; OBJECTS],
-    /// Whether everything was heard and measured when this was last looked at.
+    /// Whether all channels were received and measured at the last check.
     sound: bool,
 }
 
@@ -108,13 +109,13 @@ impl AnalogueChannels {
         !self.outputs.is_empty()
     }
 
-    /// What the device is told before it is started. `own` is what its description has it told already.
+    /// Settings before the device is started. `own` are those its description already contains.
     pub fn settings(&self, node: NodeId, own: &[linewright_line::ObjectWrite]) -> Vec<SdoWrite> {
         let mut settings = Vec::new();
         for output in &self.outputs {
             let sub = output.channel.number;
             settings.push(SdoWrite::new(0x6443, sub, [1]));
-            // An INTEGER32 in CiA 401. Of the devices that have it in two bytes instead the description tells.
+            // An INTEGER32 in CiA 401. For devices that have it in two bytes instead, the description has the setting.
             if !own.iter().any(|setting| (setting.index, setting.sub) == (0x6444, sub)) {
                 settings.push(SdoWrite::new(0x6444, sub, i32::from(output.at_rest()).to_le_bytes()));
             }
@@ -137,7 +138,7 @@ impl AnalogueChannels {
 
     /// Takes a process data object, 2 to 4, that the device has sent.
     pub fn take(&mut self, now: Tick, object: u8, payload: Payload) -> Result<(), IgnoreReason> {
-        // Nothing is read of it, so it says nothing.
+        // No input uses it, so nothing follows from it.
         let last = self.last_input(object).ok_or(IgnoreReason::UnknownCobId)?;
         if payload.bytes().len() < usize::from((last - 1) % 4 + 1) * 2 {
             return Err(IgnoreReason::ShortPdo);
@@ -191,7 +192,7 @@ impl AnalogueChannels {
         any
     }
 
-    /// Looks again whether everything is heard and measured; what is wrong, if that is news.
+    /// Checks again whether all channels are received and measured; the result, if it has changed.
     pub fn news(&mut self, now: Tick) -> Option<Result<(), ChannelFault>> {
         let now_is = self.fault(now).map_or(Ok(()), Err);
         (std::mem::replace(&mut self.sound, now_is.is_ok()) != now_is.is_ok()).then_some(now_is)
@@ -215,13 +216,13 @@ impl AnalogueChannels {
         self.sent.is_some_and(differs)
     }
 
-    /// What it is to be sent now; the caller sends it.
+    /// Frames it is to be sent now; the caller sends them.
     pub fn give(&mut self, send: &mut impl FnMut(u8, Payload)) {
         self.sent = Some(self.image);
         self.payloads(self.image, send);
     }
 
-    /// What it is sent to rest.
+    /// Frames that bring it to rest.
     pub fn rest(&self, send: &mut impl FnMut(u8, Payload)) {
         self.payloads(0, send);
     }
@@ -229,7 +230,7 @@ impl AnalogueChannels {
     fn payloads(&self, image: u128, send: &mut impl FnMut(u8, Payload)) {
         for object in FIRST..FIRST + OBJECTS as u8 {
             let mine = || self.outputs.iter().filter(move |output| output.channel.pdo() == object);
-            // The frame is as long as its last channel asks for; one that is not described is 0.
+            // The frame is as long as its last channel needs; a channel that is not described is 0.
             let Some(last) = mine().map(|output| output.channel.number).max() else { continue };
             let mut data = [0; 8];
             for output in mine() {
@@ -257,7 +258,7 @@ impl AnalogueChannels {
         self.heard.iter().flatten().max().copied()
     }
 
-    /// What is measured and set, in words; `None` without channels.
+    /// Measured and set values, in words; `None` without channels.
     pub fn explain(&self) -> Option<String> {
         let measured = self.inputs.iter().map(|input| {
             let channel = &input.of.channel;
@@ -289,7 +290,7 @@ impl AnalogueChannels {
 impl ChannelInput {
     /// Takes a number; one that was none counts as measured again after it has been so for `steady`.
     fn take(&mut self, now: Tick, number: i16, steady: Duration) {
-        // What was on before a loss, or before the wire broke, is no memory to go on with.
+        // The state before a loss, or before the wire broke, is no memory to go on with.
         let knew = self.number.is_some_and(|last| self.of.is_measured(last));
         let measured = self.of.is_measured(number);
         self.number = Some(number);

@@ -1,4 +1,4 @@
-//! A device that speaks no CANopen, as the manager sees it: messages that have to come in time, and messages it is sent.
+//! A device without CANopen, as the manager sees it: messages that have to come in time, and messages it is sent.
 //!
 //! ```text
 //!  Lost ──every page of every message has come──▶ Live
@@ -6,11 +6,11 @@
 //!    └────────── one has not come in time ──────────┘
 //! ```
 //!
-//! There is no boot, no state to ask for and no heartbeat: that the device is alive shows by its messages alone. A frame
-//! that is too short, or has a wrong checksum, the counter of the one before it, or a value that is no number, is ignored. What
-//! it is sent goes out again and again from the beginning, with every output off until the device is live, and at once when
-//! something changes. The device hears no heartbeat of the manager either: that its outputs go off when these frames stop
-//! is for the device.
+//! There is no boot, no state to read and no heartbeat: only its messages show that the device is alive. A frame that
+//! is too short, or has a wrong checksum, the counter of the one before it, or a value that is not a number, is
+//! ignored. What it is sent goes out again and again from the beginning, with every output off until the device is
+//! live, and at once when something changes. Nor does the device watch a heartbeat of the manager: to switch its
+//! outputs off when these frames stop is up to the device.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -24,7 +24,7 @@ use super::peer::{Peer, PeerChange};
 use super::{Manager, ManagerError};
 use crate::frame::Frame;
 
-/// A device that speaks no CANopen, as its manager knows it.
+/// State of a device without CANopen, as its manager has it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DbcDeviceState<'a> {
     pub name: &'a str,
@@ -33,7 +33,7 @@ pub struct DbcDeviceState<'a> {
     pub live: bool,
     /// Something of it has come in time, whatever it was.
     pub heard: bool,
-    /// How often it was live and then was not.
+    /// Number of times it was live and then was not.
     pub losses: u32,
     pub is: String,
 }
@@ -43,14 +43,14 @@ struct ReceivedMessage {
     counter: Option<u64>,
     /// For each page, when it last came, and which of its inputs are on.
     pages: Vec<(Option<Tick>, Vec<bool>)>,
-    /// When the message last came, whatever was wrong with it, and what was.
+    /// Time of the message's last arrival, faulty or not, and its fault.
     last: Option<(Tick, FrameFault)>,
 }
 
 struct PublishedMessage {
     frame: SentFrameBinding,
     due: Tick,
-    /// What was last sent, without the counter.
+    /// Data last sent, without the counter.
     sent: Option<[u8; 8]>,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct DbcDevice {
     pub owner: Owner,
     heard: Vec<ReceivedMessage>,
     told: Vec<PublishedMessage>,
-    /// How often each message has been sent: in several forms it is one to the device.
+    /// Number of times each message has been sent: in several forms it is one to the device.
     counts: BTreeMap<FrameId, u64>,
     live: bool,
     losses: u32,
@@ -82,7 +82,7 @@ impl DbcDevice {
             heard: binding.heard.iter().map(heard).collect(),
             told: binding.told.iter().map(told).collect(),
             counts: BTreeMap::new(),
-            // Of one that says nothing nobody knows better.
+            // A device that sends nothing counts as live.
             live: binding.heard.is_empty(),
             losses: 0,
             image: 0,
@@ -90,7 +90,7 @@ impl DbcDevice {
         }
     }
 
-    /// The identifiers it uses: of what it sends, and of what it is sent.
+    /// Identifiers of the messages it sends and receives.
     fn ids(&self) -> impl Iterator<Item = FrameId> {
         self.heard.iter().map(|heard| heard.frame.id).chain(self.told.iter().map(|told| told.frame.id))
     }
@@ -144,7 +144,7 @@ impl DbcDevice {
         Some(PeerChange::Up)
     }
 
-    /// Does what is due: noticing silence, sending again.
+    /// Does what is due: detects silence, sends again.
     fn poll(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
         let mut outcome = PeerChange::Unchanged;
         if self.live
@@ -174,7 +174,7 @@ impl DbcDevice {
         late.chain(self.told.iter().map(|told| told.due)).fold(Tick::NEVER, Tick::min)
     }
 
-    /// Takes the image its owner has set, and sends what that changes.
+    /// Takes the image its owner has set, and sends the changes.
     pub fn set_image(&mut self, now: Tick, image: u128, out: &mut BusOutbox) {
         self.image = image;
         self.send_changes(now, out);
@@ -188,7 +188,7 @@ impl DbcDevice {
         }
     }
 
-    /// What [`DbcDevice::release`] would send now.
+    /// Frames that [`DbcDevice::release`] would send now.
     fn release_frames(&self, frames: &mut Vec<Frame>) {
         for (nth, told) in self.told.iter().enumerate() {
             // Forms of one message that come before it in the same go are counted as well.
@@ -254,7 +254,7 @@ impl ReceivedMessage {
         }
         for (page, (seen, on)) in definition.pages.iter().zip(&mut self.pages) {
             if page.is_in(&data) {
-                // After a silence a value between two limits is not what it was before.
+                // After a silence, a value between two limits does not keep its earlier state.
                 let goes_on = seen.replace(now).is_some_and(|last| now < last + definition.timeout);
                 for ((_, field, when), on) in page.inputs.iter().zip(on) {
                     *on = when.holds(field, field.get(&data), goes_on && *on);
@@ -332,7 +332,7 @@ impl Manager {
         Ok(())
     }
 
-    /// Takes a frame of a device that speaks no CANopen; false if it is none.
+    /// Takes a frame of a device without CANopen; false if it is none.
     pub(super) fn take_plain(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) -> bool {
         let Some(id) = frame.frame_id().filter(|_| !self.plains.is_empty()) else { return false };
         let Some((at, outcome)) =
@@ -358,7 +358,7 @@ impl Manager {
         self.plains.iter().map(DbcDevice::deadline).fold(Tick::NEVER, Tick::min)
     }
 
-    /// Every device that speaks no CANopen as it is at `now`, in the order of the description.
+    /// Every device without CANopen as it is at `now`, in the order of the description.
     pub fn plain_statuses(&self, now: Tick) -> impl Iterator<Item = DbcDeviceState<'_>> {
         self.plains.iter().map(move |plain| DbcDeviceState {
             name: &plain.name,
@@ -370,14 +370,14 @@ impl Manager {
         })
     }
 
-    /// What a change of one of them means for its owner's images.
+    /// Effect of a change of one of them on its owner's images.
     fn settle_plain(&mut self, now: Tick, at: usize, outcome: PeerChange, out: &mut BusOutbox) {
         let owner = self.plains[at].owner;
         match outcome {
             PeerChange::Unchanged | PeerChange::Ignored(_) => return,
             PeerChange::Inputs => {}
             PeerChange::Up => self.plains[at].send_changes(now, out),
-            // It is told to let go as well: it may hear what it cannot answer.
+            // Its outputs are let go as well: it may still receive.
             PeerChange::Lost => self.let_go(now, owner, out),
         }
         self.gather(now, owner, out);

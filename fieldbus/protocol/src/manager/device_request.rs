@@ -1,4 +1,4 @@
-//! What people and programs may ask of a device, and what it comes to.
+//! Requests to a device, and their results.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use crate::sdo::{Abort, ObjectId, TransferError, TransferFailure};
 
 /// Requests that may wait, for all devices together.
 pub const WAITING_MAX: usize = 32;
-/// How long a request may wait for the channel. A boot of some twenty objects takes a fifth of a second.
+/// Most time for which a request waits for the channel. A boot of some twenty objects takes a fifth of a second.
 pub const PATIENCE: Duration = Duration::from_secs(5);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,9 +16,9 @@ pub enum DeviceRequest {
     Read(ObjectId),
     Write {
         object: ObjectId,
-        /// What; a negative one in two's complement of the object's length.
+        /// Value to write; a negative one in two's complement of the object's length.
         value: u32,
-        /// In how many bytes, 1 to 4; `None`: in as many as the object has.
+        /// Length, 1 to 4 bytes; `None`: that of the object.
         bytes: Option<usize>,
     },
 }
@@ -60,16 +60,16 @@ pub enum DeviceRequestError {
     TooLarge {
         object: ObjectId,
         value: u32,
-        /// What the object has.
+        /// Length of the object.
         bytes: usize,
     },
-    /// The device refused, or fell silent.
+    /// The device refused, or did not answer.
     #[error(transparent)]
     Transfer(#[from] TransferError),
 }
 
 impl DeviceRequestError {
-    /// The abort code that says it best, for answers that have only room for a number.
+    /// The closest abort code, for answers that have only room for a number.
     pub fn abort(&self) -> Abort {
         match self {
             DeviceRequestError::UnknownNode { .. } | DeviceRequestError::NotReady(_) => Abort::NO_CONNECTION,
@@ -84,5 +84,5 @@ impl DeviceRequestError {
     }
 }
 
-/// What a request has come to: the bytes read, or nothing for a write.
+/// Result of a request: the bytes read, or nothing for a write.
 pub type RequestResult = Result<Vec<u8>, DeviceRequestError>;

@@ -1,21 +1,21 @@
-//! What a device says of its own errors, and how long it is believed to be in error.
+//! A device's own errors as it reports them, and how long each counts as standing.
 //!
 //! An emergency (CiA 301 §7.2.7) carries an error code and the error register, object 1001h. The error stands until the
-//! device says that it is gone: by an emergency 0000h with a register of zero, by a register that reads zero, or by
+//! device reports that it is gone: by an emergency 0000h with a register of zero, by a register that reads zero, or by
 //! booting. That frame comes once and may be lost, so the register is read once a second while an error stands, and at
-//! the end of every boot: a device may come up with an error it reported to nobody.
+//! the end of every boot: a device may come up with an error that was not reported.
 //!
 //! # Which emergencies count
 //!
 //! Everything that sets the error register, with one exception. Codes 81xxh are about the wire: frames overrun, error
-//! passive, recovered from bus-off. What went missing on the wire is made good by the next frame, and what is missing
-//! too long is noticed by heartbeats, on both sides; an error register that names communication alone says the same. Two
-//! of them are more than a warning: 8130h and 8140h say that the device has let go of its outputs by itself (`peer.rs`
-//! sees to that), and 8150h that somebody else uses its identifiers, so what seems to come from it may not.
+//! passive, recovered from bus-off. What went missing on the wire is made good by the next frame, and longer gaps are
+//! noticed by heartbeats, on both sides; an error register that names communication alone means the same. Two of them
+//! are more than a warning: 8130h and 8140h mean that the device has let go of its outputs by itself (handled in
+//! `peer.rs`), and 8150h that another node uses its identifiers, so frames under them may not be its own.
 //!
 //! 82xxh does count: the device has not taken the outputs it was sent. So do codes of current, voltage, temperature,
 //! hardware, software and everything outside of it, and those of the manufacturer: inputs may be read wrongly, outputs
-//! may be off that were switched on, and nobody here knows better.
+//! may be off that were switched on, and the manager cannot verify either.
 
 use std::time::Duration;
 
@@ -28,7 +28,7 @@ use crate::sdo::wire::SdoBytes;
 use crate::sdo::{ObjectId, TransferProgress};
 
 pub(super) const ERROR_REGISTER: ObjectId = ObjectId::new(0x1001, 0);
-/// How often it is read while an error stands.
+/// Period of reading it while an error stands.
 const READ_EVERY: Duration = Duration::from_secs(1);
 /// Generic and communication error: bits 0 and 4.
 const WIRE: u8 = 0x11;
@@ -37,7 +37,7 @@ const COMMUNICATION: u8 = 0x10;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ActiveError {
-    /// By which emergency it was reported; `None` if only the register says so.
+    /// Emergency that reported it; `None` if only the register shows it.
     emergency: Option<Emergency>,
     register: u8,
 }
@@ -106,7 +106,8 @@ impl Errors {
         self.next_read = Tick::NEVER;
     }
 
-    /// What made the error stand is gone from the register, and what has come instead would not have made it stand.
+    /// The cause of the standing error is gone from the register, and the bits set instead would not have made it
+    /// stand.
     fn only_the_wire_is_left(&self, register: u8) -> bool {
         let others = |standing: ActiveError| {
             standing.register & !WIRE != 0 && standing.emergency.is_none_or(|emergency| emergency.code >> 8 != 0x81)
@@ -114,13 +115,13 @@ impl Errors {
         self.standing.is_some_and(others) && is_the_wire_alone(register)
     }
 
-    /// It does not exchange anything any more: what it was being asked, it will not answer.
+    /// It no longer exchanges anything: a pending read will not be answered.
     pub fn lost(&mut self) {
         self.reading = None;
         self.waits = false;
     }
 
-    /// It is being asked for its register: it has one channel for that.
+    /// Its register is being read: the device has one channel for that.
     pub fn is_reading(&self) -> bool {
         self.reading.is_some()
     }
@@ -130,7 +131,7 @@ impl Errors {
         self.reading.is_some() || self.waits
     }
 
-    /// Does what is due: asks, if `free`. Gives the register if it has just been read.
+    /// Does what is due: reads the register, if the channel is `free`. Gives the register if it has just been read.
     pub fn poll(&mut self, now: Tick, node: NodeId, free: bool, out: &mut Vec<Frame>) -> Option<u8> {
         if let Some(transfer) = &mut self.reading {
             let progress = transfer.poll(now, out);
@@ -146,7 +147,7 @@ impl Errors {
         None
     }
 
-    /// The channel is free: asks, if that has waited.
+    /// The channel is free: reads the register, if that has waited.
     pub fn ask(&mut self, now: Tick, node: NodeId, out: &mut Vec<Frame>) {
         if std::mem::take(&mut self.waits) {
             self.reading = Some(Transfer::read(now, node, ERROR_REGISTER, out));
@@ -162,7 +163,7 @@ impl Errors {
     fn done(&mut self, progress: TransferProgress) -> Option<u8> {
         let TransferProgress::Done(result) = progress else { return None };
         self.reading = None;
-        // One that cannot be asked stays in error until it says otherwise by itself.
+        // A device whose register cannot be read stays in error until it reports otherwise by itself.
         result.ok()?.first().copied()
     }
 

@@ -1,4 +1,4 @@
-//! What the manager reports, and where it puts what it wants sent.
+//! Events that the manager reports, and its outbox.
 
 use std::fmt;
 use std::time::Duration;
@@ -19,11 +19,11 @@ pub struct BusOutbox {
     /// To be sent on the manager's bus.
     pub frames: Vec<Frame>,
     pub events: Vec<BusEvent>,
-    /// What requests have come to ([`Manager::ask`](super::Manager::ask)), each told by an [`BusEvent::Answered`].
+    /// Results of requests ([`Manager::ask`](super::Manager::ask)), each with a [`BusEvent::Answered`].
     pub answers: Vec<(u64, RequestResult)>,
 }
 
-/// Something the owner of a manager should know.
+/// Event for the owner of a manager.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BusEvent {
     /// The device is configured and operational; it exchanges process data from here on.
@@ -35,7 +35,7 @@ pub enum BusEvent {
         node: NodeId,
         silent_for: Duration,
     },
-    /// The device hears no SYNC: the inputs that come with it have not come for too long.
+    /// The device receives no SYNC: the inputs that come with it have not come for too long.
     NoSync {
         node: NodeId,
         silent_for: Duration,
@@ -45,7 +45,7 @@ pub enum BusEvent {
         node: NodeId,
         fault: ChannelFault,
     },
-    /// A device that speaks no CANopen is live: all its messages come.
+    /// A device without CANopen is live: all its messages come.
     FramesUp {
         /// The last of its messages that came.
         id: FrameId,
@@ -55,10 +55,10 @@ pub enum BusEvent {
         /// Frame identifier of the sender.
         id: FrameId,
         silent_for: Duration,
-        /// What is wrong with those that come.
+        /// Fault of those that come.
         why: FrameFault,
     },
-    /// The device has booted while it was thought to be running.
+    /// The device has booted while it counted as running.
     DeviceRebooted {
         node: NodeId,
     },
@@ -67,8 +67,8 @@ pub enum BusEvent {
         node: NodeId,
         state: NmtState,
     },
-    /// The device is not started: it is another one than expected, or does not take what it is told. A device that
-    /// does not watch the manager's heartbeat would keep its outputs when the manager is gone.
+    /// The device is not started: it is another one than expected, or does not accept a setting. A device that does not
+    /// watch the manager's heartbeat would keep its outputs when the manager is gone.
     BootFailed {
         node: NodeId,
         why: BootError,
@@ -77,11 +77,11 @@ pub enum BusEvent {
     Emergency {
         node: NodeId,
         emergency: Emergency,
-        /// What kind of device it is, by the description.
+        /// Device kind, by the description.
         profile: Profile,
     },
-    /// What the device's error register says is news: an error stands that no emergency has reported, or the last one
-    /// is gone and the emergency that should have said so was not heard.
+    /// The device's error register has changed: an error stands that no emergency has reported, or the last one is gone
+    /// and its emergency was not received.
     ErrorRegister {
         node: NodeId,
         /// Object 1001h; 0 is no error.
@@ -98,7 +98,7 @@ pub enum BusEvent {
     Answered {
         number: u64,
     },
-    /// Somebody else sends the manager's heartbeat: two managers are on this bus. Reported every few seconds.
+    /// Another node sends the manager's heartbeat: two managers are on this bus. Reported every few seconds.
     AnotherManager,
     /// The other manager is silent; the devices are brought up anew.
     AloneAgain,

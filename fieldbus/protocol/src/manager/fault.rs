@@ -1,5 +1,5 @@
-//! What is wrong with what a device sends: frames that are ignored, channels without a measurement, messages of a DBC
-//! device that do not come as they should.
+//! Faults in a device's messages: frames that are ignored, channels without a measurement, messages of a DBC device
+//! that do not come as they should.
 
 use std::fmt;
 
@@ -69,7 +69,7 @@ impl fmt::Display for IgnoreReason {
 pub enum ChannelFault {
     /// It is no measurement.
     Number {
-        /// Which channel: the subindex of object 6401h.
+        /// The channel: subindex of object 6401h.
         channel: u8,
         /// The number it gave.
         number: i16,

@@ -1,14 +1,14 @@
 //! The CANopen manager of one bus.
 //!
-//! Pure: it is called with the time and a frame, and fills an [`BusOutbox`] with frames to send and events to report. It
-//! brings every device of the description up (configure, start), watches its heartbeat, and moves bits between the
-//! devices' PDOs and their owners' process images. It does not know what a bit means or whether a motion is allowed;
-//! it knows which bits can be trusted.
+//! Pure: it is called with the time and a frame, and fills an [`BusOutbox`] with frames to send and events to report.
+//! It brings every device of the description up (configure, start), watches its heartbeat, and moves bits between the
+//! devices' PDOs and their owners' process images. The meaning of a bit and whether a motion is allowed are not its
+//! concern; it decides only which bits can be trusted.
 //!
 //! One rule stands above the others: **an output is energised only by an image that its owner set after the last time
 //! one of the owner's devices was lost.** When a device is lost, reboots or leaves the operational state, the image is
-//! forgotten and the owner's other devices get zero at once; what is then set again is set by a controller that could
-//! know.
+//! forgotten and the owner's other devices get zero at once; what is then set again is set by a controller that was
+//! informed of the loss.
 
 mod boot;
 mod build;
@@ -64,7 +64,7 @@ pub const MANAGER_NODE: NodeId = match NodeId::new(127) {
 
 struct ManagedImage {
     owner: Owner,
-    /// What the owner last set; zero from the start and after every loss.
+    /// Image last set by the owner; zero from the start and after every loss.
     outputs: u128,
     inputs: InputImage,
 }
@@ -72,9 +72,9 @@ struct ManagedImage {
 pub struct Manager {
     timing: Timing,
     peers: Vec<Peer>,
-    /// Devices that speak no CANopen.
+    /// Devices without CANopen.
     plains: Vec<DbcDevice>,
-    /// What is remembered of each, in the same order.
+    /// Memory of each, in the same order.
     records: Vec<DeviceMemory>,
     requests: Requests,
     images: Vec<ManagedImage>,
@@ -85,15 +85,15 @@ pub struct Manager {
     off: Option<Tick>,
     ignored: [u64; IGNORE_REASONS],
     pace: SendQueue,
-    /// Whose turn it is to send a segment of a block.
+    /// Next peer to send a segment of a block.
     turn: usize,
-    /// How much is said of ignored frames, by reason, and at the end of errors of the bus.
+    /// Limits of the reports of ignored frames, by reason, and at the end of bus errors.
     told: [Budget; IGNORE_REASONS + 1],
     rival: Rival,
 }
 
 impl Manager {
-    /// Takes one frame heard on the bus at `now`.
+    /// Takes one frame received at `now`.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) {
         let (start, told) = (out.frames.len(), out.events.len());
         self.pace.heard(now);
@@ -120,7 +120,7 @@ impl Manager {
         };
         match message {
             CanopenMessage::Heartbeat { node, .. } if node == MANAGER_NODE => self.hear_rival(now, out),
-            // It may be what the other has brought about: nothing follows from it until this one is alone.
+            // It may be an effect of the other manager: nothing follows from it until this one is alone.
             _ if self.rival.since().is_some() => self.ignored[IgnoreReason::NotForManager as usize] += 1,
             CanopenMessage::Heartbeat { node, state } => {
                 if let Some(record) = self.record_of(node.get()) {
@@ -155,7 +155,7 @@ impl Manager {
         }
     }
 
-    /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, noticing silence. For the first
+    /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, detecting silence. For the first
     /// four periods of its heartbeat that is listening alone.
     pub fn poll(&mut self, now: Tick, out: &mut BusOutbox) {
         let (start, told) = (out.frames.len(), out.events.len());
@@ -214,7 +214,7 @@ impl Manager {
 
     fn give_image(&mut self, now: Tick, owner: Owner, outputs: u128, out: &mut BusOutbox) {
         let Some(image) = self.images.iter_mut().find(|i| i.owner == owner) else { return };
-        // With another manager on the bus nothing is energised, also later: what is set then is set anew.
+        // With another manager on the bus nothing is energised, nor later: outputs must then be set anew.
         let outputs = if self.rival.since().is_some() { 0 } else { outputs };
         image.outputs = outputs;
         for peer in self.peers.iter_mut().filter(|p| p.owner == owner) {
@@ -231,8 +231,9 @@ impl Manager {
         self.pace.give_back(now, frames);
     }
 
-    /// Lets go of every output of every device: for an orderly end, so nothing waits, and what waited is not sent. (After
-    /// any other end the devices' own heartbeat consumers do it; those that speak no CANopen have none and come first.)
+    /// Lets go of every output of every device: for an orderly end, so nothing waits, and what waited is not sent.
+    /// (After any other end the devices' own heartbeat consumers do it; those without CANopen have none and come
+    /// first.)
     ///
     /// A manager that has never sent anything, because another one was there first, disturbs nothing by ending either.
     pub fn release_outputs(&mut self, now: Tick, out: &mut BusOutbox) {
@@ -246,7 +247,7 @@ impl Manager {
         for plain in &mut self.plains {
             plain.release(now, out);
         }
-        // What they were sent last may still have waited: each is told, whatever it is thought to have.
+        // The outputs last sent may still have waited: zero is sent to each device, whatever it seems to have.
         let mut differing = BusOutbox::default();
         for peer in &mut self.peers {
             peer.set_image(now, 0, &mut differing);
@@ -257,7 +258,7 @@ impl Manager {
     /// The inputs of `owner` as they stand at `now`.
     pub fn inputs(&self, now: Tick, owner: Owner) -> InputImage {
         let image = self.images.iter().find(|i| i.owner == owner).map_or(InputImage::NEVER, |i| i.inputs);
-        // Looked at again here, so that a caller who polls late does not read a dead device as a live one.
+        // Checked again here, so that a caller that polls late does not read a dead device as a live one.
         InputImage { valid: image.valid && self.are_trusted(now, owner), ..image }
     }
 
@@ -273,7 +274,7 @@ impl Manager {
         self.peers.iter().map(|peer| (peer.node, peer.name.as_str(), peer.is_operational()))
     }
 
-    /// How many frames were ignored for `reason`.
+    /// Number of frames ignored for `reason`.
     pub fn ignored(&self, reason: IgnoreReason) -> u64 {
         self.ignored[reason as usize]
     }
@@ -283,8 +284,8 @@ impl Manager {
         self.images.iter().map(|i| i.owner)
     }
 
-    /// Before anything else every output is let go: a manager that ended a moment ago may have left some energised
-    /// that this one knows nothing of. Zero (for a drive: quick stop) is safe in every state of the device.
+    /// Before anything else every output is let go: a manager that ended a moment ago may have left some energised that
+    /// are unknown to this one. Zero (for a drive: quick stop) is safe in every state of the device.
     fn first_poll(&mut self, out: &mut BusOutbox) {
         out.frames.push(CanopenMessage::Heartbeat { node: MANAGER_NODE, state: NmtState::BootUp }.encode());
         for peer in &self.peers {
@@ -303,11 +304,11 @@ impl Manager {
         }
     }
 
-    /// Of the frames from `start` on, those go that may go now, and of those that wait the ones whose turn it is.
+    /// Lets pass those of the frames from `start` on that may go now, and those of the waiting ones whose turn it is.
     fn pass(&mut self, now: Tick, start: usize, out: &mut BusOutbox) {
         self.pace.pass(now, start, &mut out.frames);
         while self.pace.may_stream(now) {
-            // One after the other, and then somebody's request.
+            // One after the other, and then a request's.
             let next = |from: usize| (from..self.peers.len()).find(|at| self.peers[*at].streams());
             match next(self.turn) {
                 Some(at) => {
@@ -330,7 +331,7 @@ impl Manager {
         }
     }
 
-    /// What a device sends of its own accord: one that babbles is not listened to.
+    /// For unsolicited frames of a device: those of a babbling one are ignored.
     fn unless_babbling(
         &mut self,
         now: Tick,
@@ -359,7 +360,7 @@ impl Manager {
         }
     }
 
-    /// What a change of one device means for its owner's images.
+    /// Effect of a change of one device on its owner's images.
     fn settle(&mut self, now: Tick, at: usize, outcome: PeerChange, out: &mut BusOutbox) {
         let owner = self.peers[at].owner;
         match outcome {
@@ -381,15 +382,15 @@ impl Manager {
         self.gather(now, owner, out);
     }
 
-    /// What waits for a device that is gone was decided before. One that is only not trusted is still told: what waits
-    /// may be the order to let go, and is replaced by a newer one.
+    /// Drops the frames waiting for a device that is gone: they are obsolete. To one that is only not trusted they are
+    /// sent: among them may be the order to let go, and a newer one replaces it.
     fn forget_what_waits(&mut self, at: usize) {
         if !self.peers[at].is_operational() {
             self.pace.forget(self.peers[at].node);
         }
     }
 
-    /// One of an owner's devices is lost. Its controller decided without knowing: none of its outputs is vouched for.
+    /// One of an owner's devices is lost. Its controller decided before the loss was known: none of its outputs counts.
     pub(super) fn let_go(&mut self, now: Tick, owner: Owner, out: &mut BusOutbox) {
         self.give_image(now, owner, 0, out);
     }
@@ -432,7 +433,7 @@ impl Manager {
 
     fn ignore(&mut self, now: Tick, reason: IgnoreReason, frame: Frame, out: &mut BusOutbox) {
         self.ignored[reason as usize] += 1;
-        // An answer to somebody else's question is everyday traffic, not worth an event. Of the rest, enough is told to
+        // An answer to another node's request is normal traffic, not worth an event. Of the rest, enough is reported to
         // understand it; the counters have all of it.
         let everyday = matches!(reason, IgnoreReason::NotForManager | IgnoreReason::Babbling);
         if !everyday && self.told[reason as usize].take(now) {
@@ -441,11 +442,11 @@ impl Manager {
     }
 }
 
-/// How much is told of what comes again and again.
+/// Limit on reports of a repeated event.
 const TOLD: Budget = Budget::new(20, Duration::from_millis(100));
 
-/// How long an unanswered order waits before it is repeated, and how often an absent device is asked for. Twice a
-/// second is soon enough for a person who plugs it in, and no load for the bus.
+/// Time until an unanswered order is repeated, and between probes of an absent device. Twice a second is soon enough
+/// for an operator who plugs it in, and no load for the bus.
 const RETRY: Duration = Duration::from_millis(500);
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! What is wrong with a device, in words: which one, which object or frame says so, and why.
+//! Faults of a device in words: which device, which object or frame shows it, and why.
 //!
-//! Two questions are answered here and nothing is decided. [`Manager::explain`]: how is this device, and what does it
-//! wait for? [`Manager::trouble`]: which devices keep an owner's image from being valid, and why? The second is what a
-//! person reads at a station that has stopped, so it gives the cause before the remedy: a device that is being booted
-//! again says first that it had fallen silent.
+//! Two descriptions, without any decision. [`Manager::explain`]: the state of a device, and what it waits for.
+//! [`Manager::trouble`]: the devices that keep an owner's image from being valid, and why. The second is what a person
+//! reads at a station that has stopped, so it gives the cause before the remedy: a device that is being booted again is
+//! first described as having fallen silent.
 
 use linewright_line::{Owner, Tick};
 
@@ -13,13 +13,13 @@ use super::{Manager, RETRY};
 use crate::codec::{NmtState, NodeId};
 
 impl Manager {
-    /// How the device with this node id is at `now`, and what it waits for, in one sentence.
+    /// State of the device with this node id at `now`, and what it waits for, in one sentence.
     pub fn explain(&self, now: Tick, node: NodeId) -> Option<String> {
         self.peers.iter().find(|p| p.node == node).map(|peer| peer.explain(now))
     }
 
-    /// What keeps the inputs of the device with this node id from being valid at `now`, in one sentence. Nothing while they
-    /// are valid, and for a device that no image depends on.
+    /// Why the inputs of the device with this node id are invalid at `now`, in one sentence. `None` while they are
+    /// valid, and for a device that no image depends on.
     pub fn trouble_of(&self, now: Tick, node: NodeId) -> Option<String> {
         let peer = self.peers.iter().find(|peer| peer.node == node && peer.is_vital)?;
         let what = peer.trouble(now)?;
@@ -32,9 +32,9 @@ impl Manager {
         })
     }
 
-    /// What keeps the inputs of `owner` from being valid at `now`: one sentence for each of its devices that is in the
-    /// way, with the device's name, its node id, the object or frame concerned, and the cause; or one for all of them, if
-    /// another manager is there. Nothing while they are valid, and for an owner without devices on this bus.
+    /// Why the inputs of `owner` are invalid at `now`: one sentence for each of its devices that is in the way, with
+    /// the device's name, its node id, the object or frame concerned, and the cause; or one for all of them, if another
+    /// manager is there. Nothing while they are valid, and for an owner without devices on this bus.
     pub fn trouble(&self, now: Tick, owner: Owner) -> impl Iterator<Item = String> {
         let rival = self.rival.explain(now).filter(|_| self.images.iter().any(|image| image.owner == owner));
         let each = self.trouble_of_each(now, owner).filter({
@@ -56,7 +56,7 @@ impl Manager {
 }
 
 impl Peer {
-    /// How it is at `now`, and what it waits for, in one sentence.
+    /// Its state at `now`, and what it waits for, in one sentence.
     pub(super) fn explain(&self, now: Tick) -> String {
         let silent = now.since(self.heard).as_millis();
         match &self.phase {
@@ -91,7 +91,7 @@ impl Peer {
         }
     }
 
-    /// Why it cannot be trusted at `now`: first what happened, then what it waits for. `None` if it can.
+    /// Why it cannot be trusted at `now`: first the cause, then what it waits for. `None` if it can.
     fn trouble(&self, now: Tick) -> Option<String> {
         if self.trusted(now) {
             return None;
@@ -102,7 +102,7 @@ impl Peer {
         let now_is = self.explain(now);
         Some(match self.why {
             None => now_is,
-            // It says so itself, and what it waits for then is of no use to anybody.
+            // The phase explains itself; what the device waits for then is no help.
             Some(NotOperationalReason::Silent) => match &self.phase {
                 PeerPhase::Refused { .. } => format!("{}; {now_is}", self.silence(now)),
                 _ => self.silence(now),
@@ -151,7 +151,7 @@ impl Peer {
         }
     }
 
-    /// That it is not heard, and since when.
+    /// That it is silent, and since when.
     fn silence(&self, now: Tick) -> String {
         let Some(beat) = self.beat else {
             let nothing = format!("never heard: no boot-up and no heartbeat ({}, 1017h)", self.beat_id());

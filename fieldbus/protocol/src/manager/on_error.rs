@@ -1,13 +1,13 @@
-//! What a device does with its outputs when it misses its manager, fails, or is stopped: CiA 301 1029h, CiA 401 6206h and
-//! 6207h for bits, 6443h and 6444h for channels.
+//! Error behaviour of a device's outputs when its manager is missing, it fails, or is stopped: CiA 301 1029h, CiA 401
+//! 6206h and 6207h for bits, 6443h and 6444h for channels.
 //!
-//! That a device lets go by itself is what stands between an output and a manager that is dead. So it is not left to how
-//! the device comes out of its box: each of these objects is written before the device is started, and read back, since
-//! some devices take a write and keep what they had. One that lacks an object, or gives back something else, is not
-//! started, unless the description says why it may be without ([`DeviceSetup::without_error_values`]); it is then told all the
-//! same, and what it does not take is passed over.
+//! When the manager is dead, only the device itself can switch an output off. So factory settings are not relied upon:
+//! each of these objects is written before the device is started, and read back, since some devices accept a write and
+//! keep the old value. One that lacks an object, or gives back another value, is not started, unless the description
+//! gives a reason ([`DeviceSetup::without_error_values`]); the objects are then written all the same, and refusals are
+//! ignored.
 //!
-//! What the description writes to one of these objects itself stays, and is read back as well.
+//! Values that the description itself writes to one of these objects stay, and are read back as well.
 //!
 //! [`DeviceSetup::without_error_values`]: linewright_line::Setup::without_error_values
 
@@ -27,7 +27,7 @@ pub(super) fn is_one(index: u16) -> bool {
     matches!(index, 0x1029 | MODE | VALUE | 0x6443 | 0x6444)
 }
 
-/// What is written to an I/O device with outputs. `own` are the settings in its description; they replace these.
+/// Objects written to an I/O device with outputs. `own` are the settings in its description; they replace these.
 pub(super) fn settings(
     outputs: &[Option<OutputId>],
     sets: bool,
@@ -39,7 +39,7 @@ pub(super) fn settings(
     let (index, sub) = BEHAVIOUR;
     let mut settings = vec![SdoWrite::u8(index, sub, 0).optional().read_back()];
     for (nth, byte) in (1..).zip(outputs.chunks(8)) {
-        // What no wire hangs on may be anything: many devices have fewer outputs than a byte has bits.
+        // Bits without a wire may have any value: many devices have fewer outputs than a byte has bits.
         let mask = wired_bits(byte);
         if mask != 0 {
             settings.push(SdoWrite::u8(MODE, nth, 0xFF).read_back_bits(mask));
@@ -51,8 +51,8 @@ pub(super) fn settings(
     settings
 }
 
-/// How a plan's settings that belong here are taken: those of the description are read back like the manager's own, and
-/// all of them are excused where the description says why.
+/// Marks a plan's settings that belong here: those of the description are read back like the manager's own, and all of
+/// them are excused where the description gives a reason.
 pub(super) fn judged(setup: &DeviceSetup, settings: impl Iterator<Item = SdoWrite>) -> Vec<SdoWrite> {
     let excused = setup.without_error_values.is_some();
     let judge = |setting: SdoWrite| {

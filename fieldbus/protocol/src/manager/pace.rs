@@ -1,19 +1,19 @@
-//! How fast the manager sends: one limit for all devices of its bus.
+//! Rate of the manager's frames: one limit for all devices of its bus.
 //!
-//! An interface queues about ten frames (`txqueuelen`) and drops what comes beyond; a bus of 500 kbit/s carries about
-//! four in a millisecond. What 32 devices are told at once is far more than that. So frames wait here, not there:
+//! An interface queues about ten frames (`txqueuelen`) and drops the rest; a bus of 500 kbit/s carries about four in a
+//! millisecond. Frames for 32 devices at once are far more than that. So frames wait here, not there:
 //!
 //! - **urgent** ones (network management, the heartbeat, SYNC) never wait;
 //! - **process data** wait for the manager's own rate. Of each device only the newest waits, so what is late is never
 //!   old: an order to let go takes the place of the one it revokes;
-//! - **service data** have what is left, also by what others send, and at least one frame each millisecond. Requests go
-//!   in the order in which they came; segments of blocks, which could fill any queue, are asked of the transfers one by
-//!   one and in turn when there is room for them ([`SendQueue::may_stream`]).
+//! - **service data** have the remaining rate, other nodes' frames deducted, and at least one frame each millisecond.
+//!   Requests go in the order in which they came; segments of blocks, which could fill any queue, are taken from the
+//!   transfers one by one and in turn when there is room for them ([`SendQueue::may_stream`]).
 //!
-//! What the interface refuses all the same, because others keep the bus busy, comes back ([`SendQueue::give_back`]) and is the
-//! first to go.
+//! Frames that the interface refuses all the same, because other nodes keep the bus busy, come back
+//! ([`SendQueue::give_back`]) and go first.
 //!
-//! A transfer that is alone has the whole rate. Nothing here knows what a frame is for beyond its COB-ID.
+//! A transfer that is alone has the whole rate. Frames are distinguished by their COB-ID alone.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -23,9 +23,9 @@ use linewright_line::Tick;
 use crate::codec::NodeId;
 use crate::frame::Frame;
 
-/// What a frame takes of the bus: an average one at 500 kbit/s.
+/// Bus time of an average frame at 500 kbit/s, in µs.
 const FRAME: i64 = 250;
-/// How many frames may go at once after a pause. Less than an interface's queue, which urgent ones need as well.
+/// Most frames at once after a pause. Less than an interface's queue, which urgent ones need as well.
 const BURST: i64 = 8;
 /// Service data go at least this often, however busy the bus is.
 const LEAST: Duration = Duration::from_millis(1);
@@ -40,17 +40,17 @@ pub(super) struct SendQueue {
     at: Tick,
     /// Microseconds of the bus that may be used, by the manager's own frames.
     own: i64,
-    /// The same by everybody's.
+    /// The same for the frames of all nodes.
     shared: i64,
     /// Urgent frames that were refused.
     urgent: VecDeque<Frame>,
-    /// Identifiers, with the kernel's flags, of what devices that speak no CANopen are sent.
+    /// Identifiers, with the kernel's flags, of frames for devices without CANopen.
     plain: Vec<u32>,
     process: VecDeque<Frame>,
     service: VecDeque<Frame>,
     /// When service data may go in any case.
     next_service: Tick,
-    /// What [`SendQueue::pass`] has been given, for the time it takes: kept, so that steady traffic allocates nothing.
+    /// Frames given to [`SendQueue::pass`], while it runs: kept, so that steady traffic allocates nothing.
     given: Vec<Frame>,
 }
 
@@ -63,7 +63,7 @@ enum SendClass {
 
 fn class(frame: &Frame) -> SendClass {
     match frame.cob_id().map(|id| id & 0x780) {
-        // Of what a manager sends: RPDO 1 to 4, and frames that are no CANopen's.
+        // Among a manager's frames: RPDO 1 to 4, and those of devices without CANopen.
         Some(0x200 | 0x300 | 0x400 | 0x500) | None => SendClass::Process,
         Some(0x600) => SendClass::Service,
         Some(_) => SendClass::Urgent,
@@ -85,7 +85,7 @@ impl SendQueue {
         SendQueue { own: BURST * FRAME, shared: BURST * FRAME, ..SendQueue::default() }
     }
 
-    /// Somebody else has sent a frame.
+    /// Another node has sent a frame.
     pub fn heard(&mut self, now: Tick) {
         self.refill(now);
         self.shared = (self.shared - FRAME).max(-BURST * FRAME);
@@ -131,7 +131,7 @@ impl SendQueue {
     /// The interface had no room for these.
     pub fn give_back(&mut self, now: Tick, frames: Vec<Frame>) {
         self.refill(now);
-        // Full is full: what it has queued goes first.
+        // The interface is full: its queue goes first.
         (self.own, self.shared) = (0, 0);
         self.next_service = now + LEAST;
         for frame in frames.into_iter().rev() {
@@ -158,7 +158,7 @@ impl SendQueue {
         self.spend_service(now);
     }
 
-    /// A device is lost: what waits for it was decided before, and is not sent after.
+    /// A device is lost: frames waiting for it were decided before, and are not sent after.
     pub fn forget(&mut self, node: NodeId) {
         let its = |id: u16| matches!(id & 0x780, 0x200 | 0x300 | 0x400 | 0x500) && id & 0x7F == u16::from(node.get());
         self.process.retain(|frame| !frame.cob_id().is_some_and(its));
@@ -169,7 +169,7 @@ impl SendQueue {
         self.own_is_through() && self.service.is_empty()
     }
 
-    /// The manager ends: what waits is not sent.
+    /// The manager ends: waiting frames are not sent.
     pub fn forget_all(&mut self) {
         self.urgent.clear();
         self.process.clear();
@@ -257,7 +257,7 @@ mod tests {
         assert_eq!(pass(&mut pace, 0, &eight), eight);
         assert!(pass(&mut pace, 0, &["209#01", "20A#00", "601#4000100000000000"]).is_empty());
         assert_eq!(pass(&mut pace, 0, &["209#00", "77F#05"]), ["77F#05"]);
-        // What the urgent frame took is missing for a moment.
+        // The urgent frame's share is missing for a moment.
         assert_eq!(pace.deadline(false), Tick::from_micros(500));
         assert_eq!(pass(&mut pace, 500, &[]), ["209#00"]);
         pace.forget(NodeId::new(10).unwrap());

@@ -1,7 +1,7 @@
-//! What a device's process data mean: bits of its owner's image and analogue channels, or the words of a drive.
+//! Meaning of a device's process data: bits of its owner's image and analogue channels, or the words of a drive.
 //!
-//! All of them keep the image their owner set last and say what follows from it. When a frame may be sent, and whether the
-//! device can be trusted, is decided by whoever holds this (`peer.rs`).
+//! All of them keep the image their owner set last and derive the frames from it. When a frame may be sent, and whether
+//! the device can be trusted, is decided by the peer (`peer.rs`).
 
 use linewright_fieldbus_seam::{gather, scatter};
 use linewright_line::{InputId, Io, OutputId, Tick, Timing};
@@ -30,7 +30,7 @@ pub(super) struct BitImage {
     heard: u64,
     /// Its share of the image its owner set last.
     wanted: u64,
-    /// What it was last sent; `None` since the last boot or loss.
+    /// Data last sent to it; `None` since the last boot or loss.
     sent: Option<u64>,
 }
 
@@ -53,7 +53,7 @@ impl ProcessData {
         }
     }
 
-    /// What it is told before it is started.
+    /// Settings before the device is started.
     pub fn settings(&self, node: NodeId, own: &[linewright_line::ObjectWrite]) -> Vec<SdoWrite> {
         match self {
             ProcessData::Io(bits, channels) => {
@@ -73,8 +73,8 @@ impl ProcessData {
         }
     }
 
-    /// Whether its first process data object has anything to say that must have been heard. What its channels say
-    /// [`AnalogueChannels::fault`] looks at.
+    /// Whether its first process data object has inputs that must have been received. Channels: see
+    /// [`AnalogueChannels::fault`].
     pub fn has_inputs(&self) -> bool {
         match self {
             ProcessData::Io(bits, _) => !bits.inputs.is_empty(),
@@ -82,7 +82,7 @@ impl ProcessData {
         }
     }
 
-    /// Why nothing follows from what its channels say, if so.
+    /// Why its channels' values are unusable, if so.
     pub fn fault(&self, now: Tick) -> Option<ChannelFault> {
         self.channels().and_then(|channels| channels.fault(now))
     }
@@ -109,7 +109,7 @@ impl ProcessData {
         }
     }
 
-    /// Takes what it has sent in its first object, or in one with channels, 2 to 4.
+    /// Takes data of its first object, or of one with channels, 2 to 4.
     pub fn take(&mut self, now: Tick, object: u8, payload: Payload) -> Result<(), IgnoreReason> {
         match self {
             ProcessData::Io(_, channels) if object > 1 => channels.take(now, object, payload),
@@ -146,7 +146,7 @@ impl ProcessData {
         }
     }
 
-    /// What it is to be sent now, each with the number of its object; the caller sends it.
+    /// Data it is to be sent now, each with the number of its object; the caller sends them.
     pub fn give(&mut self, mut send: impl FnMut(u8, Payload)) {
         match self {
             ProcessData::Io(bits, channels) => {
@@ -158,8 +158,8 @@ impl ProcessData {
         }
     }
 
-    /// What it is sent to let go of everything, whatever state it is in. For bits that is zero. For a drive it is a
-    /// stop: all zeros would cut its power while it moves.
+    /// Data by which it lets go of everything, whatever its state. For bits that is zero. For a drive it is a stop: all
+    /// zeros would cut its power while it moves.
     pub fn rest(&self, mut send: impl FnMut(u8, Payload)) {
         match self {
             ProcessData::Io(bits, channels) => {
@@ -193,7 +193,7 @@ impl ProcessData {
         }
     }
 
-    /// When time alone changes something: what is to be sent, or what can be trusted.
+    /// When time alone changes something: data to send, or whether inputs can be trusted.
     pub fn deadline(&self) -> Tick {
         match self {
             ProcessData::Io(_, channels) => channels.deadline(),
@@ -215,7 +215,7 @@ impl ProcessData {
         }
     }
 
-    /// What there is to say of it while it runs.
+    /// Description of its state while it runs.
     pub fn explain(&self) -> Option<String> {
         match self {
             ProcessData::Io(_, channels) => channels.explain(),

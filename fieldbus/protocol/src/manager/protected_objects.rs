@@ -1,8 +1,8 @@
-//! Which objects of a device are not written for others.
+//! Objects of a device that external requests must not write.
 //!
-//! While a device is operational its owner moves machines by what the manager wrote into it and reads from it. Whoever
-//! changes the meaning of a bit under it (a polarity, a mapping), lets an output go on without a manager (1016h, 6206h)
-//! or writes an output itself, makes the image a lie, and no check of the line would notice. So everything is refused
+//! While a device is operational its owner moves machines by what the manager wrote into it and reads from it. A
+//! changed meaning of a bit (a polarity, a mapping), an output that stays on without a manager (1016h, 6206h) or a
+//! direct write to an output makes the image false, and no check of the line would notice. So everything is refused
 //! that a standard gives a meaning for the process, and what the description sets; the rest of the manufacturer's own
 //! objects may be written: parameters of a sensor, faults of a simulated device.
 //!

@@ -1,22 +1,22 @@
-//! How much of one node's traffic is worth an answer, a report, or a look.
+//! Limits on the answers, reports and processing for one node's traffic.
 //!
-//! A node that babbles, broken or badly configured, may fill the bus. What it says is then worth nothing, and what it
-//! costs must be bounded: the frames looked at, the orders sent in return, the events reported. The other devices pay
-//! with the bus's time, which is the bus's business, and with nothing else.
+//! A node that babbles, broken or badly configured, may fill the bus. Its frames are then worth nothing, and their cost
+//! must be bounded: the frames looked at, the orders sent in return, the events reported. The other devices pay with
+//! the bus's time, which is the bus's business, and with nothing else.
 
 use std::time::Duration;
 
 use linewright_line::Tick;
 
-/// A node may say this much of itself within one [`WINDOW`]: process data, heartbeats and emergencies together. A drive
+/// Most unsolicited frames of a node within one [`WINDOW`]: process data, heartbeats and emergencies together. A drive
 /// that moves sends some forty; two thousand a second is a third of what 500 kbit/s carry.
 pub(super) const FRAMES_MAX: u32 = 200;
 /// In which they are counted.
 pub(super) const WINDOW: Duration = Duration::from_millis(100);
-/// How long a node has to keep within that to be listened to again.
+/// Time for which a node has to keep within that to be listened to again.
 const CALM: Duration = Duration::from_secs(1);
 
-/// How much a node says.
+/// Frame count of a node.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NodeRateLimits {
     begun: Tick,
@@ -25,7 +25,7 @@ pub(super) struct NodeRateLimits {
     until: Option<Tick>,
 }
 
-/// What one more frame is.
+/// Verdict on one more frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RateVerdict {
     /// To be looked at.

@@ -1,12 +1,12 @@
-//! What people and programs ask of the devices, through the manager's own SDO channel.
+//! Requests of operators and programs to the devices, through the manager's own SDO channel.
 //!
 //! A device has one channel, and a foreign client on it disturbs whatever the manager does there. So requests go through
 //! here: one at a time for each device, when the manager itself has nothing to transfer; the manager's own business
 //! overtakes them. They are bounded in number and in time, and each gets exactly one answer.
 //!
-//! A service of ROS 2 gives a number and not its length, and only the device knows how long its object is: before such a
-//! number is written, the object is read. One that cannot be read is written in the shortest length the number has, and
-//! in longer ones as long as the device says that this is the wrong one.
+//! A service of ROS 2 gives a number and not its length, and only the device has the length of its object: before such
+//! a number is written, the object is read. One that cannot be read is written in the shortest length the number has,
+//! and in longer ones as long as the device refuses the length.
 
 use std::collections::VecDeque;
 
@@ -39,14 +39,14 @@ struct ActiveRequest {
     step: RequestStep,
 }
 
-/// What the transfer of a request is for.
+/// Purpose of a request's transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum RequestStep {
-    /// To learn how long the object is.
+    /// To read the length of the object.
     Measure,
     /// To find that out by writing so many bytes.
     Try(usize),
-    /// What was asked.
+    /// The requested transfer.
     Last,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct Requests {
     waiting: VecDeque<QueuedRequest>,
     /// At most one for each device.
     active: Vec<ActiveRequest>,
-    /// Whose turn it is to send a segment of a block.
+    /// Next request to send a segment of a block.
     turn: usize,
     last: u64,
 }
@@ -89,7 +89,7 @@ impl Requests {
         true
     }
 
-    /// Goes on with all of them: what was overtaken, what is late, what may begin.
+    /// Advances all of them: ends what was overtaken or is late, begins what may begin.
     pub fn poll(&mut self, now: Tick, peers: &mut [Peer], out: &mut BusOutbox) {
         for at in (0..self.active.len()).rev() {
             let Some(peer) = peers.iter_mut().find(|peer| peer.node == self.active[at].node) else { continue };
@@ -97,7 +97,7 @@ impl Requests {
                 let progress = self.active[at].transfer.poll(now, &mut out.frames);
                 self.go_on(now, at, progress, peer, out);
             } else {
-                // No abort to the device: what the manager has begun there meanwhile has ended the transfer.
+                // No abort to the device: a transfer of the manager's own has ended this one there.
                 let request = self.active.swap_remove(at);
                 tell(request.number, Err(DeviceRequestError::Overtaken(peer.explain(now))), out);
             }
@@ -209,7 +209,7 @@ enum SdoChannelState {
     Free,
     /// Later: the manager has something to do there.
     Busy,
-    /// Nobody answers.
+    /// Without an answer.
     None,
 }
 
@@ -225,7 +225,7 @@ impl Peer {
         }
     }
 
-    /// The channel is the manager's again; what had to wait for it comes first.
+    /// The channel is the manager's again; its delayed transfers come first.
     fn give_back(&mut self, now: Tick, out: &mut BusOutbox) {
         self.lent = false;
         if self.writing.is_none() && self.is_operational() {
@@ -234,13 +234,12 @@ impl Peer {
         self.write_if_wanted(now, out);
     }
 
-    /// Somebody wants it started. It never is before it is identified and configured.
+    /// Start on request. It never is started before it is identified and configured.
     fn start_by_request(&mut self, now: Tick, out: &mut BusOutbox) -> Result<String, String> {
         let text = self.explain(now);
         match self.phase {
             PeerPhase::Operational | PeerPhase::Starting { .. } => Ok(text),
-            // Not as it is: nobody knows what it has been through since it was stopped. And a stopped device answers no
-            // SDO.
+            // Not as it is: its state since it was stopped is unknown. And a stopped device answers no SDO.
             PeerPhase::Stopped => {
                 self.order(NmtCommand::EnterPreOperational, out);
                 self.boot(now, out);
@@ -256,7 +255,7 @@ impl Peer {
 }
 
 impl Manager {
-    /// Asks a device; the answer comes as [`BusEvent::Answered`] with the number given here, and is in
+    /// Sends a request to a device; the answer comes as [`BusEvent::Answered`] with the number given here, and is in
     /// [`BusOutbox::answers`]. At once if it is refused.
     pub fn ask(&mut self, now: Tick, node: u8, ask: DeviceRequest, out: &mut BusOutbox) -> u64 {
         let start = out.frames.len();
@@ -296,11 +295,11 @@ impl Manager {
         }
     }
 
-    /// Starts a device that somebody has stopped, and has one that was refused looked at again. Otherwise a device is
-    /// started when it has been configured, and not before.
+    /// Starts a device that another node has stopped, and has one that was refused looked at again. Otherwise a device
+    /// is started when it has been configured, and not before.
     ///
     /// # Errors
-    /// In words, why it is not started now.
+    /// Why it is not started now, in words.
     pub fn start_node(&mut self, now: Tick, node: NodeId, out: &mut BusOutbox) -> Result<String, String> {
         if let Some(why) = self.rival.keeps_off(now) {
             return Err(why);

@@ -1,8 +1,8 @@
 //! Another manager on the same bus.
 //!
 //! Two managers configure, start and command the same devices, each against the other. So a manager listens before it
-//! sends anything, for four periods of its own heartbeat. If a manager's heartbeat (77Fh) is heard in that time, this one
-//! came second and yields: it has sent nothing, sends nothing, and its node ends.
+//! sends anything, for four periods of its own heartbeat. If a manager's heartbeat (77Fh) is received in that time,
+//! this one came second and yields: it has sent nothing, sends nothing, and its node ends.
 //!
 //! ```text
 //!            polled            nothing heard, first frame sent         after as long again
@@ -10,15 +10,15 @@
 //!     └──────────────────┴─── 77Fh heard ──▶ Yielded ◀─── 77Fh heard ──┘
 //! ```
 //!
-//! Two that began to listen at the same instant hear each other when both are young, and both yield; their supervisors
-//! start them again, hardly at the same instant once more. A settled manager that hears another stays, because the other may be
-//! the one to end, but nothing moves while both are there: every output is let go, every image is invalid, no device is
-//! asked, ordered or started. Its own heartbeat goes on, so that each of two settled ones knows of the other for as long as
-//! both are there. When the other has been silent for as long as it takes to miss a manager, the devices are brought up as
-//! after a bus that was off.
+//! Two that began to listen at the same instant receive each other's heartbeat when both are young, and both yield;
+//! their supervisors start them again, hardly at the same instant once more. A settled manager that receives another's
+//! heartbeat stays, because the other may end, but nothing moves while both are there: every output is let go, every
+//! image is invalid, no device is read, ordered or started. Its own heartbeat goes on, so that each of two settled ones
+//! detects the other for as long as both are there. When the other has been silent for as long as it takes to miss a
+//! manager, the devices are brought up as after a bus that was off.
 //!
-//! Silence counts only while this manager could have heard a heartbeat: a poll that comes late, or an interface that was off
-//! the bus, prolongs the listening.
+//! Silence counts only while this manager could have received a heartbeat: a poll that comes late, or an interface that
+//! was off the bus, prolongs the listening.
 
 use std::time::Duration;
 
@@ -29,10 +29,10 @@ use super::{MANAGER_NODE, Manager};
 use crate::codec::CanopenMessage;
 use crate::frame::Frame;
 
-/// How often another manager is reported at most while it is there.
+/// Least time between two reports of another manager while it is there.
 const TOLD_EVERY: Duration = Duration::from_secs(5);
 
-/// How far a manager is.
+/// Stage of taking over the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Takeover {
     /// Not polled yet.
@@ -47,17 +47,17 @@ enum Takeover {
     Yielded { has_sent: bool },
 }
 
-/// What is known of another manager.
+/// State of the watch for another manager.
 #[derive(Debug)]
 pub(super) struct Rival {
-    /// How long another manager is listened for.
+    /// Time for which another manager is listened for.
     listen: Duration,
-    /// How long it is taken to be there after its last heartbeat.
+    /// Time for which it counts as there after its last heartbeat.
     hold: Duration,
-    /// How late a look may be without missing a heartbeat.
+    /// Most delay of a poll without missing a heartbeat.
     slack: Duration,
     stage: Takeover,
-    /// When its heartbeat began to be heard, and when it was heard last; `None` while this manager is alone.
+    /// First and last arrival of its heartbeat; `None` while this manager is alone.
     heard: Option<(Tick, Tick)>,
     /// When it was last reported.
     told: Option<Tick>,
@@ -92,7 +92,7 @@ impl Rival {
         self.heard.map(|(began, _)| began)
     }
 
-    /// Lets time pass; whether this manager may send now. `on_the_bus` is whether anything could have been heard.
+    /// Advances time; whether this manager may send now. `on_the_bus`: whether frames could have been received.
     fn may_send(&mut self, now: Tick, on_the_bus: bool) -> bool {
         match self.stage {
             Takeover::Before => self.stage = Takeover::Listening { until: now + self.listen },
@@ -118,7 +118,7 @@ impl Rival {
         })
     }
 
-    /// Why no device may be asked or ordered at `now`, if so.
+    /// Why no device may be read or ordered at `now`, if so.
     pub fn keeps_off(&self, now: Tick) -> Option<String> {
         let listens = || "this manager still listens whether another one drives the bus".to_owned();
         self.explain(now).or_else(|| self.is_mute().then(listens))
@@ -168,7 +168,7 @@ impl Manager {
         }
     }
 
-    /// What is heard while nothing may be sent: of other managers, and of devices that are only listened to.
+    /// Takes a frame while nothing may be sent: of other managers, and of devices that only send.
     pub(super) fn listen(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) {
         if self.take_plain(now, frame, out) {
             return;
@@ -180,7 +180,7 @@ impl Manager {
         }
     }
 
-    /// Lets time pass for what is known of another manager: whether this one may send anything at all.
+    /// Advances the watch for another manager: whether this one may send anything at all.
     pub(super) fn may_send(&mut self, now: Tick, out: &mut BusOutbox) -> bool {
         if !self.rival.may_send(now, self.off.is_none()) {
             return false;

@@ -1,4 +1,4 @@
-//! What there is to say of a device beyond one sentence: for diagnostics.
+//! Status of a device in detail, for diagnostics.
 
 use linewright_line::{Owner, Tick};
 
@@ -7,41 +7,40 @@ use super::event::BusEvent;
 use super::peer::{Peer, PeerPhase};
 use crate::codec::{Emergency, NmtState, NodeId, Profile};
 
-/// How a device is.
+/// Condition of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceCondition {
-    /// Not heard.
+    /// Silent.
     Absent,
     /// Being identified, configured or started.
     Booting,
     Refused,
     /// It exchanges process data.
     Operational,
-    /// Stopped by somebody else.
+    /// Stopped by another node.
     Stopped,
 }
 
-/// A device, as its manager knows it.
+/// State of a device, as its manager has it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceStatus<'a> {
     pub node: NodeId,
     pub name: &'a str,
     pub owner: Owner,
-    /// How it is.
     pub condition: DeviceCondition,
-    /// Its network management state as it last said it; `None` while it is not heard.
+    /// Its network management state as last reported; `None` while it is silent.
     pub nmt: Option<NmtState>,
     /// The emergency it reported last, and when; with code 0 its errors are gone.
     pub emergency: Option<(Tick, Emergency)>,
     /// By which table its error codes are read.
     pub profile: Profile,
-    /// How often it was operational and then was not.
+    /// Number of times it was operational and then was not.
     pub losses: u32,
-    /// How many of its frames made no sense.
+    /// Number of its frames that were ignored.
     pub ignored: u64,
 }
 
-/// What is remembered of a device while it comes and goes.
+/// Memory of a device while it comes and goes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct DeviceMemory {
     pub nmt: Option<NmtState>,
@@ -63,7 +62,8 @@ impl Peer {
 }
 
 impl Manager {
-    /// Forgets the states of devices that are absent or refused and have said none for too long. Not every way there is an event.
+    /// Forgets the states of devices that are absent or refused and have reported none for too long. Not every such
+    /// transition has an event.
     pub(super) fn forget_states(&mut self, now: Tick) {
         for (peer, record) in self.peers.iter().zip(&mut self.records) {
             let said = peer.beat.is_some_and(|beat| now < beat + peer.timeout);
@@ -83,7 +83,7 @@ impl Manager {
         })
     }
 
-    /// Remembers what these events say.
+    /// Records these events.
     pub(super) fn record(&mut self, now: Tick, events: &[BusEvent]) {
         for event in events {
             let (node, is) = match event {

@@ -9,8 +9,8 @@ use crate::frame::Frame;
 use crate::sdo::wire::SdoBytes;
 use crate::sdo::{ObjectId, SdoClient, SdoWrite, TransferMode, TransferOptions, TransferProgress};
 
-/// How long a device may take for an answer. Half a second is slow for reading a dictionary, and quick for writing a
-/// flash memory; the first frame is repeated once. Segments of blocks wait for [`Transfer::stream`].
+/// Most time for a device's answer. Half a second is slow for reading a dictionary, and quick for writing a flash
+/// memory; the first frame is repeated once. Segments of blocks wait for [`Transfer::stream`].
 const SDO: TransferOptions = TransferOptions {
     timeout: Duration::from_millis(500),
     retries: 1,

@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Abort(pub u32);
 
-/// Names the codes of the table, and says each in words.
+/// Declares the codes of the table, with a description of each.
 macro_rules! codes {
     ($($name:ident = $code:literal, $words:literal;)*) => {
         impl Abort {
@@ -16,7 +16,7 @@ macro_rules! codes {
             /// Every code of the table, in its order.
             pub const ALL: &[Abort] = &[$(Abort::$name),*];
 
-            /// What the code means; `None` for one that is not in the table.
+            /// Meaning of the code; `None` for one that is not in the table.
             pub fn meaning(self) -> Option<&'static str> {
                 match self {
                     $(Abort::$name => Some($words),)*

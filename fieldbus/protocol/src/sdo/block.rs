@@ -1,9 +1,9 @@
-//! Block transfer, the same in both directions: one side sends up to 127 segments and waits, the other says how far
-//! they came in order (CiA 301 §7.2.4.3.9 to §7.2.4.3.17).
+//! Block transfer, the same in both directions: one side sends up to 127 segments and waits, the other acknowledges how
+//! far they came in order (CiA 301 §7.2.4.3.9 to §7.2.4.3.17).
 //!
-//! Whoever sends repeats what was lost; the checksum at the end catches what sequence numbers cannot, such as an
-//! acknowledgement that came twice. A receiver that hears nothing within a block says how far it got, because the
-//! frame lost may have been the one that ends the block.
+//! The sender repeats what was lost; the checksum at the end catches what sequence numbers cannot, such as an
+//! acknowledgement that came twice. A receiver that gets nothing within a block acknowledges how far it got, because
+//! the frame lost may have been the one that ends the block.
 
 use std::time::Duration;
 
@@ -12,9 +12,9 @@ use super::wire::{BlockAck, BlockSegment, SdoBytes};
 
 /// Segments in a block at most (CiA 301 §7.2.4.3.9).
 pub(super) const BLOCK_MAX: u8 = 127;
-/// How many acknowledgements in a row may report no progress before the transfer is given up.
+/// Most acknowledgements in a row without progress before the transfer is given up.
 const STALLS_MAX: u8 = 3;
-/// How long a receiver waits within a block before it says how far it got. Longer than any sender pauses within one,
+/// Wait of a receiver within a block before it acknowledges how far it got. Longer than any sender pauses within one,
 /// shorter than senders wait for an acknowledgement.
 pub(super) const STALL: Duration = Duration::from_millis(250);
 /// The pause between two bursts of segments.
@@ -29,12 +29,12 @@ pub(super) fn crc(data: &[u8]) -> u16 {
     })
 }
 
-/// How many bytes of the last segment do not count, for that many bytes in all.
+/// Unused bytes of the last segment, for that many bytes in all.
 pub(super) fn unused(len: usize) -> u8 {
     if len == 0 { 7 } else { ((7 - len % 7) % 7) as u8 }
 }
 
-/// Where the sending side of a block transfer is. The bytes themselves are their owner's.
+/// Progress of the sending side of a block transfer. The bytes themselves are their owner's.
 #[derive(Debug)]
 pub(super) struct BlockSender {
     /// Bytes the receiver has in order.
@@ -59,12 +59,12 @@ impl BlockSender {
         self.acked
     }
 
-    /// Whether the receiver's word is awaited: the present block is sent, as far as there is data for it.
+    /// Whether it waits for the receiver: the present block is sent, as far as there is data for it.
     pub(super) fn waits(&self, data: &[u8]) -> bool {
         self.sent == self.size || (self.sent > 0 && self.next() >= data.len())
     }
 
-    /// Where the next segment begins.
+    /// Offset of the next segment.
     fn next(&self) -> usize {
         self.acked + usize::from(self.sent) * 7
     }
@@ -84,7 +84,7 @@ impl BlockSender {
         }
     }
 
-    /// Takes the receiver's word; whether all of `data` has arrived.
+    /// Takes the receiver's acknowledgement; whether all of `data` has arrived.
     pub(super) fn acknowledged(&mut self, ack: BlockAck, data: &[u8]) -> Result<bool, TransferFailure> {
         if ack.good > self.sent {
             return Err(TransferFailure::Sequence { number: ack.good });
@@ -174,12 +174,12 @@ impl BlockReceiver {
     }
 }
 
-/// Room for what was announced, but no more than a page before anything has come: who announces may be lying.
+/// Room for what was announced, but no more than a page before anything has come: the announcement may be false.
 pub(super) fn reserve(size: Option<u32>, len_max: usize) -> Vec<u8> {
     Vec::with_capacity(size.map_or(0, |size| size as usize + 7).min(len_max).min(4096))
 }
 
-/// Whether as much came as was announced.
+/// Checks that the length that came is the announced one.
 pub(super) fn check_size(size: Option<u32>, came: usize) -> Result<(), TransferFailure> {
     match size {
         Some(announced) if announced as usize != came => Err(TransferFailure::Length { announced, came }),

@@ -1,4 +1,4 @@
-//! What went wrong with a transfer.
+//! Failures of a transfer.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ pub struct TransferError {
     pub cause: TransferFailure,
 }
 
-/// Why a transfer was given up, and by whom.
+/// Cause of a failed transfer.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum TransferFailure {
     /// The other side aborted it.
@@ -26,15 +26,15 @@ pub enum TransferFailure {
     Silent {
         /// For how long it was waited each time.
         waited: Duration,
-        /// How many bytes were transferred until then.
+        /// Bytes transferred until then.
         done: usize,
-        /// How often the last frame was sent. More than once only for the first of a transfer.
+        /// Number of times the last frame was sent. More than once only for the first of a transfer.
         asked: u8,
     },
     /// A segment came twice, or one is missing.
     #[error("a segment came twice or is missing (toggle bit) after {done} bytes")]
     Toggle {
-        /// How many bytes were transferred until then.
+        /// Bytes transferred until then.
         done: usize,
     },
     /// A block was acknowledged beyond what was sent of it, or makes no progress.
@@ -60,7 +60,7 @@ pub enum TransferFailure {
     },
     #[error("longer than the {len_max} bytes that are taken")]
     TooLong {
-        /// How many are taken.
+        /// Most bytes taken.
         len_max: usize,
     },
     /// An answer that fits no request made.
@@ -68,7 +68,7 @@ pub enum TransferFailure {
     Command {
         /// The first byte of the answer.
         command: u8,
-        /// How many bytes were transferred until then.
+        /// Bytes transferred until then.
         done: usize,
     },
     /// Another client has begun a transfer on the same channel, which ends this one.
@@ -82,8 +82,8 @@ pub enum TransferFailure {
 }
 
 impl TransferFailure {
-    /// The code with which this side tells the other. `None` where the other side knows, or is no longer listening to
-    /// this one.
+    /// The code with which this side aborts the transfer. `None` where the other side has ended it, or no longer
+    /// listens.
     pub fn abort(&self) -> Option<Abort> {
         match self {
             TransferFailure::Refused(_) | TransferFailure::Interrupted { .. } => None,

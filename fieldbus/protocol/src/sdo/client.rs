@@ -8,9 +8,9 @@
 //!    └── asked for blocks and the server has none, or a long object was announced: asked again in the other way
 //! ```
 //!
-//! Only the first frame is repeated when nothing comes: a repeated segment could be taken for the next one. Answers
-//! for other objects are ignored while asking, because tools may share the channel; later they mean that the server
-//! has dropped this transfer. A server without checksum is not asked for blocks: out of step by one acknowledgement, a
+//! Only the first frame is repeated when nothing comes: a repeated segment could be taken for the next one. Answers for
+//! other objects are ignored in `Asking`, because tools may share the channel; later they mean that the server has
+//! dropped this transfer. Blocks are not used with a server without checksum: out of step by one acknowledgement, a
 //! block transfer can lose bytes unnoticed, a segmented one cannot.
 
 use std::time::Duration;
@@ -24,11 +24,11 @@ use super::{Abort, ObjectId};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TransferMode {
-    /// Blocks where they pay, else segments. To read, the device is asked how long the object is, and asked again for
-    /// blocks if that is long.
+    /// Blocks where they pay, else segments. To read, the length is requested first, and if it is long, the object
+    /// again in blocks.
     #[default]
     Auto,
-    /// Never blocks: for devices that misbehave when they are asked for them.
+    /// Never blocks: for devices that misbehave when blocks are requested.
     Segmented,
     /// Blocks whatever the length is, unless the device refuses.
     Block,
@@ -36,15 +36,15 @@ pub enum TransferMode {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TransferOptions {
-    /// How long an answer may take. Some devices write to flash before they answer.
+    /// Most time for an answer. Some devices write to flash before they answer.
     pub timeout: Duration,
-    /// How often the first frame is repeated when no answer comes.
+    /// Number of repetitions of the first frame when no answer comes.
     pub retries: u8,
     pub mode: TransferMode,
     /// Objects longer than this go in blocks, in [`TransferMode::Auto`].
     pub block_above: usize,
     /// Segments of a block sent each millisecond. Too many overflow the interface's transmit queue. With 0 none is sent
-    /// but by [`SdoClient::stream`]: whoever has several transfers on one bus sees to all of them.
+    /// but by [`SdoClient::stream`]: the caller with several transfers on one bus takes turns.
     pub burst: u8,
     /// Bytes read at most.
     pub len_max: usize,
@@ -66,9 +66,9 @@ impl Default for TransferOptions {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TransferProgress {
-    /// Under way. Also what an ended transfer says to whatever comes after its end.
+    /// Under way. Also the result of every call after the end.
     Busy,
-    /// Ended, and this is said once: the bytes read, none after a write; or why not.
+    /// Ended, returned once: the bytes read, none after a write; or why not.
     Done(Result<Vec<u8>, TransferError>),
 }
 
@@ -81,7 +81,7 @@ enum TransferDirection {
 #[derive(Debug)]
 enum ClientState {
     Fresh,
-    /// The first frame is out; `blocks` says for what kind it asked.
+    /// The first frame is out; `blocks`: it requested blocks.
     Asking {
         frame: SdoBytes,
         asked: u8,
@@ -92,7 +92,7 @@ enum ClientState {
         at: usize,
         toggle: bool,
     },
-    /// The segment with this toggle is asked for.
+    /// The segment with this toggle is requested.
     Receiving {
         size: Option<u32>,
         toggle: bool,
@@ -106,7 +106,7 @@ enum ClientState {
     Over,
 }
 
-/// What a frame does to the transfer.
+/// Effect of a frame on the transfer.
 enum TransferStep {
     Ignored,
     On,
@@ -119,7 +119,7 @@ pub struct SdoClient {
     object: ObjectId,
     direction: TransferDirection,
     options: TransferOptions,
-    /// What is written, or what has been read so far.
+    /// Bytes to write, or bytes read so far.
     data: Vec<u8>,
     state: ClientState,
     due: Tick,
@@ -242,7 +242,7 @@ impl SdoClient {
         (!matches!(self.state, ClientState::Fresh | ClientState::Over)).then_some(self.due)
     }
 
-    /// Gives the transfer up, and tells the server.
+    /// Gives the transfer up, with an abort to the server.
     pub fn cancel(&mut self, out: &mut Vec<SdoBytes>) -> TransferProgress {
         match self.state {
             ClientState::Fresh => self.end(Err(TransferFailure::Cancelled)),
@@ -251,7 +251,7 @@ impl SdoClient {
         }
     }
 
-    /// How many bytes have been transferred for certain.
+    /// Bytes certainly transferred.
     pub fn done(&self) -> usize {
         match &self.state {
             ClientState::Fresh | ClientState::Asking { .. } => 0,
@@ -401,7 +401,7 @@ impl SdoClient {
         }
     }
 
-    /// Tells the server that the transfer is over, and asks again for the other kind.
+    /// Aborts the transfer at the server, and requests the other kind.
     fn change(&mut self, now: Tick, blocks: bool, out: &mut Vec<SdoBytes>) {
         let code = if blocks { Abort::GENERAL } else { Abort::CRC };
         out.push(ClientFrame::Abort { object: self.object, code }.encode());
@@ -444,11 +444,11 @@ impl SdoClient {
             let ack = receiver.acknowledge().ok_or(TransferFailure::Sequence { number: segment.number })?;
             out.push(ClientFrame::BlockAck(ack).encode());
         }
-        // What brings nothing new buys no time: a server that babbles is given up like a silent one.
+        // A frame without new data does not prolong the wait: a server that babbles is given up like a silent one.
         Ok(if ends || receiver.len() > before { TransferStep::On } else { TransferStep::Ignored })
     }
 
-    /// Whether an object announced with this size is taken.
+    /// Checks the announced size against the limit.
     fn announced(&self, size: Option<u32>) -> Result<(), TransferFailure> {
         let len_max = self.options.len_max;
         if size.is_some_and(|size| size as usize > len_max) {
@@ -469,7 +469,7 @@ impl SdoClient {
         }
     }
 
-    /// How long to wait from here on before [`SdoClient::poll`] acts.
+    /// Wait from here on before [`SdoClient::poll`] acts.
     fn patience(&self) -> Duration {
         match &self.state {
             ClientState::BlockSending(sender) if self.options.burst > 0 && !sender.waits(&self.data) => PACE,

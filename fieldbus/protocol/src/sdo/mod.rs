@@ -2,11 +2,11 @@
 //!
 //! Expedited, segmented and block transfers, in both directions and on both sides, without clock or socket:
 //! - [`SdoClient`] is one transfer to one device; [`SdoServer`] answers for a [`Dictionary`];
-//! - [`wire`] is what the eight bytes of a frame say; [`Abort`] is why a transfer ended without result.
+//! - [`wire`] is the meaning of the eight bytes of a frame; [`Abort`] is why a transfer ended without result.
 //!
-//! Neither side knows whose frames it is given: the caller picks those of one channel (COB-IDs 600h and 580h plus the
-//! node id). Whatever comes on it, memory is bounded, a transfer ends in bounded time if it is polled, and a
-//! dictionary is written only once per transfer and only when all of it has arrived.
+//! Neither side checks identifiers: the caller picks those of one channel (COB-IDs 600h and 580h plus the node id).
+//! Whatever comes on it, memory is bounded, a transfer ends in bounded time if it is polled, and a dictionary is
+//! written only once per transfer and only when all of it has arrived.
 
 mod abort;
 mod block;

@@ -1,4 +1,4 @@
-//! Which object of a dictionary: index and subindex.
+//! Address of an object in a dictionary: index and subindex.
 
 use std::fmt;
 use std::str::FromStr;

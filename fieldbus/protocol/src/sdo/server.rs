@@ -31,8 +31,8 @@ pub trait Dictionary {
     /// Gives an object these bytes. All of them are here; a wrong number is [`Abort::LENGTH`].
     fn write(&mut self, object: ObjectId, data: &[u8]) -> Result<(), Abort>;
 
-    /// Whether an object may be written, before its bytes come; `len` is how many will, where the client says. Need
-    /// not be complete, [`Dictionary::write`] has the last word. Saves the transfer of a long object for nothing.
+    /// Whether an object may be written, before its bytes come; `len` is their number, where the client gives it. Need
+    /// not be complete, [`Dictionary::write`] decides. Saves useless transfers of long objects.
     fn may_write(&mut self, object: ObjectId, len: Option<usize>) -> Result<(), Abort> {
         let _ = (object, len);
         Ok(())
@@ -42,7 +42,7 @@ pub trait Dictionary {
 #[derive(Debug)]
 enum ServerState {
     Idle,
-    /// Bytes up to `at` are sent; the segment asked for next has this toggle.
+    /// Bytes up to `at` are sent; the segment requested next has this toggle.
     Sending {
         data: Vec<u8>,
         at: usize,
@@ -54,7 +54,7 @@ enum ServerState {
         size: Option<u32>,
         toggle: bool,
     },
-    /// Blocks are announced, and begin when the client says so.
+    /// Blocks are announced, and begin on the client's start frame.
     BlockOffered {
         data: Vec<u8>,
         block: u8,
@@ -75,7 +75,7 @@ enum ServerState {
     },
 }
 
-/// How long a client may be silent within a transfer. Longer than clients wait for an answer: they give up first.
+/// Most silence of a client within a transfer. Longer than clients wait for an answer: they give up first.
 const TIMEOUT: Duration = Duration::from_secs(3);
 
 /// The SDO server of one device.
@@ -87,7 +87,7 @@ pub struct SdoServer {
     due: Tick,
 }
 
-/// What a frame comes to: nothing to answer here, or a reason to abort.
+/// Result of a frame: nothing to answer here, or a reason to abort.
 type ServerResult = Result<(), TransferFailure>;
 
 impl SdoServer {
@@ -174,8 +174,8 @@ impl SdoServer {
         Ok(())
     }
 
-    /// Begins to send an object; `blocks` is whether checksums are wanted, how large blocks may be, and up to which
-    /// length the object goes without any.
+    /// Begins to send an object; `blocks`: whether with checksums, the block size, and the length up to which the
+    /// object goes without blocks.
     fn upload(
         &mut self,
         object: ObjectId,
@@ -286,7 +286,7 @@ impl SdoServer {
         Ok(())
     }
 
-    /// What a client says while blocks go out.
+    /// Takes a client's frame while blocks go out.
     fn blocks_out(&mut self, command: u8, request: ClientFrame, out: &mut Vec<SdoBytes>) -> ServerResult {
         match (&mut self.state, request) {
             (ServerState::BlockOffered { data, block, crc }, ClientFrame::BlockUploadStart) => {
@@ -319,7 +319,7 @@ impl SdoServer {
             let ack = receiver.acknowledge().ok_or(TransferFailure::Sequence { number: segment.number })?;
             out.push(ServerFrame::BlockAck(ack).encode());
         }
-        // What brings nothing new buys no time: a client that babbles is given up like a silent one.
+        // A frame without new data does not prolong the wait: a client that babbles is given up like a silent one.
         if ends || receiver.len() > before {
             self.due = now + self.patience();
         }
@@ -362,7 +362,7 @@ impl SdoServer {
         self.state = ServerState::Idle;
     }
 
-    /// How long to wait from here on before [`SdoServer::poll`] acts.
+    /// Wait from here on before [`SdoServer::poll`] acts.
     fn patience(&self) -> Duration {
         match &self.state {
             ServerState::BlockSending { data, sender, .. } if !sender.waits(data) => PACE,
@@ -372,8 +372,8 @@ impl SdoServer {
     }
 }
 
-/// How many of the four bytes count when a client does not say: as many as the object has. Who writes 22h for every
-/// object has always been right with devices of fixed lengths.
+/// Number of the four bytes that count when a client does not give it: the object's length. Clients that write 22h for
+/// every object rely on that with devices of fixed lengths.
 fn length_of(object: ObjectId, dictionary: &mut impl Dictionary) -> usize {
     dictionary.read(object).ok().map(|data| data.len()).filter(|len| (1..=4).contains(len)).unwrap_or(4)
 }

@@ -1,4 +1,4 @@
-//! What a device is told: the value of one of its objects.
+//! A setting of a device: the value of one of its objects.
 
 use super::{Abort, ObjectId};
 
@@ -8,11 +8,11 @@ pub struct SdoWrite {
     pub object: ObjectId,
     /// Its bytes, least significant first.
     pub data: Vec<u8>,
-    /// Whether a device may do without the object. One that refuses any other setting is not to be started.
+    /// Whether a device may lack the object. One that refuses any other setting is not to be started.
     pub optional: bool,
-    /// Which bits of it must be read back as written, byte by byte; `None`: it is not read back.
+    /// Bits that must be read back as written, byte by byte; `None`: it is not read back.
     pub compared: Option<Vec<u8>>,
-    /// Whether the device may be started whatever it makes of it: the description says why.
+    /// Whether the device may be started even if it does not keep it: the description has the reason.
     pub excused: bool,
 }
 
@@ -57,14 +57,14 @@ impl SdoWrite {
         SdoWrite { compared: Some(vec![mask]), ..self }
     }
 
-    /// Whether what is read back is what was written, as far as it is compared.
+    /// Whether the value read back equals the written one, as far as it is compared.
     pub fn is_kept(&self, found: &[u8]) -> bool {
         let Some(mask) = &self.compared else { return true };
         let mut bytes = found.iter().zip(&self.data).zip(mask);
         found.len() == self.data.len() && bytes.all(|((found, written), mask)| (found ^ written) & mask == 0)
     }
 
-    /// Whether this answer may be passed over: the device does not have the object, and can do without it.
+    /// Whether this answer may be ignored: the device lacks the object, and may.
     pub fn may_be_refused(&self, code: Abort) -> bool {
         self.excused || self.optional && matches!(code, Abort::NO_OBJECT | Abort::NO_SUBINDEX)
     }

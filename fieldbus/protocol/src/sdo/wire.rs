@@ -1,8 +1,8 @@
-//! The eight bytes of an SDO frame and what they say (CiA 301 §7.2.4.3).
+//! The eight bytes of an SDO frame and their meaning (CiA 301 §7.2.4.3).
 //!
-//! Pure translation, total: what has no meaning decodes to `None`. The segments of a block carry a number where all
-//! other frames have their command; they are therefore a type of their own, and only who knows that a block is under
-//! way can tell. Reserved bits are sent as 0 and not looked at.
+//! Pure translation, total: bytes without meaning decode to `None`. The segments of a block carry a number where all
+//! other frames have their command; they are therefore a type of their own, which only the state of a transfer can
+//! distinguish. Reserved bits are sent as 0 and not looked at.
 
 use super::{Abort, ObjectId};
 
@@ -12,21 +12,21 @@ pub type SdoBytes = [u8; 8];
 /// The first byte of an abort, in either direction. Compared whole: in a block, 81h to FFh are segments.
 pub(super) const ABORT: u8 = 0x80;
 
-/// What an initiating frame carries.
+/// Content of an initiating frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InitiateContent {
     /// The whole object, up to four bytes.
     Expedited {
         /// The bytes; those beyond `len` are 0.
         bytes: [u8; 4],
-        /// How many, 1 to 4.
+        /// Number of data bytes, 1 to 4.
         len: u8,
-        /// Whether the sender said how many. If not, `len` is 4, and the object may be shorter.
+        /// Whether the sender gave the number. If not, `len` is 4, and the object may be shorter.
         sized: bool,
     },
     /// Nothing yet: segments follow.
     Segmented {
-        /// How many bytes they will carry, where announced.
+        /// Bytes they will carry, where announced.
         size: Option<u32>,
     },
 }
@@ -107,7 +107,7 @@ impl Segment {
 pub struct BlockSegment {
     /// Its number in its block, 1 to 127.
     pub number: u8,
-    /// Whether it is the last of the transfer. How many of its bytes count, the end frame says.
+    /// Whether it is the last of the transfer. The number of its bytes that count is in the end frame.
     pub last: bool,
     pub bytes: [u8; 7],
 }
@@ -125,7 +125,7 @@ impl BlockSegment {
     }
 }
 
-/// What a client says, segments of a block excepted.
+/// Frame of a client, segments of a block excepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClientFrame {
     /// Write an object.
@@ -149,12 +149,12 @@ pub enum ClientFrame {
         object: ObjectId,
         /// Whether the client computes the checksum.
         crc: bool,
-        /// How many bytes, where announced.
+        /// Length in bytes, where announced.
         size: Option<u32>,
     },
     /// All blocks are written.
     BlockDownloadEnd {
-        /// How many bytes of the last segment do not count, 0 to 7.
+        /// Unused bytes of the last segment, 0 to 7.
         unused: u8,
         crc: u16,
     },
@@ -179,7 +179,7 @@ pub enum ClientFrame {
     },
 }
 
-/// What a server says, segments of a block excepted.
+/// Frame of a server, segments of a block excepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ServerFrame {
     /// The object is written, or its segments may come.
@@ -215,12 +215,12 @@ pub enum ServerFrame {
         object: ObjectId,
         /// Whether the server computes the checksum.
         crc: bool,
-        /// How many bytes, where announced.
+        /// Length in bytes, where announced.
         size: Option<u32>,
     },
     /// All blocks are sent.
     BlockUploadEnd {
-        /// How many bytes of the last segment do not count, 0 to 7.
+        /// Unused bytes of the last segment, 0 to 7.
         unused: u8,
         crc: u16,
     },
@@ -230,7 +230,7 @@ pub enum ServerFrame {
     },
 }
 
-/// What the receiver of a block says of it.
+/// A receiver's acknowledgement of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockAck {
     /// The last segment that came in order, 0 for none: the next block begins after it.

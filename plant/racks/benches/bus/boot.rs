@@ -1,7 +1,7 @@
 //! Bringing 32 simulated devices up: side by side, as the manager does, and one after the other.
 //!
-//! Each is asked what it is (1000h, 1018h:01 to 04), told its heartbeat and whom to watch (1017h, 1016h:01), asked for
-//! errors (1001h), and started; it is up when it sends its inputs. Python does the same.
+//! Of each the identity is read (1000h, 1018h:01 to 04), heartbeat and watched node are written (1017h, 1016h:01),
+//! errors are read (1001h), and it is started; it is up when it sends its inputs. Python does the same.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -22,7 +22,7 @@ const REPEATS: usize = 5;
 
 pub fn run(place: &Place) {
     let plant = place.clone();
-    // The thread ends with the program: nobody else is on this interface afterwards but silent devices.
+    // The thread ends with the program: afterwards only silent devices are on this interface.
     let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
     let plant = thread::spawn(move || {
         block_on(async {

@@ -1,5 +1,5 @@
-//! From an image to the frame at the device, and back: a device on another thread says back what it is sent, and notes
-//! when it came.
+//! From an image to the frame at the device, and back: a device on another thread returns its outputs as inputs, and
+//! notes when they came.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -15,7 +15,7 @@ use linewright_testkit::crowd;
 use super::{Place, block_on, of};
 
 const ROUNDS: u16 = 500;
-/// A line is mostly asleep, and so is everybody here between two frames.
+/// A line is mostly idle, and so are all threads here between two frames.
 const PAUSE: Duration = Duration::from_millis(3);
 
 struct Shared {

@@ -22,7 +22,7 @@ use std::time::Duration;
 
 use linewright_fieldbus::bus::{BusOptions, Transport};
 
-/// Where to measure.
+/// Bus to measure on.
 #[derive(Clone)]
 struct Place {
     name: &'static str,
@@ -36,7 +36,7 @@ fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let dir = tempfile::tempdir().expect("a directory for the virtual bus");
     let on = |transport| BusOptions { transport, dir: Some(dir.path().to_owned()) };
-    // Where there are real sockets they are what is asked about; in a user-mode Linux all of it takes minutes.
+    // Real sockets are measured alone where there are any; in a user-mode Linux all of it takes minutes.
     let place = if Path::new("/sys/class/net/vcan0").exists() {
         Place { name: "SocketCAN vcan0", interface: "vcan0", options: on(Transport::SocketCan) }
     } else {

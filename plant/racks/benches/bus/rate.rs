@@ -1,5 +1,5 @@
-//! What a frame costs a manager of 126 devices: all of them send inputs, changed, and heartbeats, as fast as they are
-//! heard. Processor time of the listening thread, of which a core has a second each second.
+//! Cost of a frame for a manager of 126 devices: all of them send inputs, changed, and heartbeats, as fast as they are
+//! received. Processor time of the listening thread, of which a core has a second each second.
 
 use std::fs;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ struct Shared {
     heard: AtomicU64,
 }
 
-/// The devices' frames. Boots are answered first, until nothing has been asked for a while.
+/// The devices' frames. Boots are answered first, until there has been no request for a while.
 fn devices(place: &Place, shared: &Shared) {
     block_on(async {
         let mut bus = Bus::open(place.interface, &place.options).expect("the bus is there");
@@ -50,7 +50,7 @@ fn devices(place: &Place, shared: &Shared) {
         let mut id = 0;
         let mut last = Instant::now();
         while !shared.stop.load(Ordering::Relaxed) {
-            // What is lost is not waited for.
+            // Lost frames are not waited for.
             if sent >= shared.heard.load(Ordering::Relaxed) + WINDOW && last.elapsed() < Duration::from_millis(50) {
                 thread::yield_now();
                 continue;
@@ -163,7 +163,7 @@ impl Meter {
     }
 }
 
-/// What this thread has used of a processor so far.
+/// Processor time of this thread so far.
 fn processor_time() -> Duration {
     // Nanoseconds, where the kernel keeps them; else ticks of ten milliseconds.
     let exact = fs::read_to_string("/proc/thread-self/schedstat").ok();

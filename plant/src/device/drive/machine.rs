@@ -35,7 +35,7 @@ pub(super) fn ordered(state: DriveState, word: u16, before: u16, stays: bool) ->
     }
 }
 
-/// Where a transition leads.
+/// Target state of a transition.
 pub(super) fn leads_to(transition: u8) -> DriveState {
     match transition {
         0 => DriveState::NotReadyToSwitchOn,

@@ -1,7 +1,7 @@
 //! A simulated drive (CiA 402): profile position, profile velocity and homing, with ramps in virtual time.
 //!
-//! It knows its own increments and nothing of the line. Its position is the axis: whoever simulates the mechanics asks
-//! it. A drive that is not absolute believes to stand at zero when it boots, wherever it is, as a real one does.
+//! It counts in its own increments, without reference to the line. Its position is the axis: the simulation of the
+//! mechanics reads it. A drive that is not absolute reports zero when it boots, wherever it is, as a real one does.
 //!
 //! Words are obeyed as levels, again at every event, and edges once. What takes a ramp first (disabling, quick stop, the
 //! reaction to a fault) waits as `pending` until the axis stands.
@@ -30,14 +30,14 @@ use motion::DriveMotion;
 use objects::DriveObjects;
 use profile::HomingPhase;
 
-/// How finely it looks at its own following error.
+/// Period of checks of its own following error.
 const SERVO: Duration = Duration::from_millis(1);
 /// Error register (object 1001h) of a fault: generic, and of the device profile.
 const PROFILE_ERROR: u8 = 0x21;
 /// Error code of a lost connection where option 6007h makes that a fault.
 const CONNECTION_LOST: u16 = 0x8130;
 
-/// What a motion is for.
+/// Goal of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum MotionGoal {
     /// A set-point or a velocity, in the drive's own increments.
@@ -55,7 +55,7 @@ pub struct DriveNode {
     word: u16,
     /// A transition that is made when the axis stands.
     pending: Option<u8>,
-    /// Where it wants to be, in mechanical increments.
+    /// Its commanded motion, in mechanical increments.
     motion: DriveMotion,
     /// Its zero, in mechanical increments.
     origin: f64,
@@ -67,12 +67,12 @@ pub struct DriveNode {
     next_set_point: Option<i32>,
     acknowledged: bool,
     halted: bool,
-    /// The velocity it was last told in velocity mode.
+    /// The velocity last commanded in velocity mode.
     running: i32,
     homing: HomingPhase,
     /// By motion: its set-point, and whether the axis sticks in it.
     motions: Vec<(MotionGoal, bool)>,
-    /// Where it is stuck, in mechanical increments.
+    /// Position at which it is stuck, in mechanical increments.
     blocked: Option<f64>,
     /// Its encoder is broken.
     broken: bool,
@@ -83,7 +83,8 @@ pub struct DriveNode {
 }
 
 impl DriveNode {
-    /// A drive that is switched on at `now`, its axis at `place`. One whose description has a homing does not know that.
+    /// A drive that is switched on at `now`, its axis at `place`. One whose description has a homing begins with an
+    /// unknown zero.
     pub fn new(now: Tick, node: NodeId, drive: &Drive, place: f64, timing: &Timing) -> Self {
         let place = if drive.mode == DriveMode::Position { place * drive.units_per_mm } else { 0.0 };
         let absolute = drive.homing.is_none();
@@ -124,17 +125,17 @@ impl DriveNode {
         self.state
     }
 
-    /// Where its axis is, in increments from the mechanical zero.
+    /// Position of its axis, in increments from the mechanical zero.
     pub fn place(&self, now: Tick) -> f64 {
         self.blocked.unwrap_or_else(|| self.motion.position(now))
     }
 
-    /// How fast its axis moves, in increments per second.
+    /// Velocity of its axis, in increments per second.
     pub fn speed(&self, now: Tick) -> f64 {
         if self.blocked.is_some() { 0.0 } else { self.motion.velocity(now) }
     }
 
-    /// Whether it has been told to move, and may. What holds its place under power, or brakes, has not.
+    /// Whether it has an order to move, and may. A drive that holds its place under power, or brakes, has none.
     pub fn obeys_an_order(&self) -> bool {
         self.state == DriveState::OperationEnabled && !self.halted && self.set_point.is_some()
     }
@@ -158,7 +159,7 @@ impl DriveNode {
         self.settle(now, out);
     }
 
-    /// What it moves for, if it does.
+    /// Goal of its motion, if it moves.
     fn goal(&self) -> Option<MotionGoal> {
         match self.mode {
             HOMING => matches!(self.homing, HomingPhase::Seeking | HomingPhase::Returning).then_some(MotionGoal::Home),
@@ -183,7 +184,7 @@ impl DriveNode {
         }
     }
 
-    /// Everything that follows from where it is now and what it was told.
+    /// Updates everything that follows from its position and its commands.
     fn settle(&mut self, now: Tick, out: &mut DeviceOutbox) {
         self.now = now;
         if self.state == DriveState::NotReadyToSwitchOn && self.comm.nmt_state() != NmtState::BootUp {
@@ -206,9 +207,9 @@ impl DriveNode {
     fn react(&mut self, now: Tick, change: CommChange, out: &mut DeviceOutbox) {
         match change {
             CommChange::Nothing => {}
-            // Where it stands is news to whoever just started it.
+            // Its position is sent at the start, though unchanged.
             CommChange::Started => self.sent = None,
-            // Option 6007h: what it does when nobody is left to tell it.
+            // Option 6007h: reaction to the loss of the connection.
             CommChange::Stopped | CommChange::PreOperational | CommChange::Lost => match self.objects.i16(0x6007) {
                 1 => self.trip(now, CONNECTION_LOST, out),
                 2 => self.objects.set(0x6040, 0, DISABLE_VOLTAGE.into()),
@@ -219,7 +220,7 @@ impl DriveNode {
         }
     }
 
-    /// It boots: its power is off, its brake holds, and all it was told is forgotten.
+    /// It boots: its power is off, its brake holds, and all commands and settings are forgotten.
     fn begin_anew(&mut self, now: Tick) {
         self.power_off(now);
         self.objects = DriveObjects::new(self.comm.node);
@@ -234,7 +235,7 @@ impl DriveNode {
         self.sent = None;
     }
 
-    /// Process data from the manager: all of the objects first, then what the controlword among them says.
+    /// Process data from the manager: all of the objects first, then the command of the controlword among them.
     fn take(&mut self, payload: Payload, out: &mut DeviceOutbox) {
         if !self.comm.is_operational() || !self.objects.is_on(0x1400) {
             return;
@@ -253,7 +254,7 @@ impl DriveNode {
         }
     }
 
-    /// Works out what its transmit object would say.
+    /// Content of its transmit object now.
     fn payload(&self) -> Payload {
         let mut bits = 0u64;
         let mut at = 0;
@@ -281,7 +282,7 @@ impl DriveNode {
         }
     }
 
-    /// When the transmit object is sent next, whatever it says then.
+    /// When the transmit object is sent next, whatever its content then.
     fn next_pdo(&self) -> Option<Tick> {
         self.sent?;
         let moving = !self.motion.stands(self.now) && self.blocked.is_none();

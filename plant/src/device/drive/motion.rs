@@ -1,8 +1,7 @@
-//! Where an axis is: ramps, worked out once when a motion begins.
+//! Position of an axis: ramps, worked out once when a motion begins.
 //!
-//! A position is computed from the moment its motion began, never from the last time somebody looked. Lengths are
-//! increments, speeds increments per second; between two changes the axis moves on at most five pieces of constant
-//! acceleration.
+//! A position is computed from the moment its motion began, never from the last query. Lengths are increments, speeds
+//! increments per second; between two changes the axis moves on at most five pieces of constant acceleration.
 
 use std::time::Duration;
 
@@ -17,7 +16,7 @@ struct ConstantAcceleration {
     acceleration: f64,
 }
 
-/// How fast, and how soon.
+/// Velocity and accelerations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ramp {
     pub velocity: f64,
@@ -126,11 +125,11 @@ impl MotionProfile {
     fn change_to(&mut self, velocity: f64, rate: f64) {
         let change = velocity - self.velocity;
         self.push(rate.copysign(change), change.abs() / rate);
-        // What rounding leaves is not a speed.
+        // A rounding remainder is not a velocity.
         self.velocity = velocity;
     }
 
-    /// To standing at `target`, which lies ahead no nearer than it can stop.
+    /// To standing at `target`, which is ahead no nearer than it can stop.
     fn approach(&mut self, target: f64, ramp: Ramp) {
         let way = (target - self.position).abs();
         let sign = (target - self.position).signum();
@@ -171,8 +170,8 @@ mod tests {
     }
 
     proptest! {
-        /// Integrated step by step, in ignorance of all formulas: no faster than asked, no harder than asked, never past
-        /// the target, but for the way it takes to stop.
+        /// Integrated step by step, independently of all formulas: velocity and acceleration within the ramp, never
+        /// past the target, but for the way it takes to stop.
         #[test]
         fn whatever_it_did_before_it_ends_at_the_last_target_within_its_limits(
             targets in prop::collection::vec((-500.0..500.0f64, 0u64..2_000_000), 1..6)

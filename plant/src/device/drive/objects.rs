@@ -54,7 +54,7 @@ pub(super) const ROWS: &[ObjectRow] = &[
     (0x6502, 0, 4, Read, 0x25),
 ];
 
-/// What a process data object may carry.
+/// Objects that a process data object may carry.
 const RECEIVED: &[u16] = &[0x6040, 0x6060, 0x607A, 0x6081, 0x6083, 0x6084, 0x60FF];
 const TRANSMITTED: &[u16] = &[0x603F, 0x6041, 0x6061, 0x6064, 0x606C];
 

@@ -1,4 +1,5 @@
-//! What the drive does: transitions and their ramps, set-points, velocities, homing, and the statusword that says so.
+//! Behaviour of the drive: transitions and their ramps, set-points, velocities, homing, and the statusword that shows
+//! them.
 
 use linewright_canopen::profile::drive::DriveState;
 use linewright_canopen::profile::drive::word::{
@@ -11,7 +12,7 @@ use super::motion::{DriveMotion, Ramp};
 use super::{DriveNode, MotionGoal, PROFILE_ERROR};
 use crate::device::DeviceOutbox;
 
-/// How far a homing is.
+/// Progress of a homing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum HomingPhase {
     /// Never begun, or interrupted.
@@ -131,7 +132,7 @@ impl DriveNode {
         }
     }
 
-    /// What it was told to do does not outlast the state in which it does it.
+    /// Commands do not outlast the state in which they are obeyed.
     fn forget(&mut self) {
         self.set_point = None;
         self.next_set_point = None;
@@ -245,7 +246,7 @@ impl DriveNode {
         self.homing = HomingPhase::Attained;
     }
 
-    /// What follows when a motion has ended.
+    /// Next step after the end of a motion.
     pub(super) fn move_on(&mut self, now: Tick) {
         if !self.motion.stands(now) || self.blocked.is_some() {
             return;
@@ -269,7 +270,7 @@ impl DriveNode {
         self.change_mode(now);
     }
 
-    /// Where it believes to be. A float cast saturates.
+    /// Its position by its own zero. A float cast saturates.
     pub(super) fn actual(&self, now: Tick) -> i32 {
         (self.place(now) - self.origin).round() as i32
     }
@@ -278,7 +279,7 @@ impl DriveNode {
         std::time::Duration::from_millis(self.objects.u32(0x6068, 0).into())
     }
 
-    /// Puts what it says of itself into its objects.
+    /// Puts its feedback into its objects.
     pub(super) fn send(&mut self, now: Tick) {
         let word = self.statusword(now);
         self.objects.set(0x6041, 0, word.into());
@@ -313,7 +314,7 @@ impl DriveNode {
         word
     }
 
-    /// It stands, for long enough, where it was told; halted, that it stands.
+    /// It stands, for long enough, at its target; halted: it stands.
     fn reached(&self, now: Tick) -> bool {
         if self.halted {
             return self.motion.stands(now);

@@ -1,25 +1,27 @@
 //! An activity of a cell as a whole: the real token player, the order protocol, and the real controllers of its stations.
 //!
-//! What may happen: an order or a message to leave one arrives, at any time after it was sent, any number of times or never;
-//! what a station says arrives late or never; motions arrive and fail, inputs that are waited for come and go; the time of
-//! an order is over at the station, at the coordinator, in either order; nodes of stations are started again, with their
-//! memories and without, and so is the coordinator; a person gives alarm, before the activity fails or afterwards, and answers
-//! with any word as soon as somebody is asked. Afterwards anything may start that uses the same stations.
+//! Events: an order or a message to leave one arrives, at any time after it was sent, any number of times or never; a
+//! station's report arrives late or never; motions arrive and fail, inputs that are waited for come and go; the time of
+//! an order is over at the station, at the coordinator, in either order; nodes of stations are started again, with
+//! their memories and without, and so is the coordinator; a person gives alarm, before the activity fails or
+//! afterwards, and gives any permitted answer as soon as there is an alarm. Afterwards anything may start that uses the
+//! same stations.
 //!
-//! **Why one activity at a time is enough.** What is in progress holds the tokens of all that takes part, so another activity
-//! uses none of its stations meanwhile, but for what may start when it is over, which is explored behind it. Activities that
-//! share no station have no message, no order and no answer in common: each record of the player concerns one of them. A
-//! station without the order of an activity says nothing that the activity reads. So a state of the whole cell that breaks a
-//! rule has, restricted to one activity and what followed it at its stations, a state here that does.
+//! **Why one activity at a time is enough.** What is in progress holds the tokens of all that takes part, so another
+//! activity uses none of its stations meanwhile, but for what may start when it is over, which is explored behind it.
+//! Activities that share no station have no message, no order and no answer in common: each record of the player
+//! concerns one of them. A station without an order of an activity reports nothing that the activity reads. So a state
+//! of the whole cell that breaks a rule has, restricted to one activity and what followed it at its stations, a state
+//! here that does.
 //!
 //! **One report under way is enough.** Readers keep the newest. A report that arrives after a later one was sent has the same
 //! effect as one that arrived just before that: messages sent because of it may arrive at any later time in both cases.
 //!
-//! Disturbances, that is faults, restarts, alarms given by hand, reports that are heard late and people who lead a station on
-//! or back by one motion in manual mode, are limited in number ([`ProtocolSetting::disturbances`]). What was sent to stations
-//! may always be lost, late and doubled. Nothing is looked at after the next start at these stations. Not explored: hand
-//! mode, emergency stops, what happens while a station is led, sensors that contradict an answer, and a station that is not
-//! heard for so long that the player goes on without it and records that.
+//! Disturbances, that is faults, restarts, alarms given by hand, reports that arrive late and people who lead a station
+//! on or back by one motion in manual mode, are limited in number ([`ProtocolSetting::disturbances`]). What was sent to
+//! stations may always be lost, late and doubled. Nothing is explored after the next start at these stations. Not
+//! explored: hand mode, emergency stops, what happens while a station is led, sensors that contradict an answer, and a
+//! station that is silent for so long that the player goes on without it and records that.
 
 mod players;
 mod search;
@@ -36,7 +38,7 @@ pub use stage::NotPlayable;
 
 use super::{CellPath, CellProperty, Verdict};
 
-/// What is explored, and how far.
+/// Subject and extent of an exploration.
 #[derive(Clone, Debug)]
 pub struct ProtocolSetting<'c> {
     pub cell: &'c Cell,
@@ -45,7 +47,7 @@ pub struct ProtocolSetting<'c> {
     pub rules: ProtocolRules,
     /// The stations' rules.
     pub order_rules: OrderRules,
-    /// At most so many faults, restarts, alarms given by hand, reports that are heard late, and motions led by people.
+    /// At most so many faults, restarts, alarms given by hand, reports that arrive late, and motions led by people.
     pub disturbances: u8,
     /// Of each exploration.
     pub states: usize,
@@ -82,7 +84,7 @@ pub struct ActivityExplored {
     pub disturbed: bool,
     /// Everything was seen, or something wrong.
     pub exhausted: bool,
-    /// What is wrong, if something is.
+    /// The rule that is broken, if one is.
     pub wrong: Option<BrokenRule>,
 }
 
@@ -90,9 +92,9 @@ pub struct ActivityExplored {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BrokenRule {
     pub rule: &'static str,
-    /// What happened, in order.
+    /// Steps, in order.
     pub steps: Vec<String>,
-    /// What is wrong at the end.
+    /// Violation at the end.
     pub end: String,
 }
 
@@ -102,11 +104,11 @@ pub const GIVEN: &str = "no station is given an order while it moves for another
 pub const RESTORED: &str = "tokens restored only at standstill of the stations";
 /// No answer is taken while anything moves.
 pub const ANSWERED: &str = "no answer is taken while anything moves";
-/// What a station says has ended is not under way by itself any more.
+/// A station does not move by itself after it has reported the end of its order.
 pub const ENDED: &str = "a station with an ended order moves only on a secure request";
 /// Nothing is done twice.
 pub const TWICE: &str = "nothing is done twice";
-/// Whoever gives alarm stops the stations.
+/// An alarm given by hand stops the stations.
 pub const STOPPED: &str = "an alarm raised by hand stops the stations; standstill before the operator is asked";
 /// From every state the activity can be closed.
 pub const CLOSED: &str = "every activity can be closed";
@@ -127,10 +129,10 @@ pub fn check_protocol(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityExplo
     Ok(stages.into_iter().map(|stage| search::explore(setting, stage)).collect())
 }
 
-/// What follows of a cell, property by property.
+/// Properties of a cell that follow.
 pub fn properties(found: &[ActivityExplored]) -> Vec<CellProperty> {
     let states: usize = found.iter().map(|one| one.states).sum();
-    // Where nobody gives alarm nothing is known of it.
+    // Without alarms given by hand this property is left out.
     let asked = ALL.iter().filter(|&&name| name != STOPPED || found.iter().any(|one| one.disturbed));
     let all = asked.map(|&name| {
         let wrong = found.iter().find_map(|one| one.wrong.as_ref().filter(|of| of.rule == name).map(|of| (one, of)));

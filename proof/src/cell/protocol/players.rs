@@ -18,7 +18,7 @@ use super::station::StationAnswer;
 /// Longer than every limit and shorter than the time after which a message is repeated.
 const RESENT: Duration = Duration::from_secs(12 * 3600);
 
-/// What is sent to stations: an order, or to leave one.
+/// Message to a station: an order, or to leave one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum StationMessage {
     Order(OrderMessage),
@@ -26,7 +26,7 @@ pub(super) enum StationMessage {
         station: StationId,
         key: OrderKey,
         stop: bool,
-        /// It was sent after a person had given alarm of the activity: whatever it says, nothing may move for this order any more.
+        /// It was sent after a person had given alarm of the activity: nothing may move for this order any more.
         alarmed: bool,
     },
 }
@@ -43,7 +43,7 @@ impl StationMessage {
 /// Something that may happen to the player. Stations by their position in the exploration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum PlayerMove {
-    /// It hears what a station says, by number.
+    /// It receives a station's report, by number.
     Heard(u32, u32),
     /// Time goes on to its next deadline.
     Time,
@@ -57,7 +57,7 @@ pub(super) enum PlayerMove {
     Start(ModeId),
 }
 
-/// What a step has decided, as far as it concerns stations.
+/// Decisions of a step that concern stations.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Stepped {
     pub to: u32,
@@ -76,7 +76,7 @@ pub(super) enum StandReason {
     Answered,
     /// Tokens are given back.
     Restored,
-    /// Somebody is asked, after an alarm given by hand.
+    /// A question to the operator, after an alarm given by hand.
     Asked,
 }
 
@@ -84,9 +84,9 @@ pub(super) enum StandReason {
 pub(super) struct ProtocolPlayer {
     pub coordination: Coordination,
     pub now: Tick,
-    /// How many activities have started since the first.
+    /// Number of activities started since the first.
     pub starts: u8,
-    /// The activity that is looked at.
+    /// The activity that is explored.
     pub firing: Option<FiringId>,
     /// Its orders, once a person has given alarm of it.
     pub alarmed: Vec<OrderKey>,
@@ -184,7 +184,7 @@ impl Players {
         if player.coordination.next_deadline().is_some_and(|at| at > player.now && at < player.now + RESENT) {
             events.push(PlayerMove::Time);
         }
-        // Whether an answer is taken does not depend on its word.
+        // Whether an answer is taken does not depend on its content.
         if alarm_of(player).is_some() {
             events.push(PlayerMove::Answer);
         }
@@ -206,7 +206,7 @@ impl Players {
         events
     }
 
-    /// What an event makes of a situation.
+    /// Result of an event in a situation.
     pub fn step(
         &mut self,
         from: u32,
@@ -301,7 +301,7 @@ impl Players {
         stepped
     }
 
-    /// What its records require of stations. Left out are those whose standing it recorded as unknown.
+    /// Standstills that its records require of stations. Left out are stations recorded as unknown.
     fn must_stand(&self, from: u32, out: &PlayerOutbox, alarmed: &[OrderKey]) -> Stepped {
         let mut stepped = Stepped::default();
         let mut state = self.all[from as usize].coordination.state().clone();

@@ -13,8 +13,8 @@ use super::{
 /// Messages of one activity and of what follows it, a bit each. With more the exploration is not exhaustive, and reports so.
 const MESSAGES_MAX: u32 = 64;
 
-/// A state as numbers: the player, how many disturbances are left, what was sent (two words); then of each station its
-/// situation, and one more than the number of what it said that is on its way.
+/// A state as numbers: the player, the number of disturbances left, the messages sent (two words); then of each station
+/// its situation, and one more than the number of its report on its way.
 type Packed = Box<[u32]>;
 
 const PLAYER: usize = 0;
@@ -22,7 +22,7 @@ const LEFT: usize = 1;
 const SENT: usize = 2;
 const STATIONS: usize = 4;
 
-/// What leads from one state to the next.
+/// Transition from one state to the next.
 #[derive(Clone, Copy, Debug)]
 enum ProtocolArc {
     Begins,
@@ -164,7 +164,7 @@ impl ProtocolSearch<'_> {
             self.station(from, next, nth, ProtocolArc::Act(nth as u32, act));
         }
         let says = self.machines[nth].says[situation as usize] + 1;
-        // Heard at once; whatever is still on its way is older, and not heard any more.
+        // Received at once; a report still on its way is older, and dropped.
         let mut next = state.to_vec();
         next[pending] = 0;
         self.player(from, next, PlayerMove::Heard(nth as u32, says - 1));
@@ -240,7 +240,7 @@ impl ProtocolSearch<'_> {
         self.enter(next.into(), from, by);
     }
 
-    /// The first thing that is wrong counts, if it is asked for.
+    /// The first violation counts, if its rule is to be checked.
     fn found(&mut self, from: u32, by: ProtocolArc, rule: &'static str, end: String) {
         if self.wrong.is_none() && self.setting.asked.is_none_or(|asked| asked == rule) {
             self.wrong = Some((from, by, rule, end));

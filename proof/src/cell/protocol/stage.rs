@@ -1,4 +1,4 @@
-//! Where activities begin: the cell is played without a fault, by the real player and the real controllers, until each
+//! Starts of activities: the cell is played without a fault, by the real player and the real controllers, until each
 //! activity can start.
 
 use std::collections::BTreeSet;
@@ -47,7 +47,8 @@ pub(super) struct ActivityStart {
     pub player: ProtocolPlayer,
 }
 
-/// What makes two modes the same to the order protocol: what is ordered from whom, and what is done about failures.
+/// Properties by which two modes are the same to the order protocol: the orders and their stations, and the recovery
+/// policy.
 type ModeKind = (Vec<(StationId, Arc<str>)>, Vec<usize>, bool);
 
 fn kind(table: &CellTable, mode: ModeId) -> ModeKind {
@@ -61,7 +62,7 @@ pub(super) fn stages(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityStart>
     let parts = vec![PARTS; setting.cell.part_types.len()];
     let table = Arc::new(compile_cell(setting.cell, Some(setting.line), Supply::Batch(&parts), PACE)?.table);
     let mut handling = table.handling().clone();
-    // What sensors say, and who is not heard for long, is not looked at.
+    // Sensors, and stations that are silent for long, are not explored.
     handling.stale = None;
     handling.resources.iter_mut().for_each(|resource| resource.is_sensed = false);
     let table = Arc::new(Arc::unwrap_or_clone(table).with_handling(handling));
@@ -161,7 +162,7 @@ fn say(coordination: &mut Coordination, machines: &[TaskStationModel], line: &li
     say_into(coordination, machines, line, now, &mut out);
 }
 
-/// All stations say what they have to say. Whether anything has followed.
+/// Gives the reports of all stations to the coordination. Whether anything has followed.
 fn say_into(
     coordination: &mut Coordination,
     machines: &[TaskStationModel],

@@ -1,7 +1,8 @@
-//! A station of an activity: its real controller, its switches, and what its node adds to what it says.
+//! A station of an activity: its real controller, its switches, and its node's part of the reports.
 //!
-//! Each situation it can be in has a number, and so has everything that it can say; what an event makes of a situation the
-//! controller works out once. Time stands still but for the time of orders, which only [`TaskStationAct::Expire`] lets pass.
+//! Each situation it can be in has a number, and so has each possible report; the controller computes the result of an
+//! event in a situation once. Time stands still but for the time of orders, which only [`TaskStationAct::Expire`] lets
+//! pass.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -20,7 +21,7 @@ use rustc_hash::FxHashMap;
 
 use crate::explore::{actuator, bits_of};
 
-/// The time of every order: it runs out when [`TaskStationAct::Expire`] says so.
+/// Time limit of every order: it runs out by [`TaskStationAct::Expire`].
 const LIMIT: Duration = Duration::from_micros(1);
 const NOW: Tick = Tick::from_millis(1);
 
@@ -46,7 +47,7 @@ pub(super) enum TaskStationAct {
     },
 }
 
-/// What a station says, all of it in one message.
+/// Report of a station, all of it in one message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct StationAnswer {
     pub heard: TaskReport,
@@ -70,7 +71,7 @@ pub(super) struct TaskStationModel {
     begun: BTreeSet<OrderKey>,
     /// One of them was begun again.
     pub twice: bool,
-    /// The orders of which it has heard, in all its lives, that nothing may move for them any more.
+    /// Orders left, in any of its lives, for which nothing may move any more.
     stopped: BTreeSet<OrderKey>,
     /// Something has moved all the same.
     pub moves_on: bool,
@@ -78,7 +79,7 @@ pub(super) struct TaskStationModel {
 }
 
 impl TaskStationModel {
-    /// Where it has no memory yet, in auto, at its home.
+    /// A station without memory yet, in auto, at its home.
     pub fn new(line: &Line, id: StationId) -> Result<Self, CompileError> {
         let controller = Controller::new(line, id, 1, Restore::Fresh)?;
         let station = line.station(id);
@@ -158,7 +159,7 @@ impl TaskStationModel {
         self.step();
     }
 
-    /// Hears an order.
+    /// Receives an order.
     pub fn order(&mut self, message: &OrderMessage) {
         let key = message.order.key;
         let order = TaskOrder { limit: LIMIT, ..message.order.clone() };
@@ -170,7 +171,7 @@ impl TaskStationModel {
         }
     }
 
-    /// Hears that it is to leave an order, or to stop; `alarmed` if nothing may move for it any more.
+    /// Receives the message to leave an order, or to stop; `alarmed` if nothing may move for it any more.
     pub fn secure(&mut self, key: OrderKey, stop: bool, alarmed: bool) {
         self.secured = Some(key);
         if alarmed {
@@ -197,7 +198,7 @@ impl TaskStationModel {
         self.controller.marking().find(|place| place.is_operating() && drives(place))
     }
 
-    /// Whether it says that an order has ended which it is still at, unless it was told to go back from it.
+    /// Whether it reports the end of an order which it is still at, and which it was not ordered to leave.
     pub fn goes_on(&self) -> bool {
         let Some(report) = self.controller.report().order else { return false };
         let slot = report.slot.map(|slot| slot.key).filter(|key| self.secured != Some(*key));
@@ -216,7 +217,7 @@ impl TaskStationModel {
         let slot = self.controller.report().order.and_then(|order| order.slot);
         if slot.is_some_and(|slot| !slot.is_securing) {
             acts.push(TaskStationAct::Expire);
-            // What has gone does not come back before the order is over: a wait that ends is one that was shorter.
+            // Inputs that went off stay off until the order is over: a wait that ends equals a shorter one.
             if self.sensors && sensors_of(line, self.controller.station()) != 0 {
                 acts.push(TaskStationAct::Sensors(false));
             }
@@ -300,7 +301,7 @@ impl TaskStationModel {
         StationAnswer { heard, secured, refused: order.refused }
     }
 
-    /// Everything that decides what it will do and say.
+    /// Writes everything that decides its further behaviour and reports.
     fn write(&self, out: &mut String) {
         let mut words = Vec::new();
         self.controller.situation(self.controller.cycle(), |_| RequestWriter { boot_id: 0, open: None }, &mut words);
@@ -327,7 +328,7 @@ pub(super) struct TaskStationModels<'l> {
     numbers: FxHashMap<String, u32>,
     pub all: Vec<TaskStationModel>,
     pub acts: Vec<Vec<TaskStationAct>>,
-    /// By situation, the number of what it says.
+    /// By situation, the number of its report.
     pub says: Vec<u32>,
     pub said: Vec<StationAnswer>,
     /// By situation: see [`TaskStationModel::is_at`].

@@ -1,11 +1,10 @@
 //! The timing bar chart as an event graph: operations, and what each waits for.
 //!
-//! An edge from A to B with lag k says that B starts in its cycle c only when A is done in cycle c − k: the arrows, the
-//! order inside a station (lag 0), and the step from a station's last operation to its first (lag 1). Operations side
-//! by side start together, when the arrows into all of them hold: an arrow into one is an edge to each. The chart is a
-//! marked graph, with an operation for each transition and an edge for each place; at home an edge holds as many
-//! tokens as starts it already allows. This is forward motion alone: nothing here knows of faults, or of operations
-//! taken back.
+//! An edge from A to B with lag k means that B starts in its cycle c only when A is done in cycle c − k: the arrows,
+//! the order inside a station (lag 0), and the step from a station's last operation to its first (lag 1). Operations
+//! side by side start together, when the arrows into all of them hold: an arrow into one is an edge to each. The chart
+//! is a marked graph, with an operation for each transition and an edge for each place; at home an edge holds as many
+//! tokens as starts it already allows. This is forward motion alone, without faults, and without operations taken back.
 //!
 //! **Tokens.** Let x(A) be the cycles that A counts as done, and y(B) those that B has started; y(B) is x(B), or one
 //! more while B moves. B may start once more when x(A) ≥ y(B) + 1 − k for each edge into it. So an edge carries
@@ -14,11 +13,11 @@
 //! operations under way, so that its tokens and the operations moving on it come to the sum of its lags, always.
 //!
 //! **Live iff every circuit has a token**, where home is consistent. If the lags of a circuit come to 0, nothing on it
-//! can ever start: each edge of it is empty and stays so. If on the other hand none do, let B be asked for cycle c.
-//! What that needs and is not done is the end of some A in cycle c − k, and so on. Cycles never grow on the way back, and
-//! below those counted at home everything is done; so if this never ended it would come to an operation again in the
-//! same cycle, round a circuit whose lags are 0. It ends, with something that may start at once. Motions end if
-//! nothing fails, so by running what is needed in that order every operation comes to every cycle, from every state.
+//! can ever start: each edge of it is empty and stays so. If on the other hand none do, take B in cycle c. What that
+//! needs and is not done is the end of some A in cycle c − k, and so on. Cycles never grow on the way back, and below
+//! those counted at home everything is done; so if this never ended it would come to an operation again in the same
+//! cycle, round a circuit whose lags are 0. It ends, with something that may start at once. Motions end if nothing
+//! fails, so by running what is needed in that order every operation comes to every cycle, from every state.
 //!
 //! Arrows of all modes count for this. A line that is only ever in auto goes round a circuit that an arrow of manual
 //! alone closes; but a hand mode observes both, and it would stand still.
@@ -33,7 +32,7 @@ use super::full_name;
 
 type ChartIndex = (StationId, OpId);
 
-/// What waits, and how.
+/// A wait, with its lag and modes.
 struct ChartEdge {
     to: usize,
     lag: u32,
@@ -139,7 +138,7 @@ impl<'a> EventGraph<'a> {
     }
 }
 
-/// What counts as done at home did not need what is not done: no edge is in debt.
+/// Operations counted as done at home needed none that are not: no edge is in debt.
 pub fn home_is_consistent(line: &Line) -> Result<String, String> {
     let chart = EventGraph::of(line);
     match chart.edges().find(|(from, edge)| chart.tokens_at_home(*from, edge) < 0) {
@@ -187,7 +186,7 @@ fn circuit_without_token(chart: &EventGraph<'_>) -> Option<Vec<usize>> {
             }
         }
     }
-    // Whoever still waits waits for another who does: going back from one of them must come round.
+    // An operation that still waits does so for another that waits: going back from one of them must come round.
     let stuck = |number: usize| waits_for[number] > 0;
     let mut before = vec![None; waits_for.len()];
     let lagless = chart.edges().filter(|(from, edge)| edge.lag == 0 && stuck(*from) && stuck(edge.to));

@@ -1,20 +1,20 @@
 //! Whether the arrows keep the two states of a conflict apart in forward motion: least sums of lags on the chart.
 //!
-//! What is proved here is proved of forward motion, in every mode and across changes of mode, of a line whose home is
-//! consistent and whose circuits have tokens. That nobody gets round it by taking something back is not said by the
-//! chart, but by the rule that a count is withdrawn only when nothing has started on it. That rule goes along the
-//! arrows, so it guards an order that follows from arrows and the order in a station. It does not guard one that only
-//! follows from operations starting side by side: of these, each is taken back alone, and the one that waits for an
-//! arrow may be undone while its neighbour is not. So such waits count for the line's going on, but not for keeping a
-//! conflict apart ([`Gap::TakenBack`]).
+//! The proof here is of forward motion, in every mode and across changes of mode, of a line whose home is consistent
+//! and whose circuits have tokens. That it is not circumvented by taking something back does not follow from the chart,
+//! but from the rule that a count is withdrawn only when nothing has started on it. That rule goes along the arrows, so
+//! it guards an order that follows from arrows and the order in a station. It does not guard one that only follows from
+//! operations starting side by side: of these, each is taken back alone, and the one that waits for an arrow may be
+//! undone while its neighbour is not. So such waits count for the line's going on, but not for keeping a conflict apart
+//! ([`Gap::TakenBack`]).
 //!
-//! **What must have come before.** B, in cycle c, has waited for A of cycle c − k if some edge into B leads back to it, of
-//! those that were observed. A start observes the arrows of one mode, auto's or manual's, and any start may be in
+//! **What must have come before.** B, in cycle c, has waited for A of cycle c − k if some edge into B leads back to it,
+//! of those that were observed. A start observes the arrows of one mode, auto's or manual's, and any start may be in
 //! either, since modes may change between any two. (Hand mode observes both: it waits for no less.) So B needs A with
-//! lag k iff it does so in each of the two modes: D(B) = max over the two modes of the min over that mode's edges
-//! C → B of D(C) + lag, and D(A) = 0. Every operation that can avoid an event avoids it by one and the same choice of
-//! its mode, whatever the others choose: so the least solution says exactly what cannot be avoided. It is found in the
-//! order of D, as least ways are, since max and min only grow with what they are given.
+//! lag k iff it does so in each of the two modes: D(B) = max over the two modes of the min over that mode's edges C → B
+//! of D(C) + lag, and D(A) = 0. Every operation that can avoid an event avoids it by one and the same choice of its
+//! mode, whatever the others choose: so the least solution is exactly what cannot be avoided. It is found in the order
+//! of D, as least ways are, since max and min only grow with what they are given.
 //!
 //! **Separated iff every pair of cycles is ordered.** Let `b` begin only after `a` of P cycles before has ended: P is
 //! D(b.from) from `a.until`, and Q the same the other way round. The i-th `a` ends in cycle i, or in the next one if it
@@ -38,10 +38,10 @@ use crate::structure::full_name;
 
 /// The most that the lags and the crossings of a separated conflict come to.
 const SUM_MAX: u32 = 1;
-/// Farther than anything asked for.
+/// Beyond every lag of interest.
 const FAR: u32 = u32::MAX;
 
-/// Which waits count.
+/// Waits that count.
 #[derive(Clone, Copy)]
 enum ConsideredWaits {
     /// Those that cannot be got round by changing the mode.
@@ -52,7 +52,7 @@ enum ConsideredWaits {
     InAuto,
 }
 
-/// How the two states of a conflict can come together, or why nothing is known to prevent it.
+/// How the two states of a conflict can come together, or why that is not proved impossible.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Gap {
     /// In forward motion, for certain.
@@ -69,10 +69,10 @@ pub enum Gap {
 /// Least lags on a chart; room to work in, kept from one question to the next.
 struct Lags<'a> {
     chart: EventGraph<'a>,
-    /// For each operation, how far back auto and manual make it wait, as far as is known.
+    /// For each operation, number of cycles back that auto and manual make it wait, the least found so far.
     least: Vec<[u32; 2]>,
     touched: Vec<usize>,
-    /// Operations by how far back they wait.
+    /// Operations by number of cycles back that they wait.
     open: [VecDeque<usize>; SUM_MAX as usize + 1],
 }
 
@@ -83,7 +83,7 @@ impl<'a> Lags<'a> {
         Lags { chart, least, touched: Vec::new(), open: Default::default() }
     }
 
-    /// How many cycles back `to` waits for the end of `from`, if it is at most [`SUM_MAX`].
+    /// Number of cycles back that `to` waits for the end of `from`, if it is at most [`SUM_MAX`].
     fn least(&mut self, from: ChartIndex, to: ChartIndex, waits: ConsideredWaits) -> Option<u32> {
         let (from, to) = (self.chart.number(from), self.chart.number(to));
         for number in self.touched.drain(..) {

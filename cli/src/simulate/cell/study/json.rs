@@ -77,7 +77,7 @@ struct JsonOrder {
 }
 
 impl StudyJson {
-    /// Of replications that were played; with all decisions of the only one, if they are asked for.
+    /// Of replications that were played; with all decisions of the only one, if requested.
     pub fn new(
         study: &CellStudy,
         figures: &[ReplicationFigures],

@@ -87,7 +87,7 @@ pub fn run(args: &Args, cell: &Cell, line: Option<&Line>) -> miette::Result<Exit
     Ok(if error.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// The only replication, with what is asked for beside its figures.
+/// The only replication, with the output requested beside its figures.
 fn one(args: &Args, study: &CellStudy, line: Option<&Line>) -> miette::Result<PlayedReplication> {
     let begin = |path| record::begin(path, study.cell(), line, study.played());
     let mut history = args.record.as_deref().map(begin).transpose()?;
@@ -107,7 +107,7 @@ fn read(path: &Path, cell: &Cell) -> miette::Result<CellScenario> {
     CellScenario::parse(cell, &path.display().to_string(), &text).map_err(miette::Report::new)
 }
 
-/// An order of each part type for as many parts as are asked for.
+/// An order of each part type for the number of parts requested.
 fn orders(cell: &Cell, batch: &[u32]) -> Vec<ProductionOrderRequest> {
     let asked = (1_u128..).zip(&cell.part_types).zip(batch).filter(|(_, count)| **count > 0);
     let order = |((key, of), &quantity): ((u128, &linewright_cell::PartType), &u32)| ProductionOrderRequest {

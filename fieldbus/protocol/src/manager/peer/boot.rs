@@ -1,4 +1,4 @@
-//! Booting a device: what the steps of a boot lead to.
+//! Booting a device: effects of the steps of a boot.
 
 use std::time::Duration;
 
@@ -11,8 +11,8 @@ use super::{Peer, PeerPhase};
 use crate::codec::NmtCommand;
 use crate::sdo::TransferFailure;
 
-/// How soon a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
-/// that whoever has mended it need not do anything else.
+/// Time until a refused device is looked at again. Seldom enough that a person reads the reason in peace, often enough
+/// that a repair needs no further action.
 pub(in crate::manager) const REFUSED_RETRY: Duration = Duration::from_secs(5);
 
 impl Peer {
@@ -29,14 +29,14 @@ impl Peer {
         self.lent = false;
         self.held = false;
         if !self.orders.take(now) {
-            // It boots again and again: it is asked for after a while, like one that is absent.
+            // It boots again and again: it is probed after a while, like one that is absent.
             self.phase = PeerPhase::Absent { probe: now + RETRY };
             return;
         }
         self.phase = PeerPhase::Booting(Boot::start(now, self.node, &mut out.frames));
     }
 
-    /// What a step of its boot leads to.
+    /// Takes a step of its boot.
     pub(in crate::manager) fn booted(&mut self, now: Tick, step: BootStep, out: &mut BusOutbox) {
         let why = match step {
             BootStep::Busy => return,

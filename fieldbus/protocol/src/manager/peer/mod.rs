@@ -12,10 +12,10 @@
 //!  booted unheard, and a start that has no effect.
 //! ```
 //!
-//! Booting (`manager/boot.rs`) comes before starting, also for a device found operational: it must be the device that is
-//! expected, and its heartbeat consumer must watch *this* manager before an output is energised. A stopped device stays
-//! stopped: somebody ordered that, and the manager does not argue. Only frames from the device move it along; what the
-//! manager sends proves nothing.
+//! Booting (`manager/boot.rs`) comes before starting, also for a device found operational: it must be the device that
+//! is expected, and its heartbeat consumer must watch *this* manager before an output is energised. A stopped device
+//! stays stopped: another node ordered that, and the manager does not override it. Only frames from the device change
+//! its phase; the manager's own frames prove nothing.
 
 mod boot;
 mod sync;
@@ -41,12 +41,12 @@ use crate::codec::{CanopenMessage, Emergency, NmtCommand, NmtState, NodeId, Payl
 use crate::sdo::SdoWrite;
 use crate::sdo::wire::{ClientFrame, SdoBytes};
 
-/// What a frame or the passing of time did to a device.
+/// Effect of a frame or the passing of time on a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PeerChange {
-    /// Nothing its owner need know.
+    /// No effect on its owner.
     Unchanged,
-    /// The frame says nothing.
+    /// The frame has no meaning here.
     Ignored(IgnoreReason),
     /// It has become operational.
     Up,
@@ -64,7 +64,7 @@ pub(super) enum NotOperationalReason {
     Booted,
     /// The inputs that come with SYNC have stopped.
     NoSync,
-    /// Its heartbeat says another state.
+    /// Its heartbeat has another state.
     Left(NmtState),
     /// It has reported that it let go by itself.
     Reported(Emergency),
@@ -77,17 +77,17 @@ pub(super) enum NotOperationalReason {
 
 #[derive(Debug)]
 pub(super) enum PeerPhase {
-    /// Not heard; asked for again at `probe`.
+    /// Silent; probed again at `probe`.
     Absent { probe: Tick },
     /// Alive; it is being identified and configured.
     Booting(Boot),
-    /// It must not be started. Looked at again at `retry`, and when it boots: somebody may have seen to it.
+    /// It must not be started. Looked at again at `retry`, and when it boots: it may have been repaired.
     Refused { why: BootError, retry: Tick },
     /// Configured and ordered to start; ordered again at `retry`.
     Starting { retry: Tick },
     /// Exchanging process data.
     Operational,
-    /// In a state somebody else put it in.
+    /// In a state that another node put it in.
     Stopped,
 }
 
@@ -100,10 +100,10 @@ pub(super) struct Peer {
     pub(super) process: ProcessData,
     pub(super) errors: Errors,
     pub(super) flood: NodeRateLimits,
-    /// How much is reported of it, and how often it is ordered to start and booted.
+    /// Limit of reports of it, and limit of its boots and start orders.
     pub(super) told: Budget,
     pub(super) orders: Budget,
-    /// What it is being written while it runs.
+    /// Setting being written while it runs.
     pub(super) writing: Option<(SdoWrite, Transfer)>,
     /// Its SDO channel is lent to a request (`request.rs`). Whatever the manager begins there takes it back.
     pub(super) lent: bool,
@@ -117,7 +117,7 @@ pub(super) struct Peer {
     pub(super) heard: Tick,
     /// When its last heartbeat came, if one ever did.
     pub(super) beat: Option<Tick>,
-    /// Somebody else has stopped it, and it has not been brought up since.
+    /// Another node has stopped it, and it has not been brought up since.
     pub(super) held: bool,
     /// Why it was last lost; `None` while it is operational, or was never lost.
     pub(super) why: Option<NotOperationalReason>,
@@ -127,9 +127,9 @@ pub(super) struct Peer {
     pub(super) sent: Option<Tick>,
     /// When it became operational.
     pub(super) up_since: Tick,
-    /// How long inputs that come with SYNC may stay away; `None` where they come by event.
+    /// Most time between inputs that come with SYNC; `None` where they come by event.
     pub(super) inputs_within: Option<Duration>,
-    /// How often in a row it has lost SYNC.
+    /// Number of times in a row that it has lost SYNC.
     pub(super) sync_losses: u32,
 }
 
@@ -170,7 +170,7 @@ impl Peer {
         }
     }
 
-    /// Its inputs may be acted upon: it is operational, recently heard, and has sent them since it came up.
+    /// Its inputs may be acted upon: it is operational, not silent, and has sent them since it came up.
     pub(super) fn trusted(&self, now: Tick) -> bool {
         matches!(self.phase, PeerPhase::Operational)
             && now.since(self.heard) < self.timeout
@@ -184,8 +184,8 @@ impl Peer {
         self.why == Some(NotOperationalReason::Silent)
     }
 
-    /// Its share of its owner's inputs. What it last said is kept for showing after a loss that makes the whole image
-    /// invalid; of a device whose loss does not, nothing is kept.
+    /// Its share of its owner's inputs. The last ones are kept for display after a loss that makes the whole image
+    /// invalid; otherwise none are kept.
     pub(super) fn input_bits(&self, now: Tick) -> u128 {
         if self.is_vital || self.trusted(now) { self.process.inputs() } else { 0 }
     }
@@ -219,20 +219,20 @@ impl Peer {
         .min(self.flood.deadline())
     }
 
-    /// Does what is due: noticing silence, asking again, refreshing outputs.
+    /// Does what is due: detects silence, probes again, refreshes outputs.
     pub(super) fn poll(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
         self.flood.ends(now);
-        // A device that is being configured may be silent for longer than its heartbeats are apart: it may not have
-        // been told to send them yet, or be writing to its memory. The transfer knows how long to wait.
-        // One that is refused may never have been told; its next boot finds out whether it is still there.
+        // A device that is being configured may be silent for longer than its heartbeats are apart: they may not be
+        // configured yet, or it may be writing to its memory. The transfer has its own time limit. One that is refused
+        // may never have been configured; its next boot finds out whether it is still there.
         let watched =
             !matches!(self.phase, PeerPhase::Absent { .. } | PeerPhase::Booting(_) | PeerPhase::Refused { .. });
         if watched && self.heard + self.timeout <= now {
-            // Said once: one that is heard otherwise is looked at again and again.
+            // Reported once: one whose other frames arrive is looked at again and again.
             if !self.lacks_heartbeat() {
                 out.events.push(BusEvent::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
             }
-            // Perhaps its heartbeat alone has ceased: then it hears this manager's, and would keep its outputs.
+            // Perhaps its heartbeat alone has ceased: then it receives this manager's, and would keep its outputs.
             self.send_rest(out);
             return self.leave(now, PeerPhase::Absent { probe: now + RETRY }, NotOperationalReason::Silent);
         }
@@ -253,9 +253,9 @@ impl Peer {
                 self.booted(now, step, out);
             }
             PeerPhase::Refused { retry, .. } if *retry <= now => self.boot(now, out),
-            // One that watches SYNC by itself gives up before it is heard to run.
+            // One that watches SYNC by itself gives up before its running is received.
             PeerPhase::Starting { retry } if *retry <= now && self.sync_losses > 0 => return self.lose_sync(now, out),
-            // It is not started as it is: perhaps it has booted since, and nobody heard.
+            // It is not started as it is: it may have booted since without its boot-up message arriving.
             PeerPhase::Starting { retry } if *retry <= now => self.boot(now, out),
             PeerPhase::Operational => {
                 self.process.poll(now);
@@ -284,13 +284,13 @@ impl Peer {
             self.why = None;
         }
         if state == NmtState::BootUp {
-            // Another one may hang there now: what was found out about the last one does not count.
+            // It may have been replaced: findings about the last one do not count.
             self.errors.gone();
             self.refusal = None;
             self.sync_losses = 0;
         }
         match (&self.phase, state) {
-            // Nothing was heard of it for a while, and it is as somebody left it.
+            // It was silent for a while, and is still in the state that another node put it in.
             (PeerPhase::Absent { .. }, NmtState::Stopped) if self.held => {
                 self.leave(now, PeerPhase::Stopped, NotOperationalReason::Left(state))
             }
@@ -323,8 +323,8 @@ impl Peer {
             (PeerPhase::Booting(_) | PeerPhase::Refused { .. }, _)
             | (PeerPhase::Starting { .. }, NmtState::PreOperational)
             | (PeerPhase::Operational, NmtState::Operational) => PeerChange::Unchanged,
-            // Somebody sent it there, or it has booted and nobody heard: its boot-up message was lost, and with it all it
-            // had been told, the watch of this manager's heartbeat among it. It is never started as it is.
+            // Another node put it in this state, or it has booted and its boot-up message was lost, and with it all its
+            // settings, the watch of this manager's heartbeat among them. It is never started as it is.
             (PeerPhase::Stopped, NmtState::PreOperational) => {
                 self.boot(now, out);
                 PeerChange::Unchanged
@@ -349,11 +349,11 @@ impl Peer {
         }
     }
 
-    /// Takes its first process data object (its bits, or a drive's words), or one with channels, 2 to 4.
-    /// Only an operational device sends process data (CiA 301 §7.3.2.2), so hearing it is as good as being told.
+    /// Takes its first process data object (its bits, or a drive's words), or one with channels, 2 to 4. Only an
+    /// operational device sends process data (CiA 301 §7.3.2.2), so receiving it proves the state.
     pub(super) fn inputs_heard(&mut self, now: Tick, object: u8, payload: Payload, out: &mut BusOutbox) -> PeerChange {
         match &self.phase {
-            // Without heartbeats nobody would notice its end: process data alone do not make up for them. It is asked
+            // Without heartbeats its end would go unnoticed: process data alone do not make up for them. It is probed
             // and configured anew as one that is absent.
             PeerPhase::Absent { .. } | PeerPhase::Starting { .. } if self.lacks_heartbeat() => {
                 return PeerChange::Ignored(IgnoreReason::NotOperational);
@@ -380,7 +380,7 @@ impl Peer {
         if !self.is_operational() {
             return self.up(now, out);
         }
-        // What it says may call for an answer: a drive's handshake.
+        // The inputs may require an answer: a drive's handshake.
         self.send_if_wanted(now, out);
         match self.judge_channels(now, out) {
             PeerChange::Unchanged => PeerChange::Inputs,
@@ -429,8 +429,8 @@ impl Peer {
         self.write_if_wanted(now, out);
     }
 
-    /// Sends its share of the image, provided it is operational: before that it would drop the frame, and the manager
-    /// would believe it has the outputs.
+    /// Sends its share of the image, provided it is operational: before that the device would drop the frame, and the
+    /// manager would take it as applied.
     pub(super) fn send_outputs(&mut self, now: Tick, out: &mut BusOutbox) {
         if self.is_operational() && self.process.has_outputs() {
             let node = self.node;
@@ -474,8 +474,8 @@ impl Peer {
     }
 }
 
-/// How often a device is booted and ordered to start: a few times at once, and then twice a second or so. What goes on
-/// faster than that does not go on.
+/// Limit on boots and start orders of a device: a few times at once, and then twice a second or so. Faster repetitions
+/// are cut off.
 const ORDERS: Budget = Budget::new(20, Duration::from_millis(200));
 
 /// A process data object for a device: its first, or one with channels, 2 to 4.

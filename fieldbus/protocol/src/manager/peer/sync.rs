@@ -30,8 +30,8 @@ impl Peer {
         }
     }
 
-    /// It hears no SYNC, so outputs that wait for one stay as they are whatever it is sent. It is stopped, by which they
-    /// take their error values, and brought up anew, or left stopped for a while.
+    /// It receives no SYNC, so outputs that wait for one stay as they are whatever it is sent. It is stopped, by which
+    /// they take their error values, and brought up anew, or left stopped for a while.
     pub(in crate::manager) fn lose_sync(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
         let silent_for = now.since(self.updated.unwrap_or(self.up_since));
         out.events.push(BusEvent::NoSync { node: self.node, silent_for });

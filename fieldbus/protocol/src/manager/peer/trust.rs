@@ -1,5 +1,4 @@
-//! What makes a device that is operational not to be trusted: errors of its own, channels without a measurement, too many
-//! frames.
+//! Why an operational device is not trusted: errors of its own, channels without a measurement, too many frames.
 
 use linewright_line::Tick;
 
@@ -13,8 +12,8 @@ use crate::codec::{BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST};
 impl Peer {
     pub(in crate::manager) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut BusOutbox) -> PeerChange {
         self.tell(now, BusEvent::Emergency { node: self.node, emergency, profile: self.process.profile() }, out);
-        // It has let go of its outputs because it did not hear us; its next heartbeat would say the same, later. While it
-        // was away it may have booted unheard, so it is not started as it is.
+        // It has let go of its outputs because it missed the manager's heartbeat; its own next heartbeat would show it,
+        // later. While it was away it may have booted unheard, so it is not started as it is.
         if matches!(emergency.code, HEARTBEAT_LOST | BUS_OFF_RECOVERED) && self.is_operational() {
             let outcome = self.leave(now, PeerPhase::Stopped, NotOperationalReason::Reported(emergency));
             self.boot(now, out);
@@ -41,7 +40,7 @@ impl Peer {
         news
     }
 
-    /// Looks again at its channels: whether they are heard and measured, and what follows if that has changed.
+    /// Checks its channels again: whether they are received and measured, and the effect if that has changed.
     pub(in crate::manager) fn judge_channels(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
         if !self.is_operational() {
             return PeerChange::Unchanged;
@@ -60,7 +59,7 @@ impl Peer {
         }
     }
 
-    /// Takes a frame with which the device speaks by itself, unless there are too many of them.
+    /// Takes an unsolicited frame of the device, unless there are too many of them.
     pub(in crate::manager) fn unless_babbling(
         &mut self,
         now: Tick,

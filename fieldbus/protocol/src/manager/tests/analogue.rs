@@ -1,4 +1,4 @@
-//! Analogue channels: what the device is told, limits with their hysteresis, broken wires, values that stay away, rest.
+//! Analogue channels: settings, limits with their hysteresis, broken wires, missing values, rest.
 
 use linewright_line::{Analogue, AnalogueChannel, AnalogueInput, AnalogueOutput, When};
 use proptest::prelude::*;
@@ -150,7 +150,7 @@ fn a_broken_wire_is_a_loss_until_it_is_mended_and_says_so() {
     let said = "drill-a (node 04h): operational, but analogue input 2 (6401h:02) is at the end of its range: is its wire \
                 broken?";
     assert_eq!(bench.trouble(), [said]);
-    // Said once, and nothing is energised by what was set before.
+    // Reported once, and nothing is energised by what was set before.
     bench.measure(i16::MIN);
     bench.live(300, Some(300));
     assert!(!bench.inputs(DRILL).valid, "not yet: it has measured for 250 ms");
@@ -273,7 +273,7 @@ fn twelve_channels_lie_in_three_objects() {
     let frames = bench.frames();
     assert!(frames.contains(&"304#0000000000006400".to_owned()), "{frames:?}");
     assert!(frames.contains(&"504#C800".to_owned()), "{frames:?}");
-    // What nobody reads says nothing.
+    // A frame without a reader has no meaning.
     assert_eq!(bench.manager.ignored(IgnoreReason::UnknownCobId), 0);
     bench.hear("285#00000000");
     assert_eq!(bench.manager.ignored(IgnoreReason::UnknownCobId), 1);

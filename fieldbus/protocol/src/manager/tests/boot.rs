@@ -1,4 +1,4 @@
-//! Bringing devices up: who they are, what they are told, and what becomes of those that do not answer or refuse.
+//! Bringing devices up: identity, settings, and the handling of devices that do not answer or refuse.
 
 use linewright_line::{DeviceIdentity, ObjectWrite};
 
@@ -80,7 +80,7 @@ fn a_device_that_is_alive_but_answers_nothing_is_said_to_be_and_asked_again() {
     };
     assert_eq!((which, error.object), (node(6), ObjectId::new(0x1000, 0)));
     assert!(matches!(error.cause, TransferFailure::Silent { asked: 2, .. }), "{error}");
-    // It is brought up as soon as it answers, without anybody's doing.
+    // It is brought up as soon as it answers, without intervention.
     bench.pass(500);
     bench.hear("706#7F");
     bench.take();
@@ -100,7 +100,7 @@ fn another_device_than_expected_is_told_nothing_and_not_started() {
     assert_eq!(events, [BusEvent::BootFailed { node: node(6), why }]);
     let said = events[0].to_string();
     assert!(said.ends_with("another device: its vendor id (object 1018h:01) is 00000124h, not 00000123h"), "{said}");
-    // Looked at again after a while, and at once when somebody has changed it and it boots.
+    // Looked at again after a while, and at once when it boots after a change.
     for _ in 0..100 {
         bench.hear("706#7F");
         bench.pass(50);
@@ -162,7 +162,7 @@ fn devices_boot_side_by_side() {
     assert_eq!(up, [BusEvent::DeviceUp { node: node(5) }, BusEvent::DeviceUp { node: node(6) }]);
 }
 
-/// The clamp's device has been identified, told its heartbeats, and asked to go to pre-operational without a manager.
+/// The clamp's device is identified, its heartbeats are set, and pre-operational without a manager is requested of it.
 fn asked_for_error_values(setup: linewright_line::DeviceSetup) -> ManagerBench {
     let mut devices = devices();
     devices[2].canopen_mut().expect("CANopen").setup = setup;

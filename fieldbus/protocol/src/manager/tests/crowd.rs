@@ -10,10 +10,10 @@ use super::*;
 use crate::codec::NmtCommand;
 use crate::sdo::{Abort, Dictionary, ObjectId, SdoServer};
 
-/// What a frame of eight bytes takes at 500 kbit/s, with a few stuff bits.
+/// Bus time of a frame of eight bytes at 500 kbit/s, with a few stuff bits.
 const FRAME_TIME: Duration = Duration::from_micros(240);
 const QUEUE: usize = 10;
-/// What each device is told before it is started: a domain of 1 kB.
+/// Setting of each device before it is started: a domain of 1 kB.
 const DOMAIN: usize = 1024;
 
 /// The objects of a device: a profile of 401, and whatever is written.
@@ -107,7 +107,7 @@ impl Crowd {
             node: node(id),
             server: SdoServer::new(4096),
             objects: CrowdObjects::default(),
-            // They are switched on with the manager: everybody speaks at once.
+            // They are switched on with the manager: all send at once.
             queue: [format!("7{id:02X}#00").parse().unwrap()].into(),
             state: NmtState::PreOperational,
             next_heartbeat: Tick::from_millis(1050),
@@ -176,7 +176,7 @@ impl Crowd {
         }
     }
 
-    /// How long it takes until all of them are up.
+    /// Time until all of them are up.
     fn boot(&mut self) -> Duration {
         // It has listened for another manager first.
         let began = Tick::from_millis(1000);
@@ -207,11 +207,11 @@ fn many_devices_boot_at_once_and_no_queue_overflows() {
     let mut crowd = Crowd::new(32);
     let all = crowd.boot();
     println!("one device is up after {one:?}, 32 after {all:?}; {} frames refused", crowd.refused);
-    // While all of them say that they are there the heartbeat, last in rank, holds up what is queued behind it.
+    // While all of them send boot-up, the heartbeat, last in rank, holds up what is queued behind it.
     assert!(crowd.refused < 50, "{}", crowd.refused);
-    // What 32 times 160 frames and their answers take on the wire is 1.3 s; heartbeats and idle moments come to it.
+    // 32 times 160 frames and their answers take 1.3 s on the wire; heartbeats and idle moments come to it.
     assert!(all < Duration::from_millis(2600), "{all:?}");
-    // Nobody is served last: the first is up when the last is nearly.
+    // No device is served last: the first is up when the last is nearly.
     let first = crowd.up[0].since(Tick::from_millis(1000));
     assert!(first * 2 > all, "the first after {first:?}, the last after {all:?}");
 }
@@ -241,7 +241,7 @@ fn outputs_of_many_devices_go_off_at_once_and_no_queue_overflows() {
 fn a_long_object_is_read_on_request_in_blocks_while_others_are_told_theirs() {
     let mut crowd = Crowd::new(8);
     crowd.boot();
-    // Two devices boot again, and are told a kilobyte each, in blocks; of a third and a fourth a kilobyte is read.
+    // Two devices boot again, and get a kilobyte each, in blocks; of a third and a fourth a kilobyte is read.
     for at in [5, 6] {
         let station = &mut crowd.stations[at];
         (station.objects.domain, station.state) = (Vec::new(), NmtState::PreOperational);

@@ -1,4 +1,5 @@
-//! Errors a device reports of itself: who must not trust it, until when; and a bus that is off, or full of one node.
+//! Errors that a device reports itself: whose inputs are invalid, until when; and a bus that is off, or full of one
+//! node.
 
 use linewright_line::Reaction;
 
@@ -58,9 +59,9 @@ fn what_is_about_the_wire_alone_is_reported() {
     for (frame, stands) in [
         ("086#1081110000000000", false), // overrun
         ("086#2081110000000000", false), // error passive
-        ("086#5081110000000000", true),  // somebody else uses its identifier
+        ("086#5081110000000000", true),  // another node uses its identifier
         ("086#1082110000000000", true),  // outputs not taken
-        ("086#1081130000000000", true),  // overrun, and the register knows of a current
+        ("086#1081130000000000", true),  // overrun, and the register has a current
         ("086#1023000000000000", false), // passed
         ("086#00FF810000000000", true),  // the manufacturer's own
     ] {
@@ -173,7 +174,7 @@ fn a_bus_whose_return_nobody_reports_is_on_again_with_the_first_frame() {
     assert_eq!(bench.frames()[..3], ["204#00", "205#00", "206#00"]);
 }
 
-/// What a second of this is answered with: frames, events, of 4000 of them.
+/// Frames and events in response to a second of 4000 of these.
 fn flood(frames: &[&str]) -> (ManagerBench, Vec<String>, Vec<BusEvent>) {
     let mut bench = ManagerBench::up();
     bench.set(DRILL, 0b11);
@@ -203,7 +204,7 @@ fn a_node_that_babbles_costs_little_and_concerns_nobody_else() {
         &["706#05"],
         &["086#1023050000000000", "086#0000000000000000"],
         &["086#FFFF810102030405", "706#00", "186#01", "706#04"],
-        &["187#00"], // a node nobody knows
+        &["187#00"], // an unknown node
         &["586#6017100000000000", "18612345#00", "7E6#00"],
     ];
     for frames in floods {
@@ -235,7 +236,7 @@ fn a_node_that_babbles_says_so() {
     );
 }
 
-/// The interface has just refused the order to let go when the device says that it is in error.
+/// The interface has just refused the order to let go when the device reports an error.
 #[test]
 fn an_order_to_let_go_that_waits_is_sent_all_the_same() {
     let mut bench = ManagerBench::up();
@@ -249,7 +250,7 @@ fn an_order_to_let_go_that_waits_is_sent_all_the_same() {
     assert!(bench.frames().contains(&"206#00".to_owned()));
 }
 
-/// The device says that its error is gone; an answer from before says that it stands.
+/// The device reports that its error is gone; an answer from before reports that it stands.
 #[test]
 fn an_old_answer_about_an_error_makes_outputs_be_let_go() {
     let mut bench = ManagerBench::up();
@@ -312,7 +313,7 @@ fn one_that_somebody_stopped_is_left_so_also_after_it_was_not_heard_for_a_while(
         assert!(!frames.iter().any(|frame| frame.starts_with("000#") || frame.starts_with("606#")), "{frames:?}");
         let said = trouble(&bench, CLAMP);
         assert!(said[0].starts_with("clamp (node 06h): stopped by somebody else (NMT)"), "{said:?}");
-        // Whoever has it boot, or in another state, wants it back.
+        // A device that is made to boot, or put in another state, is brought up again.
         bench.bring_up(6);
         assert!(bench.inputs(CLAMP).valid);
         // And from then on it is like any other: found stopped, it is woken.

@@ -83,7 +83,7 @@ impl ManagerBench {
         }
     }
 
-    /// Hears a frame, with room on the bus for whatever follows from it.
+    /// Receives a frame, with room on the bus for all that follows from it.
     fn hear(&mut self, text: &str) {
         self.pace_is_free();
         self.manager.handle(self.now, &text.parse().unwrap(), &mut self.out);
@@ -113,7 +113,7 @@ impl ManagerBench {
         self.takes_error_values(node);
     }
 
-    /// Answers what its outputs, up to eight, are told to do without a manager, as one that keeps it.
+    /// Answers the settings of its outputs, up to eight, for the loss of the manager, as a device that keeps them.
     fn takes_error_values(&mut self, node: u8) {
         let read = ["4F29100100000000", "4F066201FF000000", "4F07620100000000"];
         for (object, read) in ["291001", "066201", "076201"].iter().zip(read) {
@@ -122,7 +122,7 @@ impl ManagerBench {
         }
     }
 
-    /// A node takes what it is asked to by SDO and keeps it; what it was never told reads 0, one byte. Gives the requests.
+    /// A node takes each SDO write and keeps it; other objects read 0, one byte. Gives the requests.
     fn keeps_what_it_is_told(&mut self, node: u8) -> Vec<String> {
         let (mut kept, mut asked) = (std::collections::BTreeMap::new(), Vec::new());
         for _ in 0..40 {
@@ -175,7 +175,7 @@ fn first_of_all_every_output_is_let_go() {
     let mut bench = ManagerBench::new();
     let frames = bench.frames();
     assert_eq!(frames[..5], ["77F#00", "204#00", "205#00", "206#00", "77F#05"]);
-    // And whoever is there already is asked to show itself.
+    // And each device already there is identified.
     assert_eq!(frames[5..], ["604#4000100000000000", "605#4000100000000000", "606#4000100000000000"]);
 }
 
@@ -254,7 +254,7 @@ fn a_silent_device_is_lost_and_takes_its_owners_outputs_along() {
     assert_eq!(frames.iter().rfind(|f| f.starts_with("206")).unwrap(), "206#01", "the clamp is not concerned");
     let inputs = bench.inputs(DRILL);
     assert!(!inputs.valid && inputs.losses == 1);
-    // What the controller sets knowing of the loss goes to the device that is left.
+    // Outputs that the controller sets after the loss go to the device that is left.
     bench.set(DRILL, 0b10);
     assert_eq!(bench.frames(), ["205#01"]);
 }

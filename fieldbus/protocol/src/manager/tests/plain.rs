@@ -1,4 +1,4 @@
-//! Devices that speak no CANopen: a gauge beside the clamp's device.
+//! Devices without CANopen: a gauge beside the clamp's device.
 
 use linewright_line::{
     Checksum, Coding, DbcName, FrameBinding, FrameField, FrameId, FrameTable, Page, ReceivedFrameBinding,
@@ -56,7 +56,7 @@ fn binding_of(gauge: &mut Device) -> &mut FrameBinding {
     }
 }
 
-/// The clamp's device is up; the gauge has not been heard.
+/// The clamp's device is up; the gauge is silent.
 fn bench() -> ManagerBench {
     let devices = [devices().remove(2), gauge()];
     let mut bench = ManagerBench::of(&devices);
@@ -193,7 +193,7 @@ fn one_that_falls_silent_or_says_the_same_again_is_lost_and_takes_its_owners_out
         assert!(frames.contains(&"206#00".to_owned()), "{frames:?}");
         assert!(frames.iter().any(|frame| frame.starts_with("123#00")), "{frames:?}");
         assert!(!bench.inputs(CLAMP).valid);
-        // Heard again, it gets what was set since, which is nothing.
+        // Live again, it gets the outputs set since: none.
         bench.hear("18FEF100#2807");
         assert!(bench.inputs(CLAMP).valid);
         assert!(!bench.frames().iter().any(|frame| frame.starts_with("123#01") || frame == "206#01"));

@@ -1,4 +1,4 @@
-//! What people ask of the devices through the manager: that it is answered, and that it disturbs nothing.
+//! Requests to devices through the manager: each is answered, and disturbs nothing.
 
 use linewright_line::ObjectWrite;
 
@@ -66,7 +66,7 @@ fn a_number_is_written_in_the_length_the_object_has() {
         bench.told(),
         (vec![], vec![(number, Err(DeviceRequestError::TooLarge { object, value: 300, bytes: 1 }))])
     );
-    // A length that is given is not asked for.
+    // A length that is given is not read.
     bench.ask(6, DeviceRequest::Write { object, value: 3, bytes: Some(2) });
     assert_eq!(bench.told().0, ["606#2B005F0103000000"]);
 }
@@ -174,7 +174,7 @@ fn a_device_that_boots_in_the_middle_overtakes_the_request() {
     let (frames, answers) = bench.told();
     assert_eq!(frames, ["606#4000100000000000"], "the boot begins; nothing is aborted, that would end it");
     assert!(matches!(&answers[..], [(n, Err(DeviceRequestError::Overtaken(_)))] if *n == number), "{answers:?}");
-    // The answer that was under way is the boot's problem, as if it had never been asked: it is not the device type.
+    // The answer under way goes to the boot, as an unexpected one: it is not the device type.
     bench.configure(6);
     bench.hear("186#01");
     assert!(bench.manager.inputs(bench.now, CLAMP).valid);
@@ -258,7 +258,7 @@ fn the_state_is_what_the_last_heartbeat_said_and_none_once_there_is_none() {
         assert_eq!(nmt(&bench), Some(NmtState::Stopped));
         bench.pass(200);
         assert_eq!(nmt(&bench), None, "silent");
-        // It falls silent in the middle of its boot: nothing is lost, and still it says nothing.
+        // It falls silent in the middle of its boot: nothing is lost, and still it reports nothing.
         bench.hear("706#00");
         assert_eq!(nmt(&bench), Some(NmtState::BootUp));
         (0..100).for_each(|_| bench.pass(50));

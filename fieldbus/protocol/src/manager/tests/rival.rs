@@ -4,13 +4,13 @@ use super::*;
 
 const RIVAL: &str = "77F#05";
 
-/// Two managers of the same devices on one bus: what one sends the other hears.
+/// Two managers of the same devices on one bus: what one sends the other receives.
 struct ManagerPair {
     managers: [Manager; 2],
     /// Whether each is there.
     running: [bool; 2],
     now: Tick,
-    /// What each has sent and reported.
+    /// Frames and events of each.
     sent: [Vec<String>; 2],
     told: [Vec<(Tick, BusEvent)>; 2],
 }
@@ -28,7 +28,7 @@ impl ManagerPair {
     fn pass(&mut self, millis: u64) {
         for _ in 0..millis {
             self.now = self.now + Duration::from_millis(1);
-            // Both look before either hears what the other has sent.
+            // Both are polled before either receives the other's frames.
             let mut outs = [BusOutbox::default(), BusOutbox::default()];
             for (at, out) in outs.iter_mut().enumerate() {
                 if self.running[at] && self.managers[at].next_deadline().is_none_or(|due| due <= self.now) {

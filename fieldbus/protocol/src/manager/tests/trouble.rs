@@ -1,4 +1,4 @@
-//! What is said of the devices that keep an owner's image from being valid.
+//! Descriptions of the devices that keep an owner's image from being valid.
 
 use super::*;
 
@@ -53,7 +53,7 @@ fn a_device_whose_heartbeat_alone_has_stopped_is_not_trusted_by_its_process_data
     for round in 0..60 {
         bench.hear("186#01");
         bench.pass_with(50, &[4, 5]);
-        // It answers whatever it is asked.
+        // It answers every request.
         bench.keeps_what_it_is_told(6);
         let events = bench.take().1;
         lost += events.iter().filter(|e| matches!(e, BusEvent::DeviceLost { .. })).count();

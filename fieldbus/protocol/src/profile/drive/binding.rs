@@ -1,4 +1,4 @@
-//! What a drive is bound to: outputs and inputs of its owner's image, in the drive's increments.
+//! Binding of a drive: outputs and inputs of its owner's image, in the drive's increments.
 
 use linewright_line::{AtRest, Drive as Described, DriveMode, InputId, OutputId};
 
@@ -13,11 +13,11 @@ pub struct DriveSetpoint {
     pub to: i32,
     /// The input that is on while it is there. Targets at one place share it.
     pub at: InputId,
-    /// How fast it goes there, in increments per second.
+    /// Velocity of the motion there, in increments per second.
     pub velocity: u32,
 }
 
-/// How it finds its zero. Speeds in increments per second.
+/// Homing. Speeds in increments per second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HomingBinding {
     /// Method (object 6098h).
@@ -28,24 +28,23 @@ pub struct HomingBinding {
     pub slow: u32,
     /// Acceleration (609Ah).
     pub acceleration: u32,
-    /// Where it then is (607Ch).
+    /// Position after homing (607Ch).
     pub offset: i32,
     /// The output that starts it. If it is a target's, the drive homes first and goes to the target then.
     pub output: OutputId,
-    /// The input that is on while it knows where it is.
+    /// The input that is on while the zero is known.
     pub done: Option<InputId>,
 }
 
 /// A drive's axis, bound to an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriveBinding {
-    /// What its targets are.
+    /// Kind of its targets.
     pub mode: DriveMode,
-    /// Where it can be sent.
     pub targets: Vec<DriveSetpoint>,
     /// On while it has failed or refuses an order.
     pub fault: Option<InputId>,
-    /// How it finds its zero; `None` for a drive that knows it.
+    /// Homing; `None` for a drive with an absolute position.
     pub home: Option<HomingBinding>,
     /// It is at a target within this distance.
     pub window: u32,
@@ -55,14 +54,14 @@ pub struct DriveBinding {
     pub acceleration: u32,
     /// Deceleration of the quick stop (6085h).
     pub quick_stop: u32,
-    /// What it does without an order.
+    /// Behaviour without an order.
     pub at_rest: AtRest,
-    /// Increments for one unit of the axis: what people are told is in units.
+    /// Increments for one unit of the axis: messages give units.
     pub units: f64,
 }
 
 impl DriveBinding {
-    /// The binding a description asks for.
+    /// The binding for a description.
     pub fn of(drive: &Described) -> Self {
         let positive = |value: f64| drive.increments(value).max(1).unsigned_abs();
         let target = |target: &linewright_line::DriveTarget| DriveSetpoint {
@@ -94,8 +93,8 @@ impl DriveBinding {
         }
     }
 
-    /// What a listener can tell from a drive's process data alone: the inputs of all its targets, and those of them whose
-    /// target it stands at. It knows neither its orders nor whether it has been homed. `None`: too short.
+    /// Evidence of a drive's process data alone: the inputs of all its targets, and those of them whose target it
+    /// stands at. Orders and homing are not considered. `None`: too short.
     pub fn places(&self, payload: Payload) -> Option<(u128, u128)> {
         let actual = i32::from_le_bytes(payload.bytes().get(3..PDO_BYTES)?.try_into().ok()?);
         let stands = |target: &&DriveSetpoint| actual.abs_diff(target.to) <= self.window;
@@ -103,7 +102,7 @@ impl DriveBinding {
         Some((self.targets.iter().fold(0, image), self.targets.iter().filter(stands).fold(0, image)))
     }
 
-    /// The mode of operation its targets want.
+    /// The mode of operation for its targets.
     pub(super) fn profile(&self) -> i8 {
         match self.mode {
             DriveMode::Position => word::PROFILE_POSITION,
@@ -112,7 +111,7 @@ impl DriveBinding {
     }
 }
 
-/// What an image asks of a drive.
+/// Demand of an image on a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DriveDemand {
     /// None of its outputs is on.
@@ -126,7 +125,7 @@ pub(super) enum DriveDemand {
 }
 
 impl DriveBinding {
-    /// What `image` asks of the drive. An output that is a target's and starts the homing counts as the target's.
+    /// Demand of `image`. An output that is a target's and starts the homing counts as the target's.
     pub(super) fn wanted(&self, image: u128) -> DriveDemand {
         let targets = self.targets.iter().enumerate().map(|(at, target)| (target.output, DriveDemand::Target(at)));
         let home = self.home.iter().map(|home| (home.output, DriveDemand::Home));

@@ -1,6 +1,6 @@
 //! The error codes of drives (CiA 402, emergency codes and object 603Fh), in words.
 //!
-//! A code without a row of its own is described by its group, the way the profile nests them: 2310h lies in 2300h, and
+//! A code without a row of its own is described by its group, the way the profile nests them: 2310h is in 2300h, and
 //! that in 2000h.
 
 use crate::codec::emcy_codes::nearest;
@@ -10,12 +10,12 @@ pub const FOLLOWING_ERROR: u16 = 0x8611;
 /// Code "incremental sensor 1 fault".
 pub const SENSOR_1: u16 = 0x7305;
 
-/// What an error code of a drive means; `None` for a code the profile gives no meaning.
+/// Meaning of an error code of a drive; `None` for a code without one in the profile.
 pub fn meaning(code: u16) -> Option<&'static str> {
     nearest(code, &[&TABLE])
 }
 
-/// Whether the code says that the position can no longer be believed: an encoder, resolver or tacho has failed.
+/// Whether the code makes the position unreliable: an encoder, resolver or tacho has failed.
 pub fn loses_position(code: u16) -> bool {
     (0x7300..=0x730F).contains(&code) || code == 0x7320
 }

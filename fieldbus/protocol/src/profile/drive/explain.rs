@@ -7,7 +7,7 @@ use linewright_line::{AtRest, DriveMode};
 use super::{ControlwordEdge, DriveFeedback, DriveGoal, DriveInhibit, DrivePhase, DriveState, ManagedDrive, meaning};
 
 impl ManagedDrive {
-    /// What it does, or waits for, in one sentence, with the statusword it was read from.
+    /// Its activity, or what it waits for, in one sentence, with the statusword it was read from.
     pub fn explain(&self) -> String {
         let Some(heard) = self.heard else {
             return "no process data from it yet".to_owned();
@@ -84,7 +84,7 @@ impl ManagedDrive {
         format!("{state}: waiting for {next}")
     }
 
-    /// Enabled, and not yet told to move.
+    /// Enabled, without an order to move yet.
     fn enabled(&self, goal: DriveGoal, heard: DriveFeedback) -> String {
         let mode = self.mode_for(goal);
         if heard.mode != mode {

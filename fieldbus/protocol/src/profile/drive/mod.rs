@@ -1,7 +1,7 @@
-//! One drive axis (CiA 402) bound to operations: an output says "go to this target", an input says "is there".
+//! One drive axis (CiA 402) bound to operations: an output means "go to this target", an input "is there".
 //!
-//! Pure: it is given the image, the time and what the drive sends, and says what to send. Who carries the frames, and
-//! whether the drive is alive, is the manager's business.
+//! Pure: image, time and the drive's frames go in, frames to send come out. Transport, and whether the drive is alive,
+//! are the manager's business.
 //!
 //! ```text
 //!           one output on                enabled, mode shown        acknowledged
@@ -16,10 +16,10 @@
 //!
 //! An output that is off must mean that nothing moves, whatever has been lost on the way:
 //!
-//! - **Rest is one constant word.** Without an order the drive is sent *quick stop*, in every state and again and again.
-//!   It needs no knowledge of the drive, so it cannot be wrong about it; a lost frame is made good by the next, a
-//!   repeated one changes nothing. The drive brakes on its quick stop ramp and then switches its power off by itself
-//!   (option 605Ah = 2): after that one frame nobody is needed any more. From a disabled drive a stray frame moves
+//! - **Rest is one constant word.** Without an order the drive is sent *quick stop*, in every state and again and
+//!   again. It needs no knowledge of the drive, so it cannot be wrong about it; a lost frame is made good by the next,
+//!   a repeated one changes nothing. The drive brakes on its quick stop ramp and then switches its power off by itself
+//!   (option 605Ah = 2): after that one frame no further one is needed. From a disabled drive a stray frame moves
 //!   nothing; motion takes four different words in the right order.
 //! - **An axis that would sink** (`at_rest = "hold"`) must not lose its torque whenever an operation is complete. It
 //!   gets *halt* instead: the same ramp (605Dh = 2), and then the drive holds.
@@ -29,12 +29,11 @@
 //! - **Two outputs at once** are two answers to where to go. Neither is chosen; it stops, and moves again only after
 //!   all of them have been off.
 //! - **A drive that drops out** of an order (a fault, a guard, a technician's tool) is not enabled again under that
-//!   order. Whether it is safe to go on is for whoever gives the next one.
+//!   order. Whether it is safe to go on is decided with the next one.
 //! - **A set-point is taken on a rising edge**, so a lost frame could make the drive go on to an older one. Before a
-//!   new set-point is offered, the drive has therefore been seen to know that the bit is low: by its acknowledge
-//!   falling, or by leaving operation enabled. Where neither can be seen it is disabled first. Target and edge are in
-//!   one frame.
-//! - **Where it is counts only if it knows.** Before homing it is at no target, and refuses to go to one.
+//!   new set-point is offered, the drive has therefore shown that it has seen the bit low: by its acknowledge falling,
+//!   or by leaving operation enabled. Where neither can be seen it is disabled first. Target and edge are in one frame.
+//! - **Its position counts only with a known zero.** Before homing it is at no target, and refuses to go to one.
 //!
 //! A failed drive is reset only while none of its outputs is on. The latch a person has to release is the operation's:
 //! it stays incomplete until an operator leads on.
@@ -76,7 +75,7 @@ pub struct ShortPdo {
     pub actual: usize,
 }
 
-/// What a drive last sent.
+/// Data last received from a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct DriveFeedback {
     word: Statusword,
@@ -85,7 +84,7 @@ struct DriveFeedback {
     actual: i32,
 }
 
-/// What a drive is sent.
+/// Data for a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct DriveCommand {
     word: u16,
@@ -93,14 +92,14 @@ struct DriveCommand {
     target: i32,
 }
 
-/// What an order comes down to.
+/// Goal of an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum DriveGoal {
     Target(usize),
     Home,
 }
 
-/// Why it does not do what its outputs say. Lasts until all of them have been off.
+/// Why it does not obey its outputs. Lasts until all of them have been off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum DriveInhibit {
     Several(OutputId, OutputId),
@@ -128,7 +127,7 @@ enum DrivePhase {
     Homed,
 }
 
-/// What the drive is known to have seen of bit 4 of its controlword, whose rising edge starts things, and of the words
+/// Evidence of what the drive has seen of bit 4 of its controlword, whose rising edge starts things, and of the words
 /// that take it out of operation enabled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ControlwordEdge {
@@ -153,16 +152,16 @@ pub struct ManagedDrive {
     phase: DrivePhase,
     edge: ControlwordEdge,
     homed: bool,
-    /// Its profile velocity (6081h), as far as that is known.
+    /// Its profile velocity (6081h); `None` if unknown.
     velocity: Option<u32>,
-    /// Its last error code, kept after a reset for whoever wants to know why.
+    /// Its last error code, kept after a reset for diagnosis.
     error: Option<u16>,
     /// Since when it has been seen in fault without an order.
     failed_since: Option<Tick>,
 }
 
 impl ManagedDrive {
-    /// A drive nothing has been heard of.
+    /// A drive from which nothing has been received.
     pub fn new(binding: DriveBinding) -> Self {
         let velocity = Some(binding.velocity);
         ManagedDrive {
@@ -222,8 +221,8 @@ impl ManagedDrive {
         edges.into_iter().find(|edge| *edge > self.now)
     }
 
-    /// The device was lost, or is about to be configured: what was known of it is forgotten, its zero included, since
-    /// nobody can tell whether it kept it. An order that was on has to be given anew.
+    /// The device was lost, or is about to be configured: its state is forgotten, its zero included, since the drive
+    /// may have lost it. An order that was on has to be given anew.
     ///
     /// [`ManagedDrive::settings`] are to be written before it is started again.
     pub fn lost(&mut self, now: Tick) {
@@ -240,7 +239,7 @@ impl ManagedDrive {
         };
     }
 
-    /// Takes the error code of an emergency from it; 0 says that its errors are gone.
+    /// Takes the error code of an emergency from it; 0: its errors are gone.
     pub fn emergency(&mut self, now: Tick, code: u16) {
         if code != 0 {
             self.error = Some(code);
@@ -257,7 +256,7 @@ impl ManagedDrive {
         self.slow_or_fast(at).map(settings::profile_velocity)
     }
 
-    /// The answer to a write of what [`ManagedDrive::wants_write`] asked for.
+    /// The answer to a write from [`ManagedDrive::wants_write`].
     pub fn written(&mut self, now: Tick, setting: &SdoWrite, answer: Result<(), Abort>) {
         match answer {
             Ok(()) => self.velocity = setting.data.as_slice().try_into().ok().map(u32::from_le_bytes),
@@ -271,12 +270,12 @@ impl ManagedDrive {
         self.advance(now);
     }
 
-    /// Whether it is to be sent something else than it was last sent.
+    /// Whether its data to be sent differ from those last sent.
     pub fn wants_to_send(&self) -> bool {
         self.sent != Some(self.command())
     }
 
-    /// What it is to be sent now; the caller sends it.
+    /// Data it is to be sent now; the caller sends them.
     pub fn give(&mut self) -> Payload {
         let command = self.command();
         let enables = |word: u16| word & word::ENABLE_OPERATION == word::ENABLE_OPERATION;
@@ -293,7 +292,7 @@ impl ManagedDrive {
         payload(command)
     }
 
-    /// What a drive in whatever state is sent to stop it. All zeros would cut its power while it moves.
+    /// Data that stop a drive in any state. All zeros would cut its power while it moves.
     pub fn rest(&self) -> Payload {
         payload(DriveCommand { word: word::QUICK_STOP, mode: self.binding.profile(), target: 0 })
     }
@@ -307,7 +306,7 @@ impl ManagedDrive {
         places.chain(done).chain(fault).fold(0, |image, input| image | input.bit())
     }
 
-    /// Whether it is where this target is. While it is ordered to that place, also whether it says so itself.
+    /// Whether it is at this target. While it is ordered there, also whether its statusword reports so.
     fn is_at(&self, target: &DriveSetpoint) -> bool {
         let Some(heard) = self.heard.filter(|_| self.knows_zero()) else { return false };
         if heard.actual.abs_diff(target.to) > self.binding.window {

@@ -1,4 +1,4 @@
-//! From what is wanted and what the drive says to what it is told next.
+//! The next command, from the demand and the drive's feedback.
 //!
 //! `advance` moves the phase, on evidence from the drive alone: what was sent proves nothing. `command` is the word for
 //! a phase.
@@ -16,7 +16,7 @@ use super::{
 };
 
 impl ManagedDrive {
-    /// What a statusword proves about bit 4: see [`ControlwordEdge`].
+    /// Takes the evidence of a statusword about bit 4: see [`ControlwordEdge`].
     pub(super) fn see_edge(&mut self, heard: DriveFeedback) {
         let before = self.heard.map(|heard| heard.mode);
         let is_low = self.sent.is_some_and(|sent| sent.word & NEW_SET_POINT == 0);
@@ -37,7 +37,7 @@ impl ManagedDrive {
         self.now = now;
         self.step(now);
         if self.phase == DrivePhase::Homed {
-            // The same output may want a target next.
+            // The same output may demand a target next.
             self.step(now);
         }
         let failed = self.heard.is_some_and(|heard| heard.word.state() == DriveState::Fault);
@@ -87,7 +87,7 @@ impl ManagedDrive {
         }
     }
 
-    /// Whether everything is as it must be before the drive is told to move.
+    /// Whether all conditions of an order to move are met.
     fn prepared(&self, now: Tick, goal: DriveGoal, heard: DriveFeedback, enabled: bool) -> DrivePhase {
         if !enabled || self.edge != ControlwordEdge::Low {
             return DrivePhase::Preparing(goal);

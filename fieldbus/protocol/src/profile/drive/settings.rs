@@ -1,4 +1,4 @@
-//! What a drive is told before it is started: its process data, its motion, and how it stops.
+//! Settings of a drive before it is started: its process data, its motion, and its stop behaviour.
 //!
 //! A process data object is remapped as CiA 301 §7.5.2.35 to §7.5.2.38 demands: switched off by bit 31 of its COB-ID,
 //! its number of objects set to zero, then the objects, their number, and the COB-ID without bit 31 last.
@@ -21,7 +21,7 @@ const EVENT_DRIVEN: u8 = 255;
 const INHIBIT: u16 = 50;
 /// Longest time between two, in ms: what makes a lost frame good.
 const EVENT_TIMER: u16 = 50;
-/// How long it must be within its window before it reports to have arrived, in ms.
+/// Time within its window before it reports to have arrived, in ms.
 const WINDOW_TIME: u16 = 10;
 
 /// Controlword, mode of operation, target: index, subindex and bits of each.
@@ -67,7 +67,7 @@ fn map(index: u16, objects: [u32; 3], settings: &mut Vec<SdoWrite>) {
     settings.push(SdoWrite::u8(index, 0, objects.len() as u8));
 }
 
-/// How it stops. None of these may be missing: the reasoning in [`super`] rests on them.
+/// Its stop behaviour. None of these may be missing: the reasoning in [`super`] rests on them.
 fn stopping(binding: &DriveBinding, settings: &mut Vec<SdoWrite>) {
     let quick_stop = match binding.at_rest {
         // Slow down on the quick stop ramp, then switch off.

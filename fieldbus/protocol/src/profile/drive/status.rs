@@ -5,7 +5,7 @@ use std::fmt;
 /// The state of a drive's power and function (CiA 402, the figure of the power drive system's state machine).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DriveState {
-    /// Self-test, initialisation. It cannot be told anything.
+    /// Self-test, initialisation. It obeys no command.
     NotReadyToSwitchOn,
     /// Initialised; power must not be switched on.
     SwitchOnDisabled,
@@ -13,11 +13,11 @@ pub enum DriveState {
     ReadyToSwitchOn,
     /// Power is on; no torque yet.
     SwitchedOn,
-    /// It does what its mode of operation says.
+    /// It obeys its mode of operation.
     OperationEnabled,
     /// It is stopping, or has stopped, by the quick stop function.
     QuickStopActive,
-    /// A fault has come up; it is doing what was laid down for that.
+    /// A fault has come up; its fault reaction is active.
     FaultReactionActive,
     /// It has failed, and its power is off.
     Fault,
@@ -26,7 +26,7 @@ pub enum DriveState {
 }
 
 impl DriveState {
-    /// All states the profile knows.
+    /// All states of the profile.
     pub const KNOWN: [DriveState; 8] = [
         DriveState::NotReadyToSwitchOn,
         DriveState::SwitchOnDisabled,
@@ -38,7 +38,7 @@ impl DriveState {
         DriveState::Fault,
     ];
 
-    /// The bits of a statusword that say so: bits 0 to 3, 5 and 6. [`DriveState::Unknown`] has none.
+    /// The bits of a statusword in this state: bits 0 to 3, 5 and 6. [`DriveState::Unknown`] has none.
     pub const fn bits(self) -> u16 {
         match self {
             DriveState::NotReadyToSwitchOn | DriveState::Unknown => 0x00,
@@ -105,12 +105,12 @@ impl Statusword {
         self.bit(9)
     }
 
-    /// Bit 10: it is where, or as fast as, it was told; with halt set: it stands.
+    /// Bit 10: it is at its target position or velocity; with halt set: it stands.
     pub const fn target_reached(self) -> bool {
         self.bit(10)
     }
 
-    /// Bit 11: a limit of the drive keeps it from doing what it was told.
+    /// Bit 11: a limit of the drive keeps it from its target.
     pub const fn internal_limit(self) -> bool {
         self.bit(11)
     }

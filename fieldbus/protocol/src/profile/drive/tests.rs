@@ -14,8 +14,8 @@ const AT_80: u128 = 2;
 const DONE: u128 = 4;
 const FAULT: u128 = 8;
 
-/// Target 0 at output and input 0, 80 000 increments at output and input 1; homing at output 2 and input 2 where it is
-/// asked for; fault at input 3.
+/// Target 0 at output and input 0, 80 000 increments at output and input 1; homing at output 2 and input 2 if `homing`;
+/// fault at input 3.
 fn binding(homing: bool) -> DriveBinding {
     let target = |id, to| DriveSetpoint { output: OutputId(id), to, at: InputId(id), velocity: 300_000 };
     let home = HomingBinding {
@@ -51,13 +51,13 @@ impl DriveBench {
         DriveBench { drive: ManagedDrive::new(binding), now: Tick::from_millis(1000) }
     }
 
-    /// What it is sent after an image, as controlword, mode and target.
+    /// Data sent after an image, as controlword, mode and target.
     fn image(&mut self, image: u128) -> (u16, i8, i32) {
         self.drive.set_image(self.now, image);
         self.sent()
     }
 
-    /// What it is sent after it said this.
+    /// Data sent after this feedback.
     fn says(&mut self, word: u16, mode: u8, actual: i32) -> (u16, i8, i32) {
         self.now = self.now + Duration::from_millis(1);
         let bits = u64::from(word) | u64::from(mode) << 16 | u64::from(actual as u32) << 24;
@@ -143,7 +143,7 @@ fn an_order_that_replaces_another_is_offered_after_the_acknowledge_has_fallen() 
     // Straight from one output to the other: halt, and because the bit is known to be low, the other target.
     assert_eq!(bench.image(TO_0), (0x010F, 1, 0));
     assert_eq!(bench.says(0x0237, 1, 20_000), (0x003F, 1, 0));
-    // Back before it has said a word: nobody knows what it has seen, so it leaves operation enabled first.
+    // Back before any answer: the last bit it has seen is unknown, so it leaves operation enabled first.
     assert_eq!(bench.image(TO_80), (word::QUICK_STOP, 1, 80_000));
     assert_eq!(bench.says(0x1237, 1, 20_000).0, word::QUICK_STOP, "an answer to what was offered before");
     assert_eq!(bench.enable(1, 19_000), 0x003F);
@@ -265,7 +265,7 @@ fn before_homing_it_is_nowhere_and_goes_nowhere() {
     bench.says(0x0250, 6, 0);
     bench.image(TO_80);
     assert_eq!(bench.enable(1, 0), 0x003F);
-    // Whether it kept its zero over a loss nobody knows.
+    // Whether it kept its zero over a loss is unknown.
     bench.image(0);
     bench.drive.lost(bench.now);
     bench.says(0x0250, 1, 0);

@@ -49,7 +49,7 @@ fn cause(result: Option<Result<Vec<u8>, TransferError>>) -> TransferFailure {
 const ASKED: (&str, &str) = ("", "400810");
 /// Ten bytes are announced in segments.
 const TEN: (&str, &str) = ("410810000A", "60");
-/// Blocks are asked for, at once.
+/// Blocks are requested at once.
 const BLOCKS: (&str, &str) = ("", "A40810007F");
 const BLOCK_WRITE: (&str, &str) = ("", "C600200114");
 const SEGMENTS_OF_20: &str = "0155555555555555 0255555555555555 83555555555555";
@@ -59,7 +59,7 @@ fn the_device_refuses_at_once_or_on_the_way() {
     let refused = TransferFailure::Refused(Abort::NO_OBJECT);
     assert_eq!(cause(read(&[ASKED, ("8008100000000206", "")])), refused);
     assert_eq!(cause(read(&[ASKED, TEN, ("8008100000000206", "")])), refused);
-    // Within a transfer no other can be meant, whatever the device says.
+    // Within a transfer no other can be meant, whatever object the abort names.
     assert_eq!(cause(read(&[ASKED, TEN, ("8000000000000206", "")])), refused);
     let one = ("", "2F00200155");
     assert_eq!(cause(write(1, TransferMode::Auto, &[one, ("8000200100000206", "")])), refused);
@@ -243,7 +243,7 @@ fn a_server_without_blocks_gets_segments() {
     // To read, a server may answer in segments without refusing.
     let lines = [BLOCKS, TEN, ("0041424344454647", "70"), ("19484950", "")];
     assert_eq!(play(SdoClient::upload(NAME, options(TransferMode::Block)), &lines), Some(Ok(b"ABCDEFGHIP"[..].into())));
-    // The length is known and blocks are refused: segments it is, and no third attempt.
+    // The length is known and blocks are refused: segments are used, without a third attempt.
     let long = ("4108100050", "8008100000000008 A40810007F");
     assert_eq!(read(&[ASKED, long, ("8008100001000405", "400810"), ("4108100050", "60")]), None);
     assert_eq!(read(&[ASKED, long, ("C208100050", "8008100004000405 400810"), ("4108100050", "60")]), None);

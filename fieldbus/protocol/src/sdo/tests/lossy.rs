@@ -6,7 +6,7 @@ use proptest::test_runner::RngSeed;
 
 use super::*;
 
-/// How often, in 1000 frames, each kind of disturbance happens.
+/// Frequency of each kind of disturbance, in 1000 frames.
 #[derive(Clone, Copy, Debug)]
 struct Weather {
     lost: u64,

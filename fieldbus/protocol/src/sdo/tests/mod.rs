@@ -67,7 +67,7 @@ impl Dictionary for ByteDictionary {
     }
 }
 
-/// What the channel does with a frame.
+/// Fate of a frame in the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
     Arrives,
@@ -121,7 +121,7 @@ impl ClientServerPair {
         self.run_with(|_| Fate::Arrives)
     }
 
-    /// Runs the transfer to its end; `fate` is asked for every frame sent. Panics if there is no end.
+    /// Runs the transfer to its end; `fate` is called for every frame sent. Panics if there is no end.
     fn run_with(&mut self, mut fate: impl FnMut(&SdoBytes) -> Fate) -> Result<Vec<u8>, TransferError> {
         let (mut up, mut down) = (ChannelDirection::default(), ChannelDirection::default());
         let mut out = Vec::new();
@@ -166,7 +166,7 @@ fn options(mode: TransferMode) -> TransferOptions {
     TransferOptions { mode, ..TransferOptions::default() }
 }
 
-/// Bytes that tell where they belong.
+/// Bytes that depend on their position.
 fn pattern(len: usize) -> Vec<u8> {
     (0..len).map(|at| (at * 7 + at / 251) as u8).collect()
 }

@@ -69,7 +69,7 @@ fn much_goes_in_blocks_with_a_checksum() {
     let crc = u16::from_le_bytes([raw(&tail[2])[1], raw(&tail[2])[2]]);
     assert_eq!(tail, ["8A55555555555555", "  A20A7F", &format!("C1{:02X}{:02X}", crc as u8, crc >> 8), "  A1"]);
     assert_eq!(data, [0x55; 70]);
-    // To read, the length is asked for first.
+    // To read, the length is requested first.
     let (log, data) = read(&[0x55; 71], TransferMode::Auto);
     assert_eq!(log[..6], ["400810", "  4108100047", "8008100000000008", "A40810007F", "  C608100047", "A3"]);
     let tail = &log[log.len() - 4..];

@@ -16,7 +16,7 @@ impl ServerBench {
         ServerBench { server: SdoServer::new(20), store, now: Tick::from_millis(1) }
     }
 
-    /// What it answers to a request.
+    /// Its answer to a request.
     fn ask(&mut self, request: &str) -> String {
         let mut out = Vec::new();
         self.server.handle(self.now, &raw(request), &mut self.store, &mut out);

@@ -7,7 +7,7 @@ use super::super::wire::*;
 proptest! {
     #[test]
     fn what_is_decoded_is_the_same_after_another_round(raw in any::<[u8; 8]>()) {
-        // Reserved bits are not kept: the bytes may differ, what they say may not.
+        // Reserved bits are not kept: the bytes may differ, their meaning may not.
         if let Some(request) = ClientFrame::decode(&raw) {
             prop_assert_eq!(ClientFrame::decode(&request.encode()), Some(request));
         }
