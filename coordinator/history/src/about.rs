@@ -1,9 +1,9 @@
-//! What a database is about: one cell or one line, as it was described.
+//! Identity of a database: one cell or one line, as it was described.
 
 use linewright_coordinator_cell::tracking::ReportMetadata;
 use serde::{Deserialize, Serialize};
 
-/// What a database is about.
+/// Identity of a database.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum About {
@@ -40,7 +40,7 @@ impl About {
     }
 }
 
-/// A line of a database. All that a report has to know of it is in here.
+/// A line of a database. Contains all that a report needs of it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LineAbout {
@@ -50,7 +50,7 @@ pub struct LineAbout {
     pub clock: TimeBase,
     /// Its stations, by number.
     pub stations: Vec<LineStation>,
-    /// What a cycle takes by the description alone, in µs; 0: nothing is planned.
+    /// Planned duration of a cycle, in µs; 0: nothing is planned.
     pub cycle_us: u64,
 }
 
@@ -74,7 +74,7 @@ pub struct LineOperation {
 }
 
 impl LineAbout {
-    /// What differs, as [`CellAbout::difference`]. Planned times may differ: the newest count.
+    /// Difference, as [`CellAbout::difference`]. Planned times may differ: the newest count.
     fn difference(&self, expected: &LineAbout) -> Option<(String, String)> {
         let name = |of: &LineAbout| format!("line `{}`", of.line);
         if (&self.line, self.clock) != (&expected.line, expected.clock) {
@@ -89,7 +89,7 @@ impl LineAbout {
     }
 }
 
-/// A cell of a database. All that a report has to know of the cell is in it, so that none needs the description.
+/// A cell of a database. Contains all that a report needs of it, so that none needs the description.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CellAbout {
@@ -115,8 +115,8 @@ pub enum TimeBase {
 }
 
 impl CellAbout {
-    /// What is different in a database that is about this, if it cannot be used for `expected`: what it is about, and what
-    /// it should be. Times, titles and what stations are called may differ.
+    /// Difference because of which a database with this identity cannot be used for `expected`: value found, and value
+    /// expected. Times, titles and names of stations may differ.
     pub(crate) fn difference(&self, expected: &CellAbout) -> Option<(String, String)> {
         let of = |cell: &str| format!("cell `{cell}`");
         if self.cell != expected.cell {

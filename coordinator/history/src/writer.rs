@@ -1,7 +1,7 @@
 //! The database, open for writing.
 //!
 //! What is written in one call is there whole or not at all. It is in the write-ahead log of the database then, which a
-//! killed process survives; a power cut may take the newest of it, and what is a record is fed again from the cell's log.
+//! killed process survives; a power cut may take the newest of it, and records are fed again from the cell's log.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -14,7 +14,7 @@ use crate::error::at;
 use crate::event::parts;
 use crate::{About, HistoryError, Note, schema};
 
-/// How long another one may hold the file. Readers never do.
+/// Longest wait for another connection to release the file. Readers never hold it.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
 
 /// A database that is open for writing.
@@ -25,7 +25,7 @@ pub struct History {
     newest: u64,
 }
 
-/// What is written.
+/// Item to be written.
 #[derive(Clone, Debug)]
 pub(crate) enum HistoryItem {
     /// Under its number in the log.
@@ -44,7 +44,7 @@ impl HistoryItem {
     }
 }
 
-/// What the database has under a number.
+/// Contents of the database under a number.
 enum Under {
     Nothing,
     Same,
@@ -135,7 +135,7 @@ impl History {
         self.put(&[HistoryItem::Note(at, note.clone())])
     }
 
-    /// Removes records beyond `last`: a power cut has taken them from the log, and nobody was told anything about them.
+    /// Removes records beyond `last`: a power cut has taken them from the log, and nothing was sent about them.
     ///
     /// # Errors
     /// When they cannot be removed.

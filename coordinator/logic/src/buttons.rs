@@ -1,8 +1,8 @@
 //! Hand-mode buttons held by message: hold-to-run across a network.
 //!
 //! A held button counts while it is refreshed. A refresh that comes late finds the motion stopped, and must not start it
-//! again, however long the silence was: the finger may never have left the button. Only a release that was heard makes the
-//! next message a new press.
+//! again, however long the silence was: the finger may never have left the button. Only a release that was received makes
+//! the next message a new press.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use linewright_line::Tick;
 pub(crate) struct Buttons {
     said: u32,
     until: Tick,
-    /// Ran out while they were held, and not heard released since.
+    /// Expired while they were held, and no release received since.
     unreleased: u32,
 }
 

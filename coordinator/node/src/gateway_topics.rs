@@ -20,7 +20,7 @@ pub fn inputs_message(image: InputsImage, boot_id: u64, sequence: u64) -> Proces
 /// A station behind the gateway.
 pub struct GatewayTopics {
     pub station: StationId,
-    /// What it is told of its devices.
+    /// Diagnostics of its devices.
     pub trouble: DeviceDiagnosticsTopic,
 }
 

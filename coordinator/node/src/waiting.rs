@@ -1,4 +1,4 @@
-//! What arrives while a record is being written, which takes as long as a disk takes.
+//! Arrivals while a record is being written, which takes as long as a disk takes.
 //!
 //! It waits: what follows the record was decided without it. An emergency stop, by command or from the console, comes first:
 //! what follows the record is dropped then, and decided again.

@@ -1,7 +1,7 @@
 //! A station behind the gateway: what it was sent of its inputs, and what the bus puts out for it.
 //!
-//! Only what was given last is kept here, so that nothing is given twice. Which outputs may be in force,
-//! [`Gateway`] says.
+//! Only what was sent last is kept here, so that nothing is sent twice. [`Gateway`] decides which outputs may be in
+//! force.
 
 use std::time::Duration;
 
@@ -28,11 +28,11 @@ pub(crate) struct GatewayStation {
     pub newest: NewestBySequence,
     /// Input bits, whether they are valid, and how often its devices have been lost.
     pub devices: (u128, bool, u64),
-    /// What the bus was last given to put out, and in which life of the devices.
+    /// Outputs last given to the bus, and in which life of the devices.
     put: Option<(u128, u64)>,
-    /// What is on the bus if that was given and not performed.
+    /// Outputs on the bus if those were not put out.
     on_bus: u128,
-    /// What the station was last sent of its inputs.
+    /// Inputs last sent to the station.
     sent: Option<InputsImage>,
 }
 
@@ -115,7 +115,7 @@ impl GatewayStation {
         let (bits, valid, _) = self.devices;
         let lives = self.lives(life);
         let in_force = self.in_force(now, gateway, lives, stop);
-        // After a loss the bus has forgotten what it was given, so it is given again.
+        // After a loss the bus has no outputs any more, so they are given again.
         if self.put.replace((in_force.bits, lives)) != Some((in_force.bits, lives)) {
             effects.push(CoordinatorEffect::Energise(self.station, in_force.bits));
         }

@@ -35,7 +35,7 @@ impl Spans {
         self.0.iter().map(|(from, to)| to.since(*from)).sum()
     }
 
-    /// Takes out what of it lies in the others; how long that was.
+    /// Removes the intersection with the others; gives its duration.
     pub fn take(&mut self, others: &Spans) -> Duration {
         let (mut rest, mut taken) = (Vec::with_capacity(self.0.len()), Duration::ZERO);
         let mut others = others.0.as_slice();

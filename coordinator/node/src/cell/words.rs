@@ -1,6 +1,6 @@
-//! All of a cell as its message says it.
+//! State of a cell as a message.
 //!
-//! What the net calls things is turned into what people do: a part is *in M1, loaded*, or *in `load M1`*.
+//! Names of the net become an operator's terms: a part is *in M1, loaded*, or *in `load M1`*.
 
 use linewright_coordinator_cell::exception::Alarm;
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
@@ -106,7 +106,7 @@ fn waits(line: &Line, order: &StationOrder, now: Tick) -> String {
     format!("{}: {doing}, {left} s left", line.station(order.station).name)
 }
 
-/// What people call the production orders of these numbers.
+/// Operators' names of the production orders of these numbers.
 pub fn names(production: &Production, ids: &[ProductionId]) -> impl Iterator<Item = String> {
     ids.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name))
 }
