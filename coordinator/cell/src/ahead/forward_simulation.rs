@@ -1,9 +1,9 @@
 //! Forward simulation of a cell.
 //!
-//! It begins as the real one is, and goes on as if every activity took its nominal time and every station did what it is
-//! told. An activity that already takes longer than that is believed to take as long again as it is late: so what hangs is
-//! waited for less and less, without anybody having to say when to give it up. A failed one stays failed and keeps what it
-//! has: a machine that is down is one that never comes back, as far as can be seen.
+//! It begins as the real one is, and goes on as if every activity took its nominal time and every station did its orders.
+//! An activity that already takes longer than that is assumed to take as long again as it is late: so what hangs is waited
+//! for less and less, without a limit to be set. A failed one stays failed and keeps what it has: a machine that is down
+//! is assumed never to come back.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ pub struct SimulatedActivity {
     pub was_running: bool,
 }
 
-/// Why playing has ended.
+/// Reason why playing has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// Nothing is in progress, and nothing will start: either all is done, or nothing can be.
@@ -98,7 +98,7 @@ impl ForwardSimulation {
         self.began
     }
 
-    /// How far time has gone.
+    /// Time reached.
     pub fn now(&self) -> Tick {
         self.now
     }
@@ -113,12 +113,13 @@ impl ForwardSimulation {
         &self.left
     }
 
-    /// How many activities were started or have happened.
+    /// Number of activities that were started or have happened.
     pub fn firings(&self) -> usize {
         self.firings
     }
 
-    /// How many activities had been started, those in progress before among them, after the first question was answered.
+    /// Number of activities that had been started, those in progress before among them, after the first question was
+    /// answered.
     pub(super) fn first(&self) -> Option<usize> {
         self.first
     }
@@ -159,7 +160,7 @@ impl ForwardSimulation {
         }
     }
 
-    /// What could start now.
+    /// Modes that could start now.
     pub(in super::super) fn candidates(&self) -> (Vec<Candidate>, Vec<ConflictGroup>) {
         pose(&self.state, self.state.enabling.decided().iter().copied())
     }

@@ -42,7 +42,7 @@ const TRIED: usize = 8;
 pub struct LookAhead {
     /// The rules, and what is on order.
     pub desk: DispatchConfiguration,
-    /// How far ahead; zero for not at all.
+    /// Time looked ahead; zero for not at all.
     pub horizon: Duration,
     /// Most firings simulated for a question.
     pub effort: usize,
@@ -55,7 +55,7 @@ pub struct LookAhead {
 /// A future that was tried.
 struct EvaluatedDecision {
     score: Score,
-    /// What starts in it at this question.
+    /// Starts in it at this question.
     first: Vec<PlannedStart>,
     all: VecDeque<PlannedStart>,
 }
@@ -75,12 +75,12 @@ impl LookAhead {
         &self.basis
     }
 
-    /// How many questions had to be decided before everything was tried.
+    /// Number of questions that had to be decided before everything was tried.
     pub fn worn(&self) -> u64 {
         self.worn
     }
 
-    /// Whether it is not to be asked what comes of it.
+    /// Whether there is nothing to simulate.
     fn is_bound(&self, question: &Question<'_>) -> bool {
         let rules = &self.desk.rules;
         let timetable = &rules.timetable;
@@ -116,7 +116,7 @@ impl LookAhead {
         Some(EvaluatedDecision { score, first: all[..first].to_vec(), all: all.into() })
     }
 
-    /// What else could be decided than what the rules say.
+    /// Alternatives to the decision by rules.
     fn choices(&self, question: &Question<'_>, usual: &DispatchDecision) -> Vec<PolicyChoice> {
         let preference = self.desk.rules.preference(question);
         let mut choices = Vec::new();
@@ -184,7 +184,7 @@ impl LookAhead {
         inside.chain(outside).map(|since| since + patience).filter(|&at| at > now && at != Tick::NEVER).min()
     }
 
-    /// What was started is not to be started again.
+    /// Removes a start that was made.
     fn started(&mut self, mode: ModeId, part: Option<PartId>) {
         let part = part.filter(|_| self.basis.table().part_in(mode).is_some());
         let at = self.best.iter().position(|of| (of.mode, of.part) == (mode, part));

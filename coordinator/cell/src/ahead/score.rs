@@ -18,16 +18,16 @@ use super::super::state::PartPlace;
 use super::bounds::{SimulationBasis, entering, is_last, weight};
 use super::forward_simulation::{Ending, ForwardSimulation};
 
-/// What has come of a future; the smaller one is better. Only scores of futures that began at the same moment are compared.
+/// Result of a future; the smaller one is better. Only scores of futures that began at the same moment are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Score {
     /// By how many microseconds parts are late in all, each counted 1 + priority times.
     pub tardiness: u64,
-    /// How many microseconds of work nothing can be done about any more.
+    /// Work that cannot be done any more, in µs.
     pub stuck: u64,
     /// When all is finished, in microseconds from the beginning.
     pub makespan: u64,
-    /// How many microseconds of work are left.
+    /// Work that is left, in µs.
     pub work: u64,
     /// After how many microseconds parts are finished, in all.
     pub flow: u64,

@@ -1,8 +1,8 @@
-//! All production orders of a cell: a fold over what people change and what the cell's records say.
+//! All production orders of a cell: a fold over operators' changes and the cell's records.
 //!
 //! Which order a part that enters counts to is not decided when it enters but follows: the first in turn of those of its
-//! product that are released. So a record of entering says enough, and a dispatcher that tries out what comes next can let
-//! simulated parts enter as well.
+//! product that are released. So a record of entering is enough, and a dispatcher that simulates can let simulated parts
+//! enter as well.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ pub struct Production {
     /// Activities in progress that take a part out.
     pub(super) leaving: BTreeMap<FiringId, PartId>,
     pub(super) last: u64,
-    /// Those that are over are not forgotten.
+    /// Orders that are over are kept.
     keeps_all: bool,
 }
 
@@ -52,7 +52,7 @@ impl Production {
         }
     }
 
-    /// The same from what a report knows of the cell. No order is ever forgotten.
+    /// The same from the data of a report. All orders are kept.
     pub fn of_sheet(sheet: &ReportMetadata) -> Self {
         let modes = || (0..).map(ModeId).zip(&sheet.modes);
         let passing = |passing| move |(_, entry): &(ModeId, &ModeEntry)| entry.passing == passing;
@@ -91,7 +91,8 @@ impl Production {
         self.order(*self.of_part.get(&part)?)
     }
 
-    /// What makes orders of these requests, all of them or none. Those that are orders already change nothing.
+    /// The change that makes orders of these requests, all of them or none. Those that are orders already change
+    /// nothing.
     ///
     /// # Errors
     /// All that is wrong with any of them.
@@ -147,10 +148,10 @@ impl Production {
         Ok(ids.zip(in_order(&new)).map(|(id, request)| ProductionChange::Accepted { id, request }).collect())
     }
 
-    /// What cancels an order: nothing more of it enters.
+    /// The change that cancels an order: nothing more of it enters.
     ///
     /// # Errors
-    /// Why not.
+    /// Reason why not.
     pub fn cancel(&self, name: &str) -> Result<ProductionChange, ProductionRefusal> {
         let order = self.open(name)?;
         if order.cancelled.is_some() {
@@ -159,10 +160,10 @@ impl Production {
         Ok(ProductionChange::Cancelled(order.id))
     }
 
-    /// What withdraws an order, as long as nothing of it has entered.
+    /// The change that withdraws an order, as long as nothing of it has entered.
     ///
     /// # Errors
-    /// Why not.
+    /// Reason why not.
     pub fn withdraw(&self, name: &str) -> Result<ProductionChange, ProductionRefusal> {
         let order = self.open(name)?;
         if order.begun.is_some() || order.cancelled.is_some() {
@@ -186,7 +187,7 @@ impl Production {
         self.orders.values().find(|order| order.ended.is_none() && order.after.contains(&id))
     }
 
-    /// Does what a change says, or nothing of it.
+    /// Applies a change, or nothing of it.
     fn apply(&mut self, at: Tick, change: &ProductionChange) -> Result<(), ProductionMisfit> {
         match change {
             ProductionChange::Accepted { id, request } => self.accept(at, *id, request),
@@ -242,7 +243,7 @@ impl Production {
         Ok(())
     }
 
-    /// Forgets the oldest of those that are over and that no other order waits for.
+    /// Drops the oldest of those that are over and that no other order waits for.
     fn forget(&mut self) {
         if self.keeps_all {
             return;
@@ -265,8 +266,8 @@ impl Production {
         }
     }
 
-    /// Takes a record of the cell, and says whether it changes anything. It takes time for what it touches, and for finding
-    /// who is in turn when a part enters.
+    /// Takes a record of the cell, and returns whether it changes anything. It takes time for what it touches, and for
+    /// finding the order in turn when a part enters.
     ///
     /// # Errors
     /// A change that does not fit; nothing has changed then.
@@ -389,7 +390,7 @@ impl Production {
         self.enters.iter().filter(move |(_, of)| **of == product).map(|(&mode, _)| mode)
     }
 
-    /// What a dispatcher has to know at a time: of parts inside, and of those that may enter.
+    /// Data for a dispatcher at a time: of parts inside, and of those that may enter.
     pub fn jobs(&self, now: Tick) -> PartPriorities {
         let mut jobs = PartPriorities::default();
         let of = |(&part, id): (&PartId, &ProductionId)| Some((part, self.orders.get(id)?.job()));
@@ -420,7 +421,7 @@ impl Production {
         jobs
     }
 
-    /// When what a dispatcher has to know changes by time alone, after `now`.
+    /// Next time after `now` at which the data for a dispatcher change by time alone.
     pub(in super::super) fn next_release(&self, now: Tick) -> Option<Tick> {
         self.missing().filter_map(|order| self.open_from(order)).filter(|&from| from > now).min()
     }

@@ -53,7 +53,7 @@ struct ScheduleSearchState<'a> {
     best: Option<Best>,
     /// Firings left.
     left: usize,
-    /// How many the last future took.
+    /// Number that the last future took.
     took: usize,
 }
 
@@ -79,7 +79,7 @@ impl ScheduleSearchState<'_> {
     }
 }
 
-/// A desk that no timetable tells anything.
+/// A configuration without influence of a timetable.
 fn free(desk: &DispatchConfiguration) -> DispatchConfiguration {
     let mut desk = desk.clone();
     desk.rules.timetable = Timetable::EMPTY;

@@ -11,7 +11,7 @@ use super::super::production::DispatchConfiguration;
 use super::super::question::{DispatchDecision, Dispatcher, Question};
 use super::super::record::Record;
 
-/// Once in so many questions something else is decided than the rules say.
+/// One in so many questions is decided against the rules.
 const OVERRULED: usize = 8;
 
 /// Numbers that look as if they were drawn (xorshift64*, Vigna 2016).
@@ -65,7 +65,7 @@ impl RandomPolicy {
 impl Dispatcher for RandomPolicy {
     fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         if self.plan > 0 {
-            // It ends when as many have started as there were, or when it stands still and forgets the rest.
+            // It ends when as many have started as there were, or when it stands still and drops the rest.
             let answer = self.follow.decide(question);
             self.plan = self.plan.saturating_sub(answer.start.len());
             return answer;

@@ -46,7 +46,7 @@ pub(super) struct ScheduleSearch {
 struct SearchNode {
     simulation: ForwardSimulation,
     desk: DispatchConfiguration,
-    /// What is still to be tried, the last first; none is to wait.
+    /// Options still to be tried, the last first; none is to wait.
     options: Vec<Option<(ModeId, Start)>>,
     /// When something happens next.
     next: Option<Tick>,
@@ -149,7 +149,7 @@ impl ScheduleSearch {
     }
 }
 
-/// What could start, in the order of preference; of equal parts one.
+/// Possible starts, in the order of preference; of equal parts one.
 fn options(simulation: &ForwardSimulation, desk: &mut DispatchConfiguration) -> Vec<(ModeId, Start)> {
     let (candidates, groups) = simulation.candidates();
     if candidates.is_empty() {

@@ -1,9 +1,9 @@
 //! A schedule: what starts when, and what has become of it.
 //!
-//! Parts that have not entered have no number yet that could be relied on; so a schedule numbers parts by itself, and says
-//! of each which one it is as soon as it enters. Each slot has a *window*: from its planned start to the latest one that
-//! moves nothing else in the schedule (its free float). What was first promised stays with a slot through all revisions, so
-//! that plan and actual can be compared.
+//! Parts that have not entered have no number yet that could be relied on; so a schedule numbers parts by itself, and maps
+//! each to its part as soon as it enters. Each slot has a *window*: from its planned start to the latest one that moves
+//! nothing else in the schedule (its free float). The first promise stays with a slot through all revisions, so that plan
+//! and actual can be compared.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -30,7 +30,7 @@ pub struct ScheduleSlot {
     pub to: Tick,
     /// By how much it can start later without moving anything else.
     pub float: Duration,
-    /// What was planned for it at first; none if it was not planned when it started.
+    /// First plan for it; none if it was not planned when it started.
     pub promised: Option<(Tick, Tick)>,
     /// When it has started.
     pub began: Option<Tick>,
@@ -46,21 +46,21 @@ pub struct PlanActualBar {
     pub mode: ModeId,
     /// With which part; none if it takes none, or has not entered.
     pub part: Option<PartId>,
-    /// What was planned at first; none if it was never planned.
+    /// First plan; none if it was never planned.
     pub promised: Option<(Tick, Tick)>,
-    /// What was planned last.
+    /// Last plan.
     pub planned: Option<(Tick, Tick)>,
     /// When it started, if it has, and ended, if it has.
     pub actual: Option<(Tick, Option<Tick>)>,
     pub failed: bool,
 }
 
-/// What is to start when.
+/// Planned starts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Schedule {
     /// When it was made.
     pub made: Tick,
-    /// What comes of it, if all takes its nominal time.
+    /// Its result, if all takes its nominal time.
     pub score: Score,
     /// Nothing is less late, and of what is as late nothing is finished earlier.
     pub proved: bool,
@@ -73,7 +73,7 @@ pub struct Schedule {
     /// Of each mode that takes no part its slots that have not started, and those of parts that have not entered.
     entering: BTreeMap<ModeId, VecDeque<usize>>,
     running: BTreeMap<FiringId, usize>,
-    /// What has started that was not planned.
+    /// Starts that were not planned.
     strays: Vec<usize>,
 }
 
@@ -150,24 +150,24 @@ impl Schedule {
         self.open.iter().all(VecDeque::is_empty) && self.entering.values().all(VecDeque::is_empty)
     }
 
-    /// What has started that was not planned.
+    /// Starts that were not planned.
     pub fn strays(&self) -> impl Iterator<Item = &ScheduleSlot> {
         self.strays.iter().map(|&at| &self.slots[at])
     }
 
-    /// What a part is to do next.
+    /// Next start of a part.
     pub fn next_of(&self, part: PartId) -> Option<&ScheduleSlot> {
         let at = self.parts.iter().position(|known| *known == Some(part))?;
         self.open[at].front().map(|&slot| &self.slots[slot])
     }
 
-    /// What each part inside is to do next.
+    /// Next start of each part inside.
     pub(super) fn next_of_parts(&self) -> impl Iterator<Item = (PartId, &ScheduleSlot)> {
         let pairs = self.parts.iter().zip(&self.open);
         pairs.filter_map(|(part, open)| Some(((*part)?, &self.slots[*open.front()?])))
     }
 
-    /// What is to enter next by each mode, or to happen without a part.
+    /// Next entry by each mode, or next start without a part.
     pub(super) fn next_entering(&self) -> impl Iterator<Item = (ModeId, &ScheduleSlot)> {
         self.entering.iter().filter_map(|(&mode, slots)| Some((mode, &self.slots[*slots.front()?])))
     }
@@ -243,7 +243,7 @@ impl Schedule {
         at
     }
 
-    /// What is left to be started, in its order, for a cell as it is: parts that have not entered get the numbers that they
+    /// Starts that are left, in their order, for a cell as it is: parts that have not entered get the numbers that they
     /// will have.
     pub(super) fn rest(&self, state: &PlayerState) -> VecDeque<PlannedStart> {
         let table = state.table();

@@ -13,7 +13,7 @@ use super::super::ids::{FiringId, ModeId, PartId, ResourceId};
 use super::super::state::{PartPlace, PlayerState};
 use super::slots::{Schedule, ScheduleSlot};
 
-/// Why a schedule is made anew.
+/// Reason why a schedule is made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RevisionReason {
     /// There was none.
@@ -24,7 +24,7 @@ pub enum RevisionReason {
     Failed(FiringId),
     /// A resource is not to be counted on.
     Down(ResourceId),
-    /// What had failed goes on again, or something has been put right by hand.
+    /// A failed activity goes on again, or something has been put right by hand.
     Restored,
     /// Something starts, or ends, later than it may.
     Late {
@@ -41,7 +41,7 @@ pub enum RevisionReason {
 }
 
 impl Schedule {
-    /// What the rule `schedule` follows.
+    /// Planned starts for the rule `schedule`.
     pub fn timetable(
         &self,
         state: &PlayerState,
@@ -78,7 +78,7 @@ impl Schedule {
         timetable
     }
 
-    /// Why the schedule does not hold any more, if it does not.
+    /// Reason why the schedule does not hold any more, if it does not.
     pub fn deviation(&self, now: Tick, tolerance: Duration) -> Option<RevisionReason> {
         if let Some(stray) = self.strays().next() {
             return Some(RevisionReason::Stray(stray.mode, self.part_of(stray)));

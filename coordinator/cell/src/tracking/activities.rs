@@ -1,4 +1,4 @@
-//! What has been done, activity by activity: for charts, tables, and whoever wants to add something else up.
+//! Activities of the past, one by one: for charts, tables, and other sums.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub struct FinishedActivity {
     pub began: Tick,
     /// When it failed, if it did, and why.
     pub failed: Option<ActivityFailed>,
-    /// When it ended; none while it is in progress, or waits for whoever knows what is true.
+    /// End; none while it is in progress, or waits for an operator's answer.
     pub ended: Option<Tick>,
 }
 

@@ -1,4 +1,4 @@
-//! What is reported of production orders: how many were done, and how late.
+//! Report of production orders: how many were done, and how late.
 
 use std::fmt;
 use std::time::Duration;
