@@ -38,7 +38,7 @@ pub(crate) struct SimulatedBus {
     manager_due: Tick,
 }
 
-/// What was played on a bus.
+/// Actions on a bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Played {
     /// Something of the devices or of the mechanisms behind them.
@@ -105,7 +105,7 @@ impl SimulatedBus {
         }
     }
 
-    /// Asks the manager for something.
+    /// Calls the manager.
     pub(super) fn ask(&mut self, does: impl FnOnce(&mut Manager, &mut BusOutbox)) {
         if let Some(manager) = &mut self.manager {
             does(manager, &mut self.outbox);

@@ -14,7 +14,7 @@ use super::bus::{Played, SimulatedBus};
 pub(crate) struct SeenInputs {
     pub(crate) bits: u128,
     pub(crate) valid: bool,
-    /// How often devices have been lost.
+    /// Number of losses of devices.
     pub(crate) losses: u64,
 }
 
@@ -121,7 +121,7 @@ impl SimulatedBuses {
         self.bus_of(owner).ask(|manager, out| manager.set_outputs(now, owner, outputs, out));
     }
 
-    /// What is wrong with an owner's devices, in the manager's words; empty while there is no manager.
+    /// Faults of an owner's devices, in the manager's words; empty while there is no manager.
     pub(crate) fn trouble(&self, now: Tick, owner: Owner) -> Vec<String> {
         let manager = self.buses[self.of[self.number(owner)]].manager();
         manager.map(|manager| manager.trouble(now, owner).collect()).unwrap_or_default()

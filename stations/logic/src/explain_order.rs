@@ -1,4 +1,4 @@
-//! What a task-driven station waits for between two motions.
+//! Wait of a task-driven station between two motions.
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{InputId, Line, OperationModule, Owner};

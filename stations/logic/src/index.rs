@@ -14,10 +14,10 @@
 //!            watchdog, at any time ┘ └ off its place while it stands
 //! ```
 //!
-//! An arrival is believed that comes by driving, or by coasting shortly after it, in about the time of an index. It is in doubt
-//! unless what its switch has shown has one explanation.
+//! An arrival counts that comes by driving, or by coasting shortly after it, in about the time of an index. It is in doubt
+//! unless its switch's history has one explanation.
 //!
-//! A doubt is of the station, and is kept over a restart. It ends by a person who looks, and confirms with
+//! A doubt is of the station, and is kept over a restart. It ends by a person who looks and confirms with
 //! [`Controller::rejoin`]. Until then the station's position is lost, and nothing of it moves: from where the index began it
 //! would have to, and from the next place it must not.
 
@@ -72,7 +72,7 @@ impl Controller {
         }
     }
 
-    /// What this image makes of an index; none for a doubt. An image from before the motion says nothing about it.
+    /// Progress of an index by this image; none for a doubt. An image from before the motion has no effect.
     fn progress(&self, token: &Token) -> Option<IndexProgress> {
         let table = &self.program.places[usize::from(token.place)];
         let (valid, on) = (self.image.valid, self.image.bits & table.turns != 0);
@@ -119,7 +119,7 @@ impl Controller {
         }
     }
 
-    /// How long an index was driven, over all stops.
+    /// Time that an index was driven, over all stops.
     fn time_driven(&self, token: &Token) -> Duration {
         let table = &self.program.places[usize::from(token.place)];
         if !table.place.is_operating() {
@@ -135,8 +135,9 @@ impl Controller {
         self.marking.doubtful.map(|op| (op, input(op)))
     }
 
-    /// Why an index may not begin or go on: it is in doubt, or it is to begin where its switch is off, and would end at it
-    /// without a place between. Unlike an axis that was missed at one of two switches, it is led nowhere by that.
+    /// Reason why an index may not begin or go on: it is in doubt, or it is to begin where its switch is off, and would
+    /// end at it without a place between. Unlike for an axis that was missed at one of two switches, no motion clears
+    /// that.
     pub(crate) fn unsafe_index(&self, action: &CompiledTransition) -> Option<StopCause> {
         if let Some((op, input)) = self.doubtful_index() {
             return Some(StopCause::IndexDoubtful { op, input });

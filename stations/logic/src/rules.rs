@@ -1,7 +1,7 @@
 //! The rules that make counts safe, each with a switch.
 //!
-//! They exist for the checker: an explorer that finds nothing wrong is worth believing only if it finds a collision
-//! as soon as one rule is off. A controller runs with all of them; nothing in a description can turn one off.
+//! They exist for the checker: an explorer without findings is credible only if it finds a collision as soon as one
+//! rule is off. A controller runs with all of them; nothing in a description can turn one off.
 
 /// Which rules hold. The default is all of them, and the only choice for a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,9 +27,9 @@ pub struct Rules {
     /// Measured positions are the second barrier (see `interlock`). Off: counts alone.
     pub positions: bool,
     /// Arrows are observed. Off, the second barrier stands alone: what an arrow waits for is not waited for, and a count is
-    /// taken back without asking.
+    /// taken back without agreement.
     pub arrows: bool,
-    /// An index that is complete in less than half its time is not believed. Off: for whoever keeps the clock still.
+    /// An index that is complete in less than half its time is in doubt. Off: for callers that keep the clock still.
     pub timely: bool,
 }
 
@@ -63,7 +63,7 @@ pub struct OrderRules {
     pub does_once: bool,
     /// An order that is meant for another memory is refused. Off: it is done.
     pub own_memory: bool,
-    /// Told to stop it stands at once, and copies of a message to go back move nothing later. Off: it goes back.
+    /// Ordered to stop it stands at once, and copies of a message to go back move nothing later. Off: it goes back.
     pub stops_at_once: bool,
 }
 

@@ -1,12 +1,11 @@
-//! What this station knows of the others, and what it may conclude.
+//! This station's views of the others, and its conclusions.
 //!
 //! A view is the newest report of another station, with an age. A view that is too old is *unknown*, and unknown
 //! blocks every condition that reads it, negated or not. In normal operation counts only grow, so a late view can
 //! delay a start but never allow a wrong one. The dangerous direction is a count going back; two rules meet it here:
 //!
 //! * While a view shows an open request to take back the count of an operation, that count is read as already taken
-//!   back. So nothing new is started on it — whether or not this station has agreed, and whatever a restart made it
-//!   forget.
+//!   back. So nothing new is started on it — whether or not this station has agreed, and whatever it lost in a restart.
 //! * A request is agreed to only if every operation of ours that builds on the count has not started in that cycle,
 //!   or has been undone. The answer is worked out once for each request number and then stands.
 
@@ -20,7 +19,7 @@ use crate::program::{IncomingArrow as Cause, Program};
 use crate::report::{StationReport, WithdrawalAnswer, WithdrawalRequest};
 use crate::rules::Rules;
 
-/// The newest that was heard of one other station.
+/// The newest state received of one other station.
 #[derive(Clone, Debug)]
 pub(crate) struct PeerView {
     pub station: StationId,
@@ -59,11 +58,11 @@ pub(crate) struct PeerViews {
     pub rules: Rules,
 }
 
-/// Why a peer's counts may be compared, or not.
+/// Whether a peer's counts may be compared, with the reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Comparability {
     Comparable,
-    /// Not heard, or not for too long.
+    /// Not received, or not for too long.
     NotHeard,
     /// This station or the peer has no generation, or they have different ones.
     OtherGeneration,

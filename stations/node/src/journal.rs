@@ -1,7 +1,7 @@
 //! The station's snapshot as a journal record.
 //!
-//! Text, so that a person can read what a station remembers (`strings`). A record that does not fit the description —
-//! another line, an edited one — gives no snapshot but the reason; the station then comes up without memory, and without a
+//! Text, so that a person can read a station's memory (`strings`). A record that does not fit the description — another
+//! line, an edited one — gives no snapshot but the reason; the station then comes up without memory, and without a
 //! generation.
 
 use linewright_line::net::StationPlace;
@@ -13,7 +13,7 @@ use linewright_station_logic::{
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Why a record cannot be used.
+/// Reason why a record cannot be used.
 #[derive(Debug, Error)]
 pub enum RecordError {
     /// Not a record at all.
@@ -21,7 +21,7 @@ pub enum RecordError {
     Unreadable {
         /// The station.
         station: String,
-        /// What is wrong.
+        /// Error in it.
         error: serde_json::Error,
     },
     /// It belongs to another description.
@@ -29,15 +29,15 @@ pub enum RecordError {
     OtherDescription {
         /// The station.
         station: String,
-        /// What differs.
+        /// Difference.
         what: &'static str,
     },
-    /// What it says cannot be.
+    /// Its contents contradict each other.
     #[error("the journal of {station} cannot be used: {error}")]
     Contradicts {
         /// The station.
         station: String,
-        /// What is wrong.
+        /// Error in it.
         error: CompileError,
     },
 }
@@ -59,7 +59,7 @@ struct StationRecord {
     /// The generation of the counts; 0 for none.
     #[serde(default)]
     generation: u64,
-    /// The marking says where the mechanisms stand.
+    /// The marking is where the mechanisms stand.
     #[serde(default)]
     placed: bool,
     /// Which start of the host it was written in.
@@ -83,7 +83,7 @@ struct OrderRecord {
     secured: Option<(u64, u64)>,
 }
 
-/// Why an order was refused for good, in the words of the record.
+/// Reason why an order was refused for good, in the words of the record.
 const REFUSALS: [(&str, TaskRefusal); 5] = [
     ("late", TaskRefusal::Late),
     ("not-there", TaskRefusal::NotThere),
@@ -117,7 +117,7 @@ impl OrderRecord {
     }
 }
 
-/// What a station remembers to have said; none for what it does not remember.
+/// The word for a reply that a station remembers; none for others.
 fn word(reply: TaskReply) -> Option<String> {
     match reply {
         TaskReply::Ended(TaskOutcome::Done) => Some("done".to_owned()),
@@ -245,7 +245,7 @@ mod tests {
 
     fn snapshot(line: &Line) -> StationSnapshot {
         let mut controller = Controller::new(line, StationId(0), 7, Restore::Fresh).expect("it compiles");
-        // Not in auto: refused for now, which is not kept; the one that is told to be left is.
+        // Not in auto: refused for now, which is not kept; the order to be left is.
         let order = TaskOrder {
             key: OrderKey { epoch: 2, id: 5 },
             memory: 7,

@@ -1,4 +1,4 @@
-//! What the names of a scenario stand for, and whether it holds together.
+//! Resolution of the names of a scenario, and its consistency.
 
 use std::collections::{BTreeMap, BTreeSet};
 

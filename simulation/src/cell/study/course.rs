@@ -1,4 +1,4 @@
-//! What comes to a cell from outside in one replication, and when: orders, failures and repairs.
+//! External events of a cell in one replication, with times: orders, failures and repairs.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -16,14 +16,14 @@ use crate::rng::Rng;
 /// Keys of orders that come begin here; those of the scenario's own list are below.
 const KEYS: u128 = 1 << 64;
 
-/// Why a resource stands.
+/// Reason why a resource stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum StandstillCause {
     Breakdown(usize),
     Script,
 }
 
-/// What is due next.
+/// Next event.
 pub(super) enum CourseEvent {
     /// An order comes.
     Order(ProductionOrderRequest),
@@ -32,12 +32,12 @@ pub(super) enum CourseEvent {
     Resource(ResourceId),
 }
 
-/// What comes from outside.
+/// External events.
 pub(super) struct Course {
     arrivals: Vec<ArrivalStream>,
     breakdowns: Vec<BreakdownStream>,
     script: VecDeque<ScriptedFault>,
-    /// Why each resource that stands does, and whether that is known.
+    /// Reasons why each resource stands, and whether the coordinator has each.
     standing: BTreeMap<ResourceId, BTreeMap<StandstillCause, bool>>,
     made: u128,
 }

@@ -1,4 +1,4 @@
-//! What one replication says of a cell: its figures, from its records, without what was over before the warm-up's end.
+//! Figures of one replication of a cell, from its records, without what was over before the warm-up's end.
 //!
 //! Times of resources are those of ISO 22400-2. *Worked* is the actual unit processing time (AUPT): the time in which the
 //! resource worked on or carried a part, without the time in which it stood meanwhile. *Down* is the actual unit down time
@@ -18,7 +18,7 @@ use super::{CellStudy, PlayedReplication, Standstill, StudyProblem};
 /// The figures of one replication. What there is none of, such as the lateness where nothing is due, is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReplicationFigures {
-    /// How long it was observed, without the warm-up.
+    /// Time observed, without the warm-up.
     pub observed: Duration,
     /// Parts that left.
     pub parts: usize,
@@ -48,9 +48,9 @@ pub struct ReplicationFigures {
     pub tardiness_max: Option<f64>,
     /// In the order of the description.
     pub resources: Vec<ResourceFigures>,
-    /// What each order came to, in the order of their numbers.
+    /// Figures of each order, in the order of their numbers.
     pub each: Vec<OrderFigures>,
-    /// Why it ended before its time, if it did.
+    /// Reason why it ended before its time, if it did.
     pub problem: Option<StudyProblem>,
 }
 
@@ -61,7 +61,7 @@ pub struct ResourceFigures {
     pub worked: f64,
     /// The part of the time in which it stood.
     pub down: f64,
-    /// How much of its room was taken in the mean.
+    /// Mean number of positions taken.
     pub taken: f64,
 }
 
@@ -181,7 +181,7 @@ fn each(order: &ProductionOrder) -> OrderFigures {
     }
 }
 
-/// How many seconds of a span lie between two moments.
+/// Seconds of a span between two moments.
 fn within(from: Tick, to: Option<Tick>, low: Tick, high: Tick) -> f64 {
     to.unwrap_or(high).min(high).since(from.max(low)).as_secs_f64()
 }

@@ -117,7 +117,7 @@ impl StudyRun<'_> {
         }
     }
 
-    /// What comes from outside at this moment.
+    /// External events of this moment.
     fn outside(&mut self, now: Tick) -> Result<(), StudyProblem> {
         loop {
             let (table, stations) = (&self.sim.table, &mut self.sim.stations);
@@ -166,7 +166,7 @@ impl StudyRun<'_> {
             station.go_on(now);
             self.stood.push(Standstill { resource, from, to: now });
         }
-        // What people would say: what it is doing it finishes when it is repaired, and nothing else is ordered of it.
+        // As an operator's request: it finishes its work after the repair, and gets no other order.
         let played = PlayedResource(u32::try_from(resource.index()).unwrap_or(u32::MAX));
         let is_out = self.sim.state().exceptions().is_down(played).is_some();
         let out = self.course.is_left_out(resource);
@@ -180,7 +180,7 @@ impl StudyRun<'_> {
         self.course.is_over() && state.production().missing().next().is_none() && state.parts().len() == 0
     }
 
-    /// Until nothing happens any more; what waits for nothing is asked again and again.
+    /// Until nothing happens any more; the end condition is checked again and again.
     fn run_out(&mut self) {
         self.sim.run_on(self.dispatcher, self.sim.now);
         while let Some(at) = self.sim.next_event().filter(|_| self.sim.spins().is_none()) {

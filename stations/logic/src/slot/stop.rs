@@ -1,9 +1,9 @@
-//! An order whose motion is stopped: by a fault, or because the station is told to stop.
+//! An order whose motion is stopped: by a fault, or because the station is ordered to stop.
 //!
-//! Told to leave an order a station ends the motion under way and goes back. Told to stop it stands where it is, as a fault
-//! would stop it: the operation is incomplete, and only a person leads on from there. That lasts. The order counts as secured
-//! from then on, also after a restart, so no copy of a message to leave it moves anything later; and one that was on its way
-//! is not begun.
+//! Ordered to leave an order a station ends the motion under way and goes back. Ordered to stop it stands where it is, as a
+//! fault would stop it: the operation is incomplete, and only a person leads on from there. That lasts. The order counts as
+//! secured from then on, also after a restart, so no copy of a message to leave it moves anything later; and one that was on
+//! its way is not begun.
 //!
 //! It is the order that is stopped, not the station: a message about another order than the one in the slot stops nothing.
 
@@ -65,7 +65,7 @@ impl Controller {
 }
 
 impl SlotPhase {
-    /// How an order ends that something has stopped: as that says, unless it was given up before.
+    /// Outcome of an order that something has stopped: `stopped`, unless it was given up before.
     fn failed_with(self, stopped: TaskFailure) -> TaskFailure {
         match (self, stopped) {
             (SlotPhase::Securing { failure: Some(failure) }, _) => failure,
