@@ -1,8 +1,8 @@
 //! Where parts can come and still be finished: reachability of (stage, spot), forwards and backwards.
 //!
-//! A spot is where a part can stand: outside before or after, in a store, in a machine before or after its work. What
-//! lies on a way from *new, outside* to *done, outside* is what activities are for; the rest is left out of the nets and
-//! reported where a plan needs it. Capacities play no part here. The search is linear in spots × stages × ways.
+//! A spot is where a part can stand: outside before or after, in a store, in a machine before or after its work.
+//! Activities are for the ways from *new, outside* to *done, outside*; the rest is left out of the nets and reported
+//! where a plan needs it. Capacities play no part here. The search is linear in spots × stages × ways.
 
 use crate::prototype::ResourceAction;
 use crate::{ResourceId, StageId, Staying};
@@ -44,7 +44,7 @@ impl PartSpot {
     }
 }
 
-/// What moves parts and what changes them.
+/// Moves of parts, and changes of their stages.
 #[derive(Clone, Debug, Default)]
 pub struct RouteTable {
     /// From where to where, whatever the stage.
@@ -52,13 +52,13 @@ pub struct RouteTable {
     pub works: Vec<(ResourceId, StageId, StageId, Staying)>,
     /// The first and the last stage of each part type.
     pub ends: Vec<(StageId, StageId)>,
-    /// How many stages there are.
+    /// Number of stages.
     pub stages: usize,
-    /// How many resources there are.
+    /// Number of resources.
     pub resources: usize,
 }
 
-/// What can be reached.
+/// Spots that can be reached.
 #[derive(Clone, Debug)]
 pub struct Routes {
     stages: usize,

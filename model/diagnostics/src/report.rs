@@ -68,8 +68,8 @@ impl Report {
         !self.errors.is_empty()
     }
 
-    /// What was read, with the warnings, if nothing forbids using it; otherwise all problems. That nothing could be read
-    /// and no rule says why would be a mistake of the program, and is said as one.
+    /// The result, with the warnings, if nothing forbids using it; otherwise all problems. No result without an error is
+    /// a mistake of the program, and reported as one.
     pub fn close<T>(mut self, read: Option<T>, file_name: &str, text: &str) -> Result<(T, Vec<Problem>), Problems> {
         let has_errors = self.has_errors();
         match read {

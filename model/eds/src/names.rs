@@ -1,4 +1,4 @@
-//! What the name of a section says, as CiA 306 spells it, in any case.
+//! Meaning of the name of a section, as CiA 306 spells it, in any case.
 
 /// A list of objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -25,7 +25,7 @@ impl Category {
     }
 }
 
-/// What a section is about.
+/// Subject of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum SectionKind {
     FileInfo,
@@ -46,7 +46,7 @@ pub(crate) enum SectionKind {
     Garbled,
 }
 
-/// What the name of a section says.
+/// Meaning of the name of a section.
 pub(crate) fn classify(name: &str) -> SectionKind {
     const NAMED: [(&str, SectionKind); 9] = [
         ("FileInfo", SectionKind::FileInfo),

@@ -12,7 +12,7 @@ use crate::names::SectionKind;
 use crate::reader::{SectionReader, Weight};
 use crate::value::NodeId;
 
-/// Sections with what their names say.
+/// Sections with the meanings of their names.
 pub(crate) type Classified<'a> = [(SectionKind, SectionRef<'a>)];
 
 /// Reads all objects. `node` is what limits that depend on the node id are checked with.
@@ -113,7 +113,7 @@ fn compact_count(reader: &mut SectionReader<'_, '_>, object_type: ObjectType) ->
     count
 }
 
-/// What may be described by CompactSubObj. The standard says arrays; tools write the mappings of PDOs, which are records
+/// Whether CompactSubObj may describe it. The standard has arrays; tools write the mappings of PDOs, which are records
 /// of one type, in this way as well.
 fn is_uniform(object_type: ObjectType) -> bool {
     matches!(object_type, ObjectType::Array | ObjectType::Record)

@@ -5,7 +5,7 @@ use linewright_diagnostics::{Problem, Report, shown};
 use crate::ini::{IniKey, SectionRef};
 use crate::number;
 
-/// How much it matters that a value is not understood.
+/// Severity of a value that is not understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Weight {
     /// A device might be sent something else.
@@ -118,7 +118,7 @@ impl<'a, 'r> SectionReader<'a, 'r> {
 
     /// The numbered keys `1=`, `2=` … of a list, with the count that its key `counted_by` states.
     ///
-    /// What is counted and what stands there must agree: a program that believes the count would lose the rest.
+    /// The count and the entries must agree: a program that relies on the count would lose the rest.
     pub(crate) fn numbered(&mut self, counted_by: &str) -> Vec<(u64, IniKey, &'a str)> {
         let mut found = Vec::new();
         for &key in self.section.keys() {

@@ -1,8 +1,8 @@
 //! Analogue channels of a device (CiA 401), bound to the bits of its owner's process image.
 //!
 //! To a station nothing changes: an input is on while a measured value is above or below a limit, an output that is on
-//! gives a channel its value. This is what the description says about it, in the channel's unit. How the 16 bits of a
-//! channel lie in a process data object a [`FrameField`] knows, as it does for other devices' signals.
+//! gives a channel its value. This is its description, in the channel's unit. The place of the 16 bits of a channel in
+//! a process data object is a [`FrameField`], as for other devices' signals.
 
 use crate::{Coding, FrameField, InputId, OutputId, When};
 
@@ -25,11 +25,11 @@ pub struct Analogue {
 pub struct AnalogueChannel {
     /// 1 to [`CHANNELS_MAX`]: the subindex of object 6401h or 6411h.
     pub number: u8,
-    /// What it is measured in, for people; may be empty.
+    /// Unit, for people; may be empty.
     pub unit: String,
-    /// What a step of the number is worth; not 0.
+    /// Value of a step of the number; not 0.
     pub factor: f64,
-    /// What 0 is worth.
+    /// Value of 0.
     pub offset: f64,
 }
 
@@ -46,7 +46,7 @@ pub struct AnalogueInput {
     pub inputs: Vec<(InputId, When)>,
     /// The input that is on while there is no measurement. Without one the owner's inputs are then invalid.
     pub broken: Option<InputId>,
-    /// What a simulated plant has behind it. Without one its value is such that its inputs are what the mechanisms say.
+    /// Simulated source of the value. Without one its value is such that its inputs follow the mechanisms.
     pub simulated: Option<Lag>,
 }
 
@@ -61,16 +61,16 @@ pub struct AnalogueOutput {
     pub outputs: Vec<(OutputId, f64)>,
 }
 
-/// What a simulated plant has behind a measured channel: a value that goes to another with a delay of first order.
+/// Simulated source of a measured channel: a value that goes to another with a delay of first order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lag {
-    /// What it follows.
+    /// Target of the value.
     pub follows: Follows,
     /// After this time it has done 63 % of its way.
     pub time_constant: std::time::Duration,
 }
 
-/// What a simulated value follows.
+/// Target of a simulated value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Follows {
     /// An output of the owner.
@@ -104,12 +104,12 @@ impl AnalogueChannel {
         self.field().bits(value).map(|bits| bits as u16 as i16)
     }
 
-    /// What a number is worth.
+    /// Value of a number.
     pub fn value_of(&self, number: i16) -> f64 {
         f64::from(number) * self.factor + self.offset
     }
 
-    /// A value in words, with as many decimals as the channel tells apart.
+    /// A value in words, with as many decimals as the channel resolves.
     pub fn text(&self, value: f64) -> String {
         let decimals = (-self.factor.abs().log10()).ceil().clamp(0.0, 6.0) as usize;
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };

@@ -1,9 +1,9 @@
-//! Stations that work on order: they rest until somebody orders one of their tasks, and rest again when it is done.
+//! Stations that work on order: they rest until one of their tasks is ordered, and rest again when it is done.
 //!
 //! A rest is a position of the whole station, by name: a clamp has two, open and closed on a part. A task leads from one
 //! rest to another, or to the same, and its operations are a stretch of the station's list. What is at one rest is at one
 //! physical position, so a rest needs no place of its own in the net: the station is at it where the last operation of
-//! any task that ends there is complete. Nothing here knows who orders, or why.
+//! any task that ends there is complete. The source of orders is elsewhere.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -41,7 +41,7 @@ pub struct Rest {
     pub at: Vec<f64>,
 }
 
-/// What a station on order can be told to do.
+/// Task of a station on order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
     /// Name, as in the description.

@@ -1,8 +1,8 @@
 //! Where a net is written down, and where it is checked once.
 //!
 //! A builder accepts everything, so that the code which generates a net need not stop at each arc; [`NetBuilder::build`]
-//! then reports *all* that is wrong, or returns a [`Net`] whose arcs resolve, whose weights are positive and whose names
-//! are unique. Nothing after that has to check again.
+//! then reports *all* errors, or returns a [`Net`] whose arcs resolve, whose weights are positive and whose names are
+//! unique. Nothing after that has to check again.
 //!
 //! A builder cannot tell the ids of another builder from its own as long as they are in range.
 
@@ -16,7 +16,7 @@ use crate::net::Adjacency;
 use crate::{Marking, NamedId, Net, PlaceId, TransitionId};
 
 /// The largest number of places, and of transitions. A line of hundreds of stations has tens of thousands; sixteen
-/// million come from a generator that has lost its way, and it should hear about it before the memory is gone.
+/// million come from a faulty generator, which should get the error before the memory is used up.
 pub const MAX_NODES: usize = 1 << 24;
 
 /// The direction of an arc.
@@ -74,43 +74,43 @@ pub enum NetError {
     #[error("the arc {arc} names place #{}, but the net has {places} places", arc.place.id.0)]
     UnknownPlace {
         arc: ArcName,
-        /// How many places are declared.
+        /// Number of places declared.
         places: usize,
     },
     /// An arc at a transition that was not declared.
     #[error("the arc {arc} names transition #{}, but the net has {transitions} transitions", arc.transition.id.0)]
     UnknownTransition {
         arc: ArcName,
-        /// How many transitions are declared.
+        /// Number of transitions declared.
         transitions: usize,
     },
     /// An arc that would move no token.
     #[error("the arc {arc} has weight 0")]
     ZeroWeight { arc: ArcName },
-    /// The same two nodes are joined more than once in the same direction; a weight says that better.
+    /// The same two nodes are joined more than once in the same direction; a weight is for that.
     #[error("the arc {arc} is declared {times} times")]
     DuplicateArc {
         arc: ArcName,
-        /// How often it is declared.
+        /// Number of declarations.
         times: usize,
     },
     /// More places than [`MAX_NODES`].
     #[error("the net has {count} places; at most {limit} are possible")]
     TooManyPlaces {
-        /// How many are declared.
+        /// Number declared.
         count: usize,
         limit: usize,
     },
     /// More transitions than [`MAX_NODES`].
     #[error("the net has {count} transitions; at most {limit} are possible")]
     TooManyTransitions {
-        /// How many are declared.
+        /// Number declared.
         count: usize,
         limit: usize,
     },
 }
 
-/// An arc as declared. The derived order groups duplicates and puts arcs in the order in which tables want them.
+/// An arc as declared. The derived order groups duplicates and puts arcs in the order of the tables.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct DeclaredArc {
     direction: ArcDirection,

@@ -47,7 +47,7 @@ pub struct ReachUndecided<E: Display = FireError> {
     pub cause: ReachLimit<E>,
 }
 
-/// What stops an exploration.
+/// Limit that stops an exploration.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ReachLimit<E: Display = FireError> {
     /// There are more states than allowed.
@@ -71,7 +71,7 @@ pub struct Reachability<M = Marking, T = TransitionId> {
     transitions: Vec<T>,
     /// The terminal components, each with its first state.
     terminal: Vec<(usize, StateId)>,
-    /// What fires in which component.
+    /// Component and transition fired.
     fires: HashSet<(usize, T)>,
     /// A state from which the initial one cannot be reached.
     no_return: Option<StateId>,

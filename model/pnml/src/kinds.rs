@@ -1,6 +1,6 @@
-//! What changes the meaning of a net, and how this crate tells.
+//! Elements that change the meaning of a net, and their recognition.
 //!
-//! Unknown elements are passed over, as the standard asks: most of them are drawings and remarks. But a net with an
+//! Unknown elements are passed over, as the standard requires: most of them are drawings and remarks. But a net with an
 //! inhibitor arc that is taken for an ordinary one is another net, and whatever is then proved is proved of that. So what
 //! tools are known to write for nets that are more than place/transition nets is listed here, and refused.
 

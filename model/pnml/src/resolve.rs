@@ -1,4 +1,4 @@
-//! Draft → net: who is meant by each id, what everything is called, and which arcs there are.
+//! Draft → net: targets of ids, names, and arcs.
 
 use std::collections::HashMap;
 
@@ -136,7 +136,7 @@ fn declare(draft: &DraftNet<'_>, builder: &mut NetBuilder) -> Vec<Declared> {
     draft.nodes.iter().enumerate().map(declare).collect()
 }
 
-/// What the nodes of a kind are called: by their names, as far as they are unique, and else by their ids.
+/// Names of the nodes of a kind: their names, as far as they are unique, and else their ids.
 ///
 /// A node that goes by its id takes the name away from a node that is called the same, and that one goes by its id as
 /// well, and so on. Ids are unique, so in the end all names are.

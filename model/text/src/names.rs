@@ -29,7 +29,7 @@ impl<'a> NameTable<'a> {
         None
     }
 
-    /// What `name` stands for.
+    /// Index of `name`.
     pub fn get(&self, name: &str) -> Option<usize> {
         self.entries.get(name).map(|&(id, _)| id)
     }
@@ -44,7 +44,7 @@ impl<'a> NameTable<'a> {
         self.order.iter().copied()
     }
 
-    /// What `name` stands for, or a problem that says what it could have been.
+    /// Index of `name`, or a problem with what it could have been.
     pub fn find(&self, name: &LocatedName, what: &str, report: &mut Report) -> Option<usize> {
         let found = self.get(&name.value);
         if found.is_none() && !report.is_full() {

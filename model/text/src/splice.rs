@@ -1,13 +1,13 @@
 //! A text put together from stretches of another one, with the place that each stretch comes from.
 //!
-//! What is wrong with the new text is shown in the old one: people have written that one. A stretch that stands in the
-//! new text several times has a note, which says for what it was copied this time.
+//! Problems in the new text are shown in the old one: that is the one people have written. A stretch that stands in the
+//! new text several times has a note on what it was copied for this time.
 
 use std::collections::HashMap;
 
 use crate::{Problem, Report, TextRange};
 
-/// Why a stretch stands in the new text: a place of the old text, and what to write there.
+/// Reason why a stretch stands in the new text: a place of the old text, and what to write there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NoteId(usize);
 
@@ -48,7 +48,7 @@ impl Splice {
         splice
     }
 
-    /// What has been put together.
+    /// The new text.
     pub fn text(&self) -> &str {
         &self.text
     }

@@ -74,8 +74,7 @@ pub enum HappeningKind {
     Founded,
     /// The marking was read off the switches, on an operator's confirmation.
     Rejoined,
-    /// An axis that stands still by the chart is not measured there: the operation that ended at its place, and the
-    /// switch.
+    /// An axis that stands still by the chart is not measured there: the operation at whose place, and the switch.
     PositionLost(OpId, InputId),
     /// Whether an index is done is not known: the operation, and its switch.
     IndexDoubtful(OpId, InputId),

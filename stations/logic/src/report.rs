@@ -44,8 +44,7 @@ pub struct StationReport {
     pub measured: u128,
     /// Age of that image at the time of the report.
     pub measured_age: Duration,
-    /// An axis that stands still by the chart and is not measured there: the operation that ended at its place, and the
-    /// switch.
+    /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.
     pub position_lost: Option<(OpId, InputId)>,
     /// Operations stopped before their end, with the cause.
     pub incomplete: Vec<(OpId, StopCause)>,

@@ -1,7 +1,7 @@
 //! The description with its names resolved, as far as they could be.
 //!
 //! A draft has the shape of the [`crate::Cell`] it may become, but every part may be missing where the text was wrong,
-//! and every part knows its place. The rules read a draft, so that one unknown name does not hide what else is wrong.
+//! and every part has its place. The rules read a draft, so that one unknown name does not hide other errors.
 
 use std::time::Duration;
 
@@ -39,7 +39,7 @@ pub(super) struct DraftActivity<'a> {
     /// Where it is named, or the resource that it belongs to.
     pub at: TextRange,
     pub kind: ActivityKind,
-    /// What could be resolved of its actions.
+    /// Actions that could be resolved.
     pub uses: Vec<Located<Use>>,
     /// Whether all could.
     pub is_whole: bool,
@@ -129,7 +129,7 @@ impl<'a> DraftStep<'a> {
 }
 
 impl DraftActivity<'_> {
-    /// Those who take part in that role.
+    /// Resources in that role.
     pub fn used(&self, role: Role) -> impl Iterator<Item = &Located<Use>> {
         self.uses.iter().filter(move |part| part.value.action.role() == role)
     }

@@ -87,7 +87,7 @@ fn later(
     None
 }
 
-/// Where a step leads that does not say so: to the next one listed, alternatives to itself left out.
+/// Target of a step without one: the next one listed, alternatives to itself left out.
 fn following(step: &RawStep, at: usize, begins: &[usize], part: &RawPart, report: &mut Report) -> Option<usize> {
     let next = (at + 1..part.steps.len()).find(|&next| begins[next] != begins[at]);
     let Some(next) = next else { return Some(part.steps.len()) };

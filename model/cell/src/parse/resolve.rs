@@ -73,7 +73,7 @@ fn resource<'a>(raw: &'a RawResource, controllers: &NameTable<'a>, report: &mut 
     }
 }
 
-/// What names may refer to.
+/// Meanings of names.
 struct CellScope<'a, 's> {
     names: &'s CellNames<'a>,
     resources: &'s [DraftResource<'a>],

@@ -17,7 +17,7 @@ pub enum Block {
     Recovery,
 }
 
-/// How far a motion is.
+/// Stage of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MotionStage {
     /// O: the actuator is driven.
@@ -35,7 +35,7 @@ pub struct StationPlace {
     pub op: OpId,
     /// Which of its motions.
     pub block: Block,
-    /// How far it is.
+    /// Stage.
     pub stage: MotionStage,
 }
 

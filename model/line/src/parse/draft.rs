@@ -1,7 +1,7 @@
 //! The description with its names resolved, as far as they could be.
 //!
 //! A draft has the shape of the [`crate::Line`] it may become, but every part may be missing where the text was wrong,
-//! and every part knows its place. The rules read a draft, so that one unknown name does not hide what else is wrong.
+//! and every part has its place. The rules read a draft, so that one unknown name does not hide other errors.
 
 use std::ops::Range;
 
@@ -125,7 +125,7 @@ pub(super) struct DraftFrames {
 /// The signals of a device's channels, channel by channel.
 #[derive(Default)]
 pub(super) struct DraftAnalogue {
-    /// Those of its limits, and the one that says that there is no measurement.
+    /// Those of its limits, and the one for a missing measurement.
     pub inputs: Vec<(Vec<Option<InputId>>, Option<InputId>)>,
     pub outputs: Vec<Vec<Option<OutputId>>>,
 }
@@ -196,7 +196,7 @@ impl DraftHolder<'_> {
 }
 
 impl DraftLine<'_> {
-    /// What the bits of an owner's image are called.
+    /// Names of the bits of an owner's image.
     pub fn image(&self, owner: Owner) -> &Wiring {
         match owner {
             Owner::Station(id) => &self.stations[id.index()].wiring,
@@ -206,12 +206,12 @@ impl DraftLine<'_> {
 }
 
 impl DraftOperation<'_> {
-    /// Reversible or not; `None` where the text does not say.
+    /// Reversible or not; `None` where the text has neither.
     pub fn kind(&self) -> Option<ModuleKind> {
         self.raw.kind.as_ref().map(|kind| kind.value)
     }
 
-    /// How far it turns an endless axis.
+    /// Turn of an endless axis.
     pub fn by(&self) -> Option<&Located<f64>> {
         self.raw.moves.as_ref()?.by.as_ref()
     }
@@ -260,8 +260,8 @@ impl DraftStation<'_> {
         self.steps.iter().position(|step| step.contains(&op)).unwrap_or(0)
     }
 
-    /// How many steps after the home operation this one comes, going round: 1 for the first, the number of steps for
-    /// the home operation itself.
+    /// Number of steps from the home operation to this one, going round: 1 for the first, the number of steps for the
+    /// home operation itself.
     pub fn steps_since_home(&self, op: OpId) -> Option<usize> {
         let home = self.step_of(self.home.as_ref()?.value);
         let count = self.steps.len();

@@ -1,7 +1,7 @@
 //! Where a coloured net is written down, and where it is checked once.
 //!
 //! As with [`crate::NetBuilder`], everything is accepted while writing and all problems are reported together at the
-//! end. A declaration that depends on a broken one is not judged: an arc at a place whose domain does not exist has no
+//! end. A declaration that depends on a broken one is not checked: an arc at a place whose domain does not exist has no
 //! right or wrong function.
 
 use std::collections::{HashMap, HashSet};

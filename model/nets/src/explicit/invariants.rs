@@ -91,7 +91,7 @@ pub(super) fn positive(net: &Net, wanted: WantedSums) -> Vec<Invariant> {
                 }
                 effort += 1 + kept.len();
                 let sum = gain.cancel(loss, t);
-                // A sum whose places include those of another says nothing new.
+                // A sum whose places include those of another is redundant.
                 kept.extend(sum.filter(|sum| fits(&sum.weights) && !kept.iter().any(|row| row.within(sum))));
             }
         }

@@ -1,4 +1,4 @@
-//! Deciding a net whose markings fit a bitmap.
+//! Decides a net whose markings fit a bitmap.
 //!
 //! Forwards from the initial marking, counting; backwards from it within what was found, which decides reversibility;
 //! and only for nets that are not reversible, the terminal components of the rest.

@@ -14,7 +14,7 @@ pub enum GraphEvent<'a> {
     State(StateId, MarkingView<'a>),
     /// An arc from the last marking shown, in the order of transitions. Where it leads may not have been shown yet.
     Arc {
-        /// What fires.
+        /// Transition that fires.
         transition: TransitionId,
         /// Where it leads.
         to: StateId,

@@ -65,7 +65,7 @@ impl From<(ComponentId, &str)> for Endpoint {
     }
 }
 
-/// What a port carries.
+/// Signal of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum PortKind {
     Condition,
@@ -138,14 +138,14 @@ impl Composite {
         self
     }
 
-    /// Ie: an event leads likewise.
+    /// Ie: an event leads from one port to the other.
     pub fn event(&mut self, from: impl Into<Endpoint>, to: impl Into<Endpoint>) -> &mut Self {
         self.links.push((PortKind::Event, from.into(), to.into()));
         self
     }
 
-    /// The flat system: each node is named by the way to it, `part.node` or `outer.inner.node`. Or everything that is
-    /// wrong with the composition; what is wrong with the nets and tables is told once the ports are right.
+    /// The flat system: each node is named by the way to it, `part.node` or `outer.inner.node`. Or all errors of the
+    /// composition; those of the nets and tables are reported once the ports are right.
     pub fn flatten(&self, semantics: Semantics) -> Result<Tnces, Vec<ComposeError>> {
         flatten::flatten(self, semantics)
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a system or a composition, in words that name the nodes and ports concerned.
+//! Errors of a system or a composition, in words that name the nodes and ports concerned.
 
 use thiserror::Error;
 
@@ -14,7 +14,7 @@ pub enum TncesError {
         /// Which entry of which table.
         what: String,
         place: PlaceId,
-        /// How many there are.
+        /// Number of places.
         places: usize,
     },
     /// A table names a transition that the net does not have.
@@ -23,7 +23,7 @@ pub enum TncesError {
         /// Which entry of which table.
         what: String,
         transition: TransitionId,
-        /// How many there are.
+        /// Number of transitions.
         transitions: usize,
     },
     /// A condition arc that always holds.
@@ -81,7 +81,7 @@ pub enum TncesError {
     TooManyChoices {
         /// The spontaneous transition.
         trigger: NamedId<TransitionId>,
-        /// How many of those it forces share an input place with another.
+        /// Number of forced transitions that share an input place with another.
         contested: usize,
         limit: usize,
     },
@@ -114,7 +114,7 @@ pub enum ComposeError {
         composite: String,
         /// The number of the part.
         part: usize,
-        /// How many there are.
+        /// Number of parts.
         parts: usize,
     },
     /// A connection to a port that does not exist.
@@ -130,7 +130,7 @@ pub enum ComposeError {
     DoubleConnection {
         /// The port that is driven.
         port: String,
-        /// How many connections end there.
+        /// Number of connections that end there.
         times: usize,
         /// Where they come from.
         sources: String,
@@ -156,7 +156,7 @@ pub enum ComposeError {
         module: String,
         /// "places" or "transitions".
         nodes: &'static str,
-        /// How many there are.
+        /// Number of nodes.
         count: usize,
         /// The number that is none of them.
         id: u32,

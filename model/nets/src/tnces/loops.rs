@@ -16,7 +16,7 @@ pub struct StateLoop {
     /// The states. If it is one cycle: in its order, beginning with the lowest number, which is where the shortest way
     /// from the initial state enters. Otherwise by number.
     pub states: Vec<StateId>,
-    /// How long one round takes, if it is one cycle: each state leads to one other of the loop, by one arc.
+    /// Time of one round, if it is one cycle: each state leads to one other of the loop, by one arc.
     pub period: Option<u64>,
     /// Whether nothing leads out.
     pub is_final: bool,

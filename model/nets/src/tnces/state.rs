@@ -1,7 +1,7 @@
 //! A marking with its clocks.
 //!
 //! Which clocks there are depends on the reading: ages of tokens, or one clock per transition. Only nodes whose clock can
-//! matter have one, and a clock stops where it tells nothing more, so that equal futures are equal states and a bounded
+//! matter have one, and a clock stops where it no longer matters, so that equal futures are equal states and a bounded
 //! net has finitely many.
 
 use crate::Marking;
@@ -30,7 +30,7 @@ impl TimedState {
     }
 }
 
-/// How many tokens have an age, `shift` later, from `earliest` to `latest`.
+/// Number of tokens with an age, `shift` later, from `earliest` to `latest`.
 pub(super) fn within(runs: &[AgedTokens], earliest: u32, latest: Option<u32>, shift: u32) -> u64 {
     let fits = |run: &&AgedTokens| {
         let age = run.age.saturating_add(shift);

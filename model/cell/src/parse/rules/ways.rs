@@ -30,7 +30,7 @@ pub fn offsets(draft: &DraftCell<'_>) -> Offsets {
     Offsets(draft.parts.iter().map(begin).collect())
 }
 
-/// What can be reached; none unless moves and plans are sound.
+/// Spots that can be reached; none unless moves and plans are sound.
 pub(super) fn routes(draft: &DraftCell<'_>) -> Option<Routes> {
     let stages: usize = draft.parts.iter().map(|part| part.stages.len()).sum();
     let mut ways = RouteTable { stages, resources: draft.resources.len(), ..RouteTable::default() };

@@ -7,7 +7,7 @@ use linewright_text::{Located, Problem, Report};
 use crate::parse::draft::{DraftOperation, DraftStation};
 use crate::parse::raw::ModuleKind;
 
-/// Coordinates nearer than this are the same place: a micrometre below anything a switch can tell apart.
+/// Coordinates nearer than this are the same place: a micrometre below the resolution of any switch.
 pub(super) const SAME_PLACE: f64 = 1e-6;
 
 pub(super) fn same_place(a: f64, b: f64) -> bool {

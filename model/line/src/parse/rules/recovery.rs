@@ -94,7 +94,7 @@ fn positions_at_end(station: &DraftStation<'_>, op: OpId) -> Option<Vec<f64>> {
     station.rests.get(task.to.as_ref()?.value.index()).cloned()
 }
 
-/// What has been done since the station left home, or began the task, and the operation itself.
+/// Operations since the station left home, or began the task, and the operation itself.
 fn done_before(station: &DraftStation<'_>, op: OpId) -> Vec<OpId> {
     if station.is_task_driven() {
         let earlier = earlier_in_task(station, op).map_or(0..0, |earlier| earlier.start..earlier.end + 1);

@@ -5,7 +5,7 @@ use toml_edit::{Item, Table};
 
 use super::{BESIDE, DEPTH_MAX};
 
-/// Whose a block is.
+/// Owner of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BlockOwner {
     /// The type of this number.

@@ -17,7 +17,7 @@ pub(super) struct StationType<'a> {
     table: &'a Table,
     /// In the order of the text.
     pub edits: Vec<TypeEdit>,
-    /// What is written inline and stands beside the station: header, place, keys with their values.
+    /// Inline tables beside the station: header, place, keys with their values.
     pub inline: Vec<(&'static str, TextRange, Vec<TextRange>)>,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct TypedStation {
     pub kind: usize,
     /// By parameter of its type.
     pub values: Vec<ParameterValue>,
-    /// What of its keys is not written out.
+    /// Keys that are not written out.
     pub cuts: Vec<TypeEdit>,
 }
 
@@ -133,7 +133,7 @@ impl StationType<'_> {
         }
     }
 
-    /// What stands beside the station: under headers of its own, or in a list that is taken apart.
+    /// Tables beside the station: under headers of their own, or in a list that is taken apart.
     fn beside(&mut self, header: &'static str, item: &Item, report: &mut Report) {
         let list = match item {
             Item::ArrayOfTables(_) => return,
