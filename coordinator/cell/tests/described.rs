@@ -118,7 +118,7 @@ fn all_parts_that_enter_workcell_c1_leave_it_finished() {
     }
 }
 
-/// The robot is told the slot: that of the part in the store, or a free one. No slot has two parts, and a part is fetched
+/// The robot is sent the slot: that of the part in the store, or a free one. No slot has two parts, and a part is fetched
 /// from where it was put.
 #[test]
 fn each_part_has_a_slot_of_its_own_in_the_store() {
@@ -139,7 +139,7 @@ fn each_part_has_a_slot_of_its_own_in_the_store() {
         for &(stores, part, slot) in &robot {
             assert!((1..=6).contains(&slot), "{slot}");
             let put = last.insert(part, slot);
-            // Nobody tells the robot where a part was put that came in by hand.
+            // The robot is not sent where a part was put that came in by hand.
             assert!(stores || put.is_none_or(|put| put == slot), "{part} was put into {put:?} and fetched from {slot}");
         }
         let mut used: Vec<i32> = robot.iter().map(|&(.., slot)| slot).collect();

@@ -45,7 +45,7 @@ fn an_alarm_stops_what_goes_back_from_another_failure() {
         bench.until_that(|bench| bench.steps().is_empty() && bench.firing("M1.process<A.new>").is_some_and(has_failed));
         let m1 = bench.resource("M1");
         if crash {
-            // The record of the alarm is written, and nothing was told yet.
+            // The record of the alarm is written, and nothing was sent yet.
             bench.sim.options.crash_at = vec![bench.sim.steps + 1];
         }
         bench.say(PlayerInput::Alarm { resource: m1, text: "" });

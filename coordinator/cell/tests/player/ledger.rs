@@ -1,4 +1,4 @@
-//! No part is lost and none is made twice, counted by a ledger that knows the net and the records and nothing else.
+//! No part is lost and none is made twice, counted by a ledger that uses the net and the records alone.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use super::workcell::{self, Workcell};
 use super::world::{World, options};
 use linewright_random::Random as Dice;
 
-/// Where the ledger thinks a part is.
+/// Place of a part by the ledger.
 #[derive(Clone, Debug, PartialEq)]
 enum Is {
     On(String),

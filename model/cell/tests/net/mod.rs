@@ -6,7 +6,7 @@ mod large;
 #[path = "../../../nets/tests/coloured/named.rs"]
 mod named;
 mod published;
-/// The published cell as one net, written from the source's pages; its own tests say which arcs are printed.
+/// The published cell as one net, written from the source's pages; its own tests mark which arcs are printed.
 #[path = "../../../nets/tests/coloured/cell.rs"]
 #[allow(dead_code)]
 mod source;

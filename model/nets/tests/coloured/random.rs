@@ -20,7 +20,7 @@ fn slow(net: &ColouredNet, marking: &ColouredMarking) -> BTreeMap<(usize, Tuple)
     net.places().flat_map(place).collect()
 }
 
-/// What a mode takes and gives as the slow twin has it.
+/// Tokens that a mode takes and gives, by the slow twin.
 fn effect(net: &ColouredNet, mode: NetMode) -> [BTreeMap<(usize, Tuple), i64>; 2] {
     let [mut takes, mut gives] = [BTreeMap::new(), BTreeMap::new()];
     for p in net.places() {
