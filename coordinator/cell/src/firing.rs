@@ -3,10 +3,10 @@
 //! ```text
 //!  Started ──all orders ended, or its time is over──▶ Ended (the firing is gone)
 //!     │
-//!     └──an order failed, or the limit ran out──▶ failed: it keeps tokens and part until somebody says what is true
+//!     └──an order failed, or the limit ran out──▶ failed: it keeps tokens and part until an answer
 //!
 //!  an order:  written ──taken on──▶ running ──▶ ended
-//!                │                     │          ▲ a failed activity's order may still be heard to have ended
+//!                │                     │          ▲ the end of a failed activity's order may still be received
 //!                └──────────▶ failed ◀─┘──────────┘
 //! ```
 

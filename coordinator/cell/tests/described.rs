@@ -97,7 +97,7 @@ impl Dispatcher for LetIn {
 }
 
 /// Five parts go through workcell C1, with lost and doubled messages: each is loaded, worked on and unloaded as often as
-/// its plan says, and all leave.
+/// in its plan, and all leave.
 #[test]
 fn all_parts_that_enter_workcell_c1_leave_it_finished() {
     for seed in 0..5 {

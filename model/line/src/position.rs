@@ -377,7 +377,7 @@ mod tests {
         }
         station.steps = vec![vec![OpId(0)], vec![OpId(1), OpId(2)], vec![OpId(3)], vec![OpId(4)]];
         assert_eq!(line.clearance(&span), Err(NoClearance::NotSeen { op: OpId(1) }));
-        // One after the other, the first one first out again, is told.
+        // One after the other, the first one first out again, is measured.
         line.stations[2].steps = vec![vec![OpId(0), OpId(2)], vec![OpId(1)], vec![OpId(3)], vec![OpId(4)]];
         assert!(line.clearance(&span).is_ok());
     }

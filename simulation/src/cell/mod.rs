@@ -4,7 +4,7 @@
 //!   Dispatcher ◀──▶ Coordination ──▶ records ──▶ Store, from which the next life begins
 //!                     │      ▲
 //!              orders ▼      │ replies, whole states        messages take time, get lost, come twice
-//!                    Station … Station                      their ledgers know what has really been done
+//!                    Station … Station                      their ledgers have what has really been done
 //! ```
 //!
 //! [`CellSim`] plays it, from a seed; [`SimulatedStation`] stands for a station that works on order, without axes and sensors;

@@ -3,10 +3,10 @@
 //! ```text
 //!            taken on                       its last operation is complete
 //!   no order ────────▶ running ────────────────────────────────────────────▶ done
-//!                       │   │ a fault, another mode, a restart, told to stop
+//!                       │   │ a fault, another mode, a restart, ordered to stop
 //!                       │   └──────────────────────────────────────────────▶ failed: stands where it is
 //!                       │ its time is over ┐
-//!                       │ told to secure   ├─▶ securing ──it stands: where the task began, or as far as it goes──▶ failed
+//!                       │ ordered to secure├─▶ securing ──it stands: where the task began, or as far as it goes──▶ failed
 //!                       └──────────────────┘                                                   by itself
 //! ```
 //!

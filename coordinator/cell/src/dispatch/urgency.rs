@@ -12,7 +12,7 @@
 //!    *helper* that can start, or will. The helper starts before all others (1) or has what it needs kept (2). Of the rest of
 //!    the chain, the capacities that are there are kept as well.
 //!
-//! # Why nobody waits for ever
+//! # Why no part waits for ever
 //! Assume that the cell can always go on (that it has no deadlock is checked beforehand), that plans end, that an activity
 //! in progress ends or fails within its limit, and that a mode needs, beside its part and robots, one capacity: the place
 //! its part goes to. Let *u* be the first urgent part. It stays the first until it moves, since a part that moves has waited
@@ -35,8 +35,8 @@
 //!
 //! This is an argument for cells of that kind, not a proof for every net: where a mode needs two capacities at once (the
 //! top of a stack and a place elsewhere), what is kept for the chain is meant to serve as well, but two modes of one chain
-//! may need the same one. A cell that gives its *newest* part first is not fair by itself: what lies beneath has no way
-//! before what lies upon it, and others may be put on top. Where no mode would help (a machine waits for a person), a part
+//! may need the same one. A cell that gives its *newest* part first is not fair by itself: a part beneath has no way
+//! before the part upon it, and others may be put on top. Where no mode would help (a machine waits for a person), a part
 //! has no chain: it is passed over and keeps nothing from others, and the next urgent part is the first.
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,4 +1,4 @@
-//! Emergency stop of single stations, when a rule says so (seed 001 §5.2, L206: "the exception module can send emergency
+//! Emergency stop of single stations, by a rule (seed 001 §5.2, L206: "the exception module can send emergency
 //! stoppage orders to the controllers").
 //!
 //! A rule names stations that go into emergency stop as soon as its failure is known: their outputs go off whatever they are

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  of a resource:   busy ─┬─ an activity that it takes part in is in progress, and none of them has failed
-//!                   down ─┴─ one of them has failed, and nobody has said yet what is true; or it is left out
+//!                   down ─┴─ one of them has failed, and its alarm is not answered yet; or it is left out
 //!  of a part:       worked on, moved, or waiting: from its entering to its leaving it is one of the three
 //! ```
 

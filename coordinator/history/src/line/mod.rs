@@ -3,7 +3,7 @@
 //! ```text
 //!  of the line:      producing ── in auto, motion enabled, nothing wrong
 //!                    stopped ──── by one cause, from leaving that until coming back to it
-//!                    unrecorded ─ no coordinator, or it could not write: until a note says how everything stands
+//!                    unrecorded ─ no coordinator, or it could not write: until a note of the whole situation
 //!  of a station, while the line produces:  busy (an operation in motion), waiting, or neither
 //! ```
 //!
