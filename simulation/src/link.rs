@@ -100,9 +100,9 @@ pub(crate) struct Link {
     reads_cycle: bool,
     queue: VecDeque<LinkMessage>,
     last_arrival: Tick,
-    /// For how long a message holds.
+    /// Validity of a message.
     term: Duration,
-    /// Until when the reader relies on what it has taken so far.
+    /// Time until which the reader relies on what it has taken so far.
     holds_until: Tick,
     sent: u64,
     key: u64,
@@ -116,7 +116,7 @@ pub(crate) struct Link {
     pub(crate) is_cut: bool,
     /// The reader is woken by repetitions too.
     pub(crate) wakes_always: bool,
-    /// When the first message arrives that wakes the reader.
+    /// Arrival of the first message that wakes the reader.
     wakes: Tick,
 }
 
@@ -240,14 +240,14 @@ impl Link {
             && (!self.reads_cycle || before.cycle == now.cycle)
     }
 
-    /// When a message arrives that is sent now and stays behind those before it, if it does.
+    /// Arrival of a message that is sent now and stays behind those before it, if it arrives.
     fn way(&mut self, now: Tick, network: &Network) -> Option<Tick> {
         let arrives = self.draw(now, network)?;
         self.last_arrival = self.last_arrival.max(arrives);
         Some(self.last_arrival)
     }
 
-    /// When a message arrives that is sent now, if it does.
+    /// Arrival of a message that is sent now, if it arrives.
     #[inline]
     fn draw(&mut self, now: Tick, network: &Network) -> Option<Tick> {
         self.sent += 1;

@@ -18,14 +18,14 @@ use crate::field::SimulatedField;
 /// thousandth, and a motion stopped by its switch stands at the edge of that.
 const TOLERANCE: f64 = 0.002;
 
-/// For each axis of a station, from where to where.
+/// For each axis of a station, its range.
 type Ranges = Vec<(f64, f64)>;
 
 /// One station's part in a conflict.
 struct ObservedSide {
     station: StationId,
     axes: usize,
-    /// Where the rest of the cycle leads.
+    /// Ranges of the rest of the cycle.
     outside: Vec<Ranges>,
     before: Vec<f64>,
     now: Vec<f64>,
@@ -34,11 +34,11 @@ struct ObservedSide {
 /// A conflict that happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenConflict {
-    /// When it was seen.
+    /// Time of the observation.
     pub at: Tick,
     /// Which, by its place in [`Line::conflicts`].
     pub conflict: usize,
-    /// Where the axes stood, in words.
+    /// Positions of the axes, in words.
     pub positions: String,
 }
 

@@ -20,11 +20,11 @@ struct EventGraphEdge {
     lag: u32,
 }
 
-/// When one operation starts and ends in one cycle, in microseconds after the line began to move.
+/// Start and end of one operation in one cycle, in µs after the line began to move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlannedTimes {
     pub start: u64,
-    /// When it ends.
+    /// End.
     pub end: u64,
 }
 
@@ -43,7 +43,7 @@ pub struct Circuit {
 #[derive(Clone, Debug)]
 pub struct LinePlan {
     ops: Vec<Op>,
-    /// Where each station's operations begin in `ops`.
+    /// First operation of each station in `ops`.
     first: Vec<usize>,
     durations: Vec<u64>,
     /// Counts of each operation at home: those cycles are done.

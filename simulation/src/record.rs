@@ -45,7 +45,7 @@ pub struct RecordedMotion {
     /// The station's cycle.
     pub cycle: i32,
     pub start: Tick,
-    /// When it ended; meaningless while it is open.
+    /// End; meaningless while it is open.
     pub end: Tick,
     pub ended: MotionEnd,
     pub by: LastWait,
@@ -84,10 +84,10 @@ pub struct RunRecord {
     forgotten: usize,
     open: Vec<Vec<Option<usize>>>,
     done_at: Vec<Vec<Tick>>,
-    /// For how long each station had been out of auto when an operation was done.
+    /// Time each station had been out of auto when an operation was done.
     idle_at: Vec<Vec<Duration>>,
     idle: Vec<Idle>,
-    /// When the first motion began.
+    /// Start of the first motion.
     began: Option<Tick>,
     /// Something has kept the line's present cycle from going its way.
     is_disturbed: bool,
@@ -360,7 +360,7 @@ impl RunRecord {
         self.ends.len()
     }
 
-    /// When each of them ended.
+    /// End of each of them.
     pub fn cycle_ends(&self) -> &[Tick] {
         &self.ends
     }
@@ -370,7 +370,7 @@ impl RunRecord {
         &self.undisturbed
     }
 
-    /// When the first motion began.
+    /// Start of the first motion.
     pub fn began(&self) -> Option<Tick> {
         self.began
     }

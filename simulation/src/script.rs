@@ -65,7 +65,7 @@ pub struct ScriptFailure {
     pub why: String,
 }
 
-/// For how long a refused command is given again, and how often; beyond the time that messages take.
+/// Time for which a refused command is repeated, and the period; beyond the time that messages take.
 const PATIENCE: Duration = Duration::from_secs(5);
 const AGAIN: Duration = Duration::from_millis(100);
 /// A press that moves nothing for this long will not.

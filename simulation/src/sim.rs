@@ -61,7 +61,7 @@ pub struct LineSim {
     pub(crate) record: RunRecord,
     pub(crate) answers: Vec<CommandAnswer>,
     pub(crate) mode: ControlMode,
-    /// When the line entered it, and the coordinator's text of that time.
+    /// Time at which the line entered it, and the coordinator's text of that time.
     pub(crate) entered: (Tick, String),
     /// Time of the last event of a station, change of mode, or action of an operator.
     pub(crate) last_event: Tick,
@@ -167,7 +167,7 @@ impl LineSim {
         self.timers.set(self.node_slot(node), at);
     }
 
-    /// When the next thing happens.
+    /// Time of the next event.
     #[inline]
     pub fn next_event(&self) -> Tick {
         let repeat = self.repeats.front().map_or(Tick::NEVER, |repeat| repeat.0);

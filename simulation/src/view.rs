@@ -108,7 +108,7 @@ impl LineSim {
         self.field.plant_of(station)
     }
 
-    /// Where an axis stands.
+    /// Position of an axis.
     pub fn position(&self, station: StationId, axis: AxisId) -> f64 {
         self.field.position(station, axis)
     }

@@ -61,7 +61,7 @@ fn shipped_but(name: &str, parts: &[u32], change: impl Fn(String) -> String) -> 
 }
 
 impl Shipped {
-    /// Where each resource that is no store has its part: the nest of its station.
+    /// Holder of the part of each resource that is no store: the nest of its station.
     fn nests(&self) -> Vec<(&str, HolderId)> {
         let stations = self.cell.resources.iter().filter_map(|resource| {
             let station = &self.cell.controllers[resource.controller?.index()];

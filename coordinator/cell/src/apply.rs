@@ -243,7 +243,7 @@ impl PlayerState {
         self.arrival(from, part).is_some()
     }
 
-    /// Since when a part has been on a cell, if it is there and can be taken.
+    /// Number of the arrival of a part on a cell, if it is there and can be taken.
     fn arrival(&self, from: CellId, part: PartId) -> Option<u64> {
         let CellKind::Parts(pick) = self.table.kind(from) else { return None };
         match self.parts.get(&part)?.place {

@@ -28,7 +28,7 @@ pub struct OngoingActivity {
     pub mode: ModeId,
     /// The part it holds.
     pub part: Option<PartId>,
-    /// When it started. All limits count from here.
+    /// Start. All limits count from here.
     #[serde(with = "serial::micros")]
     pub began: Tick,
     /// Its orders to stations, as the activity lists them.
@@ -40,7 +40,7 @@ pub struct OngoingActivity {
     pub(super) spared_until: Tick,
 }
 
-/// Where an activity in progress is.
+/// Phase of an activity in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ActivityPhase {
@@ -60,7 +60,7 @@ pub struct OngoingOrder {
     pub station: StationId,
     /// Its progress.
     pub state: OrderProgress,
-    /// When it should have ended.
+    /// Time by which it should have ended.
     #[serde(with = "serial::micros")]
     pub limit: Tick,
 }

@@ -1,4 +1,4 @@
-//! Where the tokens are, and which of them are which part.
+//! Places of the tokens, and the parts among them.
 //!
 //! Every cell has a count. A cell of parts has them beside it, in the order in which they came: a store that is emptied
 //! from one end has its next, and a decision between equals can prefer the one that has waited longest. The two agree

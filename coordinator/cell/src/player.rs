@@ -180,7 +180,7 @@ impl Coordination {
         self.answered = None;
     }
 
-    /// When to call again if nothing arrives before.
+    /// Time of the next call if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
         let limit = self.state.due.first().map(|&(due, _)| due);
         let resend = self.next_to_send().map(|key| match self.sent.get(&key) {

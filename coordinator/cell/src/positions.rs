@@ -25,7 +25,7 @@ impl Positions {
         })
     }
 
-    /// That one is not free any more; false if it was not before, or there is no such position.
+    /// Marks one as taken; false if it was not free before, or there is no such position.
     pub fn take(&mut self, position: u32) -> bool {
         if position > self.most {
             self.free.extend(self.most + 1..position);

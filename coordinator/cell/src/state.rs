@@ -34,7 +34,7 @@ pub struct Part {
     pub id: PartId,
     #[serde(with = "serial::micros")]
     pub entered: Tick,
-    /// Since when it has been where it is.
+    /// Time since which it has been where it is.
     #[serde(with = "serial::micros")]
     pub since: Tick,
     /// Current place.
@@ -55,7 +55,7 @@ impl Part {
     }
 }
 
-/// Where a part is.
+/// Place of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PartPlace {
@@ -90,7 +90,7 @@ pub struct PlayerState {
     /// The parts that are on a cell, by since when.
     pub(super) waiting: BTreeSet<(Tick, PartId)>,
     pub(super) firings: BTreeMap<FiringId, OngoingActivity>,
-    /// For each mode how many of the firings are its.
+    /// Number of firings of each mode.
     pub(super) in_progress: Vec<u32>,
     /// The firing of each order of one, and the position there.
     pub(super) orders: BTreeMap<OrderKey, (FiringId, usize)>,
@@ -186,7 +186,7 @@ impl PlayerState {
         &self.table
     }
 
-    /// Where the tokens are. What activities in progress have taken is nowhere.
+    /// Places of the tokens, without those that activities in progress have taken.
     pub fn marking(&self) -> &CellMarking {
         &self.marking
     }

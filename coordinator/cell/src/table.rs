@@ -328,7 +328,7 @@ impl CellTable {
         matches!(self.activity(mode).kind, ActivityTiming::Immediate)
     }
 
-    /// Where a mode takes its part from; none if it takes none.
+    /// Cell that a mode takes its part from; none if it takes none.
     pub fn part_in(&self, mode: ModeId) -> Option<CellId> {
         self.modes[mode.index()].part_in
     }
@@ -359,7 +359,7 @@ impl CellTable {
         self.refresh
     }
 
-    /// For how long after a restart no limit runs out.
+    /// Time after a restart in which no limit runs out.
     pub fn grace(&self) -> Duration {
         self.grace
     }

@@ -39,7 +39,7 @@ pub enum Note {
         /// Which of the two.
         lost: bool,
     },
-    /// When an activity that has started was planned to start and to end.
+    /// Planned start and end of an activity that has started.
     Planned {
         firing: FiringId,
         #[serde(with = "micros")]

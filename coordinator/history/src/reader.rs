@@ -47,7 +47,7 @@ impl HistoryReader {
         &self.about
     }
 
-    /// When the first and the last thing happened; none if nothing has.
+    /// Times of the first and the last event; none if there is none.
     ///
     /// # Errors
     /// When it cannot be read.

@@ -108,7 +108,7 @@ impl History {
         self.newest
     }
 
-    /// When the last thing in it happened.
+    /// Time of the last event in it.
     ///
     /// # Errors
     /// When it cannot be read.

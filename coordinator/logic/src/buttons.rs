@@ -43,7 +43,7 @@ impl Buttons {
         if now < self.until { self.said & !self.unreleased } else { 0 }
     }
 
-    /// When they run out.
+    /// Expiry.
     pub(crate) fn until(&self) -> Tick {
         self.until
     }

@@ -477,7 +477,7 @@ impl Coordinator {
         out.cycles.append(&mut self.cycles);
     }
 
-    /// When to step again if nothing arrives before.
+    /// Time of the next step if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
         let views = self.stations.iter().map(|s| s.known_until);
         let rival = self.rival.map_or(Tick::ZERO, |(_, until)| until);

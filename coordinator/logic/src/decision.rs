@@ -121,7 +121,7 @@ impl ModeFacts {
 pub struct ModeArc {
     pub from: ControlMode,
     pub to: ControlMode,
-    /// If this holds.
+    /// Condition.
     pub when: fn(&ModeFacts) -> bool,
 }
 

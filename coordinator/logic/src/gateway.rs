@@ -76,7 +76,7 @@ impl Gateway {
         }
     }
 
-    /// When the next image runs out.
+    /// Expiry of the next image.
     pub fn next_deadline(&self, now: Tick) -> Option<Tick> {
         self.stations.iter().flatten().map(|held| held.until).filter(|&until| until > now).min()
     }

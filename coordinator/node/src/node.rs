@@ -66,9 +66,9 @@ pub struct CoordinatorOptions {
     pub cell: Option<Cell>,
     /// The line's bus, by the CAN interface's name.
     pub interface: String,
-    /// Where the journal is kept; `None`: nothing is remembered.
+    /// Directory of the journal; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
-    /// Where the bus is found.
+    /// Options of the bus.
     pub bus: linewright_fieldbus::BusOptions,
     /// The process's clock.
     pub clock: Clock,

@@ -34,7 +34,7 @@ pub struct IsolatedStations {
 }
 
 impl IsolatedStations {
-    /// As it follows from what is known of the cell.
+    /// As it follows from the state of the cell.
     pub fn of(coordination: &Coordination) -> Self {
         let state = coordination.state();
         let stopped = state.exceptions().stopped().collect();

@@ -58,9 +58,9 @@ pub struct CoordinatorShell {
     refresh: Duration,
     refresh_due: Tick,
     stale: Duration,
-    /// When order and state were given last.
+    /// Time of the last order and state.
     told: Tick,
-    /// When it was decided last.
+    /// Time of the last decision.
     acted: Tick,
     /// Next call that it has requested.
     expected: Tick,
@@ -327,7 +327,7 @@ impl CoordinatorShell {
         goes_on
     }
 
-    /// Until when the next of the output images in force is not too old.
+    /// Time until which the next of the output images in force is not too old.
     pub fn images_until(&self, now: Tick) -> Option<Tick> {
         self.gateway.next_deadline(now)
     }
@@ -368,7 +368,7 @@ impl CoordinatorShell {
         (is_second && !self.is_followed).then_some(life)
     }
 
-    /// When to act again if nothing arrives before.
+    /// Time of the next call if nothing arrives before.
     pub fn next_deadline(&self, now: Tick) -> Tick {
         let deadlines = [self.coordinator.next_deadline(), self.gateway.next_deadline(now), self.write_again];
         deadlines.into_iter().flatten().fold(self.refresh_due, Tick::min)

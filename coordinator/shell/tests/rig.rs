@@ -19,7 +19,7 @@ pub struct Rig {
     /// Time of a write.
     pub disk_takes: Duration,
     pub record: CoordinatorRecord,
-    /// When it was tried to write.
+    /// Times of attempts to write.
     pub writes: Vec<Tick>,
     sequence: u64,
 }

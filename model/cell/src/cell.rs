@@ -119,7 +119,7 @@ pub struct Activity {
     pub uses: Vec<Use>,
     /// Orders to stations; it has ended when all of them are done.
     pub orders: Vec<OrderTemplate>,
-    /// For which stages it is possible, in their order, and what it makes of them. At most one for each pair.
+    /// Stages for which it is possible, in their order, and their changes. At most one for each pair.
     pub moves: Vec<StageMove>,
 }
 
@@ -185,7 +185,7 @@ pub struct OrderTemplate {
     pub limit: Option<Duration>,
 }
 
-/// Where the value of a parameter comes from.
+/// Source of the value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ParameterSource {
     /// It is always this.
@@ -216,7 +216,7 @@ pub struct PlanStep {
     pub from: StageId,
     /// Afterwards.
     pub to: StageId,
-    /// Where it can be done.
+    /// Resources that can do it.
     pub on: Vec<ResourceId>,
 }
 
@@ -250,7 +250,7 @@ pub struct ExceptionRule {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmAnswer {
     pub word: String,
-    /// Where the part is.
+    /// Place of the part.
     pub part: Whereabouts,
     /// Strategy.
     pub then: Strategy,
@@ -274,12 +274,12 @@ pub enum LeftOut {
     As(Whereabouts),
 }
 
-/// Where a part is after a failure.
+/// Place of a part after a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Whereabouts {
     /// At the resource it came from.
     From,
-    /// Where it was to go.
+    /// Its destination.
     To,
     Carrier,
     /// Nowhere any more.

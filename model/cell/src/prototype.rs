@@ -68,7 +68,7 @@ impl Prototype {
         Prototype::Conveyor,
     ];
 
-    /// As a description writes it.
+    /// Name in a description.
     pub const fn name(self) -> &'static str {
         match self {
             Prototype::Machine => "machine",
@@ -130,7 +130,7 @@ impl Prototype {
 }
 
 impl ResourceAction {
-    /// As a description writes it.
+    /// Name in a description.
     pub const fn name(self) -> &'static str {
         match self {
             ResourceAction::Load => "load",

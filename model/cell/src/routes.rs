@@ -1,4 +1,4 @@
-//! Where parts can come and still be finished: reachability of (stage, spot), forwards and backwards.
+//! Spots where parts can come and still be finished: reachability of (stage, spot), forwards and backwards.
 //!
 //! A spot is where a part can stand: outside before or after, in a store, in a machine before or after its work.
 //! Activities are for the ways from *new, outside* to *done, outside*; the rest is left out of the nets and reported
@@ -7,7 +7,7 @@
 use crate::prototype::ResourceAction;
 use crate::{ResourceId, StageId, Staying};
 
-/// Where a part can stand.
+/// Place where a part can stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PartSpot(usize);
 
@@ -31,14 +31,14 @@ impl PartSpot {
         }
     }
 
-    /// Where a part can be when work on it begins.
+    /// Spots of a part when work on it begins.
     pub fn work_from(resource: ResourceId, stays: Staying) -> impl Iterator<Item = PartSpot> {
         let [loaded, ready] = PartSpot::work(resource);
         let spots = [(loaded, stays.allows_loaded()), (ready, stays.allows_ready())];
         spots.into_iter().filter(|(_, can_be)| *can_be).map(|(spot, _)| spot)
     }
 
-    /// Where a machine's parts are before and after its work.
+    /// Spots of a machine's parts before and after its work.
     pub fn work(resource: ResourceId) -> [PartSpot; 2] {
         [PartSpot(2 + 2 * resource.index()), PartSpot(3 + 2 * resource.index())]
     }

@@ -1,4 +1,4 @@
-//! Where readers put what they find.
+//! Collection of a reader's findings.
 
 use crate::problems::Cut;
 use crate::{Problem, Problems};
@@ -10,7 +10,7 @@ const PROBLEMS_MAX: usize = 500;
 /// The same where each problem has an excerpt of its own.
 pub const EXCERPTS_MAX: usize = 50;
 
-/// Where readers put what they find.
+/// Collection of a reader's findings.
 #[derive(Debug, Default)]
 pub struct Report {
     errors: Vec<Problem>,

@@ -80,7 +80,7 @@ pub enum ConfigureError {
     /// A text that cannot be written in a file of this kind: empty, with a line end, with spaces around it, or with `
     /// ;`.
     NotSayable {
-        /// Where it was to stand.
+        /// Place where it was to stand.
         place: String,
         text: String,
     },

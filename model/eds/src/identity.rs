@@ -49,7 +49,7 @@ fn stated(objects: &BTreeMap<u16, Object>, index: u16, sub: u8, node: NodeId) ->
     u32::try_from(value).ok().filter(|number| *number > 0)
 }
 
-/// The same number in two places ought to be the same.
+/// Checks that the same number in two places is the same.
 pub(crate) fn check(
     device: &DeviceInfo,
     objects: &BTreeMap<u16, Object>,

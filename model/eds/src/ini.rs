@@ -150,7 +150,7 @@ impl<'a> SectionRef<'a> {
         self.document.str(self.own().name)
     }
 
-    /// Where it stands.
+    /// Its place.
     pub(crate) fn at(self) -> At {
         self.own().name
     }

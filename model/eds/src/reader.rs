@@ -88,7 +88,7 @@ impl<'a, 'r> SectionReader<'a, 'r> {
         }
     }
 
-    /// That a leading zero makes the number another one.
+    /// Warns that a leading zero makes the number another one.
     pub(crate) fn say_octal(&mut self, key: IniKey, text: &str, value: i128) {
         let message = format!("`{}` is octal and means {value}", shown(text));
         self.say(key, Weight::Warning, message, "octal by its leading 0; write it without, or with 0x");

@@ -92,7 +92,7 @@ impl AnalogueChannel {
         2 + self.number.saturating_sub(1) / IN_ONE
     }
 
-    /// Where its 16 bits lie in that, and what they mean.
+    /// Place of its 16 bits in that, and their meaning.
     pub fn field(&self) -> FrameField {
         let start = self.number.saturating_sub(1) % IN_ONE * 16;
         let (factor, offset) = (self.factor, self.offset);
@@ -144,7 +144,7 @@ impl AnalogueOutput {
         }
     }
 
-    /// That as a number.
+    /// Value as a number.
     pub fn number(&self, image: u128) -> i16 {
         // The description's rules let no value be beyond the range; were one, the channel stays at rest.
         self.channel.number_of(self.value(image)).unwrap_or_else(|| self.at_rest())

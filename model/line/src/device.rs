@@ -170,7 +170,7 @@ pub struct DeviceSetup {
     /// Reason why it may be without error values for its outputs (objects 1029h, 6206h, 6207h, 6443h, 6444h): what else
     /// turns them off when the manager is gone. `None`: it may not.
     pub without_error_values: Option<String>,
-    /// When its process data are sent and taken.
+    /// Times at which its process data are sent and taken.
     pub transmission: Transmission,
     /// Effect of an emergency of the device on its owner; `None` where the description leaves it open, see
     /// [`Device::on_emergency`].

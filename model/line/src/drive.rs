@@ -42,7 +42,7 @@ pub struct Drive {
     pub quick_stop: f64,
     /// Behaviour without an order.
     pub at_rest: AtRest,
-    /// Where it can be sent, at least one. Targets at one place share their input.
+    /// Targets, at least one. Targets at one place share their input.
     pub targets: Vec<DriveTarget>,
     /// On while it has failed or refuses to move.
     pub fault: Option<InputId>,
@@ -74,7 +74,7 @@ pub struct Homing {
     pub slow: f64,
     /// Acceleration and deceleration meanwhile.
     pub acceleration: f64,
-    /// Where it then is.
+    /// Position at its end.
     pub offset: f64,
     /// The output that starts it. If it is a target's output, the drive is homed before it first goes there.
     pub output: OutputId,

@@ -54,11 +54,11 @@ pub struct SignalInput {
     pub input: InputId,
     /// The signal.
     pub signal: DbcName,
-    /// When it is on.
+    /// Condition under which it is on.
     pub when: When,
 }
 
-/// When an input that follows a signal is on. Numbers are in the signal's unit.
+/// Condition of an input that follows a signal. Numbers are in the signal's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum When {
     /// While the signal is not zero.

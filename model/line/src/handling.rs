@@ -32,7 +32,7 @@ pub struct MaterialFlow {
 pub struct Holder {
     /// Its name; that of a station's with the station's before it, as in `robot.hand`.
     pub name: String,
-    /// For how many parts there is room, each at a position of its own, from 1. A hand has one.
+    /// Number of parts it has room for, each at a position of its own, from 1. A hand has one.
     pub places: u16,
     /// Its effect on them.
     pub grip: Grip,
@@ -60,7 +60,7 @@ pub struct Stand {
     pub at: f64,
 }
 
-/// When a hand can take from a nest, and put down in it.
+/// Condition under which a hand can take from a nest, and put down in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
     /// The hand.

@@ -91,7 +91,7 @@ pub struct Line {
     pub console: Console,
     /// Times.
     pub timing: Timing,
-    /// Where parts can be, for the simulated plant.
+    /// Places of parts, for the simulated plant.
     pub handling: MaterialFlow,
 }
 
@@ -109,7 +109,7 @@ pub struct Station {
     /// The steps of the cycle, in chart order: one operation each, or several that run side by side (seed 002,
     /// Appendix). Neither the first step nor the one of the home operation has more than one.
     pub steps: Vec<Vec<OpId>>,
-    /// Where a station on order may stand between its tasks, home first. Empty in a station that goes round a cycle.
+    /// Rests of a station on order, between its tasks, home first. Empty in a station that goes round a cycle.
     pub rests: Vec<Rest>,
     /// Its tasks. Empty in a station that goes round a cycle.
     pub tasks: Vec<Task>,
@@ -150,7 +150,7 @@ pub struct Panel {
 pub struct Axis {
     /// Name, as in the description.
     pub name: String,
-    /// Where it stands when the station is at home.
+    /// Position when the station is at home.
     pub home: f64,
     /// Of an axis that turns endlessly, one way: how far it goes with one index. Every index begins and ends at `home`, the
     /// one place that its switch measures.
@@ -186,9 +186,9 @@ pub struct Operation {
 pub struct Motion {
     /// The axis it moves.
     pub axis: AxisId,
-    /// Where a normal motion starts and a recovery motion ends.
+    /// Start of a normal motion and end of a recovery motion.
     pub from: f64,
-    /// Where a normal motion ends.
+    /// End of a normal motion.
     pub to: f64,
 }
 

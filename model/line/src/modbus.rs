@@ -23,11 +23,11 @@ pub struct Modbus {
     pub timeout: Duration,
     /// For each bit of its inputs, the input of its owner's image it carries.
     pub inputs: Vec<Option<InputId>>,
-    /// Where they begin.
+    /// Their first address.
     pub inputs_at: (Table, u16),
     /// For each bit of its outputs, the output of its owner's image it carries.
     pub outputs: Vec<Option<OutputId>>,
-    /// Where they begin: coils or holding registers.
+    /// Their first address: coils or holding registers.
     pub outputs_at: (Table, u16),
     /// Its outputs are read back and compared in each cycle.
     pub reads_back: bool,
@@ -107,7 +107,7 @@ impl fmt::Display for Table {
 }
 
 impl Modbus {
-    /// Where the device is, for a person.
+    /// Place of the device, for a person.
     pub fn place(&self) -> String {
         format!("{} unit {}", self.address, self.unit)
     }

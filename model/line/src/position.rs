@@ -101,7 +101,7 @@ impl Station {
         })
     }
 
-    /// Where each axis stands before the first operation of a step, by the chart; one list for each step.
+    /// Position of each axis before the first operation of a step, by the chart; one list for each step.
     pub fn positions_before_steps(&self) -> Vec<Vec<f64>> {
         let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
         let mut before = vec![home.clone(); self.steps.len()];
@@ -169,7 +169,7 @@ impl Station {
     }
 }
 
-/// When an axis is at a place during a step.
+/// Part of a step during which an axis is at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meets {
     AtItsStart,

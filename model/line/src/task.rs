@@ -32,12 +32,12 @@ pub const PARAMETER_BITS_MAX: usize = 31;
 /// The greatest code that a description may give; greater ones are the controller's own.
 pub const CODE_MAX: u16 = 999;
 
-/// Where a station on order may stand between its tasks.
+/// Rest of a station on order, between its tasks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rest {
     /// Name, as in the description.
     pub name: String,
-    /// Where each axis stands, in the order of [`Station::axes`]; millimetres, or degrees.
+    /// Position of each axis, in the order of [`Station::axes`]; millimetres, or degrees.
     pub at: Vec<f64>,
 }
 
@@ -48,9 +48,9 @@ pub struct Task {
     pub name: String,
     /// Its steps, a stretch of [`Station::steps`], of one operation each; never empty.
     pub steps: Range<usize>,
-    /// Where it begins.
+    /// Rest at its beginning.
     pub from: RestId,
-    /// Where it ends.
+    /// Rest at its end.
     pub to: RestId,
     /// After this long it has failed, whatever time an order leaves it.
     pub limit: Duration,

@@ -95,7 +95,7 @@ fn without_schema(text: &str) -> &str {
     text.split_once('\n').and_then(rest).unwrap_or(text)
 }
 
-/// Where a line of the shipped text, or an inline table in it, gives a number to `key`, and the number.
+/// Place and value of a number that a line of the shipped text, or an inline table in it, gives to `key`.
 fn value_of(line: &str, key: &str) -> Option<(Range<usize>, f64)> {
     let assignment = format!("{key} = ");
     let at = line.find(&assignment).filter(|_| !line.starts_with('#'))?;

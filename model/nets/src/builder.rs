@@ -1,10 +1,10 @@
-//! Where a net is written down, and where it is checked once.
+//! Builder of nets, and their one check.
 //!
 //! A builder accepts everything, so that the code which generates a net need not stop at each arc; [`NetBuilder::build`]
 //! then reports *all* errors, or returns a [`Net`] whose arcs resolve, whose weights are positive and whose names are
 //! unique. Nothing after that has to check again.
 //!
-//! A builder cannot tell the ids of another builder from its own as long as they are in range.
+//! A builder cannot distinguish the ids of another builder from its own as long as they are in range.
 
 use std::collections::HashMap;
 use std::fmt;

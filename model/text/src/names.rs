@@ -34,7 +34,7 @@ impl<'a> NameTable<'a> {
         self.entries.get(name).map(|&(id, _)| id)
     }
 
-    /// Where `name` is defined.
+    /// Place of the definition of `name`.
     pub fn place(&self, name: &str) -> Option<&'a TextRange> {
         self.entries.get(name).map(|&(_, at)| at)
     }

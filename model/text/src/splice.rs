@@ -32,7 +32,7 @@ struct SpliceNote {
 
 #[derive(Clone, Debug)]
 struct Piece {
-    /// Where it begins in the new text.
+    /// Its beginning in the new text.
     start: usize,
     from: TextRange,
     /// Whether it is byte by byte what the old text has there.

@@ -227,7 +227,7 @@ impl ShopFloor {
         Ok(Running { controller, out, image: None, said, down: None })
     }
 
-    /// When something happens by itself.
+    /// Time of the next event that happens by itself.
     pub(super) fn next(&self) -> Option<Tick> {
         let deadlines = self.processes.iter().filter_map(|process| match process.down {
             Some((_, runs_out)) => Some(runs_out),

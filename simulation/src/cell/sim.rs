@@ -27,7 +27,7 @@ const QUIET: Duration = Duration::from_secs(3);
 /// Time of stations for an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StationSpeed {
-    /// As long as its activity should take, or up to this part of it longer or shorter.
+    /// The nominal time of its activity, longer or shorter by this fraction at most.
     Nominal {
         /// Between 0 and 1.
         spread: f64,
@@ -116,7 +116,7 @@ pub struct CellSim {
     pub asked: Vec<Vec<ProductionOrderRequest>>,
     /// Replies to them.
     pub told: Vec<Result<Vec<ProductionId>, ProductionCommandError>>,
-    /// Where the parts really are.
+    /// True places of the parts.
     pub truth: PartTruth,
     /// Whether stations report their sensors.
     pub senses: bool,

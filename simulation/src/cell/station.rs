@@ -38,9 +38,9 @@ pub struct SimulatedStation {
     doing: Option<(OrderKey, Tick)>,
     /// It is on its way back from what it is doing, and this is why.
     is_securing: Option<TaskFailure>,
-    /// When the time of what it is doing is over.
+    /// Time limit of its order.
     limit: Tick,
-    /// Since when it stands, and nothing goes on, if it does.
+    /// Time since which it stands, and nothing goes on, if it does.
     stands: Option<Tick>,
     /// Time at work until `metered`.
     worked: Duration,
@@ -138,7 +138,7 @@ impl SimulatedStation {
         self.stands.unwrap_or(now)
     }
 
-    /// When it will have done what it is doing.
+    /// Time at which its work will be done.
     pub fn ends(&self) -> Option<Tick> {
         let (_, until) = self.doing.filter(|_| self.stands.is_none())?;
         let goes_on = self.is_securing.is_some() || (!self.is_stuck && until <= self.limit);

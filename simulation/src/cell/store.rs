@@ -1,4 +1,4 @@
-//! Where the records of a cell go, and where the next life of its coordinator finds them.
+//! Store of the records of a cell, from which the next life of its coordinator begins.
 
 use std::sync::Arc;
 

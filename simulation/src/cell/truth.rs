@@ -11,7 +11,7 @@ use linewright_coordinator_cell::{
     ActivityStep, CellTable, FiringId, ModeId, OrderKey, PartId, Record, ResourceId, TaskOutcome, TaskReply,
 };
 
-/// Where the parts really are.
+/// True places of the parts.
 #[derive(Clone, Debug, Default)]
 pub struct PartTruth {
     /// Of each part that is in the cell.
@@ -41,7 +41,7 @@ pub struct InspectionResult {
 }
 
 impl PartTruth {
-    /// Where a part is; none if it is not in the cell.
+    /// Place of a part; none if it is not in the cell.
     pub fn at(&self, part: PartId) -> Option<ResourceId> {
         self.at.get(&part).copied()
     }

@@ -33,7 +33,7 @@ pub(crate) struct SimulatedBus {
     to_manager: VecDeque<(Tick, Frame)>,
     /// The manager's interface is off the bus.
     is_off: bool,
-    /// When devices or mechanisms, and the manager, have something to do next.
+    /// Time of the next event of devices or mechanisms, and of the manager.
     rack_due: Tick,
     manager_due: Tick,
 }
@@ -143,7 +143,7 @@ impl SimulatedBus {
         self.to_devices.extend(self.outbox.frames.drain(..).filter(|_| !is_off).map(|frame| (arrives, frame)));
     }
 
-    /// When something is due.
+    /// Time of the next event.
     pub(super) fn deadline(&self) -> Tick {
         let first = |on_way: &VecDeque<(Tick, Frame)>| on_way.front().map_or(Tick::NEVER, |(arrives, _)| *arrives);
         first(&self.to_devices).min(first(&self.to_manager)).min(self.rack_due).min(self.manager_due)

@@ -15,9 +15,9 @@ struct ImageSlot {
     /// Reason why it is not received: unplugged, or the node that reads its bus is down.
     unplugged: bool,
     unread: bool,
-    /// When the loss is noticed on both sides.
+    /// Time at which the loss is detected on both sides.
     noticed: Tick,
-    /// That moment has come, and has been dealt with.
+    /// That moment has come, and has been handled.
     is_noticed: bool,
 }
 

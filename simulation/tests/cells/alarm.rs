@@ -16,7 +16,7 @@ const MILLIS: fn(u64) -> Duration = Duration::from_millis;
 /// The longest that a message takes here which is not delayed beyond that, there and back.
 const SLOW: u64 = 200;
 
-/// Where all axes are.
+/// Positions of all axes.
 fn positions(of: &Shipped, sim: &CellSim) -> String {
     let plant = sim.floor.as_ref().expect("real stations").plant();
     let all = of.line.station_ids().map(|id| plant.inputs(Owner::Station(id)));

@@ -337,7 +337,7 @@ impl Controller {
         self.events.push(StationHappening { cycle: self.counts.cycle, what });
     }
 
-    /// When to step again if nothing arrives before.
+    /// Time of the next step if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
         (self.due.deadline != Tick::NEVER).then_some(self.due.deadline)
     }

@@ -337,7 +337,7 @@ impl Commands {
         out.extend([self.armed & (bit::PANEL | bit::HELD)].map(|bits| bits as i64));
     }
 
-    /// When something in here runs out, if nothing is received until then.
+    /// Time of the next expiry in here, if nothing is received until then.
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
         let contest = self.contest.map_or(Tick::ZERO, |contest| contest.until);
         [self.order_until, contest, self.advance.until, self.retract.until]

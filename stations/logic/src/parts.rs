@@ -63,7 +63,7 @@ pub(crate) enum IndexProgress {
     Arrived,
 }
 
-/// Where the station stands.
+/// Marking of the station.
 #[derive(Clone, Debug)]
 pub(crate) struct StationMarking {
     /// The first `count` are in use.

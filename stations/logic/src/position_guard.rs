@@ -59,9 +59,9 @@ impl PositionGuard {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Interlocks {
     guards: Vec<PositionGuard>,
-    /// For each operation, where its guards lie.
+    /// Range of the guards of each operation.
     of_operation: Vec<(u16, u16)>,
-    /// For each recovery path, where those of all its motions lie.
+    /// Range of those of all motions of each recovery path.
     of_path: Vec<(u16, u16)>,
     /// Own inputs that another station's guards read: a change of one is reported at once.
     pub read_by_others: u128,

@@ -88,7 +88,7 @@ pub(crate) struct ConditionRow {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaceTable {
     pub place: StationPlace,
-    /// Where its rows lie, for each mode.
+    /// Range of its rows, for each mode.
     pub rows: [(u16, u16); 6],
     /// The actuator, while operating.
     pub actuator: u128,
@@ -186,7 +186,7 @@ pub struct Program {
     pub(crate) interlocks: Interlocks,
     /// All switches of its axes.
     pub(crate) switches: u128,
-    /// For each step, what of them is on when it is complete; none where a place has no switch, or several.
+    /// For each step, which of them are on when it is complete; none where a place has no switch, or several.
     pub(crate) measured_after: Vec<Option<u128>>,
     /// For each operation, which of them are on while its axis is on its way; none for the other axes.
     pub(crate) measured_within: Vec<Option<u128>>,

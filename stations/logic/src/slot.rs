@@ -353,7 +353,7 @@ impl Controller {
         self.slot().map_or(0, |slot| slot.image)
     }
 
-    /// When the time of the order is over.
+    /// End of the time of the order.
     pub(crate) fn order_limit(&self) -> Tick {
         self.slot().filter(|slot| slot.phase == SlotPhase::Running).map_or(Tick::NEVER, |slot| slot.limit)
     }

@@ -232,7 +232,7 @@ impl PeerViews {
         !self.rules.arrows || causes.iter().all(|cause| !cause.modes[mode as usize] || known(cause))
     }
 
-    /// When the next view becomes unknown.
+    /// Time at which the next view becomes unknown.
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
         let ends = self.peers.iter().flat_map(|v| [v.known_until, v.measured_until]);
         ends.filter(|&t| t > now).min().unwrap_or(Tick::NEVER)

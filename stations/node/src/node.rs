@@ -62,9 +62,9 @@ pub struct StationOptions {
     pub line: Line,
     /// Which station to be.
     pub station: StationId,
-    /// Where the journal is kept; `None`: nothing is remembered.
+    /// Directory of the journal; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
-    /// Where a bus of the station's own is found.
+    /// Options of a bus of the station's own.
     pub bus: linewright_fieldbus::BusOptions,
     /// The process's clock.
     pub clock: Clock,

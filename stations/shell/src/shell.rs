@@ -49,7 +49,7 @@ pub struct StationShell {
     before: Option<(u128, u64)>,
     /// Everything was turned off while a record was being written.
     is_interrupted: bool,
-    /// When it was decided last.
+    /// Time of the last decision.
     acted: Tick,
     state_sequence: u64,
     image_sequence: u64,
@@ -365,7 +365,7 @@ impl StationShell {
         Driven { sequence: self.image_sequence, bits: 0, number, lives: self.lives, mode_epoch }
     }
 
-    /// When to act again if nothing arrives before.
+    /// Time of the next call if nothing arrives before.
     pub fn next_deadline(&self) -> Tick {
         self.controller.next_deadline().unwrap_or(Tick::NEVER).min(self.refresh_due)
     }

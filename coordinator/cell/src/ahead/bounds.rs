@@ -130,7 +130,7 @@ impl SharedResource {
         before + weight_of(table.takes(mode), self.cell)
     }
 
-    /// For how long these tokens are needed at least from now on.
+    /// Least time for which these tokens are needed from now on.
     fn need(&self, simulation: &ForwardSimulation, desk: &DispatchConfiguration) -> Duration {
         let (state, table) = (simulation.state(), simulation.state().table());
         let mut has = state.marking().count(self.cell);

@@ -27,7 +27,7 @@ pub struct SimulatedActivity {
     /// With which part; a new one has the number that it would have.
     pub part: Option<PartId>,
     pub from: Tick,
-    /// When it ends; none if that was not played any more, or it has failed.
+    /// End; none if that was not played any more, or it has failed.
     pub to: Option<Tick>,
     /// It was in progress when the simulation began.
     pub was_running: bool,
@@ -181,7 +181,7 @@ impl ForwardSimulation {
         self.write(RecordKind::Started { firing, mode, part, orders: Vec::new() }, policy);
     }
 
-    /// When something ends next.
+    /// Time of the next end.
     pub(in super::super) fn next_end(&self) -> Option<Tick> {
         self.state.due.first().map(|&(due, _)| due)
     }

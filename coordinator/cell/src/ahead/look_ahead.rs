@@ -176,7 +176,7 @@ impl LookAhead {
         DispatchDecision { held: held.collect(), start }
     }
 
-    /// When the first part will have waited too long, if nothing moves.
+    /// Time at which the first part will have waited too long, if nothing moves.
     fn pressed_at(&self, now: Tick, state: &PlayerState) -> Option<Tick> {
         let patience = self.desk.rules.fairness.patience?;
         let inside = state.waiting().map(|part| part.since);

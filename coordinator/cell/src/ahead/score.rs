@@ -25,7 +25,7 @@ pub struct Score {
     pub tardiness: u64,
     /// Work that cannot be done any more, in µs.
     pub stuck: u64,
-    /// When all is finished, in microseconds from the beginning.
+    /// Time from the beginning until all is finished, in µs.
     pub makespan: u64,
     /// Work that is left, in µs.
     pub work: u64,

@@ -53,7 +53,7 @@ pub struct ErrorPart {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recovery {
     pub transition: TransitionId,
-    /// Where the part is then.
+    /// Place of the part then.
     pub part: Whereabouts,
     /// Strategy that follows.
     pub then: Strategy,

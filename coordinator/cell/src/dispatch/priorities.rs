@@ -11,7 +11,7 @@ use super::super::reason::HoldReason;
 /// Data of a part beside its place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PartPriority {
-    /// When it is to be finished; none if it does not matter.
+    /// Due date; none if it does not matter.
     pub due: Option<Tick>,
     /// Priority; more comes first.
     pub priority: i32,
@@ -22,7 +22,7 @@ pub struct PartPriority {
 pub struct EntryCandidate {
     /// The next part that would.
     pub job: PartPriority,
-    /// Since when it could have.
+    /// Time since which it could have.
     pub since: Tick,
 }
 
@@ -62,7 +62,7 @@ impl Admission {
     }
 }
 
-/// When something is to start.
+/// Window of a start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     /// Not before (the earliest start time of seed 000, L2835).
@@ -87,7 +87,7 @@ impl Timetable {
     pub const EMPTY: Timetable =
         Timetable { windows: BTreeMap::new(), next: BTreeMap::new(), tolerance: Duration::ZERO };
 
-    /// Until when something is held.
+    /// Time until which something is held.
     pub fn held_until(&self, now: Tick, part: Option<PartId>, mode: ModeId) -> Option<Tick> {
         let window = self.windows.get(&(part, mode))?;
         let from = window.from - self.tolerance;

@@ -42,7 +42,7 @@ impl RuleInputs<'_> {
         self.timetable.holds(self.now, part, mode)
     }
 
-    /// Since when a part, or the next that a mode lets enter, waits.
+    /// Time since which a part, or the next that a mode lets enter, waits.
     pub(super) fn since(&self, part: Option<PartId>, mode: ModeId) -> Option<Tick> {
         match part {
             Some(part) => self.state.part(part).map(|part| part.since),

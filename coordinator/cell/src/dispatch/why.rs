@@ -112,7 +112,7 @@ pub fn why_out(state: &PlayerState, now: Tick, resource: ResourceId) -> Vec<Stri
     lines
 }
 
-/// Where what a cell lacks is.
+/// Holder of the token that a cell lacks.
 fn owner(ways: &ShortestRoutes, state: &PlayerState, now: Tick, cell: CellId) -> String {
     let table = state.table();
     let name = table.cell_name(cell);

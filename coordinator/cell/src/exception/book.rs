@@ -41,7 +41,7 @@ pub struct FailedActivity {
     pub stage: ExceptionStage,
 }
 
-/// Where a failed activity is.
+/// Stage of a failed activity.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ExceptionStage {

@@ -50,7 +50,7 @@ pub enum ExceptionStep {
     },
     /// Sensors contradict.
     Mismatch {
-        /// Where this was found.
+        /// Subject of the finding.
         about: AlarmSubject,
         /// Their contradictions.
         found: Vec<SensorMismatch>,
@@ -106,7 +106,7 @@ pub enum SecuredState {
     Unknown,
 }
 
-/// Where a part is, and how to go on.
+/// Place of a part, and strategy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecoveryDecision {
@@ -117,13 +117,13 @@ pub struct RecoveryDecision {
     pub then: Strategy,
 }
 
-/// Where a part is after a failure.
+/// Place of a part after a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Whereabouts {
     /// At the resource it came from.
     From,
-    /// Where it was to go.
+    /// Its destination.
     To,
     Carrier,
     /// Nowhere any more.

@@ -16,7 +16,7 @@ use super::book::ExceptionStage;
 use super::fact::{ExceptionStep, SecuredState};
 use super::watch::SecureRequest;
 
-/// That a station is to leave an order.
+/// Request that a station leave an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SecureOrderRequest {
     pub station: StationId,

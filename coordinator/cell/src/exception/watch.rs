@@ -25,7 +25,7 @@ pub(super) struct SecureRequest {
     pub at: Tick,
     /// And to stop at once.
     pub stop: bool,
-    /// When it has answered, and whether it is still at it.
+    /// Time of its answer, and whether it is still at it.
     pub answered: Option<(Tick, bool)>,
 }
 

@@ -340,7 +340,7 @@ impl Production {
         true
     }
 
-    /// Where an order is at a time.
+    /// Status of an order at a time.
     pub fn status(&self, order: &ProductionOrder, now: Tick) -> ProductionStatus {
         if order.withdrawn {
             return ProductionStatus::Withdrawn;
@@ -363,12 +363,12 @@ impl Production {
         }
     }
 
-    /// When an order was over; the beginning for one that is not remembered any more.
+    /// End of an order; the beginning for one that is not kept any more.
     fn end_of(&self, id: ProductionId) -> Option<Tick> {
         self.orders.get(&id).map_or(Some(Tick::ZERO), |order| order.ended)
     }
 
-    /// Since when parts of an order may enter, or from when on; none as long as that is not known.
+    /// Time from which parts of an order may enter; none as long as it is unknown.
     fn open_from(&self, order: &ProductionOrder) -> Option<Tick> {
         let from = order.request.release.unwrap_or(Tick::ZERO).max(order.accepted);
         order.after.iter().try_fold(from, |from, &id| Some(from.max(self.end_of(id)?)))

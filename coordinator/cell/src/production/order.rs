@@ -21,7 +21,7 @@ pub struct ProductionOrder {
     /// Its product, as an index.
     pub product: usize,
     pub after: Vec<ProductionId>,
-    /// When it was accepted.
+    /// Time of acceptance.
     #[serde(with = "serial::micros")]
     pub accepted: Tick,
     /// Number of parts inside or left, without those that are lost.
@@ -32,30 +32,30 @@ pub struct ProductionOrder {
     pub surplus: u32,
     /// Number of parts lost; others have entered, or will, in their place.
     pub lost: u32,
-    /// When its first part entered.
+    /// Time at which its first part entered.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub begun: Option<Tick>,
-    /// When the last one did that has entered so far.
+    /// Time at which its last part so far entered.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub newest: Option<Tick>,
-    /// When it was cancelled.
+    /// Time of cancellation.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub cancelled: Option<Tick>,
     /// It was withdrawn.
     pub withdrawn: bool,
-    /// When it was over: the last part has left, or it was withdrawn.
+    /// End: the last part has left, or it was withdrawn.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub ended: Option<Tick>,
 }
 
-/// Where an order is.
+/// Status of an order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProductionStatus {
     /// Nothing of it may enter yet.
     Waiting {
         /// Orders that it is after and that are not over.
         on: Vec<ProductionId>,
-        /// Until when it is not released, if that is to come.
+        /// Time until which it is not released, if that is to come.
         until: Option<Tick>,
     },
     /// Its parts may enter.

@@ -32,7 +32,7 @@ pub struct ProductionOrderRequest {
     /// Nothing of it enters before this; none for at once.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub release: Option<Tick>,
-    /// When all of it is to be finished; none if it does not matter.
+    /// Due date of all of it; none if it does not matter.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub due: Option<Tick>,
     /// Priority; more comes first.
@@ -72,9 +72,9 @@ pub enum RequestProblem {
     /// It could not be in time.
     DueBeforeRelease {
         name: String,
-        /// When it is due.
+        /// Due date.
         due: Tick,
-        /// When it is released.
+        /// Release.
         release: Tick,
     },
     /// It waits for what is not there.

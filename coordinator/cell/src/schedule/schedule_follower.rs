@@ -66,7 +66,7 @@ impl ScheduleFollower {
         self.schedule.as_ref()
     }
 
-    /// When and why schedules were made, the newest last.
+    /// Times and reasons of schedules, the newest last.
     pub fn revisions(&self) -> impl ExactSizeIterator<Item = &Revision> {
         self.revisions.iter()
     }

@@ -48,7 +48,7 @@ struct SearchNode {
     desk: DispatchConfiguration,
     /// Options still to be tried, the last first; none is to wait.
     options: Vec<Option<(ModeId, Start)>>,
-    /// When something happens next.
+    /// Time of the next event.
     next: Option<Tick>,
 }
 

@@ -24,17 +24,17 @@ pub struct ScheduleSlot {
     pub mode: ModeId,
     /// With which part, as the schedule numbers them; none for what takes none.
     pub part: Option<usize>,
-    /// When it is to start.
+    /// Planned start.
     pub from: Tick,
-    /// When it is to end.
+    /// Planned end.
     pub to: Tick,
     /// By how much it can start later without moving anything else.
     pub float: Duration,
     /// First plan for it; none if it was not planned when it started.
     pub promised: Option<(Tick, Tick)>,
-    /// When it has started.
+    /// Actual start.
     pub began: Option<Tick>,
-    /// When it has ended.
+    /// Actual end.
     pub ended: Option<Tick>,
     pub failed: bool,
     firing: Option<FiringId>,
@@ -50,7 +50,7 @@ pub struct PlanActualBar {
     pub promised: Option<(Tick, Tick)>,
     /// Last plan.
     pub planned: Option<(Tick, Tick)>,
-    /// When it started, if it has, and ended, if it has.
+    /// Actual start and end, as far as they have happened.
     pub actual: Option<(Tick, Option<Tick>)>,
     pub failed: bool,
 }
@@ -58,7 +58,7 @@ pub struct PlanActualBar {
 /// Planned starts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Schedule {
-    /// When it was made.
+    /// Time at which it was made.
     pub made: Tick,
     /// Its result, if all takes its nominal time.
     pub score: Score,
@@ -303,7 +303,7 @@ impl Schedule {
 }
 
 impl ScheduleSlot {
-    /// When it is to start: from its planned start to the latest that moves nothing else.
+    /// Window of its start: from its planned start to the latest that moves nothing else.
     pub fn window(&self) -> Window {
         Window { from: self.from, until: self.from + self.float }
     }

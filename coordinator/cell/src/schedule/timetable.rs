@@ -88,12 +88,12 @@ impl Schedule {
         Some(RevisionReason::Late { mode: slot.mode, part: self.part_of(slot), by: now.since(limit) })
     }
 
-    /// When the schedule does not hold any more, if nothing happens before.
+    /// Time until which the schedule holds, if nothing happens before.
     pub fn holds_until(&self, tolerance: Duration) -> Option<Tick> {
         self.limits(tolerance).map(|(limit, _)| limit).min()
     }
 
-    /// Until when what is to start next has to start, and what is in progress has to end.
+    /// Latest starts of what is to start next, and latest ends of what is in progress.
     fn limits(&self, tolerance: Duration) -> impl Iterator<Item = (Tick, &ScheduleSlot)> {
         let starts = self.next_of_parts().map(|(_, slot)| slot).chain(self.next_entering().map(|(_, slot)| slot));
         let starts = starts.map(move |slot| (slot.from + slot.float + tolerance, slot));

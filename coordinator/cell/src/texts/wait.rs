@@ -56,7 +56,7 @@ impl CellWait<'_> {
     }
 }
 
-/// Where tokens are that something needs.
+/// Place of tokens that something needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TokenOwner<'a> {
     /// With activities in progress.

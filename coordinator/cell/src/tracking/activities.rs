@@ -14,15 +14,15 @@ pub struct FinishedActivity {
     pub mode: ModeId,
     /// With which part; none if it takes none.
     pub part: Option<PartId>,
-    /// When it started.
+    /// Start.
     pub began: Tick,
-    /// When it failed, if it did, and why.
+    /// Failure with its time and reason, if there was one.
     pub failed: Option<ActivityFailed>,
     /// End; none while it is in progress, or waits for an operator's answer.
     pub ended: Option<Tick>,
 }
 
-/// That an activity has failed.
+/// Failure of an activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ActivityFailed {
     /// Time of the event, in µs of the caller's clock.

@@ -78,7 +78,7 @@ pub struct PartHistory {
     /// Its product, as a position in [`ReportMetadata::products`]; none if unknown.
     pub product: Option<usize>,
     pub entered: Tick,
-    /// When it left; none while it is inside.
+    /// Time at which it left; none while it is inside.
     pub left: Option<Tick>,
     /// Time worked on, of activities that are over.
     pub worked: Duration,

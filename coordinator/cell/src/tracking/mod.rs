@@ -75,7 +75,7 @@ pub struct ModeEntry {
     pub passing: PartFlow,
 }
 
-/// Where a part goes.
+/// Destination of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PartFlow {

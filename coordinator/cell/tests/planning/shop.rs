@@ -196,7 +196,7 @@ impl Shop {
         }
     }
 
-    /// When what was started, in milliseconds, with which part.
+    /// Times of all starts, in ms, with modes and parts.
     pub fn starts(&self) -> Vec<(u64, &str, Option<PartId>)> {
         let started = self.log.iter().filter_map(|record| match record.fact {
             RecordKind::Started { mode, part, .. } => {
@@ -207,7 +207,7 @@ impl Shop {
         started.collect()
     }
 
-    /// When the last activity has ended.
+    /// End of the last activity.
     pub fn makespan(&self) -> Tick {
         let ends = self.log.iter().filter(|record| matches!(record.fact, RecordKind::Ended { .. }));
         ends.map(|record| record.at).max().unwrap_or(Tick::ZERO)

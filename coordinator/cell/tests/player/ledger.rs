@@ -46,7 +46,7 @@ impl<'a> Ledger<'a> {
         new
     }
 
-    /// Where a mode takes its part from, or puts it.
+    /// Place that a mode takes its part from, or puts it.
     fn place(&self, mode: ModeId, side: usize) -> Option<String> {
         let mode = self.it.net.mode_named(self.it.table.mode_name(mode)).unwrap();
         let moved = self.it.net.places().flat_map(|place| {

@@ -114,7 +114,7 @@ pub struct LineCycle {
 pub struct StationTrack {
     pub motions: Vec<LineMotion>,
     pub waits: Vec<LineWait>,
-    /// When faults have come.
+    /// Times of faults.
     pub faults: Vec<Tick>,
 }
 

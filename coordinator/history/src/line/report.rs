@@ -138,7 +138,7 @@ pub struct PlannedRow {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CycleChart {
     pub cycle: i32,
-    /// When its first operation began.
+    /// Start of its first operation.
     pub began: Tick,
     pub rows: Vec<PlannedRow>,
 }

@@ -1,8 +1,8 @@
 //! Stations that are left out of the mode decision or in emergency stop by themselves; and the mode in words.
 //!
 //! In a cell a fault of a station is an exception of its order. The station is then left out of the mode decision, or it is in
-//! emergency stop by itself, whatever the mode: the cell gives the stations before every step, and nothing here remembers them.
-//! A station leaves its emergency stop only by an epoch of its own, so that no order which is older than its reset can end it;
+//! emergency stop by itself, whatever the mode: the cell names the stations again and again, and nothing here remembers them. A
+//! station leaves its emergency stop only by an epoch of its own, so that no order which is older than its reset can end it;
 //! until it has acknowledged that epoch, its report of an emergency stop is ignored.
 
 use linewright_line::StationId;

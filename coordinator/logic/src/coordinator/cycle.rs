@@ -27,7 +27,7 @@ pub struct CompletedCycle {
 pub(super) struct OpenCycle {
     /// Number of the last completed cycle, as of the last time all rounds were known.
     completed: i32,
-    /// When it began; `None` if that was not received.
+    /// Beginning; `None` if that was not received.
     began: Option<Tick>,
 }
 

@@ -15,13 +15,13 @@ use linewright_msgs::{
 };
 use linewright_node_shell::ServiceReply;
 
-/// Where the reply to a ticket goes.
+/// Destination of the reply to a ticket.
 pub enum Requester {
     Submit(ServiceReply<SubmitOrders>),
     Change(ServiceReply<ChangeOrder>),
 }
 
-/// Where the reply to an operator's answer or request goes.
+/// Destination of the reply to an operator's answer or request.
 pub enum AnsweringOperator {
     Answer(ServiceReply<AnswerAlarm>),
     Resource(ServiceReply<SetResource>),

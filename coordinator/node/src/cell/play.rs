@@ -71,7 +71,7 @@ pub struct CellNodeOptions {
     pub cell: Cell,
     /// Its line.
     pub line: Line,
-    /// Where its log is kept; `None`: nothing is remembered.
+    /// Directory of its log; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
     /// Which life of the process this is.
     pub boot_id: u64,
@@ -218,7 +218,7 @@ struct CellLoop {
     sensors: Vec<Option<InputId>>,
     apart: watch::Sender<IsolatedStations>,
     message: CellState,
-    /// When the state was published, by the player's time; and whether it has changed since.
+    /// Time of the last publication of the state, by the player's time; and whether it has changed since.
     said: Tick,
     changed: bool,
 }

@@ -43,7 +43,7 @@ pub struct LineHistory {
     noted: Option<LineSituation>,
     /// The observation does not begin before.
     begin_due: Tick,
-    /// Since when notes have found no room, and whether that is reported.
+    /// Time since which notes have found no room, and whether that is reported.
     no_room: Option<(Tick, bool)>,
     note_due: Tick,
     notes: Vec<Note>,

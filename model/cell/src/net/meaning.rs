@@ -14,7 +14,7 @@ pub enum PlaceMeaning {
     Room(ResourceId),
     /// Number of parts it can still carry; of a human, one token for all work.
     Free(ResourceId),
-    /// That a position of a row is free. They are counted from 1, from where parts come in.
+    /// A free position of a row. They are counted from 1, from where parts come in.
     Position(ResourceId, u32),
     /// The first free level of a stack.
     Top(ResourceId),
@@ -29,11 +29,11 @@ pub enum PlaceMeaning {
         /// The carrier has grasped the part and not begun to put it.
         is_held: bool,
     },
-    /// That an activity is not in progress for a stage.
+    /// An activity is not in progress for a stage.
     Idle(ActivityId),
 }
 
-/// Where in a resource parts are.
+/// Place of parts in a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResourcePosition {
     /// In a store, or a stack.

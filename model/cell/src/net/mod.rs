@@ -40,7 +40,7 @@ pub enum Detail {
     Expanded,
 }
 
-/// Where parts come from, and where they go.
+/// Source and destination of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Supply<'a> {
     /// Number of parts of each type that wait outside, in their order, none by default; a part that leaves may come again.

@@ -36,7 +36,7 @@ pub(super) struct DraftResource<'a> {
 
 pub(super) struct DraftActivity<'a> {
     pub name: String,
-    /// Where it is named, or the resource that it belongs to.
+    /// Place of its name, or the resource that it belongs to.
     pub at: TextRange,
     pub kind: ActivityKind,
     /// Actions that could be resolved.
@@ -55,7 +55,7 @@ pub(super) struct DraftOrder<'a> {
 
 pub(super) struct DraftPart<'a> {
     pub raw: &'a RawPart,
-    /// Where it is a variant of the part type that is described.
+    /// Its table, if it is a variant of a described part type.
     pub variant: Option<&'a RawVariant>,
     pub name: &'a str,
     /// The names of its stages, without its own.
@@ -100,14 +100,14 @@ impl<'a> DraftCell<'a> {
 }
 
 impl DraftResource<'_> {
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
 
 impl DraftPart<'_> {
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         if let Some(variant) = self.variant {
             return variant.name.as_ref().map_or_else(|| variant.at.clone(), |name| name.at.clone());
@@ -122,7 +122,7 @@ impl<'a> DraftStep<'a> {
         self.on.iter().zip(&self.raw.on).filter_map(|(on, raw)| Some(((*on)?, raw)))
     }
 
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }

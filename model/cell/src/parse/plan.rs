@@ -68,7 +68,7 @@ fn earlier(other: &LocatedName, at: usize, names: &NameTable<'_>, report: &mut R
     None
 }
 
-/// Where the step begins that `then` names, if that is later.
+/// Beginning of the step that `then` names, if that is later.
 fn later(
     other: &LocatedName,
     at: usize,

@@ -17,7 +17,7 @@ use super::source::{self, Variant};
 use super::{mode, names};
 use crate::common::{ASSEMBLY, cell, edited};
 
-/// Where the tokens are, in terms that both nets have.
+/// Places of the tokens, in terms that both nets have.
 type Class = BTreeMap<String, u32>;
 
 /// Event, in terms that both nets have; hidden steps have none.

@@ -191,7 +191,7 @@ pub(super) fn differences(before: &[WrittenDevice], after: &[WrittenDevice]) -> 
     changes
 }
 
-/// Where each signal is, with its comment, by owner and name.
+/// Place of each signal, with its comment, by owner and name.
 fn places(devices: &[WrittenDevice]) -> BTreeMap<(&str, &str), (String, Option<&String>)> {
     let mut places = BTreeMap::new();
     for device in devices {

@@ -18,7 +18,7 @@ use devices::WrittenDevice;
 /// A row of an I/O list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IoRow {
-    /// Where it stands in its file, from 1.
+    /// Its line in the file, from 1.
     pub line: u64,
     /// The signal; empty for a bit that is not connected.
     pub name: String,

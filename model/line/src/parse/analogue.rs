@@ -71,7 +71,7 @@ pub(super) fn channel(raw: &RawChannel) -> Option<AnalogueChannel> {
     })
 }
 
-/// When an input is on; `None` where that is not given well.
+/// Condition of an input; `None` where that is not given well.
 pub(super) fn when(raw: &RawLimit) -> Option<When> {
     let hysteresis = or(&raw.hysteresis, 0.0);
     match (&raw.above, &raw.below) {

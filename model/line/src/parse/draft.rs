@@ -33,7 +33,7 @@ pub(super) struct DraftStation<'a> {
     pub home: Option<Located<OpId>>,
     pub steps: Vec<Vec<OpId>>,
     pub axes: Vec<Axis>,
-    /// Where each axis stands, rest by rest.
+    /// Position of each axis, rest by rest.
     pub rests: Vec<Vec<f64>>,
     pub tasks: Vec<DraftTask<'a>>,
     /// Inputs that see parts.
@@ -189,7 +189,7 @@ pub(super) enum DraftSign {
 }
 
 impl DraftHolder<'_> {
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
@@ -216,7 +216,7 @@ impl DraftOperation<'_> {
         self.raw.moves.as_ref()?.by.as_ref()
     }
 
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
@@ -230,7 +230,7 @@ impl DraftOperation<'_> {
 }
 
 impl DraftTask<'_> {
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
@@ -245,7 +245,7 @@ impl DraftStation<'_> {
         0..self.operations.len()
     }
 
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }

@@ -31,7 +31,7 @@ pub(super) fn wire<'a>(raw: &'a RawFrames, wires: &mut Wires<'a>, report: &mut R
     draft
 }
 
-/// When an input is on; `None` where that is not given well.
+/// Condition of an input; `None` where that is not given well.
 pub(super) fn when(raw: &RawSignalInput) -> Option<When> {
     let hysteresis = or(&raw.hysteresis, 0.0);
     Some(match (&raw.equals, &raw.above, &raw.below, &raw.bit) {

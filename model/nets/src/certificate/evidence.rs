@@ -138,11 +138,11 @@ pub struct Sums {
     pub dead: Vec<PlaceId>,
     /// The sums: place and weight.
     pub sums: Vec<Vec<(PlaceId, u64)>>,
-    /// For each place of the net, in order, which sum bounds it, and the bound: s / w, rounded down.
+    /// For each place of the net, in order, the sum that bounds it, and the bound: s / w, rounded down.
     pub bounds: Vec<(usize, u128)>,
 }
 
-/// That a free-choice net is live and bounded, by the rank theorem.
+/// Evidence that a free-choice net is live and bounded, by the rank theorem.
 ///
 /// A connected net of extended free choice, with places and transitions, is live and bounded iff it has a positive
 /// conserved sum and a positive repetition, the rank of its incidence matrix is one less than the number of its

@@ -1,4 +1,4 @@
-//! What structure proves, with the evidence, and a small checker of the evidence alone.
+//! Proofs by structure, with the evidence, and a small checker of the evidence alone.
 //!
 //! [`decide_by_structure`] looks at the arcs and the initial marking and answers five questions about a net: whether it
 //! is free of deadlocks, live, bounded, safe and reversible. Every "yes" and every "no" is a [`Certificate`]: the claim

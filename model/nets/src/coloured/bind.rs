@@ -18,7 +18,8 @@ const OPEN: u32 = u32::MAX;
 /// The order in which the components of a mode are fixed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BindingOrder {
-    /// A place whose tokens are tried, and how a token gives tones; each fixes a component that the ones before do not.
+    /// A place with tokens to be tried, and the tones from each token; each fixes a component that the ones before do
+    /// not.
     asks: Vec<(PlaceId, Box<[ComponentPick]>)>,
     /// The components that no input reads.
     free: Vec<u32>,

@@ -1,10 +1,10 @@
 //! Composition: modules and composites joined at their ports (seed 003 §3.2.2, L411-421).
 //!
-//! What may be joined is Ic and Ie of the source: an output of a part to an input of a part, an input of the composite
-//! to an input of a part, an output of a part to an output of the composite. A condition input carries one signal and
-//! has one source. An event input may have several and is called by any of them: "the output event of both models
-//! (controller and plant) is connected to the input event of this module" (L842). Every input must be driven; an output
-//! may be left alone.
+//! Joints are Ic and Ie of the source: an output of a part to an input of a part, an input of the composite to an input
+//! of a part, an output of a part to an output of the composite. A condition input carries one signal and has one
+//! source. An event input may have several and is called by any of them: "the output event of both models (controller
+//! and plant) is connected to the input event of this module" (L842). Every input must be driven; an output may be left
+//! alone.
 
 use super::flatten;
 use super::{ComposeError, Semantics, Tnces, TncesModule};

@@ -65,9 +65,9 @@ impl<S> StateGraph<S> {
         shape
     }
 
-    /// How many different cycles pass through a state, each arc sequence counted, if every cycle of its loop does; a
-    /// count beyond 64 bits is given as the largest. `None` if a cycle of the loop avoids the state. The testing station
-    /// of seed 003 has four, which "all start in p4" (L888).
+    /// Number of different cycles through a state, each arc sequence counted, if every cycle of its loop does; a count
+    /// beyond 64 bits is given as the largest. `None` if a cycle of the loop avoids the state. The testing station of
+    /// seed 003 has four, which "all start in p4" (L888).
     pub fn cycles_through(&self, head: StateId) -> Option<u64> {
         let parts = self.components(self.arcs().iter());
         let part = parts.of(head.index());

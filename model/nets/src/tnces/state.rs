@@ -1,8 +1,8 @@
 //! A marking with its clocks.
 //!
-//! Which clocks there are depends on the reading: ages of tokens, or one clock per transition. Only nodes whose clock can
-//! matter have one, and a clock stops where it no longer matters, so that equal futures are equal states and a bounded
-//! net has finitely many.
+//! The clocks depend on the reading: ages of tokens, or one clock per transition. Only nodes whose clock can matter have
+//! one, and a clock stops where it no longer matters, so that equal futures are equal states and a bounded net has
+//! finitely many.
 
 use crate::Marking;
 

@@ -66,7 +66,7 @@ fn a_place_flow_is_one_of_the_unfolding() {
     assert!(holds > 100 && broken > 1000 && by_modes > 0, "{holds} {broken} {by_modes}");
 }
 
-/// What a guard excludes cannot break a flow, and only looking at modes shows it.
+/// A mode that a guard excludes cannot break a flow, and only a search of modes shows it.
 #[test]
 fn a_guard_can_make_a_flow() {
     for guarded in [false, true] {

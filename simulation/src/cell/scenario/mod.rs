@@ -24,11 +24,11 @@ pub struct CellScenario {
     pub title: Option<String>,
     /// Duration of a replication; by default until all orders are done.
     pub duration: Option<Duration>,
-    /// What is over before that counts in no figure.
+    /// Time at the beginning that counts in no figure.
     pub warm_up: Duration,
     /// Number of replications; the least, where a precision is given.
     pub replications: Option<usize>,
-    /// Until figures are known up to this part of them.
+    /// Precision of figures to be reached, as a fraction.
     pub precision: Option<f64>,
     /// Between 0 and 1.
     pub confidence: f64,

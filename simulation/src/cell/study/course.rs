@@ -44,7 +44,7 @@ pub(super) struct Course {
 
 struct ArrivalStream {
     of: OrderArrivals,
-    /// When the next one comes; none after the last.
+    /// Time of the next one; none after the last.
     next: Option<Tick>,
     made: u64,
     every: Rng,
@@ -100,7 +100,7 @@ impl Course {
         }
     }
 
-    /// When something comes next; none if nothing will.
+    /// Time of the next event; none if there is none.
     pub fn next(&self) -> Option<Tick> {
         let arrive = self.arrivals.iter().filter_map(|stream| stream.next);
         let fail = self.breakdowns.iter().map(|stream| stream.state.next());

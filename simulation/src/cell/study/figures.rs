@@ -73,7 +73,7 @@ pub struct OrderFigures {
     pub quantity: u32,
     pub released: Tick,
     pub due: Option<Tick>,
-    /// When its last part left; none if it is open.
+    /// Time at which its last part left; none if it is open.
     pub done: Option<Tick>,
 }
 
@@ -139,7 +139,7 @@ impl CellStudy {
         summary.resources.iter().enumerate().map(resource).collect()
     }
 
-    /// For how many seconds resources stood while they worked or carried.
+    /// Seconds for which resources stood while they worked or carried.
     fn stood_at_work(&self, log: &[Record], stood: &[Standstill], from: Tick, end: Tick) -> BTreeMap<usize, f64> {
         let mut sums = BTreeMap::new();
         if stood.is_empty() {

@@ -47,7 +47,7 @@ pub struct StudyOptions {
     pub seed: u64,
     /// Delay of a message, least and most.
     pub delay: (Duration, Duration),
-    /// Where the scenario draws no times: up to this part of it longer or shorter than described.
+    /// Where the scenario draws no times: longest deviation from the described time, as a fraction.
     pub spread: f64,
     /// By look-ahead and schedule of the description, and not by its rules alone.
     pub planned: bool,
@@ -68,9 +68,9 @@ pub struct PlayedReplication {
     pub sim: CellSim,
     /// Schedule it followed, if it was planned.
     pub plan: Option<ScheduleFollower>,
-    /// When resources stood, in the order of their repairs.
+    /// Standstills of resources, in the order of their repairs.
     pub stood: Vec<Standstill>,
-    /// Until when it was observed.
+    /// End of the observation.
     pub end: Tick,
     /// Reason why it ended before its time, if it did.
     pub problem: Option<StudyProblem>,

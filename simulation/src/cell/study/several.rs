@@ -14,7 +14,7 @@ const LEAST: usize = 5;
 pub struct ReplicationGoal {
     /// That number; at least, where a precision is given.
     pub replications: usize,
-    /// Until throughput and time in the cell are known up to this part of them.
+    /// Precision of throughput and time in the cell to be reached, as a fraction.
     pub precision: Option<f64>,
     /// At most so often.
     pub most: usize,

@@ -27,7 +27,7 @@ fn by_priority(it: &Compiled, fairness: Fairness) -> ByName<fn(&str) -> PartPrio
     ByName { inner, job }
 }
 
-/// When something named so was first started in ten minutes.
+/// First start, within ten minutes, of a mode named so.
 fn first(it: &Compiled, fairness: Fairness, name: &str) -> Option<u64> {
     let (records, _) = play(it, &mut by_priority(it, fairness), LONG, |_, _| true);
     starts(it, &records, name).first().map(|&(at, _)| at)

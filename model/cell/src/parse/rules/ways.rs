@@ -10,7 +10,7 @@ use crate::parse::raw::RawOn;
 use crate::routes::{PartSpot, RouteTable, Routes};
 use crate::{ActivityKind, Prototype, ResourceId, Role, StageId};
 
-/// Where the stages of each part type begin.
+/// First stage of each part type.
 pub struct Offsets(Vec<usize>);
 
 impl Offsets {
@@ -20,7 +20,7 @@ impl Offsets {
     }
 }
 
-/// Where the stages of each part type begin.
+/// First stage of each part type.
 pub fn offsets(draft: &DraftCell<'_>) -> Offsets {
     let mut next = 0;
     let begin = |part: &DraftPart<'_>| {
@@ -144,7 +144,7 @@ fn never_comes(
         .hint(format!("a synchronisation with {} must bring it from there", loads.join(" or ")))
 }
 
-/// Where parts of a stage can be, in words.
+/// Places of parts of a stage, in words.
 fn stands(draft: &DraftCell<'_>, stage: StageId, routes: &Routes) -> String {
     let ids = (0..draft.resources.len()).map(ResourceId::at);
     let at = ids.filter(|&id| PartSpot::work(id).iter().any(|&spot| routes.is_reached(spot, stage)));

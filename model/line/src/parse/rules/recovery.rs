@@ -85,7 +85,7 @@ fn end_of_path(station: &DraftStation<'_>, op: OpId) -> Option<OpId> {
     task.ops.contains(&op.index()).then(|| OpId::at(task.ops.end - 1))
 }
 
-/// Where the axes stand when a recovery path has been gone.
+/// Positions of the axes at the end of a recovery path.
 fn positions_at_end(station: &DraftStation<'_>, op: OpId) -> Option<Vec<f64>> {
     if !station.is_task_driven() {
         return Some(station.axes.iter().map(|axis| axis.home).collect());

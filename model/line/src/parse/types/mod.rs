@@ -124,7 +124,7 @@ impl Writer<'_> {
         self.splice.copy(self.text, at..range.end.max(at), note);
     }
 
-    /// Where the text goes on behind what is left out: where nothing else stands in its line, with the next line.
+    /// Beginning of the text behind what is left out: where nothing else stands in its line, the next line.
     fn after(&self, out: &TextRange) -> usize {
         let is_blank = |words: &str| words.trim().is_empty();
         let before = self.text[..out.start].rsplit('\n').next().is_none_or(is_blank);

@@ -38,7 +38,7 @@ pub(super) struct TypedStation {
 pub(super) struct ParameterValue {
     pub name: String,
     pub at: TextRange,
-    /// As it is written.
+    /// Text as it is written.
     pub source: String,
     /// As a part of a text.
     pub words: String,
@@ -193,7 +193,7 @@ fn of_value(value: &Value, depth: usize, found: &mut dyn FnMut(&str, TextRange))
     }
 }
 
-/// Where a key stands with its value; `None` for what has a header of its own.
+/// Place of a key with its value; `None` for a key that has a header of its own.
 fn entry(table: &dyn TableLike, key: &str) -> Option<TextRange> {
     let (name, item) = table.get_key_value(key)?;
     Some(name.span()?.start..item.as_value()?.span()?.end)
