@@ -18,7 +18,7 @@ pub enum StartError {
         "frames are played on CAN buses, and device `{device}` speaks Modbus: simulate without frames, or run the line"
     )]
     NoFrames {
-        /// Which.
+        /// The device.
         device: String,
     },
 }

@@ -108,7 +108,7 @@ pub(crate) struct Link {
     key: u64,
     /// Last message sent and not lost.
     said: Option<LinkPayload>,
-    /// Which state of the writer that was.
+    /// Number of that state of the writer.
     said_version: u64,
     /// Last message received.
     pub(crate) heard: Option<LinkPayload>,

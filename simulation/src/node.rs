@@ -187,7 +187,6 @@ pub(crate) struct CoordinatorNode {
     pub(crate) shell: CoordinatorShell,
     pub(crate) is_up: bool,
     pub(crate) effects: Vec<CoordinatorEffect>,
-    /// Its journal.
     pub(crate) journal: CoordinatorRecord,
     /// Its disk takes no record.
     pub(crate) disk_is_full: bool,

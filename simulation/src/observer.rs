@@ -36,7 +36,7 @@ struct ObservedSide {
 pub struct SeenConflict {
     /// Time of the observation.
     pub at: Tick,
-    /// Which, by its place in [`Line::conflicts`].
+    /// The conflict, by its place in [`Line::conflicts`].
     pub conflict: usize,
     /// Positions of the axes, in words.
     pub positions: String,

@@ -26,7 +26,7 @@ pub enum NodeProcess {
     Coordinator,
 }
 
-/// Which motions of an operation.
+/// Motions of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionSelection {
     Normal,

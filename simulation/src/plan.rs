@@ -24,7 +24,6 @@ struct EventGraphEdge {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlannedTimes {
     pub start: u64,
-    /// End.
     pub end: u64,
 }
 

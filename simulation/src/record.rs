@@ -38,7 +38,7 @@ pub enum MotionEnd {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordedMotion {
     pub station: StationId,
-    /// Of which operation.
+    /// Its operation.
     pub op: OpId,
     /// Forward, or being undone.
     pub block: Block,
@@ -66,7 +66,7 @@ pub struct FaultSeen {
     /// Time of the event, in µs of the caller's clock.
     pub at: Tick,
     pub station: StationId,
-    /// Of which operation.
+    /// Its operation.
     pub op: OpId,
     pub cause: StopCause,
 }

@@ -15,7 +15,7 @@ use crate::sim::LineSim;
 /// Goal of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunGoal {
-    /// So many cycles of the line.
+    /// Cycles of the line.
     pub cycles: usize,
     /// Give start and auto first.
     pub starts: bool,

@@ -59,7 +59,7 @@ pub struct Script {
 /// Reason why a scenario could not be played to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScriptFailure {
-    /// Which step, from 0.
+    /// The step, from 0.
     pub step: usize,
     /// Reason, in words.
     pub why: String,

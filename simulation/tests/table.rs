@@ -1,4 +1,4 @@
-//! A rotary table with three stations around it: the shipped example, whole, with what goes wrong with its index.
+//! A rotary table with three stations around it: the shipped example, whole, with faults of its index.
 //!
 //! ```text
 //!   table  ──index──┐           ┌──index──

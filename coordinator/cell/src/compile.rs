@@ -181,7 +181,7 @@ fn servers(cell: &Cell, activity: &linewright_cell::Activity) -> u32 {
     let Some(resource) = of.and_then(|part| part.of).map(|id| cell.resource(id)) else { return 1 };
     match resource.prototype {
         Prototype::Machine | Prototype::Conveyor => resource.capacity,
-        // A human has one token for all he does; a store neither works nor carries.
+        // A human has one token for all work; a store neither works nor carries.
         Prototype::Human
         | Prototype::Robot
         | Prototype::RandomAccessStore
@@ -190,7 +190,7 @@ fn servers(cell: &Cell, activity: &linewright_cell::Activity) -> u32 {
     }
 }
 
-/// Which position in a store is meant: that of the part before or after.
+/// Position meant in a store: that of the part before or after.
 fn position(activity: &linewright_cell::Activity, store: ResourceId) -> Option<TaskParameterValue> {
     let is_in = |role| activity.used(role).is_some_and(|part| part.of == Some(store));
     match (is_in(Role::Source), is_in(Role::Target)) {

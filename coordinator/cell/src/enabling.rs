@@ -1,4 +1,4 @@
-//! Which modes have their tokens, kept up to date firing by firing.
+//! Modes that have their tokens, kept up to date firing by firing.
 //!
 //! A mode that cannot fire *watches* one cell of which it lacks tokens, as clauses watch literals in solvers for
 //! satisfiability. Two invariants hold between calls: a mode that is enabled lacks nothing, and one that is not watches a

@@ -33,7 +33,7 @@ impl CellMarking {
         CellMarking { counts: vec![0; cells], parts: vec![BTreeMap::new(); cells], arrivals }
     }
 
-    /// So many tokens.
+    /// Sets the number of tokens.
     pub(super) fn set(&mut self, cell: CellId, count: u64) {
         self.counts[cell.index()] = count;
     }
@@ -96,7 +96,7 @@ impl CellMarking {
         *count = count.saturating_add(u64::from(weight));
     }
 
-    /// Which part one of the tokens just given is; its arrival.
+    /// Makes one of the tokens just given this part; its arrival.
     pub(super) fn put(&mut self, cell: CellId, part: PartId) -> u64 {
         self.arrivals += 1;
         self.parts[cell.index()].insert(self.arrivals, part);
@@ -119,7 +119,7 @@ impl CellMarking {
         }
     }
 
-    /// Which part one of the tokens just taken was.
+    /// Removes the part that one of the tokens just taken was.
     pub(super) fn pull(&mut self, cell: CellId, arrival: u64) {
         self.parts[cell.index()].remove(&arrival);
     }

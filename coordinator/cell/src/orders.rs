@@ -62,7 +62,7 @@ pub enum ProductionCommand<'a> {
 /// Reason why something was not changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProductionCommandError {
-    /// All that is wrong with the requests.
+    /// All errors of the requests.
     Request(Vec<RequestProblem>),
     /// The order cannot be changed so.
     Order(ProductionRefusal),

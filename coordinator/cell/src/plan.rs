@@ -15,7 +15,6 @@ use super::ids::{CellId, ModeId};
 pub struct PlayPlan {
     /// Kinds of tokens of the places of the unfolded net, in its order.
     pub cells: Vec<CellKind>,
-    /// Activities.
     pub activities: Vec<PlayedActivity>,
     /// For each transition of the unfolded net, in its order, the position of its activity in `activities`.
     pub activity_of: Vec<usize>,
@@ -56,7 +55,7 @@ pub enum CellKind {
     Parts(PartPick),
 }
 
-/// Which of the parts of a cell can be taken.
+/// Parts of a cell that can be taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartPick {
     Any,

@@ -1,4 +1,4 @@
-//! Which positions of a store are taken.
+//! Positions of a store that are taken.
 //!
 //! The net has the number of parts in a store, not their positions, since those enable nothing. A part gets the lowest
 //! free position of the store it goes to when it sets out, so that it can be sent to the robot, and keeps the one it comes

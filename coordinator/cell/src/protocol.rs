@@ -3,7 +3,7 @@
 //! The rules exist for the checker, like `linewright_station_logic::OrderRules`: an exploration without findings is
 //! credible only if it has findings as soon as one rule is off.
 
-/// Which rules of the order protocol hold. The default is all of them, and the only choice for a machine.
+/// Rules of the order protocol. The default is all of them, and the only choice for a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProtocolRules {
     /// The order in a station's slot is in progress, whatever its results report. Off: an order has ended as soon as a

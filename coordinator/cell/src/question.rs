@@ -27,7 +27,7 @@ pub struct Question<'a> {
     pub state: &'a PlayerState,
     /// Modes that could start.
     pub candidates: &'a [Candidate],
-    /// Which of them compete.
+    /// Groups of them that compete.
     pub groups: &'a [ConflictGroup],
 }
 
@@ -74,7 +74,7 @@ pub struct DispatchDecision {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Start {
     pub candidate: usize,
-    /// With which part; none exactly if the mode takes none.
+    /// Its part; none exactly if the mode takes none.
     pub part: Option<PartId>,
 }
 

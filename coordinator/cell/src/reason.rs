@@ -42,7 +42,7 @@ pub enum HoldReason {
 pub struct ProgressComparison {
     /// Mode that starts instead, and with which part; none if it is better to wait for what happens next.
     pub instead: Option<(ModeId, Option<PartId>)>,
-    /// By how much it is better.
+    /// Its advantage.
     pub gain: Gain,
 }
 
@@ -52,7 +52,7 @@ pub struct ProgressComparison {
 pub enum Gain {
     /// Parts are less late, by so much in all, each counted as often as it matters.
     Tardiness(Duration),
-    /// So much less work is left at the end of what was looked at.
+    /// Work less at the end of the simulation.
     Work(Duration),
     /// All is finished earlier by so much.
     Makespan(Duration),
@@ -81,7 +81,7 @@ impl HoldReason {
 pub struct LostDecision {
     /// Mode that starts instead.
     pub to: ModeId,
-    /// With which part; none if it takes none.
+    /// Its part; none if it takes none.
     pub with: Option<PartId>,
     /// The part that would have been next here.
     pub own: Option<PartId>,
@@ -97,7 +97,7 @@ pub enum DecidingRule {
     Waited,
     /// It makes way for one that has waited longer than parts should.
     Helps {
-        /// Which; none if it waits outside.
+        /// The part; none if it waits outside.
         part: Option<PartId>,
     },
     /// It is inside, and the other is not.

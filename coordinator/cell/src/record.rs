@@ -55,7 +55,7 @@ pub enum RecordKind {
     Started {
         firing: FiringId,
         mode: ModeId,
-        /// With which part; a new one if the mode lets parts enter.
+        /// Its part; a new one if the mode lets parts enter.
         part: Option<PartId>,
         /// The keys of its orders, as its activity lists them.
         orders: Vec<OrderKey>,
@@ -73,7 +73,7 @@ pub enum RecordKind {
     /// An instantaneous mode has happened: tokens are taken and given.
     Fired {
         mode: ModeId,
-        /// With which part; a new one if the mode lets parts enter.
+        /// Its part; a new one if the mode lets parts enter.
         part: Option<PartId>,
     },
     /// The production orders have changed.

@@ -1,4 +1,4 @@
-//! All that is remembered of a cell: marking, parts, what is in progress, and the counters that numbers come from.
+//! State of a cell: marking, parts, what is in progress, and the counters that numbers come from.
 //!
 //! It changes in [`PlayerState::apply`] alone, and all of it follows from the records. What does not follow from them (what
 //! was sent when, which stations were received in this life) is the player's and is lost in a restart on purpose. Beside
@@ -191,7 +191,7 @@ impl PlayerState {
         &self.marking
     }
 
-    /// Which modes have their tokens.
+    /// Modes that have their tokens.
     pub fn enabling(&self) -> &Enabling {
         &self.enabling
     }

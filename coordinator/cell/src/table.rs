@@ -339,7 +339,6 @@ impl CellTable {
         self.modes[mode.index()].part_out
     }
 
-    /// Products.
     pub fn products(&self) -> &[Product] {
         &self.products
     }

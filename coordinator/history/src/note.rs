@@ -21,14 +21,14 @@ pub enum Note {
     },
     /// An emergency stop has come, or is over.
     EmergencyStop {
-        /// Which of the two.
+        /// True for on.
         on: bool,
     },
     /// A station is not received any more, or is received again.
     Station {
         /// Index of the station in the description.
         station: u16,
-        /// Which of the two.
+        /// True for lost.
         lost: bool,
     },
     /// A device of a station is lost, or is there again.
@@ -36,7 +36,7 @@ pub enum Note {
         /// The station's number.
         station: u16,
         device: String,
-        /// Which of the two.
+        /// True for lost.
         lost: bool,
     },
     /// Planned start and end of an activity that has started.

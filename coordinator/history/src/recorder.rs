@@ -19,11 +19,11 @@ use linewright_line::Tick;
 use crate::writer::HistoryItem;
 use crate::{History, HistoryError, Note};
 
-/// So many batches can wait. A step of the player is one.
+/// Batches that can wait. A step of the player is one.
 const QUEUE: usize = 1024;
-/// So many records or notes are written at once.
+/// Records or notes written at once.
 const BATCH: usize = 1000;
-/// So many notes are kept while the queue is full; then the oldest are lost.
+/// Notes kept while the queue is full; then the oldest are lost.
 const NOTES_MAX: usize = 1000;
 
 /// Period of the check whether the thread has ended.

@@ -18,7 +18,7 @@ pub struct OutputImage {
     pub valid: bool,
     /// Number of losses of devices when the inputs it was decided on were sent.
     pub losses: u64,
-    /// Which life of the station it comes from.
+    /// Boot id of the station it comes from.
     pub boot_id: u64,
     /// Grows with every change of the station's outputs, in one life.
     pub number: u64,

@@ -1,4 +1,4 @@
-//! A station behind the gateway, as far as ROS 2 sees it: the message with its inputs, and what is wrong with its devices.
+//! A station behind the gateway, as far as ROS 2 sees it: the message with its inputs, and the diagnostics of its devices.
 
 use linewright_coordinator_shell::InputsImage;
 use linewright_line::{Line, Owner, StationId};

@@ -14,7 +14,6 @@ use linewright_line::net::ControlMode;
 pub struct LineSituation {
     /// Activities may start.
     pub starts: bool,
-    /// The mode.
     pub mode: ControlMode,
     /// By station: its state is received.
     pub heard: Vec<bool>,

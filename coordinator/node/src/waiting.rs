@@ -14,7 +14,7 @@ use crate::node::{CoordinatorLoop, CoordinatorNodeError, Recorded};
 use crate::remembered::record_of;
 use crate::topics::CoordinatorInbound;
 
-/// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
+/// Most messages taken between two steps, so that no flood of them keeps the bus waiting.
 const TAKEN_AT_ONCE: usize = 256;
 
 impl CoordinatorLoop {

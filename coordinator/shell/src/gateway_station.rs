@@ -72,7 +72,7 @@ impl GatewayStation {
         }
     }
 
-    /// Of what is on the bus only this stays; nothing if that is all of it. The next step gives outputs anew.
+    /// Leaves only these bits on the bus; nothing if those are all that is on it. The next step gives outputs anew.
     pub(crate) fn keep_only(&mut self, bits: u128) -> Option<u128> {
         let staying = self.on_bus & bits;
         if staying == self.on_bus {

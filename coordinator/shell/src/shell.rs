@@ -62,7 +62,7 @@ pub struct CoordinatorShell {
     told: Tick,
     /// Time of the last decision.
     acted: Tick,
-    /// Next call that it has requested.
+    /// Time of the next call that it has requested.
     expected: Tick,
     /// Arrivals before this may have waited while the process stood still: their age is unknown.
     doubts_until: Tick,
@@ -117,7 +117,7 @@ impl CoordinatorShell {
         &self.coordinator
     }
 
-    /// Which life of the coordinator this is.
+    /// Boot id of the coordinator.
     pub fn boot_id(&self) -> u64 {
         self.boot_id
     }
@@ -137,8 +137,8 @@ impl CoordinatorShell {
         self.has_devices[station.index()]
     }
 
-    /// A cell is played on this line; the trouble of some stations is the cell's alone, and some it has put into emergency stop.
-    /// Call it before anything is handled, and before [`CoordinatorShell::act`] whenever that changes.
+    /// A cell is played on this line; the faults of some stations are the cell's alone, and some it has put into emergency
+    /// stop. Call it before anything is handled, and before [`CoordinatorShell::act`] whenever that changes.
     pub fn plays_cell(&mut self, isolated: impl Iterator<Item = StationId>, stopped: impl Iterator<Item = StationId>) {
         let known = self.isolated.get_or_insert_default();
         known.clear();

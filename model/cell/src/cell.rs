@@ -30,7 +30,6 @@ index_id! {
 pub struct Cell {
     /// The ROS namespace, which is the line's.
     pub name: String,
-    /// Title.
     pub title: String,
     /// Limits of the whole cell.
     pub limits: CellTimeouts,
@@ -99,7 +98,6 @@ pub enum DispatchRule {
 pub struct Resource {
     /// Its name, which its places have as well.
     pub name: String,
-    /// Its prototype.
     pub prototype: Prototype,
     /// Number of parts it holds, or carries at a time.
     pub capacity: u32,
@@ -141,7 +139,6 @@ pub enum ActivityKind {
 pub struct Use {
     /// Resource of the action; none for the outside.
     pub of: Option<ResourceId>,
-    /// Action.
     pub action: ResourceAction,
 }
 
@@ -286,7 +283,7 @@ pub enum Whereabouts {
     Gone,
 }
 
-/// How to go on after a failure. The source names the three (seed 000, L3101-3104); their meaning here is ours.
+/// Continuation after a failure. The source names the three (seed 000, L3101-3104); their meaning here is ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Strategy {
     /// The same once more, from its beginning.

@@ -47,7 +47,7 @@ impl PartSpot {
 /// Moves of parts, and changes of their stages.
 #[derive(Clone, Debug, Default)]
 pub struct RouteTable {
-    /// From where to where, whatever the stage.
+    /// Start and end, whatever the stage.
     pub transports: Vec<(PartSpot, PartSpot)>,
     pub works: Vec<(ResourceId, StageId, StageId, Staying)>,
     /// The first and the last stage of each part type.

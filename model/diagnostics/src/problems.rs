@@ -1,4 +1,4 @@
-//! All that is wrong with a file.
+//! Problems of a file.
 
 use std::fmt;
 use std::ops::Range;
@@ -29,7 +29,7 @@ const LINE_DRAWN_MAX: usize = 2000;
 /// The longest message, in characters; of a longer one the beginning is kept.
 const MESSAGE_MAX: usize = 1000;
 
-/// Of which kind there are more than are kept.
+/// Kind of which there are more than are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Cut {
     pub errors: bool,

@@ -40,9 +40,7 @@ pub struct Download {
     pub index: u16,
     /// Its subindex.
     pub sub: u8,
-    /// Contents.
     pub content: DownloadContent,
-    /// Reason.
     pub reason: WriteReason,
     /// The line of the entry's section in the file.
     pub line: u32,

@@ -14,7 +14,7 @@ pub(crate) enum Weight {
     Warning,
 }
 
-/// A section and where to report what is wrong in it.
+/// A section, and the report for its errors.
 pub(crate) struct SectionReader<'a, 'r> {
     pub section: SectionRef<'a>,
     pub report: &'r mut Report,

@@ -20,7 +20,7 @@ pub struct Analogue {
     pub outputs: Vec<AnalogueOutput>,
 }
 
-/// Which channel it is, and what its number means.
+/// A channel, and the meaning of its number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalogueChannel {
     /// 1 to [`CHANNELS_MAX`]: the subindex of object 6401h or 6411h.
@@ -36,7 +36,7 @@ pub struct AnalogueChannel {
 /// A channel that is measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalogueInput {
-    /// Which, and what its number means.
+    /// The channel, and the meaning of its number.
     pub channel: AnalogueChannel,
     /// A value below it is no measurement.
     pub least: Option<f64>,
@@ -53,7 +53,7 @@ pub struct AnalogueInput {
 /// A channel that is set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalogueOutput {
-    /// Which, and what its number means.
+    /// The channel, and the meaning of its number.
     pub channel: AnalogueChannel,
     /// Its value while none of its outputs is on, or more than one; and what the device puts it to by itself.
     pub rest: f64,
@@ -75,7 +75,6 @@ pub struct Lag {
 pub enum Follows {
     /// An output of the owner.
     Output {
-        /// The output.
         output: OutputId,
         /// The value while it is on.
         on: f64,
@@ -87,7 +86,7 @@ pub enum Follows {
 }
 
 impl AnalogueChannel {
-    /// Which process data object carries it, 2 to 4.
+    /// Number of the process data object that carries it, 2 to 4.
     pub fn pdo(&self) -> u8 {
         2 + self.number.saturating_sub(1) / IN_ONE
     }

@@ -13,7 +13,6 @@ use crate::{InputId, OutputId};
 /// A name of the DBC file, and its place in the description, for messages about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DbcName {
-    /// The name.
     pub name: String,
     /// The bytes of the description it stands in.
     pub at: Range<usize>,
@@ -50,9 +49,7 @@ pub struct ReceivedMessageTable {
 /// An input that follows a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalInput {
-    /// The input.
     pub input: InputId,
-    /// The signal.
     pub signal: DbcName,
     /// Condition under which it is on.
     pub when: When,
@@ -105,9 +102,7 @@ pub struct CyclicFrame {
 /// A signal that follows an output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalOutput {
-    /// The output.
     pub output: OutputId,
-    /// The signal.
     pub signal: DbcName,
     /// Its value while the output is on.
     pub on: f64,

@@ -21,7 +21,7 @@ index_id! {
 pub struct MaterialFlow {
     /// Nests and hands.
     pub holders: Vec<Holder>,
-    /// Which hand can take from, and put down in, which nest.
+    /// Hands, and the nests that they can take from and put down in.
     pub reaches: Vec<Reach>,
     /// Inputs that see parts.
     pub sensors: Vec<Sensor>,
@@ -54,7 +54,6 @@ pub enum Grip {
 pub struct Stand {
     /// Station of the axis.
     pub station: StationId,
-    /// Axis.
     pub axis: AxisId,
     /// End position, in the unit of the axis.
     pub at: f64,
@@ -63,7 +62,6 @@ pub struct Stand {
 /// Condition under which a hand can take from a nest, and put down in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
-    /// The hand.
     pub hand: HolderId,
     /// The nest.
     pub to: HolderId,
@@ -100,7 +98,6 @@ impl MaterialFlow {
         self.holders.iter().position(|holder| holder.name == name).map(HolderId::at)
     }
 
-    /// A holder.
     pub fn holder(&self, id: HolderId) -> &Holder {
         &self.holders[id.index()]
     }

@@ -75,7 +75,6 @@ pub const BRANCHES_MAX: usize = 8;
 pub struct Line {
     /// The ROS namespace: lower-case letters, digits and `_`, starting with a letter.
     pub name: String,
-    /// Title.
     pub title: String,
     /// The stations in the order of the timing bar chart.
     pub stations: Vec<Station>,
@@ -100,7 +99,6 @@ pub struct Line {
 pub struct Station {
     /// The ROS node name: lower-case letters, digits and `_`, starting with a letter.
     pub name: String,
-    /// Title.
     pub title: String,
     /// The operations in the order the chart lists them. The first starts a new cycle; those of a task stand together.
     pub operations: Vec<Operation>,
@@ -125,7 +123,7 @@ pub struct Station {
     pub bus: DeviceBus,
 }
 
-/// Which CAN bus a device hangs on.
+/// CAN bus of a device.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum DeviceBus {
     /// The coordinator's bus; the coordinator is the gateway of the process images.
@@ -245,7 +243,7 @@ pub struct Arrow {
 /// Two states that must never hold together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conflict {
-    /// Why: printed with a counterexample.
+    /// Reason: printed with a counterexample.
     pub why: String,
     /// One state.
     pub a: StateSpan,
@@ -257,7 +255,6 @@ pub struct Conflict {
 /// starts) and ends when `until` is complete (or `from` has been undone).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateSpan {
-    /// The station.
     pub station: StationId,
     /// Its first operation.
     pub from: OpId,

@@ -31,7 +31,7 @@ pub enum ArcDirection {
 /// An arc, as error messages name it: "place `home` → transition `start`".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ArcName {
-    /// Which end is the place.
+    /// The end that is the place.
     pub direction: ArcDirection,
     /// The place at one end.
     pub place: NamedId<PlaceId>,
@@ -48,7 +48,7 @@ impl fmt::Display for ArcName {
     }
 }
 
-/// One thing wrong with a net under construction.
+/// One error of a net under construction.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NetError {
     /// A net has at least one place or transition (seed 002 §3.1: P ∪ T ≠ ∅).
@@ -181,7 +181,7 @@ impl NetBuilder {
         self
     }
 
-    /// The net, or everything that is wrong with it: sizes first, then names, then arcs.
+    /// The net, or all its errors: sizes first, then names, then arcs.
     pub fn build(mut self) -> Result<Net, Vec<NetError>> {
         self.arcs.sort_unstable();
         let mut problems = Vec::new();

@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use crate::{Marking, NamedId, Net, PlaceId, TransitionId};
 
-/// Which way a transition is played.
+/// Direction in which a transition is played.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum PlayDirection {
     /// Take from the preset, give to the postset.

@@ -67,7 +67,7 @@ pub struct Reachability<M = Marking, T = TransitionId> {
     steps: Vec<ReachArc<T>>,
     /// The step by which each state was found; none for the initial one.
     found_by: Vec<Option<ReachArc<T>>>,
-    /// All that is to be live.
+    /// Transitions that are to be live.
     transitions: Vec<T>,
     /// The terminal components, each with its first state.
     terminal: Vec<(usize, StateId)>,

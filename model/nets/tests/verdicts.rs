@@ -21,7 +21,7 @@ fn confirmed(net: &Net) -> StateMachineVerdict {
     verdict
 }
 
-/// Which nodes can be reached from a node, by walking.
+/// Nodes that can be reached from a node, by walking.
 fn reachable_from(net: &Net, start: NetNode) -> Vec<NetNode> {
     let mut seen = vec![start];
     let mut next = 0;

@@ -50,7 +50,7 @@ pub struct TaskOrder {
     /// The memory it is meant for: a number that the station drew when its memory began. A station with another one
     /// refuses it.
     pub memory: u64,
-    /// Which task, by name.
+    /// Task, by name.
     pub task: Arc<str>,
     /// Its parameters, by name: all of them.
     pub parameters: Vec<(Arc<str>, i32)>,

@@ -72,7 +72,7 @@ impl TaskRefusal {
         }
     }
 
-    /// That the order was rejected, and the reason, for the operator; it may follow `task order`.
+    /// Text of the refusal with the reason, for the operator; it may follow `task order`.
     pub const fn text(self) -> &'static str {
         match self {
             TaskRefusal::Busy => "rejected: another task order is in progress",

@@ -7,7 +7,7 @@ use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
 use crate::draft::{Being, DraftNet, DraftNode, Id, NodeKind};
 use linewright_diagnostics::{At, Problem, Report, shown};
 
-/// The net of a draft; none if something is wrong, which is reported.
+/// The net of a draft; none if there are errors, which are reported.
 pub(crate) fn resolve(draft: DraftNet<'_>, report: &mut Report) -> Option<Net> {
     let owners = owners(&draft, report);
     let beings = follow_references(&draft, &owners, report);

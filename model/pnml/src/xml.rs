@@ -174,7 +174,7 @@ impl<'a> Xml<'a> {
 }
 
 impl<'a> Tag<'a> {
-    /// The values of these attributes, in the order of `names`. What is wrong with any attribute is reported.
+    /// The values of these attributes, in the order of `names`. Errors of any attribute are reported.
     pub(crate) fn attributes<const N: usize>(
         &self,
         xml: &Xml<'a>,
@@ -205,8 +205,8 @@ impl<'a> Tag<'a> {
         values
     }
 
-    /// One value. Where it is wrong that is reported, and it stands for itself as it is written, so that nothing else
-    /// looks as if it were missing.
+    /// One value. An error in it is reported, and it stands for itself as it is written, so that nothing else looks as
+    /// if it were missing.
     fn value(&self, xml: &Xml<'a>, name: &str, raw: &str, report: &mut Report) -> Option<AttributeValue<'a>> {
         // The reader lends parts of the text without their places.
         let start = (raw.as_ptr() as usize).wrapping_sub(xml.text.as_ptr() as usize);

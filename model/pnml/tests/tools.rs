@@ -117,7 +117,7 @@ fn one_of_several_nets_is_read_by_its_id() {
         b"<pnml><net id=\"a\"><place id=\"p\"/></net><net id=\"b\"><place id=\"p\"/><place id=\"q\"/></net></pnml>";
     let places = |net| read("nets.pnml", file, Some(net)).unwrap().place_count();
     assert_eq!((places("a"), places("b")), (1, 2));
-    // What is wrong with a net is no business of the others.
+    // Errors of a net do not affect the others.
     let file = b"<pnml><net id=\"a\"><place/></net><net id=\"b\"><place id=\"p\"/></net></pnml>";
     assert!(read("nets.pnml", file, Some("b")).is_ok() && read("nets.pnml", file, Some("a")).is_err());
 }

@@ -1,4 +1,4 @@
-//! Descriptions written by people: text → tables of values with their places, and what is wrong with them.
+//! Descriptions written by people: text → tables of values with their places, and their problems.
 //!
 //! Common needs of readers of such files: problems that point into the text and give advice, tables read key by key
 //! without losing a problem, names that are looked up, and "did you mean". The keys of a table are written down once, as

@@ -90,7 +90,6 @@ impl From<f64> for Usual {
 
 /// Any whole number.
 pub(crate) const ANY_WHOLE: Shape = Shape::Whole(i64::MIN, i64::MAX);
-/// Any number.
 pub(crate) const ANY_NUMBER: Shape = Shape::Number(f64::NEG_INFINITY, f64::INFINITY);
 
 /// The lines of a doc comment as one text.

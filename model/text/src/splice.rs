@@ -82,7 +82,7 @@ impl Splice {
         }
     }
 
-    /// Turns problems of the new text into problems of the text `old`. What is wrong with a stretch in each of its copies is
+    /// Turns problems of the new text into problems of the text `old`. A problem of a stretch in each of its copies is
     /// reported once.
     pub fn put_back(&self, old: &str, report: &mut Report) {
         report.rewrite(|problems| self.put_back_all(old, problems));

@@ -35,7 +35,7 @@ pub struct Work {
     /// The part that lay there, if there was one.
     pub part: Option<PartId>,
     pub station: StationId,
-    /// Which of its operations was complete.
+    /// The operation that was complete.
     pub op: OpId,
     /// The numbers that stood on its outputs meanwhile.
     pub numbers: Vec<i32>,

@@ -110,7 +110,7 @@ fn is_seen(sim: &CellSim, firing: FiringId) -> bool {
     handled.from != handled.to && [handled.from, handled.to].into_iter().flatten().any(alone)
 }
 
-/// Whatever is wrong with its station is not any more.
+/// Clears every fault of its station.
 fn mend(sim: &mut CellSim, resource: ResourceId) {
     let station = sim.table.handling().resource(resource).and_then(|of| of.station);
     if let Some(station) = station.and_then(|station| sim.stations.get_mut(station.index())) {

@@ -19,7 +19,7 @@ use super::task_times::TaskTimes;
 use super::truth::PartTruth;
 use crate::rng::Rng;
 
-/// So many steps at one moment, each with as much as a step takes, and there will be no other moment.
+/// Steps at one moment, each as full as a step can be, after which there will be no other moment.
 const SPINS_MAX: usize = 3;
 /// A cell in which nothing has happened for so long, and nothing is going to, has come to its end.
 const QUIET: Duration = Duration::from_secs(3);
@@ -93,7 +93,7 @@ enum PlayerInbound {
 pub struct CellSim {
     /// Table that is played.
     pub table: Arc<CellTable>,
-    /// How. It may be changed while it goes on.
+    /// Options. They may be changed while it goes on.
     pub options: CellSimOptions,
     /// The coordinator, in its present life.
     pub coordination: Coordination,

@@ -7,7 +7,7 @@ use linewright_coordinator_cell::{FiringId, ModeId};
 use super::distribution::Distribution;
 use crate::rng::Rng;
 
-/// So many activities can be in progress before it is looked which are over.
+/// Activities that can be in progress before those that are over are removed.
 const DRAWN_MAX: usize = 10_000;
 
 /// Factors on described times.

@@ -15,7 +15,6 @@ use crate::script::Script;
 
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// Title.
     pub title: Option<String>,
     /// Number of cycles to run, where given.
     pub cycles: Option<usize>,

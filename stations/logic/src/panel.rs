@@ -24,7 +24,7 @@ pub struct Founding {
 /// The coordinator's order of the mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModeOrder {
-    /// Which life of the coordinator gives it.
+    /// Boot id of the coordinator that gives it.
     pub boot_id: u64,
     /// Grows with every change of mode; an older one is refused.
     pub epoch: u64,
@@ -117,7 +117,7 @@ struct EmergencyStopInForce {
     others: [(u64, Tick); OTHERS_MAX],
 }
 
-/// So many coordinators beside the one that is followed are kept apart; of more the latest are.
+/// Coordinators kept apart beside the one that is followed; of more the latest are.
 const OTHERS_MAX: usize = 3;
 
 impl EmergencyStopInForce {

@@ -12,7 +12,7 @@ use crate::order::{OrderMemory, TaskOrderReport};
 /// A station's state for others to read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StationReport {
-    /// Which life of the station this is: different after every start.
+    /// Boot id of the station: different after every start.
     pub boot_id: u64,
     /// The newest mode epoch it has received, and so acknowledged.
     pub mode_epoch: u64,
@@ -70,7 +70,7 @@ pub struct WithdrawalRequest {
 pub struct WithdrawalAnswer {
     /// Station that made the request.
     pub to: StationId,
-    /// In which life.
+    /// Its boot id.
     pub boot_id: u64,
     /// The number of the request.
     pub number: u64,
@@ -107,6 +107,6 @@ pub struct StationSnapshot {
 pub enum Restore {
     /// For the first time: at home, if the devices confirm it.
     Fresh,
-    /// From what it kept.
+    /// From a snapshot.
     From(StationSnapshot),
 }

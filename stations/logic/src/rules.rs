@@ -3,7 +3,7 @@
 //! They exist for the checker: an explorer without findings is credible only if it finds a collision as soon as one
 //! rule is off. A controller runs with all of them; nothing in a description can turn one off.
 
-/// Which rules hold. The default is all of them, and the only choice for a machine.
+/// Rules in force. The default is all of them, and the only choice for a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
     /// Internal variables are counted. Off: one Boolean per operation, on while it is done in its station's present
@@ -52,7 +52,7 @@ impl Rules {
     };
 }
 
-/// Which rules of orders hold, of a station on order. As with [`Rules`].
+/// Rules of orders in force, of a station on order. As with [`Rules`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OrderRules {
     /// An order whose time is over has not ended before the station stands. Off: it ends at once, and the station goes back.

@@ -19,7 +19,7 @@ pub struct RequestWriter {
     pub open: Option<u64>,
 }
 
-/// View of a controller of one other station.
+/// A controller's view of one other station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PeerSituation<'a> {
     /// The cycle in which each operation was last completed.

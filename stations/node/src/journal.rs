@@ -19,7 +19,6 @@ pub enum RecordError {
     /// Not a record at all.
     #[error("the journal of {station} cannot be read: {error}")]
     Unreadable {
-        /// The station.
         station: String,
         /// Error in it.
         error: serde_json::Error,
@@ -27,7 +26,6 @@ pub enum RecordError {
     /// It belongs to another description.
     #[error("the journal of {station} belongs to another description ({what})")]
     OtherDescription {
-        /// The station.
         station: String,
         /// Difference.
         what: &'static str,
@@ -35,7 +33,6 @@ pub enum RecordError {
     /// Its contents contradict each other.
     #[error("the journal of {station} cannot be used: {error}")]
     Contradicts {
-        /// The station.
         station: String,
         /// Error in it.
         error: CompileError,
@@ -62,7 +59,7 @@ struct StationRecord {
     /// The marking is where the mechanisms stand.
     #[serde(default)]
     placed: bool,
-    /// Which start of the host it was written in.
+    /// Start of the host that it was written in.
     #[serde(default)]
     host: String,
     /// Stations on order alone have it, so that the records of all others are what they were before there were any.

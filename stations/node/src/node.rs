@@ -40,9 +40,8 @@ pub enum StationNodeError {
     /// The station's own bus is gone, or another manager's.
     #[error("station {station}: {error}")]
     BusLost {
-        /// The station.
         station: String,
-        /// Which, and what to do.
+        /// The loss, and what to do.
         error: BusLost,
     },
     /// The journal cannot be used.
@@ -51,7 +50,7 @@ pub enum StationNodeError {
     /// A subscription has ended; the middleware has failed.
     #[error("{station}: the middleware has failed; see the log")]
     Middleware {
-        /// The station.
+        /// Its name.
         station: String,
     },
 }
@@ -60,7 +59,7 @@ pub enum StationNodeError {
 pub struct StationOptions {
     /// The checked description.
     pub line: Line,
-    /// Which station to be.
+    /// The station.
     pub station: StationId,
     /// Directory of the journal; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
@@ -104,7 +103,7 @@ async fn next_asked(devices: &mut Option<Devices>) -> DeviceServiceRequest {
     }
 }
 
-/// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
+/// Most messages taken between two steps, so that no flood of them keeps the bus waiting.
 const TAKEN_AT_ONCE: usize = 64;
 
 pub(crate) struct StationLoop {
@@ -123,7 +122,7 @@ pub(crate) struct StationLoop {
     words: DeviceTexts,
     pub(crate) journal: Option<JournalWriter>,
     pub(crate) waiting: Waiting<StationInbound>,
-    /// Which start of the host this is.
+    /// Identity of this start of the host.
     pub(crate) host: String,
     says: StationPublishers,
     pub(crate) from: mpsc::Receiver<StationInbound>,
@@ -478,7 +477,7 @@ impl StationLoop {
     }
 }
 
-/// Which start of the host this is, as the kernel numbers it; empty where it cannot be read, which matches no record.
+/// Identity of this start of the host, from the kernel; empty where it cannot be read, which matches no record.
 fn host_start() -> String {
     let id = std::fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     id.trim().to_owned()

@@ -8,7 +8,7 @@ use linewright_station_logic::{
 /// A station's input image as the gateway sends it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputsMessage {
-    /// Which life of the gateway.
+    /// Boot id of the gateway.
     pub boot_id: u64,
     /// Its number in that life.
     pub sequence: u64,

@@ -1,4 +1,4 @@
-//! Which of two whole-state messages is the newer one.
+//! Decision which of two whole-state messages is the newer one.
 //!
 //! A writer numbers its messages and marks them with a boot id that is new with every start of its process. Sequence
 //! numbers alone would make a restarted writer (starting from 1) look old, and the last messages of its dead

@@ -58,7 +58,7 @@ pub struct StationShell {
     stale: Duration,
     /// The longest lease of the description.
     lease: Duration,
-    /// Next call that it has requested.
+    /// Time of the next call that it has requested.
     expected: Tick,
     /// Arrivals before this may have waited while the process stood still: their age is unknown.
     doubts_until: Tick,
@@ -120,7 +120,7 @@ impl StationShell {
         &self.controller
     }
 
-    /// Which life of the station this is.
+    /// Boot id of the station.
     pub fn boot_id(&self) -> u64 {
         self.boot_id
     }
@@ -319,7 +319,8 @@ impl StationShell {
         effects.push(StationEffect::Drive(Driven { sequence, bits, number, lives, mode_epoch }));
     }
 
-    /// Of what was driven before only what stays on, under the number it had: the motion that begins is not driven yet.
+    /// Leaves on only those outputs of before that stay on, under their number: the motion that begins is not driven
+    /// yet.
     fn switch_off(&mut self, effects: &mut Vec<StationEffect>) {
         let (bits, number) = self.image;
         let staying = bits & self.outbox.outputs;

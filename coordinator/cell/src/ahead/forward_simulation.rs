@@ -24,7 +24,7 @@ use super::rollout_policy::RolloutPolicy;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimulatedActivity {
     pub mode: ModeId,
-    /// With which part; a new one has the number that it would have.
+    /// Its part; a new one has the number that it would have.
     pub part: Option<PartId>,
     pub from: Tick,
     /// End; none if that was not played any more, or it has failed.

@@ -35,7 +35,7 @@ use super::score::Score;
 /// Default number of firings simulated for a question.
 pub const EFFORT: usize = 4000;
 
-/// So many candidates of a group are tried.
+/// Candidates tried of a group.
 const TRIED: usize = 8;
 
 #[derive(Clone, Debug)]
@@ -80,7 +80,7 @@ impl LookAhead {
         self.worn
     }
 
-    /// Whether there is nothing to simulate.
+    /// Whether the rules alone decide.
     fn is_bound(&self, question: &Question<'_>) -> bool {
         let rules = &self.desk.rules;
         let timetable = &rules.timetable;

@@ -102,7 +102,7 @@ pub struct PlannedStart {
     /// Not before.
     pub at: Tick,
     pub mode: ModeId,
-    /// With which part; none for one that enters, or that takes none.
+    /// Its part; none for one that enters, or that takes none.
     pub part: Option<PartId>,
 }
 

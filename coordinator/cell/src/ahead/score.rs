@@ -34,7 +34,7 @@ pub struct Score {
 }
 
 impl Score {
-    /// Of what was played until it ended so.
+    /// Score of a simulation that ended so.
     pub fn of(
         simulation: &ForwardSimulation,
         desk: &DispatchConfiguration,
@@ -72,7 +72,7 @@ impl Score {
         score
     }
 
-    /// By how much this one is better than another.
+    /// Advantage of this one over another.
     pub fn gain(&self, worse: &Score) -> Gain {
         let by = |ours: u64, theirs: u64| Duration::from_micros(theirs.saturating_sub(ours));
         if self.tardiness != worse.tardiness {
@@ -91,7 +91,7 @@ impl Score {
     }
 }
 
-/// So much later than it could be is what never comes.
+/// Lateness of what never comes.
 const LONG: Duration = Duration::from_secs(1_000_000_000);
 
 fn micros(span: Duration) -> u64 {

@@ -86,7 +86,7 @@ pub(super) struct Urgent {
 pub(super) struct UrgencyProgress {
     /// Urgent part; `None`: one outside.
     pub(super) part: Option<PartId>,
-    /// From what it will do down to the helper.
+    /// Modes from that of the part down to the helper.
     chain: Vec<ModeId>,
     /// The helper can start now.
     is_ready: bool,

@@ -26,7 +26,7 @@ pub enum ExceptionStep {
     },
     /// An operator or a rule has given the true places, and the strategy.
     Answered {
-        /// Of which activity.
+        /// Its activity.
         firing: FiringId,
         ruling: RecoveryDecision,
         /// Source of the answer: operator, rule or sensor.
@@ -34,7 +34,7 @@ pub enum ExceptionStep {
     },
     /// The carrier has the part and an operator has to bring it on: the activity's tokens are not given yet.
     Carried {
-        /// Of which activity.
+        /// Its activity.
         firing: FiringId,
     },
     /// An activity is over: tokens and part are where the ruling puts them.
@@ -130,7 +130,7 @@ pub enum Whereabouts {
     Gone,
 }
 
-/// How to go on after a failure. The source names the three (seed 000, L3101-3104); their meaning here is ours.
+/// Continuation after a failure. The source names the three (seed 000, L3101-3104); their meaning here is ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {

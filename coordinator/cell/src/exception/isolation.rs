@@ -1,4 +1,4 @@
-//! Which stations are left out of the mode decision of the line.
+//! Stations that are left out of the mode decision of the line.
 //!
 //! In a line without a cell a fault in auto is the line's: all stand by. In a cell it is an exception of the order in which
 //! it happens, and the others work on. So the stations of what has failed, and those of what is down, are *isolated* until

@@ -62,7 +62,7 @@ pub struct ModeHandling {
 /// Recovery rule of one kind of failure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecoveryRule {
-    /// In which case.
+    /// Failures that it is for.
     pub code: FailureMatch,
     /// Text for operators, with names in braces.
     pub tell: Arc<str>,
@@ -87,7 +87,7 @@ pub struct PermittedAnswer {
     pub down_as: Vec<Whereabouts>,
 }
 
-/// Which failures a rule is about, as descriptions write it.
+/// Failures that a rule is for, as descriptions write it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FailureMatch {
     /// All.

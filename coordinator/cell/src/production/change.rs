@@ -13,7 +13,7 @@ pub enum ProductionChange {
     /// A request is an order now.
     Accepted {
         id: ProductionId,
-        /// The request.
+        /// As requested.
         request: ProductionOrderRequest,
     },
     /// Nothing more of it enters.

@@ -19,7 +19,7 @@ use super::change::{ProductionChange, ProductionMisfit, ProductionRefusal};
 use super::order::{ProductionOrder, ProductionStatus};
 use super::request::{ORDERS_MAX, ProductionOrderRequest, RequestProblem, find_circle, in_order};
 
-/// So many orders that are over are remembered, beside those that others wait for.
+/// Orders kept that are over, beside those that others wait for.
 const KEPT: usize = 1000;
 
 /// The production orders of a cell.
@@ -86,7 +86,7 @@ impl Production {
         self.orders.values().find(|order| order.request.key == key)
     }
 
-    /// Which order a part counts to; none if it has left, or was not ordered.
+    /// Order that a part counts to; none if it has left, or was not ordered.
     pub fn order_of(&self, part: PartId) -> Option<&ProductionOrder> {
         self.order(*self.of_part.get(&part)?)
     }
@@ -95,7 +95,7 @@ impl Production {
     /// nothing.
     ///
     /// # Errors
-    /// All that is wrong with any of them.
+    /// All errors of any of them.
     pub fn submit(&self, requests: &[ProductionOrderRequest]) -> Result<Vec<ProductionChange>, Vec<RequestProblem>> {
         let mut wrongs = Vec::new();
         let mut new: Vec<&ProductionOrderRequest> = Vec::new();
@@ -379,7 +379,7 @@ impl Production {
         self.orders.values().filter(|order| order.ended.is_none() && order.missing() > 0)
     }
 
-    /// To which order the next part of a product counts that enters at a time.
+    /// Order that the next part of a product counts to if it enters at a time.
     fn in_turn(&self, product: usize, at: Tick) -> Option<&ProductionOrder> {
         let may = self.missing().filter(|order| order.product == product);
         may.filter(|order| self.open_from(order).is_some_and(|from| from <= at)).min_by_key(|order| order.turn())

@@ -1,7 +1,7 @@
 //! Production orders: what is to be made, how many, from when, until when, and after what.
 //!
 //! # Map
-//! - [`ProductionOrderRequest`]: a request; [`RequestProblem`]: what is wrong with it, all of it at once.
+//! - [`ProductionOrderRequest`]: a request; [`RequestProblem`]: its errors, all at once.
 //! - [`ProductionOrder`], [`ProductionStatus`]: an order that was accepted, and where it is.
 //! - [`Production`]: all of them, a fold over the records of the cell: those of operators' changes ([`ProductionChange`]), and
 //!   those of parts that have entered or left. It is part of the cell's state. A dispatcher has one of its own, since it also

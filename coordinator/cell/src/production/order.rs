@@ -16,7 +16,6 @@ use super::request::ProductionOrderRequest;
 #[serde(deny_unknown_fields)]
 pub struct ProductionOrder {
     pub id: ProductionId,
-    /// The request.
     pub request: ProductionOrderRequest,
     /// Its product, as an index.
     pub product: usize,

@@ -74,7 +74,6 @@ pub enum RequestProblem {
         name: String,
         /// Due date.
         due: Tick,
-        /// Release.
         release: Tick,
     },
     /// It waits for what is not there.

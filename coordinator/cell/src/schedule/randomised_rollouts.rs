@@ -38,7 +38,7 @@ impl Xorshift {
 pub(super) struct RandomPolicy {
     follow: PlanPolicy,
     chance: Xorshift,
-    /// So many questions belong to the plan.
+    /// Number of questions that belong to the plan.
     plan: usize,
 }
 

@@ -21,9 +21,9 @@ use super::slots::{PlanActualBar, Schedule};
 use super::timetable::RevisionReason;
 use super::{PlanningSituation, Scheduler};
 
-/// So many activities of schedules that were revised are remembered.
+/// Activities kept of schedules that were revised.
 const BARS_MAX: usize = 10_000;
-/// So many revisions are remembered.
+/// Revisions kept.
 const REVISIONS_MAX: usize = 100;
 
 /// A schedule was made anew.

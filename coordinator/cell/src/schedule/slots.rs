@@ -22,13 +22,13 @@ use super::super::table::CellTable;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScheduleSlot {
     pub mode: ModeId,
-    /// With which part, as the schedule numbers them; none for what takes none.
+    /// Its part, as the schedule numbers them; none for a mode that takes none.
     pub part: Option<usize>,
     /// Planned start.
     pub from: Tick,
     /// Planned end.
     pub to: Tick,
-    /// By how much it can start later without moving anything else.
+    /// Time that it can start later without moving anything else.
     pub float: Duration,
     /// First plan for it; none if it was not planned when it started.
     pub promised: Option<(Tick, Tick)>,
@@ -44,7 +44,7 @@ pub struct ScheduleSlot {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlanActualBar {
     pub mode: ModeId,
-    /// With which part; none if it takes none, or has not entered.
+    /// Its part; none if it takes none, or has not entered.
     pub part: Option<PartId>,
     /// First plan; none if it was never planned.
     pub promised: Option<(Tick, Tick)>,
@@ -66,7 +66,7 @@ pub struct Schedule {
     pub proved: bool,
     /// In the order in which they start; those that were in progress come first.
     slots: Vec<ScheduleSlot>,
-    /// Which parts they are; none for those that have not entered.
+    /// Their parts; none for those that have not entered.
     parts: Vec<Option<PartId>>,
     /// Of each part its slots that have not started.
     open: Vec<VecDeque<usize>>,
@@ -118,7 +118,7 @@ impl Schedule {
         new
     }
 
-    /// By how much each slot can slip before something that takes what it gives is in its way.
+    /// Time that each slot can slip before something that takes what it gives is in its way.
     fn floats(&mut self, table: &CellTable) {
         let mut taken: BTreeMap<CellId, Vec<Tick>> = BTreeMap::new();
         for slot in self.slots.iter().filter(|slot| slot.began.is_none()) {
@@ -140,7 +140,7 @@ impl Schedule {
         &self.slots
     }
 
-    /// Which part a slot is about, once it has entered.
+    /// Part of a slot, once it has entered.
     pub fn part_of(&self, slot: &ScheduleSlot) -> Option<PartId> {
         self.parts[slot.part?]
     }

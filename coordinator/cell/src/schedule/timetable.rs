@@ -29,9 +29,9 @@ pub enum RevisionReason {
     /// Something starts, or ends, later than it may.
     Late {
         mode: ModeId,
-        /// With which part; none if it has not entered, or takes none.
+        /// Its part; none if it has not entered, or takes none.
         part: Option<PartId>,
-        /// By how much, beyond its window and the tolerance.
+        /// Deviation beyond its window and the tolerance.
         by: Duration,
     },
     /// All that was planned has started, and there is more to do.

@@ -12,7 +12,7 @@ pub struct FinishedActivity {
     /// Number of the activity.
     pub firing: FiringId,
     pub mode: ModeId,
-    /// With which part; none if it takes none.
+    /// Its part; none if it takes none.
     pub part: Option<PartId>,
     /// Start.
     pub began: Tick,
@@ -27,7 +27,7 @@ pub struct FinishedActivity {
 pub struct ActivityFailed {
     /// Time of the event, in µs of the caller's clock.
     pub at: Tick,
-    /// Why, in words.
+    /// Reason, in words.
     pub cause: String,
 }
 

@@ -64,8 +64,7 @@ struct ResourceTally {
     taken: u32,
     room: Duration,
     most: u32,
-    /// Of what was worked on here and has ended: how long it should have taken, at most as long as it did, and how long
-    /// it did.
+    /// Of work here that has ended: the nominal time, at most the actual one, and the actual one.
     nominal: Duration,
     actual: Duration,
     worked: u64,

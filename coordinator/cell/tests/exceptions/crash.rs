@@ -68,7 +68,7 @@ fn is_alarm(step: &linewright_coordinator_cell::exception::ExceptionStep) -> boo
     matches!(step, linewright_coordinator_cell::exception::ExceptionStep::Alarmed { .. })
 }
 
-/// In which stages of exceptions the second life began.
+/// Stages of exceptions in which the second life began.
 fn stages(table: &Arc<CellTable>, sim: &CellSim, of: &mut BTreeSet<&'static str>) {
     let begins = |fact: &RecordKind| matches!(fact, RecordKind::Epoch { epoch } if *epoch > 1);
     let Some(at) = sim.log.iter().position(|record| begins(&record.fact)) else { return };

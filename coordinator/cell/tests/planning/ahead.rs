@@ -152,7 +152,7 @@ fn the_same_questions_have_the_same_answers() {
     assert_eq!(run(), run());
 }
 
-/// One that counts how often the dispatcher beneath holds something because it looks worse.
+/// Counts how often the dispatcher beneath holds something because it looks worse.
 struct Counting {
     look: LookAhead,
     held: usize,

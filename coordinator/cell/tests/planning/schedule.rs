@@ -250,7 +250,7 @@ fn nothing_starts_before_its_window() {
     }
 }
 
-/// One that plans badly on purpose: whatever the question, everything is planned for a day later.
+/// Plans badly on purpose: whatever the question, everything is planned for a day later.
 struct Procrastinator(RolloutScheduler);
 
 impl Scheduler for Procrastinator {

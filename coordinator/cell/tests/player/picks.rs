@@ -41,7 +41,7 @@ fn store(pick: PartPick, servers: u32) -> Compiled {
     )
 }
 
-/// Which parts were fetched when, in milliseconds.
+/// Parts fetched, with times in ms.
 fn fetched(it: &Compiled) -> Vec<(u64, u64)> {
     let mut out = PlayerOutbox::default();
     let mut player = Coordination::begin(PlayerState::new(it.table.clone()), Tick::ZERO, 1, &mut out).unwrap();

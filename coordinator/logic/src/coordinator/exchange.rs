@@ -12,7 +12,7 @@ use crate::refusal::RefusedCommand;
 /// The part of a station's report that the coordinator uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StationView {
-    /// Which life of the station.
+    /// Boot id of the station.
     pub boot_id: u64,
     /// The newest epoch it has received.
     pub mode_epoch: u64,

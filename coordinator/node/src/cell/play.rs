@@ -69,11 +69,10 @@ pub enum CellError {
 pub struct CellNodeOptions {
     /// The checked description.
     pub cell: Cell,
-    /// Its line.
     pub line: Line,
     /// Directory of its log; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
-    /// Which life of the process this is.
+    /// Boot id of the process.
     pub boot_id: u64,
 }
 
@@ -244,7 +243,7 @@ impl CellLoop {
         let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         // A clock that was set back does not stop what is timed: time goes on from the newest record.
         let origin = (Tick::ZERO + wall).max(state.now());
-        // Stations remember epochs whose log is lost; a second is long enough for no epoch to begin twice.
+        // Stations remember epochs whose log is lost; by whole seconds none begins twice.
         let epoch = (state.epoch() + 1).max(wall.as_secs());
         let mut out = PlayerOutbox::default();
         let coordination = Coordination::begin(state, origin, epoch, &mut out)?;

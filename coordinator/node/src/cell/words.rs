@@ -111,7 +111,7 @@ pub fn names(production: &Production, ids: &[ProductionId]) -> impl Iterator<Ite
     ids.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name))
 }
 
-/// So many parts.
+/// Number of parts, in words.
 pub fn parts(count: u32) -> String {
     if count == 1 { "1 part".to_owned() } else { format!("{count} parts") }
 }

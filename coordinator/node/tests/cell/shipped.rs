@@ -36,7 +36,7 @@ pub fn paced(name: &str, parts: &[u32], pace: OrderTiming) -> Shipped {
     supplied(name, Supply::Batch(parts), parts.iter().sum(), pace)
 }
 
-/// So many parts in all, if they are ordered.
+/// A cell with this number of parts in all, on order.
 pub fn on_order(name: &str, parts: u32) -> Shipped {
     supplied(name, Supply::Open, parts, PACE)
 }

@@ -65,7 +65,7 @@ impl<'a, const N: usize> From<&'a [u32; N]> for Supply<'a> {
     }
 }
 
-/// Which part of an activity a transition is.
+/// Part of an activity that a transition is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TransitionPhase {
     /// Start and end in one transition.
@@ -108,7 +108,7 @@ pub enum Origin {
     Activity {
         /// Activity of the transition.
         id: ActivityId,
-        /// Which part of it.
+        /// Part of it.
         phase: TransitionPhase,
         /// Distance to the stage afterwards, in tones around the ring of all stages.
         shift: u32,

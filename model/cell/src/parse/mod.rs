@@ -1,4 +1,4 @@
-//! Text → checked [`Cell`], or everything that is wrong with the text at once.
+//! Text → checked [`Cell`], or all errors of the text at once.
 //!
 //! The text goes through five passes, each with one question:
 //!

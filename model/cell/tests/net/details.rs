@@ -183,7 +183,7 @@ fn an_open_cell_makes_parts_as_they_enter() {
     assert!(!net.enabled(&marking).iter().any(|&mode| net.mode_name(mode).starts_with("enter")));
 }
 
-/// A human has one token for all he does: while he works he carries nothing, and while he carries he does not work.
+/// A human has one token for all work: one that works carries nothing, and one that carries does not work.
 #[test]
 fn a_human_does_one_thing_at_a_time() {
     let text = "name = \"hands\"\n[cell]\nwip_max = 2\n\

@@ -96,9 +96,9 @@ pub enum Var {
     OnPath(OpId),
     /// The station is on any recovery path.
     OnAnyPath,
-    /// A concurrent neighbour is not in trouble: its token is in p3 or p6. With it the return command reverses
-    /// neighbours together, yet a fault in one is recovered without moving the other (the seed's IVC A, A', B and B'
-    /// of Figure 26, whose drawing is lost: this is the weakest condition with which no state of the pair is stuck).
+    /// A concurrent neighbour is not faulty: its token is in p3 or p6. With it the return command reverses neighbours
+    /// together, yet a fault in one is recovered without moving the other (the seed's IVC A, A', B and B' of Figure 26,
+    /// whose drawing is lost: this is the weakest condition with which no state of the pair is stuck).
     NeighbourSettled(OpId),
     /// Master stop has been given.
     MasterStop,

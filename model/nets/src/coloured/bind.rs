@@ -1,4 +1,4 @@
-//! Which modes of a transition the tokens at hand allow, without trying all modes.
+//! Modes of a transition that the tokens at hand allow, without trying all modes.
 //!
 //! A transition of a universal domain has thousands of modes, and a marking a handful of tokens; so the search begins
 //! with the tokens (seed 000, §7.2.3, L3747: the tokens in the pre-places determine the possible firing modes). Each

@@ -158,7 +158,7 @@ impl ColouredBuilder {
         self
     }
 
-    /// The net, or everything that is wrong with it: domains first, then names, places, transitions and tokens.
+    /// The net, or all its errors: domains first, then names, places, transitions and tokens.
     pub fn build(self) -> Result<ColouredNet, Vec<ColouredError>> {
         let mut problems = Vec::new();
         self.check_sizes(&mut problems);

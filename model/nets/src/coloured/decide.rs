@@ -17,7 +17,7 @@ use crate::TransitionId;
 pub struct ClauseId {
     /// The transition with the guard.
     pub transition: TransitionId,
-    /// Which clause: i − 1 for G&ᵢ.
+    /// Number of the clause: i − 1 for G&ᵢ.
     pub clause: usize,
 }
 

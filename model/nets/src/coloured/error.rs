@@ -8,7 +8,7 @@ use super::guard::MAX_CLAUSES;
 use super::linear::FunctionError;
 use crate::{ArcName, MAX_NODES, NamedId, NetNode, PlaceId, TransitionId};
 
-/// One thing wrong with a coloured net.
+/// One error of a coloured net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 
 pub enum ColouredError {

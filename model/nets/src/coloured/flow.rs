@@ -73,7 +73,7 @@ pub struct PlaceFlow {
 }
 
 impl PlaceFlow {
-    /// A weighting into `target`, or all that is wrong with it. Places that are not listed do not count.
+    /// A weighting into `target`, or all its errors. Places that are not listed do not count.
     pub fn new(
         net: &ColouredNet,
         target: impl Into<Domain>,
@@ -135,7 +135,7 @@ impl PlaceFlow {
         colours.map(|(colour, sum)| (self.target.tones(colour), sum)).collect()
     }
 
-    /// By how much a mode changes the sum, by colour of the common domain.
+    /// Change of the sum by a mode, by colour of the common domain.
     fn change(&self, net: &ColouredNet, mode: NetMode) -> BTreeMap<u32, i128> {
         let mut sums = BTreeMap::new();
         let (mut takes, mut gives) = (Vec::new(), Vec::new());

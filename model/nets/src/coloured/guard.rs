@@ -199,7 +199,7 @@ pub(super) enum GuardFault {
     NoTone { component: u32, number: i64, size: u32 },
 }
 
-/// The meaning of a guard for modes of `domain`, or all that is wrong with it.
+/// The meaning of a guard for modes of `domain`, or all its errors.
 pub(super) fn compile(guard: &Guard, domain: &[BasicId], all: &[BasicDomain]) -> Result<Vec<Case>, Vec<GuardFault>> {
     let mut faults = Vec::new();
     let mut value = |operand| match operand {

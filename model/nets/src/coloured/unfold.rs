@@ -13,7 +13,7 @@ use super::marking::{ColouredMarking, TokenElement};
 use super::net::{ColouredNet, NetMode};
 use crate::{Marking, Net, NetBuilder, PlaceId, TransitionId};
 
-/// Which colours to unfold.
+/// Colours to unfold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colours {
     /// All of every domain.

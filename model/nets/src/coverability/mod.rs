@@ -7,9 +7,9 @@
 //! reachability: ω has no number of tokens.
 //!
 //! Two things keep it small. A label that is already there is not expanded again, nor one that lies below a label with
-//! ω; labels are never taken away again, which is where quicker variants have gone wrong. And where conserved sums
-//! cover all places, nothing can grow and no label is compared with those before it. The graph can still be larger than
-//! any memory, so there is a limit, and beyond it the answer is [`CoverabilityUndecided`].
+//! ω; labels are never taken away again, where quicker variants have failed. And where conserved sums cover all places,
+//! nothing can grow and no label is compared with those before it. The graph can still be larger than any memory, so
+//! there is a limit, and beyond it the answer is [`CoverabilityUndecided`].
 
 mod label;
 mod search;

@@ -15,7 +15,7 @@ use crate::{Marking, Net, PlayDirection};
 /// Bits of a word.
 const BITS: u32 = 64;
 
-/// Which digit is where.
+/// Places of the digits.
 #[derive(Debug)]
 pub(super) struct BitmapLayout {
     /// The low digits, with what one adds to the bit number.
@@ -142,7 +142,7 @@ pub(super) struct WordCondition {
     high: Vec<DigitTerm>,
     /// The least sum of the low terms.
     least: i64,
-    /// By how much more than the least is needed: the bits that have it.
+    /// Surplus needed over the least: the bits that have it.
     masks: Vec<u64>,
 }
 

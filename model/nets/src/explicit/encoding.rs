@@ -1,4 +1,4 @@
-//! Which numbers a marking is written with.
+//! Numbers that a marking is written with.
 //!
 //! A marking becomes a vector of *digits*, as short as the sums of [`super::invariants`] allow:
 //! - places of which exactly one holds a token are one digit, the position of that one. A place may be in several such

@@ -49,7 +49,7 @@ fn with_sum(net: &Net, weights: SparseEntries) -> Option<Invariant> {
     Some(Invariant { weights, sum })
 }
 
-/// Which positive sums are looked for.
+/// Positive sums to be searched for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WantedSums {
     /// Weights of 1 that sum up to one token: exactly one of the places is marked, with one token.

@@ -1,7 +1,7 @@
 //! Where the tables beside a net are written down, and where they are checked once.
 //!
-//! Like [`crate::NetBuilder`], a builder accepts everything, and [`TncesBuilder::build`] reports all that is wrong or
-//! returns a [`Tnces`] that need not be checked again.
+//! Like [`crate::NetBuilder`], a builder accepts everything, and [`TncesBuilder::build`] reports all errors or returns
+//! a [`Tnces`] that need not be checked again.
 
 use std::collections::BTreeMap;
 
@@ -96,7 +96,7 @@ impl TncesBuilder {
         self
     }
 
-    /// The system, or everything that is wrong with it.
+    /// The system, or all its errors.
     pub fn build(mut self) -> Result<Tnces, Vec<TncesError>> {
         self.conditions.sort_unstable();
         self.intervals.sort_unstable();

@@ -5,13 +5,13 @@ use thiserror::Error;
 use super::Interval;
 use crate::{NamedId, NetError, PlaceId, TransitionId};
 
-/// One thing wrong with the tables beside a net.
+/// One error of the tables beside a net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum TncesError {
     /// A table names a place that the net does not have.
     #[error("{what} names place #{}, but the net has {places} places", place.0)]
     UnknownPlace {
-        /// Which entry of which table.
+        /// Table and entry.
         what: String,
         place: PlaceId,
         /// Number of places.
@@ -20,7 +20,7 @@ pub enum TncesError {
     /// A table names a transition that the net does not have.
     #[error("{what} names transition #{}, but the net has {transitions} transitions", transition.0)]
     UnknownTransition {
-        /// Which entry of which table.
+        /// Table and entry.
         what: String,
         transition: TransitionId,
         /// Number of transitions.
@@ -94,7 +94,7 @@ fn names(cycle: &[NamedId<TransitionId>]) -> String {
     cycle.iter().map(ToString::to_string).collect::<Vec<_>>().join(" → ")
 }
 
-/// One thing wrong with a composition. A port is shown as `part.port`, a part within a part as `outer.inner`.
+/// One error of a composition. A port is shown as `part.port`, a part within a part as `outer.inner`.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ComposeError {
     /// Two parts of one composite have the same name.

@@ -18,7 +18,7 @@ pub struct StepId(pub u32);
 pub enum TimedLabel {
     /// A step, which takes no time.
     Step(StepId),
-    /// So much time in which nothing fires.
+    /// Time in which nothing fires.
     Delay(u64),
 }
 

@@ -32,7 +32,7 @@ pub struct LoopShape {
 }
 
 impl<S> StateGraph<S> {
-    /// Which states are passed once, and which lie on cycles.
+    /// States that are passed once, and states on cycles.
     pub fn shape(&self) -> LoopShape {
         let parts = self.components(self.arcs().iter());
         let mut shape = LoopShape { transient: Vec::new(), loops: Vec::new() };

@@ -6,7 +6,7 @@
 
 use crate::Marking;
 
-/// So many tokens of one age. A place lists them oldest first.
+/// Tokens of one age. A place lists them oldest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct AgedTokens {
     pub(super) age: u32,

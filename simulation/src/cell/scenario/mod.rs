@@ -55,7 +55,7 @@ pub struct OrderArrivals {
     pub first: Option<Tick>,
     /// None comes later.
     pub until: Tick,
-    /// So many come.
+    /// Number of orders.
     pub count: u64,
     /// Seconds from the coming of an order until it is due.
     pub due_after: Option<Distribution>,

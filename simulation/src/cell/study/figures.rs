@@ -78,7 +78,7 @@ pub struct OrderFigures {
 }
 
 impl OrderFigures {
-    /// By how much it was late when it was done, or is at `now`; zero if it is not. None if it is not due.
+    /// Lateness when it was done, or at `now`; zero if it is not late. None if it is not due.
     pub fn tardiness(&self, now: Tick) -> Option<Duration> {
         Some(self.done.unwrap_or(now).since(self.due?))
     }

@@ -59,7 +59,7 @@ pub(super) fn routes(draft: &DraftCell<'_>) -> Option<Routes> {
     Some(Routes::new(&ways))
 }
 
-/// From where to where a synchronisation moves parts, if it does so soundly.
+/// Start and end of the move of parts by a synchronisation, if it is sound.
 pub fn transport(activity: &crate::parse::draft::DraftActivity<'_>) -> Option<(PartSpot, PartSpot)> {
     let one = |role| {
         let mut found = activity.used(role);

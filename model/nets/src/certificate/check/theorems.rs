@@ -58,7 +58,7 @@ pub(super) fn returning_order(net: &Net, order: &FiringOrder) -> Result<(), Reje
     Ok(())
 }
 
-/// From where to where, if the transition is one of a state machine.
+/// Input and output place, if the transition is one of a state machine.
 fn step(net: &Net, t: TransitionId) -> Result<(PlaceId, PlaceId), Rejected> {
     sets::known_transition(net, t)?;
     match (net.preset(t), net.postset(t)) {
