@@ -91,7 +91,7 @@ impl LineSim {
         let text = action.text(self.line());
         self.note(text);
         let now = self.now;
-        // Whatever comes of it takes a moment.
+        // The effect takes a moment.
         self.last_event = now;
         match action {
             OperatorAction::Command(command) => self.say_word(self.coordinator_node(), LinkPayload::Command(command)),

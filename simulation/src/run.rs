@@ -1,4 +1,4 @@
-//! A run from switching on to its end, whatever that is.
+//! A run from switching on to its end.
 
 use std::time::Duration;
 

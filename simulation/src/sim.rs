@@ -1,4 +1,4 @@
-//! The event loop: one clock, a tournament of deadlines, no queue of things to come beyond what is on its way.
+//! The event loop: one clock, a tournament of deadlines, no queue of future events beyond messages on their way.
 //!
 //! Between two events nothing happens, so time costs nothing. What may happen next is one of a fixed set: a message
 //! with news arrives, a mechanism presses a switch, a controller's deadline passes, a node repeats its state. Of two at

@@ -84,7 +84,7 @@ impl LineSim {
     }
 
     pub(crate) fn say_order(&mut self) {
-        // Buttons held by message run out without a word.
+        // Buttons held by message run out without a message.
         let order = self.coordinator.order();
         let (now, network, version) = (self.now, self.options.network, self.coordinator.version);
         let node = self.coordinator_node();

@@ -1,4 +1,4 @@
-//! A number for what the records of a cell mean.
+//! Digest of the meaning of a cell's records.
 //!
 //! Records name modes, cells and stations by number, so they are about one table and no other. Their meaning depends on
 //! the net, on the names of its modes and cells, and on the stations' orders; it does not depend on times and limits,

@@ -1,4 +1,4 @@
-//! The question that is put to a dispatcher, and what an answer has to be.
+//! The question to a dispatcher, and the rules of an answer.
 //!
 //! The player decides nothing (seed 001, L39, L111, L187-190): whenever activities can start it *poses* a decision problem
 //! and starts the modes of the answer. Every start is a question, also where nothing conflicts, because the dispatcher may

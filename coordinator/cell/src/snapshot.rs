@@ -1,4 +1,4 @@
-//! A state without what can be worked out from it, to be written down in the place of the records that led to it.
+//! A state without what can be computed from it, written in the place of the records that led to it.
 //!
 //! Its contents are the state's own affair; the caller turns it into bytes and back. On the way in everything is checked
 //! against the table and against itself: a snapshot that fits is a state that records can go on from, and one that does

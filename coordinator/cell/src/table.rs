@@ -1,4 +1,4 @@
-//! The compiled cell: what every mode takes and gives, and what it stands for.
+//! The compiled cell: tokens that every mode takes and gives, and its activity.
 //!
 //! A coloured net is unfolded, so that a mode is a row and a colour of a place is a *cell*; the player never evaluates a
 //! function or a guard. Rows lie one after the other in one block of memory, found by where they start. The table has no

@@ -45,7 +45,7 @@ fn the_conflict_of_figure_41_arises_in_the_described_cell() {
 }
 
 /// A4, seed 000, L2924-2944, by the rules of the description: nothing is planned, so the shortest goes first. The unloading
-/// takes 3 s; loading the human 2 s, and then he works for 5 s on part 2, for 4 s on part 3 (L2029-2035).
+/// takes 3 s; loading the human 2 s, which then works for 5 s on part 2, for 4 s on part 3 (L2029-2035).
 #[test]
 fn the_described_cell_decides_its_conflict_by_its_own_rules() {
     let starts = ["arrive<1.new>", "arrive<2.new>", "arrive<3.new>", "load robot_2<1.new>", "robot_2.process<1.new>"];

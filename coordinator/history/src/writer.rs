@@ -77,7 +77,7 @@ impl History {
         let mut db = Connection::open(path).map_err(failed)?;
         db.busy_timeout(PATIENCE).map_err(failed)?;
         if schema::is_empty(&db, path)? {
-            // Which mode it has is in the file, and cannot be changed while something else is.
+            // The journal mode is kept in the file, and cannot be changed in a transaction.
             db.pragma_update(None, "journal_mode", "WAL").map_err(failed)?;
         }
         let change = db.transaction_with_behavior(TransactionBehavior::Immediate).map_err(failed)?;

@@ -24,7 +24,7 @@ pub struct LineSituation {
 /// Stations that the cell has the rest of the coordinator treat unlike the others.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IsolatedStations {
-    /// Their trouble is the cell's alone.
+    /// Their faults are the cell's alone.
     pub isolated: BTreeSet<StationId>,
     /// They are in emergency stop by themselves.
     pub stopped: BTreeSet<StationId>,

@@ -1,4 +1,4 @@
-//! A station behind the gateway: what it was sent of its inputs, and what the bus puts out for it.
+//! A station behind the gateway: inputs sent to it, and outputs put on the bus for it.
 //!
 //! Only what was sent last is kept here, so that nothing is sent twice. [`Gateway`] decides which outputs may be in
 //! force.

@@ -1,4 +1,4 @@
-//! One thing that is wrong.
+//! One problem of a file.
 
 use std::fmt;
 use std::ops::Range;

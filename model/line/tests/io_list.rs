@@ -1,4 +1,4 @@
-//! I/O lists: what a list does to a description, and what it does not.
+//! I/O lists: changes of a description by a list, and what stays.
 
 use linewright_line::{IoListError, IoRow, TransferLine, io_list, parse, with_io_list};
 use proptest::prelude::*;

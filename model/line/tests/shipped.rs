@@ -1,4 +1,4 @@
-//! The shipped transfer line: it parses without a word, it is the line that was meant, and it can be multiplied.
+//! The shipped transfer line: it parses without a warning, it is the line that was meant, and it can be multiplied.
 
 use std::time::Duration;
 

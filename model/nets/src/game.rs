@@ -1,4 +1,4 @@
-//! The token game: which transitions may fire, and what firing does.
+//! The token game: transitions that may fire, and the effect of firing.
 //!
 //! Enabling is a question about tokens alone. The game has no conditions, priorities or time, and forces nothing to
 //! fire (seed 002 §3.1, firing rule 3). A logic controller fires an enabled transition once its condition holds (§3.2,

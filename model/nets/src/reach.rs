@@ -1,4 +1,4 @@
-//! Playing a net out: every marking that can be reached, and what follows from seeing them all.
+//! Playing a net out: every marking that can be reached, and facts that follow.
 //!
 //! The oracle of tests, for plain and for [coloured](crate::coloured::explore) nets: slow and obvious. It stores each
 //! marking, stops at a bound, and is undecided then. It does not recognise an unbounded net, and does not reduce or

@@ -1,4 +1,4 @@
-//! Structure against exploration: what is decided on the arcs must be what playing everything out finds.
+//! Structure against exploration: decisions on the arcs must agree with playing everything out.
 
 use linewright_nets::{
     Net, NetBuilder, NetNode, Reachability, StateId, StateMachineVerdict, explore, state_machine_verdict,

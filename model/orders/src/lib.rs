@@ -1,4 +1,4 @@
-//! Orders between a coordinator and its stations: what is ordered, and every reply to it. Shapes only.
+//! Orders between a coordinator and its stations: task orders, and every reply. Shapes only.
 //!
 //! A key is never used twice by the coordinator, and a station does no key twice: given again one that it has, it replies
 //! with its state. It keeps the last [`RESULTS_MAX`] and the newest key it took on; so an older one is recognised at least

@@ -1,4 +1,4 @@
-//! Tables of keys: what a description may contain, written down once, for its reader and for other tools.
+//! Tables of keys: the contents of a description, written down once, for its reader and for other tools.
 
 use crate::{Fields, Property, Report, Shape};
 

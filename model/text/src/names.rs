@@ -1,4 +1,4 @@
-//! Names that a description defines: what each stands for, and whether it is well formed.
+//! Names that a description defines: their meaning, and whether they are well formed.
 //!
 //! A name that is defined twice stands for its first definition, and one that is malformed is kept as it is, so that one
 //! slip is reported once and not at every use.

@@ -1,4 +1,4 @@
-//! A scenario as text: what people and bad luck do to a line, and what is expected of it.
+//! A scenario as text: actions of people and faults on a line, and the expected results.
 //!
 //! TOML, read like a line description: all problems at once, each with its place and advice, and the names of the line
 //! checked while reading. What comes out is a [`Script`], which has no text.

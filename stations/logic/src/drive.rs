@@ -26,7 +26,8 @@ impl Controller {
         let number = self.output.number + 1;
         let mut begun = false;
         for index in 0..self.marking.count {
-            // A motion that a person releases and takes up again starts once more: what is not measured blocks it.
+            // A motion that a person releases and takes up again starts once more: positions that are not measured
+            // block it.
             let paused = self.marking.tokens[index];
             let place = self.place(&paused);
             let blocked = place.is_operating() && !paused.driven && self.violated(place, self.marking.path).is_some();

@@ -61,8 +61,8 @@ impl Controller {
         }
         match next {
             Some(next) => {
-                // What was not seen from its beginning may be nearly done. Driven for less than an image may be old, its switch
-                // may as well have flickered at the edge.
+                // A motion not seen from its beginning may be nearly done. Driven for less than an image may be old, its switch
+                // may also have flickered at the edge.
                 if (token.progress, next) == (IndexProgress::Unseen, IndexProgress::Away) {
                     token.turned = credit;
                 }
@@ -92,7 +92,7 @@ impl Controller {
     /// Whether an index that is seen to arrive now has made its way by its drive, and one way only.
     fn is_believed(&self, token: &Token) -> bool {
         let least = self.program.places[usize::from(token.place)].least;
-        // It may coast for as long as an image may be old. What comes later was turned by something else, either way.
+        // It may coast for as long as an image may be old. A later turn has another cause, in either direction.
         let by_itself = token.driven || self.now <= token.last_driven + self.stale;
         let in_time = (least..=least * LEAST_TIMES_MAX).contains(&self.time_driven(token));
         !self.rules.timely || (by_itself && in_time)

@@ -160,9 +160,9 @@ impl Controller {
     /// Reason why a motion under way may not go on.
     pub(crate) fn unsafe_motion(&self, index: usize) -> Option<StopCause> {
         let token = &self.marking.tokens[index];
-        // What is measured not to be clear stops the motion. What is not measured any more keeps the next one from starting: the
-        // mode decision has the line finish what runs, and a cut that is broken off for a lost message would spoil the part.
-        // A motion that leads out, in manual mode, may have started only because the other station stood: it stops as soon as
+        // A measurement that is not clear stops the motion. A missing measurement keeps the next one from starting: the mode
+        // decision has the line finish what runs, and a cut that is broken off for a lost message would spoil the part. A
+        // motion that leads out, in manual mode, may have started only because the other station stood: it stops as soon as
         // that is not known.
         if let Some((guard, leaves)) = self.violated_leaving(self.place(token), self.marking.path) {
             let cause = self.interlock(&guard);

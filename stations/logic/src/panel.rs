@@ -178,7 +178,7 @@ impl Commands {
             self.stop(now, order.boot_id, term);
             return Ok(());
         }
-        // What another coordinator holds down was not pressed now.
+        // A button that another coordinator holds down was not pressed now.
         if self.order.is_some_and(|current| order.boot_id != current.boot_id) {
             self.disarm(bit::HELD);
         }
@@ -314,7 +314,7 @@ impl Commands {
         if live {
             self.armed |= !raw;
         }
-        // Held together the two mean neither, and letting go of one is no command to the other.
+        // Held together the two mean neither, and the release of one is no command to the other.
         if advance && retract {
             self.disarm(bit::PANEL);
         }

@@ -1,4 +1,4 @@
-//! Coming up again where the station was, from what it kept.
+//! Restart of a station where it was, from its record.
 //!
 //! A snapshot comes from outside: from a file that may belong to an older description. Everything that indexes or
 //! counts is checked once here, so that nothing after it needs to.

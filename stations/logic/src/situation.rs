@@ -140,7 +140,7 @@ impl Controller {
             out.extend(read.map(|cause| relative(view.done[cause.from.index()])));
             match view.request {
                 None => out.push(-1),
-                // An answer to a request that is no longer open is worth nothing; that it was made still blocks.
+                // An answer to a request that is no longer open has no value; that it was made still blocks.
                 Some(request) if writer.open != Some(request.number) => out.extend([-2, request.ops as i64]),
                 Some(request) => {
                     let in_the_way = view.answer.and_then(|a| a.in_the_way);

@@ -444,7 +444,7 @@ impl Controller {
         if place.is_operating() || (self.rest().is_none() && self.goes_back_from(place)) {
             return;
         }
-        // At the first operation's beginning the token goes on to the rest; that is no way.
+        // At the first operation's beginning the token goes on to the rest; that is no motion.
         let left = if self.rest().is_some() { TaskFailure::Cancelled } else { TaskFailure::Held };
         self.conclude(TaskOutcome::Failed(given_up.unwrap_or(left)));
     }

@@ -126,7 +126,7 @@ impl PeerViews {
         view.position_lost = report.position_lost.is_some();
         view.stopped = report.stopped;
         view.measured = report.measured;
-        // The image was some time old when it was sent; how long the message took is not known, and counts as nothing.
+        // The image was some time old when it was sent; the time of the message is unknown, and counts as 0.
         let left = self.stale.saturating_sub(report.measured_age);
         view.measured_until = if report.devices_valid { now + left } else { Tick::ZERO };
         let comparable = !self.rules.generations || (report.generation == self.generation && self.generation != 0);

@@ -134,7 +134,7 @@ fn reply(word: &str) -> Option<TaskReply> {
         return Some(TaskReply::Refused(*refusal));
     }
     match TaskFailure::from_code(word.parse().ok()?) {
-        // It never wrote that.
+        // No station writes that.
         TaskFailure::Other(_) => None,
         failure => Some(TaskReply::Ended(TaskOutcome::Failed(failure))),
     }
@@ -213,7 +213,7 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
         placed: is_newest && record.placed,
         order,
     };
-    // What the controller refuses must not keep the node from starting.
+    // A record that the controller refuses must not keep the node from starting.
     Controller::new(line, station, 1, Restore::From(snapshot.clone()))
         .map_err(|error| RecordError::Contradicts { station: name(), error })?;
     Ok(snapshot)
@@ -297,7 +297,7 @@ mod tests {
         assert_eq!(from_record(&line, StationId(0), &without, "host").expect("its own record").doubtful, None);
         kept.doubtful = Some(OpId(0));
         let with = to_record(&line, StationId(0), &kept, "host");
-        // Also where it is not the newest record: it is looked at once too often.
+        // Also where it is not the newest record: one needless inspection.
         for host in ["host", "another start"] {
             assert_eq!(from_record(&line, StationId(0), &with, host).expect("its own record").doubtful, Some(OpId(0)));
         }
@@ -326,7 +326,7 @@ mod tests {
             (read.generation, read.placed)
         };
         assert_eq!([read("this start"), read("another start"), read("")], [(9, true), (0, false), (0, false)]);
-        // One written before there were generations.
+        // A record from before there were generations.
         let old = r#"{"station":"feeder","operations":["push","pull back"],"marking":[[1,3]],"cycle":0,"done":[0,0],"started":[0,0],"path":null,"next_request":1}"#;
         assert_eq!(from_record(&line, StationId(0), old.as_bytes(), "this start").expect("it fits").generation, 0);
     }

@@ -48,7 +48,7 @@ impl NewestBySequence {
             Some((boot, _)) if boot == boot_id || self.retired.contains(&boot_id) => {
                 let apart = self.term / 8;
                 let first = self.returning.filter(|&(boot, before, _)| boot == boot_id && before < sequence);
-                // The first of what came close together is the one to compare with.
+                // The first of messages that came close together is the one to compare with.
                 if first.is_some_and(|(_, _, at)| now < at + apart) {
                     return false;
                 }
@@ -149,7 +149,7 @@ mod tests {
             // One message alone may be a late one, however often it comes.
             (300, 7, 11, OLD),
             (301, 7, 11, OLD),
-            // What waited somewhere arrives at once.
+            // Messages that waited somewhere arrive at once.
             (302, 7, 12, OLD),
             (303, 7, 13, OLD),
             (350, 7, 12, NEWEST),

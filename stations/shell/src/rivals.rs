@@ -101,7 +101,7 @@ mod tests {
         late.hear(ms(1000), (2, 7), ms(990));
         late.hear(ms(1100), (2, 7), ms(1090));
         assert_eq!(late.there(ms(1100)), None);
-        // What comes at once comes from one buffer.
+        // Messages that come at once come from one buffer.
         late.hear(ms(1300), (3, 7), ms(1290));
         late.hear(ms(1301), (3, 8), ms(1301));
         assert_eq!(late.there(ms(1301)), None);

@@ -1,4 +1,4 @@
-//! The dispatcher that tries out what comes of a decision before it makes it.
+//! The dispatcher that simulates decisions before it makes one.
 //!
 //! For each group of candidates that compete, the first of them by the rules are tried, waiting for what happens next, and
 //! doing without a way where there are others: each is simulated, with the rules deciding all that follows, until the

@@ -1,4 +1,4 @@
-//! No part waits for ever: what is done for the part that has waited longest, once it has waited too long.
+//! No part waits for ever: precedence and reservations of a part that has waited too long.
 //!
 //! No rule but first come, first served is fair. With any other one a part can wait as long as better ones come, and even
 //! the fair one starves a part that needs two things which others take in turns. So a part that has been where it is for

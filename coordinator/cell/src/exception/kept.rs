@@ -1,4 +1,4 @@
-//! Exceptions to be written down in the place of the records that led to them.
+//! Form of exceptions in a snapshot.
 
 use linewright_line::StationId;
 use serde::{Deserialize, Serialize};

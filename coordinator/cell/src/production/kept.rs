@@ -1,4 +1,4 @@
-//! Production orders as they are written down in a snapshot, and read again.
+//! Form of production orders in a snapshot.
 //!
 //! What is in the table is not written down. On the way in everything is checked against the table and against itself: what
 //! has passed is what records have made, or could have.

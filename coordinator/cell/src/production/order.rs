@@ -1,4 +1,4 @@
-//! One production order: what has become of it so far.
+//! One production order and its progress.
 //!
 //! Counts and moments, no decisions. A part counts from its entering on, and is done when it has left; lateness is that of
 //! the last one, as for a customer of the whole order.

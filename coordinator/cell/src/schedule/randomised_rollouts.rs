@@ -1,4 +1,4 @@
-//! Futures by chance: a plan is followed for a while, and then the rules decide, now and then overruled.
+//! Random futures: a plan is followed for a while, and then the rules decide, now and then overruled.
 //!
 //! Where there is too much to look through all of it, trying many futures near the best that is known finds better ones, and
 //! can be stopped at any time. Chance is a number that is drawn from the one before: the same cell has the same schedule.

@@ -168,8 +168,8 @@ fn options(simulation: &ForwardSimulation, desk: &mut DispatchConfiguration) -> 
     distinct.map(|start| (candidates[start.candidate].mode, *start)).collect()
 }
 
-/// Whether starting something as soon as it can start never makes the schedule worse: it takes nothing but its part, which
-/// nothing else takes, and no later start of it is better for another.
+/// Whether a start as soon as possible is never worse: it takes nothing but its part, which nothing else takes, and no
+/// later start of it is better for another.
 fn is_free(table: &CellTable, mode: ModeId) -> bool {
     let ([(cell, 1)], Some(from)) = (table.takes(mode), table.part_in(mode)) else { return false };
     *cell == from && table.consumers(from).len() == 1

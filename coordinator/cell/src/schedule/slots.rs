@@ -1,4 +1,4 @@
-//! A schedule: what starts when, and what has become of it.
+//! A schedule: planned starts, and their progress.
 //!
 //! Parts that have not entered have no number yet that could be relied on; so a schedule numbers parts by itself, and maps
 //! each to its part as soon as it enters. Each slot has a *window*: from its planned start to the latest one that moves

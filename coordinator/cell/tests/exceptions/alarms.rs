@@ -1,4 +1,4 @@
-//! Alarm given by hand: what the resource has to do with stops, and is put right like anything else that stands half-way.
+//! Alarm given by hand: stations of the resource stop, and are put right like others that stand half-way.
 
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest};
 use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OngoingActivity, PlayerInput, TaskOutcome};
@@ -65,7 +65,8 @@ fn has_failed(firing: &OngoingActivity) -> bool {
     firing.phase != ActivityPhase::Running
 }
 
-/// What is left out already can have alarm given of it. It is once, and the time counts from the beginning.
+/// An alarm can be given of a resource that is left out already. It is given once, and the time counts from the
+/// beginning.
 #[test]
 fn alarm_can_be_given_of_what_is_left_out() {
     let mut bench = Bench::c1(&[1, 0]);

@@ -1,5 +1,4 @@
-//! Reality deviates: something is late, a machine is down, orders come and go; and what was planned is compared with what
-//! was.
+//! Reality deviates: something is late, a machine is down, orders come and go; and the plan is compared with what was.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Records are the whole truth: what is replayed is what was; what does not fit changes nothing.
+//! Records are complete: a replayed state is the state; a record that does not fit changes nothing.
 
 use linewright_coordinator_cell::{
     ActivityFailure, Coordination, Fifo, FiringId, ModeId, OrderFailure, OrderKey, PartId, PlayerOutbox, PlayerState,

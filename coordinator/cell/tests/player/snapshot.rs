@@ -1,4 +1,4 @@
-//! A snapshot stands for all records before it; written down and read again it is the same; made up it does no harm.
+//! A snapshot stands for all records before it; written and read again it is the same; a forged one does no harm.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -173,7 +173,7 @@ impl LineTracking {
         let (at, EventKind::Note(note)) = (event.at, &event.what) else { return };
         match note {
             Note::Began {} => {
-                // Whatever happened since the last note, nothing is known of it.
+                // The line since the last note is unknown.
                 self.change(self.last.unwrap_or(at), LineState::Unrecorded);
                 self.known = Known::default();
             }
@@ -237,7 +237,7 @@ impl LineTracking {
         if since < at && self.last.is_some() {
             self.states.push(((since, at), was));
         }
-        // What was otherwise for no time was not.
+        // A change that lasted no time is left out.
         if let Some(((from, until), state)) = self.states.last()
             && (*until, state) == (at, &self.now.1)
         {

@@ -1,4 +1,4 @@
-//! Notes of a line, and what a report makes of them: an example by hand, and that parts sum to the whole whatever the notes.
+//! Notes of a line, and reports of them: an example by hand, and that parts sum to the whole whatever the notes.
 
 use std::time::Duration;
 

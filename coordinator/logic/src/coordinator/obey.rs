@@ -42,7 +42,7 @@ impl Coordinator {
             (M::Home, C::Stop) => vec![ModeRefusal::Already],
             (M::Home, C::Auto | C::Hand | C::Manual | C::Reset) => vec![ModeRefusal::WrongMode(vec![C::Start])],
             (M::StandBy, C::Start) => {
-                // Start in stand-by is the operator's word that a restarted station has been looked at.
+                // Start in stand-by confirms that an operator has looked at a restarted station.
                 let founds = self.found();
                 let reasons = self.acknowledge_restarts();
                 if founds { Vec::new() } else { reasons }

@@ -1,4 +1,4 @@
-//! The mode, with what keeps it.
+//! The mode, with the reasons that keep it.
 
 use linewright_line::net::ControlMode;
 

@@ -1,4 +1,4 @@
-//! The database of a cell beside its log: what goes into the one after it is in the other.
+//! The database of a cell, fed with records after they are in its log.
 //!
 //! The thread of the cell writes a step's records into the log ([`super::CellLog::write`]), sends the messages, and then passes
 //! the records to the history, which never blocks. At the beginning of a life the two are compared, and what the database lacks

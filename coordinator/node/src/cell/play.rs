@@ -299,7 +299,7 @@ impl CellLoop {
                 }
                 () = tokio::time::sleep_until(wake) => {}
             }
-            // What has come together is decided about together.
+            // Inputs that have come together are decided together.
             while let Ok(news) = self.from.try_recv() {
                 self.take(news);
             }
@@ -483,7 +483,7 @@ impl CellLoop {
     }
 
     fn tell(&mut self, may_start: bool) {
-        // What thinking took is not taken off the time until the next one.
+        // The time of a decision does not shorten that until the next publication.
         let now = self.now();
         if now < self.said + if self.changed { TELL_AT_MOST_EVERY } else { TELL_EVERY } {
             return;

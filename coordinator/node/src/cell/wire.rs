@@ -168,7 +168,7 @@ pub fn moment(time: &Time) -> Option<Tick> {
 /// Time as in messages. Their seconds end in 2038.
 pub fn time(tick: Tick) -> Time {
     let (sec, micros) = (tick.as_micros() / 1_000_000, tick.as_micros() % 1_000_000);
-    // A millionth is a thousand thousand-millionths, and there are fewer than a million.
+    // 1 µs is 1000 ns, and there are fewer than a million of them.
     Time { sec: i32::try_from(sec).unwrap_or(i32::MAX), nanosec: u32::try_from(micros * 1000).unwrap_or(0) }
 }
 

@@ -1,4 +1,4 @@
-//! Text → checked [`Line`], or everything that is wrong with the text at once.
+//! Text → checked [`Line`], or all errors of the text at once.
 //!
 //! Stations of a type are written out first ([`types`]). The text then goes through five passes, each with one
 //! question:

@@ -1,4 +1,4 @@
-//! Where a coloured net is written down, and where it is checked once.
+//! Builder of coloured nets, and their one check.
 //!
 //! As with [`crate::NetBuilder`], everything is accepted while writing and all problems are reported together at the
 //! end. A declaration that depends on a broken one is not checked: an arc at a place whose domain does not exist has no

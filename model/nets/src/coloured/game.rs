@@ -1,4 +1,4 @@
-//! The coloured token game: which modes may fire, and what firing does.
+//! The coloured token game: modes that may fire, and the effect of firing.
 //!
 //! A mode is enabled if every place has the colours that it takes and the guard of its transition allows it (seed 000,
 //! definitions 14 and 15). Firing takes and gives the colours of the arc functions (definition 17). As in

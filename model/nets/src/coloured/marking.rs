@@ -1,4 +1,4 @@
-//! Where the tokens are, and of what colour.
+//! Places of the tokens, and their colours.
 //!
 //! A coloured marking stores only what there is: pairs of a *cell* and a count. A cell is one colour on one place, and
 //! all cells of a net are numbered through, place by place. Domains can have thousands of colours of which a handful is

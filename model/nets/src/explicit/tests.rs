@@ -303,7 +303,7 @@ fn weights_of_32_bits_are_compared_without_overflow() {
 
 #[test]
 fn a_digit_widens_as_often_as_it_must() {
-    // A counter that nothing bounds until 2⁲⁰ − 1 is drained by halves.
+    // A counter that nothing bounds until 2²⁰ − 1 is drained by halves.
     let mut b = crate::NetBuilder::new("doubling");
     let [a, other, phase_a, phase_b] = [("a", 1), ("b", 0), ("to b", 1), ("to a", 0)].map(|(n, m)| b.place(n, m));
     let rounds = b.place("rounds", 6);

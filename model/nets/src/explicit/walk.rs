@@ -1,4 +1,4 @@
-//! The whole graph of markings, shown piece by piece: for writing it to a file, or for a question of one's own.
+//! The whole graph of markings, shown piece by piece: for writing it to a file, or for other analyses.
 
 use super::encoding::MarkingEncoding;
 use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided};

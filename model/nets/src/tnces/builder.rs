@@ -1,4 +1,4 @@
-//! Where the tables beside a net are written down, and where they are checked once.
+//! Builder of the tables beside a net, and their one check.
 //!
 //! Like [`crate::NetBuilder`], a builder accepts everything, and [`TncesBuilder::build`] reports all errors or returns
 //! a [`Tnces`] that need not be checked again.

@@ -1,4 +1,4 @@
-//! The state graph, and what can be read off it about paths and times.
+//! The state graph, and its paths and times.
 //!
 //! "A timing diagram represents the variables between a source state and a destination state" (seed 003 §5.1.2, L898):
 //! [`StateGraph::fastest`] gives the moments of one, [`StateGraph::span`] the bounds of all.

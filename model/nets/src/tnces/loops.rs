@@ -1,4 +1,4 @@
-//! The shape of a state graph: what is left for good, and what repeats.
+//! The shape of a state graph: states left for good, and loops.
 //!
 //! "One of the most important requirements it must fulfill is that the representation has to constitute a closed-loop"
 //! (seed 003 §5.1.1, L877): some states of start-up, then cycles (L884-892).

@@ -1,4 +1,4 @@
-//! One replication: the cell plays, and what comes from outside comes in between.
+//! One replication: the cell plays, with external events in between.
 
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -70,7 +70,7 @@ impl CellStudy {
                 scope.spawn(move || mine.map(|number| (number, figures(number))).collect::<Vec<_>>())
             });
             for played in each.collect::<Vec<_>>() {
-                // A panic of one is one of all.
+                // A panic of one replication is one of all.
                 for (number, figures) in played.join().expect("a replication panicked") {
                     all[number - numbers.start] = Some(figures);
                 }

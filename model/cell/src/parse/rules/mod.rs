@@ -67,7 +67,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
     let (variants, described): (Vec<_>, Vec<_>) =
         draft.parts.iter().enumerate().partition(|(_, part)| part.variant.is_some());
     described.into_iter().for_each(|part| ways::plans_can_be_done(draft, part, &routes, report));
-    // What is wrong with a plan is wrong with its variants.
+    // Errors of a plan are errors of its variants.
     for (at, part) in variants.into_iter().filter(|_| !report.has_errors()).collect::<Vec<_>>() {
         plans::nothing_is_listed_twice(draft, part, report);
         plans::parts_stay_after_work(draft, part, report);

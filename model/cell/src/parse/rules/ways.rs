@@ -1,4 +1,4 @@
-//! Whether plans can be done: whether what moves parts leads them where they are worked on, and out again.
+//! Whether plans can be done: whether moves lead parts where they are worked on, and out again.
 //!
 //! Judged only where moves and plans are sound each for itself; one unknown name would make every plan impossible.
 
@@ -89,7 +89,7 @@ pub(super) fn plans_can_be_done(
     };
     let led_to = |step: &&DraftStep<'_>| step.from == 0 || of.steps.iter().any(|before| before.to == step.from);
     let known = of.steps.iter().filter(led_to);
-    // What comes after a step that cannot be done cannot be done either; the first is the one to mend.
+    // Steps after one that cannot be done cannot be done either; the first is the one to mend.
     if let Some(step) = known.clone().find(|step| !step.places().any(|on| comes(on, step))) {
         report.add(never_comes(draft, part, step, routes));
         return;
