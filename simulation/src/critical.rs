@@ -25,7 +25,8 @@ pub struct CriticalMotion {
 /// The chain that determines the cycle time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CriticalPath {
-    /// Its motions, in order; each is what the next one waited for, and the last what the first waits for again.
+    /// Its motions, in order; each is the one that the next waited for, and the last the one that the first waits for
+    /// again.
     pub links: Vec<CriticalMotion>,
     /// The time from the first motion's start to its next start by the same chain.
     pub time: Duration,

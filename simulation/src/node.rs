@@ -121,7 +121,7 @@ impl StationNode {
         true
     }
 
-    /// Plays the station one step further and gives what follows.
+    /// Plays the station one step further and returns the effects.
     pub(crate) fn step(&mut self, now: Tick) -> Vec<StationEffect> {
         self.shell.act(now, &mut self.effects);
         std::mem::take(&mut self.effects)
@@ -250,7 +250,7 @@ impl CoordinatorNode {
         true
     }
 
-    /// Writes a record down. False if what follows is not to be performed.
+    /// Writes a record down. False if the effects after it are not to be performed.
     pub(crate) fn remember(&mut self, now: Tick, record: CoordinatorRecord) -> bool {
         if !self.disk_is_full {
             self.journal = record;

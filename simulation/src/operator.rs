@@ -60,9 +60,9 @@ pub enum OperatorAction {
     Device(usize, bool),
     /// A process dies.
     Kill(NodeProcess),
-    /// A process is started again, with what it has kept.
+    /// A process is started again, with its journal.
     Restart(NodeProcess),
-    /// The same, but what it has kept is lost.
+    /// The same, but its journal is lost.
     RestartEmpty(NodeProcess),
     /// A station's process dies (`true`) at its next change, between its record and everything after it; or it does not.
     DieAtRecord(StationId, bool),
@@ -157,7 +157,7 @@ impl LineSim {
         Ok(())
     }
 
-    /// Does something to the devices of an owner, and to what they move. Without frames there are none.
+    /// Disturbs the devices of an owner, and their mechanisms. Without frames there are none.
     pub fn disturb(&mut self, owner: Owner, what: String, does: impl FnOnce(&mut Rack, Tick)) {
         self.note(what);
         let now = self.now;

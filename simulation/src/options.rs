@@ -65,7 +65,7 @@ pub struct SimOptions {
     /// Whether process images travel as they do on a shop floor, in frames on buses, in messages through the gateway, and
     /// every message whole and numbered. Otherwise images are there at once and a repetition costs next to nothing.
     pub frames: bool,
-    /// With frames: what the network does to process images between the gateway and the stations.
+    /// With frames: network of process images between the gateway and the stations.
     pub images: Network,
     /// Largest deviation of a motion's duration from the description, as a fraction.
     pub variation: f64,

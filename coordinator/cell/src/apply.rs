@@ -190,7 +190,7 @@ impl PlayerState {
         Ok(())
     }
 
-    /// An activity is not in progress any more. What it has taken is nowhere then.
+    /// An activity is not in progress any more. The tokens it has taken are nowhere then.
     pub(super) fn forget(&mut self, id: FiringId) {
         self.unschedule(id);
         let Some(firing) = self.firings.remove(&id) else { return };
@@ -254,7 +254,7 @@ impl PlayerState {
         }
     }
 
-    /// Takes what a mode takes. A part that it does not take from anywhere is a new one.
+    /// Takes the tokens of a mode. A part that it does not take from anywhere is a new one.
     fn take(&mut self, mode: ModeId, part: Option<PartId>, arrival: u64) {
         let table = self.table.clone();
         for &(cell, weight) in table.takes(mode) {
@@ -268,7 +268,7 @@ impl PlayerState {
         }
     }
 
-    /// Gives what a mode gives. A part that it does not put anywhere has left.
+    /// Gives the tokens of a mode. A part that it does not put anywhere has left.
     pub(super) fn give(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) {
         let table = self.table.clone();
         for &(cell, weight) in table.gives(mode) {

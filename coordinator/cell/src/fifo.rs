@@ -80,7 +80,7 @@ struct FifoTaken {
 }
 
 impl FifoTaken {
-    /// The start that took what the mode would need.
+    /// The start that took tokens the mode would need.
     fn in_the_way(&self, question: &Question<'_>, mode: ModeId) -> Option<(ModeId, Option<PartId>)> {
         let short = |&(cell, weight): &(CellId, u32)| {
             let &(gone, by) = self.tokens.get(&cell)?;

@@ -29,7 +29,7 @@ pub enum PlayerInput<'a> {
     Production(RequestId, ProductionCommand<'a>),
     /// A person's answer to an alarm.
     Answer { alarm: AlarmId, word: &'a str },
-    /// A person gives alarm of a resource: what it is doing is stopped.
+    /// An alarm given by hand of a resource: its activities are stopped.
     Alarm {
         resource: ResourceId,
         /// Text of the operator; may be empty.

@@ -124,8 +124,7 @@ impl Coordination {
         })
     }
 
-    /// Takes what has arrived, all of it before anything is decided, and does what follows. A time before that of the
-    /// newest record is taken for that.
+    /// Takes all arrivals, then decides and acts. A time before that of the newest record is taken for that.
     pub fn step(
         &mut self,
         now: Tick,
@@ -280,7 +279,7 @@ impl Coordination {
         self.write(now, fact, out);
     }
 
-    /// Changes what is on order.
+    /// Changes production orders.
     fn change(
         &mut self,
         now: Tick,
@@ -335,7 +334,7 @@ impl Coordination {
         }
     }
 
-    /// Closes what has ended or failed.
+    /// Closes activities that have ended or failed.
     fn settle(&mut self, now: Tick, out: &mut PlayerOutbox) {
         while let Some(&id) = self.state.settled.first() {
             match self.state.firing(id).map(|firing| firing.next()) {
@@ -362,7 +361,7 @@ impl Coordination {
         *room < before
     }
 
-    /// Puts the question, and starts what is answered.
+    /// Puts the question, and starts the modes of the answer.
     fn ask(&mut self, now: Tick, room: &mut usize, dispatcher: &mut dyn Dispatcher, out: &mut PlayerOutbox) -> bool {
         if !self.starts || self.superseded {
             return false;

@@ -88,7 +88,7 @@ pub struct HeldCandidate {
     pub until: Option<Tick>,
 }
 
-/// Decides what starts.
+/// Decides which candidates start.
 pub trait Dispatcher {
     /// Answers a question. The same question may come again.
     fn decide(&mut self, question: &Question<'_>) -> DispatchDecision;

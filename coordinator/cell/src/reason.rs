@@ -32,7 +32,7 @@ pub enum HoldReason {
     NotOrdered,
     /// The schedule has the part do this next.
     PlannedOtherwise(ModeId),
-    /// It was tried out what comes of it, and something else leads further.
+    /// It was simulated, and something else leads further.
     LooksWorse(ProgressComparison),
 }
 

@@ -43,7 +43,7 @@ pub enum RecordKind {
         /// A number that it drew when its memory began.
         memory: u64,
     },
-    /// A question was answered. What was decided to start follows as [`RecordKind::Started`].
+    /// A question was answered. The starts decided follow as [`RecordKind::Started`].
     Decided {
         /// The number of the question, from 1.
         question: u64,
@@ -66,7 +66,7 @@ pub enum RecordKind {
     OrderEnded { key: OrderKey },
     /// An order will not be done, as far as is known.
     OrderFailed { key: OrderKey, failure: OrderFailure },
-    /// An activity will not end by itself. It keeps its tokens and its part until it is answered what is true.
+    /// An activity will not end by itself. It keeps its tokens and its part until there is an answer.
     Raised { firing: FiringId, cause: ActivityFailure },
     /// An activity has ended: its tokens are given.
     Ended { firing: FiringId },

@@ -75,7 +75,7 @@ pub enum PlanError {
         /// The mode, as a number.
         mode: u32,
     },
-    /// A store of what there is not, or of what another store has.
+    /// A store of a cell that does not exist, or that is another store's.
     #[error("store `{store}` has cell {cell}, which holds no parts or belongs to another store")]
     Store {
         store: String,
@@ -353,7 +353,7 @@ impl CellTable {
         self.store_of[cell.index()]
     }
 
-    /// After what time an order is repeated.
+    /// Time until an order is repeated.
     pub fn refresh(&self) -> Duration {
         self.refresh
     }

@@ -61,7 +61,7 @@ impl HistoryReader {
     /// has them.
     ///
     /// # Errors
-    /// When it cannot be read, or contains what cannot be.
+    /// When it cannot be read, or its contents are impossible.
     pub fn each(&self, until: Tick, mut take: impl FnMut(HistoryEvent)) -> Result<(), HistoryError> {
         let failed = at(&self.path);
         let damaged = |why: String| HistoryError::Damaged { path: self.path.clone(), why };

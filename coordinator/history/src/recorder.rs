@@ -130,7 +130,7 @@ impl HistoryFeed {
         _ = self.send(FeedQueue::Records(first, records.to_vec()));
     }
 
-    /// Offers what is no record. It never waits.
+    /// Offers a note. It never waits.
     pub fn note(&mut self, at: Tick, note: Note) {
         if self.notes.len() >= NOTES_MAX {
             self.notes.pop_front();
@@ -139,7 +139,7 @@ impl HistoryFeed {
         self.flush();
     }
 
-    /// Offers what is no record, unless there is no room for it; whether there was. It never waits.
+    /// Offers a note, unless there is no room for it; whether there was. It never waits.
     pub fn offer_note(&mut self, at: Tick, note: Note) -> bool {
         self.flush();
         let has_room = self.notes.len() < NOTES_MAX;
@@ -150,7 +150,7 @@ impl HistoryFeed {
         has_room
     }
 
-    /// Waits for all that was offered to be written, but not longer than so; what is not written then may be lost.
+    /// Waits for all that was offered to be written, but not longer than so; the rest may be lost.
     pub fn end_within(mut self, long: Duration) {
         self.flush();
         self.queue = None;
@@ -256,7 +256,7 @@ impl Feeding {
         }
     }
 
-    /// Compares with the log, takes what is missing, and removes what the log has lost.
+    /// Compares with the log, takes missing records, and removes those that the log has lost.
     fn begin(&mut self, last: u64) -> Result<(), HistoryError> {
         // What is behind that is of this life, and may stand under numbers that the database has from one before.
         self.catch_up(0, last)?;
@@ -289,7 +289,7 @@ impl Feeding {
         self.complete()
     }
 
-    /// Takes from the log what was offered and has not come.
+    /// Takes from the log records that were offered and have not come.
     fn complete(&mut self) -> Result<(), HistoryError> {
         let newest = self.history.newest();
         if self.shared.written.load(Ordering::Acquire) > newest { self.catch_up(newest, u64::MAX) } else { Ok(()) }
@@ -317,7 +317,7 @@ impl Feeding {
         Ok(())
     }
 
-    /// Takes from the log what it has after a number, until another.
+    /// Takes from the log the records after a number, until another.
     fn catch_up(&mut self, after: u64, until: u64) -> Result<(), HistoryError> {
         let Feeding { history, source, .. } = self;
         let (mut items, mut put) = (Vec::new(), Ok(()));

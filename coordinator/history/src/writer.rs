@@ -117,7 +117,7 @@ impl History {
         Ok(last.map_err(at(&self.path))?.map(Tick::from_micros))
     }
 
-    /// Writes records under their numbers in the log, from `first` on. What is there already stays.
+    /// Writes records under their numbers in the log, from `first` on. Rows that are there already stay.
     ///
     /// # Errors
     /// When something else is there under one of the numbers, or they cannot be written. Nothing is written then.
@@ -127,7 +127,7 @@ impl History {
         self.put(&items)
     }
 
-    /// Writes down what is no record.
+    /// Writes a note.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -175,7 +175,7 @@ impl History {
     }
 }
 
-/// Writes a record where there is none; what was there.
+/// Writes a record where there is none; the record that was there.
 fn insert(change: &Transaction<'_>, of: u64, record: &Record) -> rusqlite::Result<Under> {
     let (kind, data) = parts(&record.fact);
     let when = number(record.at.as_micros());

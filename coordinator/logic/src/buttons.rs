@@ -18,7 +18,7 @@ pub(crate) struct Buttons {
 }
 
 impl Buttons {
-    /// Takes what is held now, for `term` from now. Gives whether the buttons in force may have changed.
+    /// Takes the buttons held now, for `term` from now. Returns whether the buttons in force may have changed.
     pub(crate) fn hear(&mut self, now: Tick, held: u32, term: Duration) -> bool {
         let ran_out = now >= self.until;
         let changed = held != self.said || ran_out;
@@ -31,8 +31,8 @@ impl Buttons {
         changed
     }
 
-    /// Takes what was held at a time that is not known. What it holds counts for nothing and not as released; the finger may
-    /// never have left the button.
+    /// Takes the buttons held at an unknown time. They count neither as held nor as released; the finger may never have left
+    /// the button.
     pub(crate) fn hear_late(&mut self, now: Tick, held: u32, term: Duration) {
         self.hear(now, held, term);
         self.unreleased = held;

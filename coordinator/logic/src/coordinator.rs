@@ -154,7 +154,7 @@ impl Coordinator {
         self.mode
     }
 
-    /// The epoch in which the emergency stop was entered last; 0 if it never was. What was decided before is not acted on after.
+    /// The epoch in which the emergency stop was entered last; 0 if it never was. Earlier decisions are not acted on after it.
     pub fn stopped_in(&self) -> u64 {
         self.stopped_in
     }
@@ -208,7 +208,7 @@ impl Coordinator {
         valid && input.is_some_and(|input| bits & (1 << input.0) != 0)
     }
 
-    /// Takes what has arrived and acts on it. Follow with [`Coordinator::step`].
+    /// Takes an arrival and acts on it. Follow with [`Coordinator::step`].
     pub fn handle(&mut self, now: Tick, input: ModeInput) {
         self.now = self.now.max(now);
         match input {

@@ -346,8 +346,8 @@ impl CoordinatorLoop {
         }
     }
 
-    /// Performs what follows from what has arrived and from the time. After a record that could not be written there is
-    /// more to do: the emergency stop.
+    /// Performs the effects of arrivals and of the time. After a record that could not be written there is one more:
+    /// the emergency stop.
     ///
     /// # Errors
     /// When the bus or the middleware fails while a record is being written.
@@ -359,7 +359,8 @@ impl CoordinatorLoop {
         Ok(())
     }
 
-    /// Acts once. True if an emergency stop has arrived while a record was being written: it comes before what followed.
+    /// Acts once. True if an emergency stop has arrived while a record was being written: it comes before the effects
+    /// that followed.
     async fn is_interrupted(&mut self) -> Result<bool, CoordinatorNodeError> {
         let now = self.clock.now();
         self.look();

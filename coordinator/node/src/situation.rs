@@ -67,7 +67,7 @@ impl LineSituation {
     }
 }
 
-/// The stations of which something else is true now, and what.
+/// The stations with a change, and their new value.
 fn changed(now: &[bool], before: &[bool]) -> impl Iterator<Item = (u16, bool)> {
     let both = (0..).zip(now.iter().zip(before));
     both.filter(|(_, (now, before))| now != before).map(|(station, (&now, _))| (station, now))

@@ -38,7 +38,7 @@ pub fn cycle_time_message(cycle: CompletedCycle) -> CycleTime {
     CycleTime { header: stamp(), number: cycle.number, duration_s: cycle.took.as_secs_f64() }
 }
 
-/// Enough for a burst of every station's state while the node is busy; what does not fit waits in the middleware.
+/// Enough for a burst of every station's state while the node is busy; the rest waits in the middleware.
 const QUEUE: usize = 1024;
 
 /// Opens every topic of the coordinator.

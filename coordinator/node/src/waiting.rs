@@ -18,7 +18,7 @@ use crate::topics::CoordinatorInbound;
 const TAKEN_AT_ONCE: usize = 256;
 
 impl CoordinatorLoop {
-    /// Takes in what has arrived, what has waited first.
+    /// Takes in the arrivals, those that have waited first.
     pub(crate) fn take(&mut self) {
         if let Some(news) = self.waiting.take_news() {
             self.bus_news(&news);

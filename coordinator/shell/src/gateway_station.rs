@@ -16,7 +16,7 @@ use crate::effect::{CoordinatorEffect, InputsImage};
 pub(crate) enum GatewayStop {
     /// Nothing is put out.
     InForce,
-    /// The epoch of the last one: only what was decided in it or later is put out.
+    /// The epoch of the last one: only images decided in it or later are put out.
     Since(u64),
 }
 
@@ -53,7 +53,8 @@ impl GatewayStation {
         (self.put, self.sent) = (None, None);
     }
 
-    /// Takes off the bus what is not to be on any more, before a record that may take long. `life` is the coordinator's.
+    /// Takes outputs off the bus that are not to be on any more, before a record that may take long. `life` is the
+    /// coordinator's.
     pub(crate) fn take_off(
         &mut self,
         now: Tick,

@@ -103,8 +103,8 @@ impl CoordinatorShell {
         }
     }
 
-    /// The same without repetitions and without a gateway, for a simulation whose links repeat by themselves what was
-    /// sent last, and in which images reach the plant at once.
+    /// The same without repetitions and without a gateway, for a simulation whose links repeat the last messages by
+    /// themselves, and in which images reach the plant at once.
     #[must_use]
     pub fn without_refresh_and_gateway(mut self) -> Self {
         self.refresh_due = Tick::NEVER;
@@ -260,7 +260,7 @@ impl CoordinatorShell {
         self.refresh_due = self.refresh_due.min(self.told + ANSWER_EVERY);
     }
 
-    /// Brings everything up to `now` and gives what follows.
+    /// Brings everything up to `now` and returns the effects.
     pub fn act(&mut self, now: Tick, effects: &mut Vec<CoordinatorEffect>) {
         self.notice_gap(now);
         self.isolate();
@@ -332,8 +332,8 @@ impl CoordinatorShell {
         self.gateway.next_deadline(now)
     }
 
-    /// While a record is being written a newer image of a station has arrived: of what is on its bus only what that image has
-    /// stays. Gives this where something is to go off.
+    /// While a record is being written a newer image of a station has arrived: of the outputs on its bus only those of that
+    /// image stay. Returns this where something is to go off.
     pub fn keep_only(&mut self, station: StationId, bits: u128) -> Option<u128> {
         self.behind.iter_mut().find(|behind| behind.station == station)?.keep_only(bits)
     }
@@ -344,8 +344,8 @@ impl CoordinatorShell {
         self.order_sequence
     }
 
-    /// What followed a record was not performed, since an emergency stop arrived while the record was being written. Act again
-    /// at once; the record is given again.
+    /// The effects after a record were not performed, since an emergency stop arrived while the record was being written. Act
+    /// again at once; the record is given again.
     pub fn interrupted(&mut self, now: Tick) {
         self.behind.iter_mut().for_each(GatewayStation::forget);
         self.refresh_due = self.refresh_due.min(now);

@@ -149,7 +149,7 @@ pub struct StageMove {
     pub from: StageId,
     /// Afterwards; the same where parts are only moved.
     pub to: StageId,
-    /// Nominal time; none for what takes no time.
+    /// Nominal time; none for an instantaneous one.
     pub time: Option<Duration>,
     /// The number of the program, where the plan gives one.
     pub program: Option<i32>,
@@ -231,7 +231,7 @@ pub struct ExceptionRule {
     pub activities: Vec<ActivityId>,
     /// The code of the failure; `*` for any.
     pub code: String,
-    /// Text for the operator; names in braces stand for what is meant.
+    /// Text for the operator, with names in braces.
     pub tell: String,
     /// Most repetitions of the activity.
     pub retries: u32,

@@ -12,7 +12,7 @@ const LEN_MAX: u64 = 8;
 /// A counter of fewer bits comes round too soon to show that a frame is new.
 const COUNTER_BITS_MIN: u8 = 2;
 
-/// Works out what `frames` means by `database`: all problems at once, each pointing into the description.
+/// Binds `frames` to `database`: all problems at once, each pointing into the description.
 pub fn bind(frames: &FrameTable, database: &Database) -> Result<FrameBinding, Vec<Problem>> {
     let mut binder = Binder { database, file: &frames.file.name, problems: Vec::new() };
     let heard: Vec<_> = frames.receive.iter().filter_map(|receive| binder.heard(receive)).collect();

@@ -86,7 +86,7 @@ impl Report {
         }
     }
 
-    /// All of them, with what is kept of the text they point into. `file_name` is for messages.
+    /// All of them, with the parts kept of the text they point into. `file_name` is for messages.
     pub fn into_problems(self, file_name: &str, text: &str) -> Problems {
         let all = self.errors.into_iter().chain(self.warnings).collect();
         let make = if self.in_excerpts { Problems::excerpts } else { Problems::new };

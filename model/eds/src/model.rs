@@ -105,12 +105,12 @@ impl fmt::Display for AccessType {
     }
 }
 
-/// One value of a device: what an index and a subindex lead to.
+/// One value of a device, at an index and a subindex.
 #[derive(Clone, Debug)]
 pub struct SubObject {
     /// ParameterName.
     pub name: String,
-    /// Denotation: what the plant calls it (DCF).
+    /// Denotation: the plant's name for it (DCF).
     pub denotation: Option<String>,
     /// ObjectType, nearly always [`ObjectType::Var`].
     pub object_type: ObjectType,
@@ -126,7 +126,7 @@ pub struct SubObject {
     pub pdo_mappable: bool,
     /// ObjFlags; see [`SubObject::refuses_download`].
     pub flags: u32,
-    /// ParameterValue: what the device is to be given (DCF).
+    /// ParameterValue: the device's value to be set (DCF).
     pub value: Option<ValueSetting>,
     /// UploadFile: where its content is to be put, for a DOMAIN (DCF).
     pub upload_file: Option<String>,
@@ -179,7 +179,7 @@ pub(crate) struct Compact {
     pub values: BTreeMap<u8, ValueSetting>,
 }
 
-/// One object: what an index leads to.
+/// One object, at an index.
 #[derive(Clone, Debug)]
 pub struct Object {
     pub index: u16,

@@ -3,7 +3,7 @@
 /// A list of objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Category {
-    /// `[MandatoryObjects]`: what every device has.
+    /// `[MandatoryObjects]`: objects of every device.
     Mandatory,
     /// `[OptionalObjects]`: other objects of the standards.
     Optional,
@@ -36,7 +36,7 @@ pub(crate) enum SectionKind {
     List(Category),
     Object(u16),
     Sub(u16, u8),
-    /// `[1003Name]`, `[1003Denotation]` and `[1003Value]`: what elements of a compact array have of their own.
+    /// `[1003Name]`, `[1003Denotation]` and `[1003Value]`: own data of elements of a compact array.
     Names(u16),
     Denotations(u16),
     Values(u16),

@@ -55,7 +55,7 @@ pub struct AnalogueInput {
 pub struct AnalogueOutput {
     /// The channel, and the meaning of its number.
     pub channel: AnalogueChannel,
-    /// Its value while none of its outputs is on, or more than one; and what the device puts it to by itself.
+    /// Its value while none of its outputs is on, or more than one; and the device's own value without a manager.
     pub rest: f64,
     /// Its values while one of them is on.
     pub outputs: Vec<(OutputId, f64)>,

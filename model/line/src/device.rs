@@ -14,7 +14,7 @@ pub struct Device {
     pub owner: Owner,
     /// The bus it hangs on.
     pub bus: DeviceBus,
-    /// Its protocol, and what it carries.
+    /// Its protocol, and its bits.
     pub kind: DeviceKind,
 }
 
@@ -69,7 +69,7 @@ pub enum Owner {
     Console,
 }
 
-/// Identity that a device must have. What is `None` is not compared.
+/// Identity that a device must have. `None` is not compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct DeviceIdentity {
     /// Object 1000h: the profile in the lower half.

@@ -91,7 +91,7 @@ pub struct CyclicFrame {
     pub lets_go_after: Option<Duration>,
     /// A signal that counts the frames.
     pub counter: Option<DbcName>,
-    /// A signal for what its bytes add up to.
+    /// A signal for its checksum.
     pub checksum: Option<(DbcName, Checksum)>,
     /// Values by outputs.
     pub outputs: Vec<SignalOutput>,
@@ -302,7 +302,7 @@ pub struct ReceivedFrameBinding {
 pub struct Page {
     /// The selector, and the values of it with which this page is there.
     pub selected: Option<(FrameField, Vec<(u64, u64)>)>,
-    /// Inputs, what they follow, and when they are on.
+    /// Inputs, the fields they follow, and their conditions.
     pub inputs: Vec<(InputId, FrameField, When)>,
     /// Least and greatest valid values, of signals with inputs, where the DBC file has them. Many devices send "not
     /// available" beyond them.
@@ -344,7 +344,7 @@ pub struct SentFrameBinding {
     pub counter: Option<FrameField>,
     /// The byte that holds a checksum.
     pub checksum: Option<(u8, Checksum)>,
-    /// The bytes with nothing on: what never changes, and every output's `off`.
+    /// The bytes with nothing on: constants, and every output's `off`.
     pub rest: [u8; 8],
     /// Outputs, where they lie, and the bits for on.
     pub outputs: Vec<(OutputId, FrameField, u64)>,

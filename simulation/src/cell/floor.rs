@@ -142,7 +142,7 @@ impl ShopFloor {
         }
     }
 
-    /// Starts it again, from what it kept.
+    /// Starts it again, from its journal.
     ///
     /// # Errors
     /// When it does not compile any more.
@@ -395,7 +395,7 @@ impl ShopFloor {
 }
 
 impl Running {
-    /// One step with this image; what it drives.
+    /// One step with this image; the outputs it drives.
     fn step(&mut self, now: Tick, image: u128) -> u128 {
         if self.image.replace(image) != Some(image) {
             let input = StationInput::Inputs { bits: image, valid: true, until: Tick::NEVER, under: NO_DELAY };

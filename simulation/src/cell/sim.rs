@@ -317,7 +317,7 @@ impl CellSim {
         }
     }
 
-    /// Sensors see what is there.
+    /// Sensors see the parts that are there.
     fn sense(&mut self) {
         let sensed = self.table.handling().resources.iter().enumerate().filter(|(_, of)| of.is_sensed && self.senses);
         for (index, of) in sensed {
@@ -353,7 +353,7 @@ impl CellSim {
         }
     }
 
-    /// Delivers what is there by now; what of it the coordinator gets.
+    /// Delivers messages that have arrived; the coordinator's part of them.
     fn arrived(&mut self) -> Vec<PlayerInbound> {
         let mut arrived = Vec::new();
         while let Some(entry) = self.flying.first_entry().filter(|entry| entry.key().0 <= self.now) {
@@ -462,7 +462,7 @@ impl CellSim {
         dies
     }
 
-    /// Another life, from what has been written down.
+    /// Another life, from the records written.
     fn restart(&mut self) -> bool {
         let state = self.store.restart(&self.table, &mut self.rng);
         let kept = usize::try_from(state.sequence()).unwrap_or(usize::MAX);
@@ -477,7 +477,7 @@ impl CellSim {
     }
 }
 
-/// A life of the coordinator after what is known.
+/// A life of the coordinator from a state.
 fn life(state: PlayerState, now: Tick) -> (Coordination, PlayerOutbox) {
     let (mut out, epoch) = (PlayerOutbox::default(), state.epoch() + 1);
     let coordination = Coordination::begin(state, now, epoch, &mut out).expect("it is the next epoch");

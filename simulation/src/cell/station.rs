@@ -36,7 +36,7 @@ pub struct BegunTask {
 pub struct SimulatedStation {
     heard: TaskReport,
     doing: Option<(OrderKey, Tick)>,
-    /// It is on its way back from what it is doing, and this is why.
+    /// It is on its way back from its order, for this reason.
     is_securing: Option<TaskFailure>,
     /// Time limit of its order.
     limit: Tick,
@@ -104,13 +104,13 @@ impl SimulatedStation {
         }
     }
 
-    /// It breaks down: what it is doing stands still, and what it is ordered waits.
+    /// It breaks down: its order stands still, and new orders wait.
     pub fn stand(&mut self, now: Tick) {
         self.meter(now);
         self.stands.get_or_insert(now);
     }
 
-    /// It is repaired: what it is doing goes on where it stood.
+    /// It is repaired: its order goes on where it stood.
     pub fn go_on(&mut self, now: Tick) {
         self.meter(now);
         if let Some(since) = self.stands.take() {
@@ -197,7 +197,7 @@ impl SimulatedStation {
         Some(TaskReply::Refused(refusal))
     }
 
-    /// Ends what it is doing when the time has come.
+    /// Ends its order when the time has come.
     pub(super) fn tick(&mut self, now: Tick, rng: &mut Rng) -> Option<(OrderKey, TaskReply)> {
         self.ends().filter(|&until| until <= now)?;
         self.meter(now);

@@ -64,7 +64,7 @@ impl PartTruth {
         }
     }
 
-    /// Completes by hand what an activity has left undone.
+    /// Completes by hand an activity that was left undone.
     pub fn finish(&mut self, table: &CellTable, firing: FiringId) {
         self.go_on(table, firing);
     }

@@ -10,7 +10,7 @@ use linewright_canopen::{BusOutbox, Frame, Manager, ManagerError};
 use linewright_line::{Device, Line, Tick};
 use linewright_plant::Rack;
 
-/// About what a classic CAN frame takes at 1 Mbit/s, with its turn to wait for.
+/// Approximate time of a classic CAN frame at 1 Mbit/s, with its arbitration.
 const FRAME_TIME: Duration = Duration::from_micros(150);
 
 /// Error frames of the kernel: its interface is off the bus, and has restarted.
@@ -98,7 +98,7 @@ impl SimulatedBus {
         Played::Devices
     }
 
-    /// Lets the manager do what is due.
+    /// Lets the manager do its work that is due.
     pub(super) fn poll(&mut self, now: Tick) {
         if self.manager_due <= now {
             self.ask(|manager, out| manager.poll(now, out));
@@ -134,7 +134,7 @@ impl SimulatedBus {
         }
     }
 
-    /// Puts on the wire what either side has to send.
+    /// Puts the frames of both sides on the wire.
     pub(super) fn send(&mut self, now: Tick) {
         self.outbox.events.clear();
         let arrives = now + FRAME_TIME;
@@ -150,7 +150,7 @@ impl SimulatedBus {
     }
 }
 
-/// Takes the first of what is on its way, if it has arrived.
+/// Takes the first frame on its way, if it has arrived.
 fn due(on_way: &mut VecDeque<(Tick, Frame)>, now: Tick) -> Option<Frame> {
     if on_way.front().is_some_and(|(arrives, _)| *arrives <= now) {
         return on_way.pop_front().map(|(_, frame)| frame);

@@ -89,19 +89,19 @@ impl SimulatedBuses {
         self.buses.iter().find(|bus| bus.reader == node).map_or(Tick::NEVER, SimulatedBus::deadline)
     }
 
-    /// Plays one thing that is due on the bus that a node reads; gives what it was.
+    /// Plays one event that is due on the bus that a node reads; returns it.
     pub(crate) fn play(&mut self, now: Tick, node: usize) -> Played {
         self.read_by(node).map_or(Played::Nothing, |bus| bus.play(now))
     }
 
-    /// Lets the manager of a node's bus do what is due.
+    /// Lets the manager of a node's bus do its work that is due.
     pub(crate) fn poll(&mut self, now: Tick, node: usize) {
         if let Some(bus) = self.read_by(node) {
             bus.poll(now);
         }
     }
 
-    /// Puts on the wire what the manager of a node's bus has to send.
+    /// Puts the frames of the manager of a node's bus on the wire.
     pub(crate) fn send(&mut self, now: Tick, node: usize) {
         if let Some(bus) = self.read_by(node) {
             bus.send(now);

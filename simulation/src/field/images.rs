@@ -82,7 +82,7 @@ impl Images {
         self.owned.last().is_some_and(|owned| !owned.slots.is_empty())
     }
 
-    /// Lets time pass for everything, and notices what is to be noticed of owner `at`.
+    /// Lets time pass for everything, and detects losses and returns of owner `at`.
     pub(crate) fn poll(&mut self, now: Tick, at: usize) {
         self.plant.advance(now);
         let owned = &mut self.owned[at];

@@ -212,7 +212,7 @@ impl Controller {
         self.fired.as_slice()
     }
 
-    /// Takes what has arrived. Follow with [`Controller::step`].
+    /// Takes an arrival. Follow with [`Controller::step`].
     #[inline]
     pub fn handle(&mut self, now: Tick, input: StationInput<'_>) -> Handled {
         self.now = self.now.max(now);

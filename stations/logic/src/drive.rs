@@ -69,7 +69,7 @@ impl Controller {
         report
     }
 
-    /// Writes the report of the present state, reusing what `report` has allocated.
+    /// Writes the report of the present state, reusing the memory of `report`.
     pub fn report_into(&self, report: &mut StationReport) {
         report.boot_id = self.boot_id;
         report.mode_epoch = self.commands.epoch();

@@ -157,7 +157,7 @@ impl Controller {
         if self.program.on_order.is_some() { self.counts.done[op.index()] + 1 } else { self.counts.cycle }
     }
 
-    /// On order: what has been done of a task when one of its operations is stopped.
+    /// On order: operations done of a task when one of its operations is stopped.
     pub(crate) fn done_in_task_before(&self, failed: OpId) -> u64 {
         self.program.on_order.as_ref().map_or(0, |tasks| {
             let first = tasks.task(tasks.task_of[failed.index()]).first;

@@ -39,9 +39,9 @@ pub(crate) struct Token {
     pub driven: bool,
     /// While driven: when the watchdog runs out.
     pub deadline: Tick,
-    /// While not driven: what is left of the watchdog.
+    /// While not driven: rest of the watchdog.
     pub remaining: Duration,
-    /// Of an index, what its switch has shown since it began, also while it is stopped.
+    /// Of an index, the history of its switch since it began, also while it is stopped.
     pub progress: IndexProgress,
     /// Of an index, how long it was driven before it was stopped last.
     pub turned: Duration,

@@ -26,18 +26,18 @@ pub struct Rules {
     pub generations: bool,
     /// Measured positions are the second barrier (see `interlock`). Off: counts alone.
     pub positions: bool,
-    /// Arrows are observed. Off, the second barrier stands alone: what an arrow waits for is not waited for, and a count is
-    /// taken back without agreement.
+    /// Arrows are observed. Off, the second barrier stands alone: arrows are not waited for, and a count is taken back
+    /// without agreement.
     pub arrows: bool,
     /// An index that is complete in less than half its time is in doubt. Off: for callers that keep the clock still.
     pub timely: bool,
 }
 
 impl Rules {
-    /// The counts by themselves, within one generation: the first barrier without what keeps it from lost memories.
+    /// The counts by themselves, within one generation: the first barrier without its protection from lost memories.
     pub const COUNTS: Rules = Rules { generations: false, positions: false, timely: false, ..Rules::ALL };
 
-    /// All rules in force; what a machine has.
+    /// All rules in force, as in a machine.
     pub const ALL: Rules = Rules {
         counted: true,
         withdraw_first: true,

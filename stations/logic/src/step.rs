@@ -100,7 +100,7 @@ impl Controller {
         }
     }
 
-    /// Works out what depends on time or on what was handled: mode, levels, the outputs' holders, deadlines.
+    /// Computes what depends on time or on input: mode, levels, the outputs' holders, deadlines.
     fn refresh(&mut self) {
         if self.image.valid && self.now >= self.image.until {
             self.take_image(0, false);
@@ -283,7 +283,7 @@ impl Controller {
         self.missing(step) == 0 && self.views.all_hold(causes, mode, self.cycle_of_start(step), self.now)
     }
 
-    /// What a recovery path skips is waited for as if it were done, each step in the cycle it would be done in.
+    /// Whether the arrows into the steps that a recovery path skips hold, each in the cycle it would be done in.
     fn way_home_is_free(&self, path: u8, mode: ControlMode) -> bool {
         self.program.ways_home[path as usize].iter().all(|&(step, ahead)| {
             let causes = &self.program.causes[step as usize];

@@ -62,7 +62,7 @@ struct StationRecord {
     /// Start of the host that it was written in.
     #[serde(default)]
     host: String,
-    /// Stations on order alone have it, so that the records of all others are what they were before there were any.
+    /// Stations on order alone have it, so that the records of all others have their old form.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     order: Option<OrderRecord>,
 }

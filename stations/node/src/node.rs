@@ -356,7 +356,7 @@ impl StationLoop {
         }
     }
 
-    /// Performs what follows from what has arrived and from the time.
+    /// Performs the effects of arrivals and of the time.
     ///
     /// # Errors
     /// When the journal cannot be written. A station restarted without its journal would report a past state: better to

@@ -30,7 +30,7 @@ pub enum OrderInbound {
     Run(TaskOrder),
     /// To leave an order be.
     Secure(OrderKey),
-    /// To stop at once what is done of an order.
+    /// To stop the motions of an order at once.
     Stop(OrderKey),
 }
 

@@ -44,7 +44,7 @@ pub struct StationPublishers {
     pub orders: Option<TaskOrderTopics>,
 }
 
-/// Enough for a burst of every station's state while the node is busy; what does not fit waits in the middleware.
+/// Enough for a burst of every station's state while the node is busy; the rest waits in the middleware.
 const QUEUE: usize = 256;
 
 /// Opens every topic of a station.

@@ -91,7 +91,7 @@ pub enum StationEffect {
     Reply(OrderKey, TaskReply),
     /// Publish an event.
     Happened(StationHappening),
-    /// Log what was ignored and why: the 1st, 2nd, 4th, 8th … time.
+    /// Log the input ignored and the reason: the 1st, 2nd, 4th, 8th … time.
     Ignored {
         /// Number of inputs ignored so far.
         count: u64,

@@ -135,7 +135,7 @@ impl StationShell {
         self.inputs
     }
 
-    /// Takes what has arrived. Follow with [`StationShell::act`], once everything that waits has been taken.
+    /// Takes an arrival. Follow with [`StationShell::act`], once everything that waits has been taken.
     pub fn handle(&mut self, now: Tick, arrival: StationArrival<'_>, effects: &mut Vec<StationEffect>) {
         self.notice_gap(now);
         let is_doubtful = now < self.doubts_until;
@@ -270,7 +270,7 @@ impl StationShell {
         self.step_between(now);
     }
 
-    /// Plays the controller one step further and gives what follows.
+    /// Plays the controller one step further and returns the effects.
     pub fn act(&mut self, now: Tick, effects: &mut Vec<StationEffect>) {
         self.notice_gap(now);
         self.controller.step(now, &mut self.outbox);

@@ -103,12 +103,12 @@ impl ForwardSimulation {
         self.now
     }
 
-    /// All that was started, in that order, after what was in progress before.
+    /// All starts, in their order, after the activities in progress before.
     pub fn acts(&self) -> &[SimulatedActivity] {
         &self.acts
     }
 
-    /// The parts that have left: what was known of each, and when.
+    /// The parts that have left: due date and priority of each, and time.
     pub(in super::super) fn left(&self) -> &[(PartPriority, Tick)] {
         &self.left
     }
@@ -141,7 +141,7 @@ impl ForwardSimulation {
         policy.note(&record);
     }
 
-    /// Ends what is due, and lets happen what happens by itself; false if that was more than allowed.
+    /// Ends activities that are due, and fires modes that happen by themselves; false if those were more than allowed.
     pub(in super::super) fn settle(&mut self, policy: &mut (impl RolloutPolicy + ?Sized), most: usize) -> bool {
         loop {
             while let Some(&(_, firing)) = self.state.due.first().filter(|(due, _)| *due <= self.now) {

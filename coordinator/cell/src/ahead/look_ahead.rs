@@ -40,7 +40,7 @@ const TRIED: usize = 8;
 
 #[derive(Clone, Debug)]
 pub struct LookAhead {
-    /// The rules, and what is on order.
+    /// The rules, and the production orders.
     pub desk: DispatchConfiguration,
     /// Time looked ahead; zero for not at all.
     pub horizon: Duration,

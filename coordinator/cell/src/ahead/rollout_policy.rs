@@ -31,7 +31,7 @@ pub enum PolicyChoice {
     Start(ModeId, Option<PartId>),
     /// None of these starts at this moment.
     Wait(BTreeSet<ModeId>, Tick),
-    /// This never starts: what it would be for goes another way, or waits for one.
+    /// This never starts: its part goes another way, or waits for one.
     Without(ModeId),
 }
 

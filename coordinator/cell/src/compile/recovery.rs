@@ -1,4 +1,4 @@
-//! The net with what fails: error places, and the ways out of them (seed 000 §5.3, L3045-3129).
+//! The net with failures: error places, and the ways out of them (seed 000 §5.3, L3045-3129).
 //!
 //! ```text
 //!                     ┌────────────── end ──────────────▶ what the activity gives
@@ -23,10 +23,10 @@ use linewright_nets::{Net, NetBuilder, NetError, PlaceId, TransitionId};
 use crate::exception::{FailureMatch, RecoveryPolicy, Strategy, Whereabouts};
 use crate::{ActivityTiming, CellTable, ModeId, TokenDemand};
 
-/// A cell's net with what fails.
+/// A cell's net with failures.
 #[derive(Clone, Debug)]
 pub struct RecoveryNet {
-    /// The cells of the table, in their order, then the places of what is in progress.
+    /// The cells of the table, in their order, then the places of activities in progress.
     pub net: Net,
     /// Modes that can fail.
     pub errors: Vec<ErrorPart>,
@@ -112,7 +112,7 @@ struct RecoveryNetBuilder<'t> {
     net: NetBuilder,
 }
 
-/// The net of what is played, with what fails.
+/// The net of the table, with failures.
 ///
 /// # Errors
 /// When it is too large for a net.
@@ -149,7 +149,7 @@ impl RecoveryNetBuilder<'_> {
         tokens.iter().for_each(|&(cell, weight)| _ = self.net.output(t, PlaceId(cell.0), weight));
     }
 
-    /// A transition from one place of what is in progress to another.
+    /// A transition from one place of an activity in progress to another.
     fn step(&mut self, name: String, from: PlaceId, to: PlaceId) -> TransitionId {
         let t = self.net.transition(name);
         self.net.input(t, from, 1);

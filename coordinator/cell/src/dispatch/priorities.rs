@@ -37,7 +37,7 @@ pub struct PartPriorities {
     pub admission: Option<Admission>,
 }
 
-/// Permitted entries. What is not in it may not enter.
+/// Permitted entries. A mode that is not in it may not enter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Admission {
     /// For each mode that lets parts enter, its product, as an index.
@@ -76,7 +76,7 @@ pub struct Window {
 pub struct Timetable {
     /// For a part, or the next that enters, and a mode.
     pub windows: BTreeMap<(Option<PartId>, ModeId), Window>,
-    /// For a part what it is to do next; whatever else it could do is held.
+    /// Next mode of a part; its other modes are held.
     pub next: BTreeMap<PartId, ModeId>,
     /// Largest distance of a start from its window.
     pub tolerance: Duration,

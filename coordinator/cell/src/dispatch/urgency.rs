@@ -56,9 +56,9 @@ use super::ways::ShortestRoutes;
 pub struct Fairness {
     /// Waiting time after which a part is urgent. `None`: parts never become urgent.
     pub patience: Option<Duration>,
-    /// What an urgent part needs is kept for it. Without this, parts can wait for ever.
+    /// Tokens that an urgent part needs are kept for it. Without this, parts can wait for ever.
     pub reserves: bool,
-    /// What is in the way of an urgent part is pursued in its place. Without this, parts can wait for ever.
+    /// Modes that clear the way of an urgent part are pursued in its place. Without this, parts can wait for ever.
     pub inherits: bool,
 }
 

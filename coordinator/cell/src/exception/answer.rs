@@ -85,7 +85,7 @@ impl Coordination {
         }
     }
 
-    /// Takes an alarm that a person gives of a resource: it is left out, and what it is doing has failed and is stopped.
+    /// Takes an alarm given by hand of a resource: it is left out, and its activities have failed and are stopped.
     pub(in super::super) fn alarmed(&mut self, now: Tick, resource: ResourceId, text: &str, out: &mut PlayerOutbox) {
         if self.state.table().handling().resource(resource).is_none() {
             let why = AlarmAnswerRefusal::NoSuchResource;
@@ -103,7 +103,7 @@ impl Coordination {
         }
     }
 
-    /// Leaves a resource out, or counts on it again. What it is doing it finishes.
+    /// Leaves a resource out, or counts on it again. It finishes its activities.
     pub(in super::super) fn set_resource(&mut self, now: Tick, resource: ResourceId, up: bool, out: &mut PlayerOutbox) {
         let (to, done) = if up {
             (ResourceRequest::Up(resource), self.try_up(now, resource, out))

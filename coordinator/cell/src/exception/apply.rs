@@ -77,7 +77,7 @@ impl PlayerState {
         self.exceptions.open.insert(firing, trouble);
     }
 
-    /// An activity has started, or has ended: what counts as trying it again.
+    /// Updates the repetitions when an activity has started or ended.
     pub(in super::super) fn moves_on(&mut self, mode: ModeId, part: Option<PartId>, ends: bool) {
         if self.exceptions.retries.is_empty() {
             return;
@@ -94,7 +94,7 @@ impl PlayerState {
         (mode, part.filter(|_| self.table.part_in(mode).is_some()))
     }
 
-    /// Whether a mode needs what is down.
+    /// A resource that is down and that a mode needs.
     pub(in super::super) fn needs_down(&self, mode: ModeId) -> Option<ResourceId> {
         if self.exceptions.down.is_empty() {
             return None;
@@ -103,7 +103,7 @@ impl PlayerState {
         handled.resources().find(|resource| self.exceptions.down.contains_key(resource))
     }
 
-    /// No mode is enabled that needs what is down.
+    /// Disables the modes that need a resource that is down.
     pub(in super::super) fn block_down(&mut self) {
         let table = self.table.clone();
         for mode in table.modes() {
@@ -192,7 +192,7 @@ impl PlayerState {
         Ok(())
     }
 
-    /// Alarm can be given of what is left out already.
+    /// An alarm can be given of a resource that is left out already.
     fn down(&mut self, resource: ResourceId, new: OutOfService) -> ExceptionFitResult {
         self.known(resource)?;
         let before = self.exceptions.down.get(&resource);

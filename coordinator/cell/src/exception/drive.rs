@@ -383,7 +383,8 @@ impl Coordination {
         }
     }
 
-    /// Compares model and plant of what has not been in this life, as soon as it is known and nothing is under way there.
+    /// Compares model and plant of resources not compared in this life, as soon as the plant is known and nothing is
+    /// under way there.
     fn compare_anew(&mut self, now: Tick, out: &mut PlayerOutbox) {
         let all: Vec<(ResourceId, Tick)> = self.watch.uncompared.iter().map(|(&id, &from)| (id, from)).collect();
         for (id, from) in all {

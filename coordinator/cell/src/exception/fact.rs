@@ -55,8 +55,8 @@ pub enum ExceptionStep {
         /// Their contradictions.
         found: Vec<SensorMismatch>,
     },
-    /// A part that rested at a resource is no more. Of a mode that would take it from there: what that gives back if its part
-    /// is no more is given back.
+    /// A part that rested at a resource is no more. The tokens of a mode that would take it from there are given back as for
+    /// a lost part.
     Missing {
         /// Resource where the part was.
         resource: ResourceId,
@@ -80,7 +80,7 @@ pub enum ExceptionStep {
     /// A resource is there again.
     Up {
         resource: ResourceId,
-        /// No sensor confirms that what it should have is there.
+        /// No sensor confirms that its part is there.
         unchecked: bool,
     },
 }

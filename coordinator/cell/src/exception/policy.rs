@@ -21,7 +21,7 @@ pub struct RecoveryPolicy {
     pub modes: Vec<ModeHandling>,
     /// Recovery rules; the first of a mode's that fits counts.
     pub rules: Vec<RecoveryRule>,
-    /// Stations, by what people call them.
+    /// Stations, by operators' names.
     pub stations: Vec<(StationId, Arc<str>)>,
     /// A station with an order is lost after this time without a report; none if it never is.
     pub stale: Option<Duration>,
@@ -45,7 +45,7 @@ pub struct ResourcePolicy {
 /// Recovery data of a mode.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ModeHandling {
-    /// The activity, by what people call it; empty for the mode's own name.
+    /// The activity, by its operators' name; empty for the mode's own name.
     pub activity: Arc<str>,
     pub part_type: Arc<str>,
     /// Holder of the part before; a worker holds it before and afterwards.

@@ -61,7 +61,7 @@ pub enum ProductionRefusal {
     },
 }
 
-/// A change that cannot be what has happened to these orders.
+/// A change that does not fit these orders.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("a change of production orders does not fit: {0}")]
 pub struct ProductionMisfit(pub String);

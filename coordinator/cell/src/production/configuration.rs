@@ -14,7 +14,7 @@ use super::super::record::Record;
 use super::ledger::Production;
 use super::order::ProductionOrder;
 
-/// Rules, and what is on order.
+/// Rules, and production orders.
 #[derive(Clone, Debug)]
 pub struct DispatchConfiguration {
     /// The rules. Where there are production orders, their `jobs` follow from these.
@@ -31,7 +31,7 @@ impl DispatchConfiguration {
         DispatchConfiguration { rules, production: Some(production), fresh_until: None }
     }
 
-    /// Without: parts enter as the net lets them, and what is known of them is in `rules`.
+    /// Without: parts enter as the net lets them, and their data are in `rules`.
     pub fn without_orders(rules: RuleDispatcher) -> Self {
         DispatchConfiguration { rules, production: None, fresh_until: Some(Tick::NEVER) }
     }
@@ -49,7 +49,7 @@ impl DispatchConfiguration {
         }
     }
 
-    /// Whether a part may enter by a mode, as far as orders go. What is not a part may always start.
+    /// Whether a part may enter by a mode, as far as orders go. A mode without a part may always start.
     pub(in super::super) fn admits(&self, question: &Question<'_>, mode: ModeId) -> bool {
         let enters = question.state.table().part_out(mode).is_some();
         let admission = self.rules.jobs.admission.as_ref().filter(|_| enters);

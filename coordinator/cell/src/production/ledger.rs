@@ -304,7 +304,7 @@ impl Production {
         })
     }
 
-    /// Of what failed, one that has not come in counts as little as one that is no more.
+    /// Of a failure, a part that has not come in counts as little as one that is no more.
     fn put_right(&mut self, step: &ExceptionStep, at: Tick) -> bool {
         if let ExceptionStep::Missing { part, .. } = step {
             return self.apply(at, &ProductionChange::Lost(*part)).is_ok();

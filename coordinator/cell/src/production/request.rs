@@ -76,9 +76,9 @@ pub enum RequestProblem {
         due: Tick,
         release: Tick,
     },
-    /// It waits for what is not there.
+    /// It waits for an order that does not exist.
     NoSuchOrder { name: String, after: String, hint: Option<String> },
-    /// It waits for what was withdrawn.
+    /// It waits for an order that was withdrawn.
     AfterWithdrawn { name: String, after: String },
     /// Each waits for the next, and the last for the first.
     Circle(Vec<String>),

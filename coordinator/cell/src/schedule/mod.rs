@@ -45,6 +45,6 @@ pub struct PlanningSituation<'a> {
 /// Makes schedules. Others than [`RolloutScheduler`] may use more of a cell; their schedules are followed in the same
 /// way.
 pub trait Scheduler {
-    /// A schedule for what is inside and on order. It has to come to an end within a bound that does not depend on time.
+    /// A schedule for parts inside and on order. It has to come to an end within a bound that does not depend on time.
     fn plan(&mut self, situation: &PlanningSituation<'_>) -> Schedule;
 }

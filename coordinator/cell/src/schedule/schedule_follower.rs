@@ -76,7 +76,7 @@ impl ScheduleFollower {
         self.pending = Some(RevisionReason::Restored);
     }
 
-    /// Plan against actual, what is over first.
+    /// Plan against actual, activities that are over first.
     pub fn bars(&self) -> impl Iterator<Item = PlanActualBar> + '_ {
         self.past.iter().copied().chain(self.schedule.iter().flat_map(Schedule::bars))
     }

@@ -31,7 +31,7 @@ pub(super) struct Best {
     pub acts: Vec<SimulatedActivity>,
 }
 
-/// Key of a node: equal for simulations that differ only in the time and in what has left.
+/// Key of a node: equal for simulations that differ only in the time and in parts that have left.
 type SearchKey = Vec<u64>;
 
 pub(super) struct ScheduleSearch {

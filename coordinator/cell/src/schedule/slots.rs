@@ -62,7 +62,7 @@ pub struct Schedule {
     pub made: Tick,
     /// Its result, if all takes its nominal time.
     pub score: Score,
-    /// Nothing is less late, and of what is as late nothing is finished earlier.
+    /// No schedule is less late, and none as late is finished earlier.
     pub proved: bool,
     /// In the order in which they start; those that were in progress come first.
     slots: Vec<ScheduleSlot>,
@@ -176,7 +176,7 @@ impl Schedule {
         self.running.values().map(|&at| &self.slots[at])
     }
 
-    /// Takes a record: what was planned has started, or ended.
+    /// Takes a record: a planned start, or an end, has happened.
     pub fn note(&mut self, table: &CellTable, record: &Record) {
         match record.fact.activity_step() {
             Some(ActivityStep::Started { firing, mode, part, orders: _ }) => {
@@ -262,7 +262,7 @@ impl Schedule {
         rest
     }
 
-    /// Takes over what was promised, and keeps the times of what would move by no more than a tolerance.
+    /// Takes over promises, and keeps the times of slots that would move by no more than a tolerance.
     pub(super) fn keep(&mut self, previous: &Schedule, tolerance: Duration) {
         let mut before: BTreeMap<(Option<PartId>, ModeId), VecDeque<&ScheduleSlot>> = BTreeMap::new();
         for slot in &previous.slots {

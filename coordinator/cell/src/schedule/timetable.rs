@@ -20,7 +20,7 @@ pub enum RevisionReason {
     First,
     /// Production orders have changed.
     Orders,
-    /// An activity has failed; what it holds does not come back by itself.
+    /// An activity has failed; its tokens do not come back by themselves.
     Failed(FiringId),
     /// A resource is not to be counted on.
     Down(ResourceId),

@@ -53,9 +53,9 @@ pub struct ResourceEntry {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModeEntry {
-    /// The mode, by what the net calls it.
+    /// The mode, by its name in the net.
     pub name: String,
-    /// The activity, by what people call it.
+    /// The activity, by its operators' name.
     pub activity: String,
     /// Product of its part, as a position in [`ReportMetadata::products`]; none if there is no part.
     pub product: Option<usize>,

@@ -21,7 +21,7 @@ impl Causes {
         self.count(cause, 1, down);
     }
 
-    /// For longer. What has begun before anything counted is once.
+    /// More time down by a cause. One that began before anything counted counts once.
     pub(super) fn go_on(&mut self, cause: &str, down: Duration) {
         self.count(cause, 0, down);
     }
@@ -135,7 +135,7 @@ pub struct Effectiveness {
     pub availability: f64,
     /// Nominal time of their work beside the actual.
     pub performance: f64,
-    /// The part of what left, or was lost on the way, that was good.
+    /// Share of the parts that left, or were lost on the way, that was good.
     pub quality: f64,
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// Least, most, and what so many of a hundred do not exceed (nearest rank: always one of the times themselves).
+/// Least, most, and percentiles (nearest rank: always one of the times themselves).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spread {
     /// Number of values.

@@ -83,7 +83,7 @@ pub struct LineStationReport {
     pub busy: Duration,
     /// By cause, the longest first.
     pub waits: Vec<WaitTotal>,
-    /// Neither: between two motions, or what is not over yet.
+    /// Neither: between two motions, or in one that is not over yet.
     pub other: Duration,
     /// Motions that were completed.
     pub motions: u64,

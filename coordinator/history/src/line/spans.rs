@@ -12,7 +12,7 @@ pub type Stretch = (Tick, Tick);
 pub struct Spans(Vec<Stretch>);
 
 impl Spans {
-    /// Of these, in any order; what overlaps is joined, what is empty left out.
+    /// Of these, in any order; overlapping ones are joined, empty ones left out.
     pub fn of(stretches: impl IntoIterator<Item = Stretch>) -> Self {
         let mut all: Vec<Stretch> = stretches.into_iter().filter(|(from, to)| from < to).collect();
         all.sort_unstable();

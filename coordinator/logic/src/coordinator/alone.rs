@@ -66,7 +66,7 @@ impl Coordinator {
         self.mode == ControlMode::EStop || self.stations.get(station.index()).is_some_and(|station| station.stopped)
     }
 
-    /// The epoch in which a station's emergency stop was entered or left last: what was decided before is not acted on after.
+    /// The epoch in which a station's emergency stop was entered or left last: earlier decisions are not acted on after it.
     pub fn stopped_until(&self, station: StationId) -> u64 {
         self.stopped_in.max(self.stations.get(station.index()).map_or(0, |station| station.reset_in))
     }
@@ -92,7 +92,7 @@ impl Coordinator {
         self.stations.get(station.index()).is_some_and(|s| self.is_known(s))
     }
 
-    /// The text of the mode, with what keeps it.
+    /// The text of the mode, with the reasons that keep it.
     pub fn text(&self) -> String {
         let name = |id| self.line.station(id).name.as_str();
         let stations = || self.line.station_ids().zip(&self.stations);

@@ -57,9 +57,9 @@ pub enum ModeInput {
         /// False when a device is lost or has not yet sent.
         valid: bool,
     },
-    /// Hand-mode buttons held, by message, a bit each; replaces what was held before. Must be refreshed.
+    /// Hand-mode buttons held, by message, a bit each; replaces those held before. Must be refreshed.
     Buttons(u32),
-    /// The same, from a time that is not known: nothing of it counts, and what it holds is not released by it.
+    /// The same, from an unknown time: none of them counts, and those held are not released by it.
     LateButtons(u32),
     /// A newer report of a station.
     Station(StationId, StationView),

@@ -77,7 +77,7 @@ pub struct CellLog {
     records: u64,
 }
 
-/// A log, and what was in it.
+/// A log, and its contents.
 #[derive(Debug)]
 pub struct OpenedLog {
     /// To go on with.

@@ -67,7 +67,7 @@ impl CellPublishers {
     }
 }
 
-/// Enough for a burst of every station's state while a decision is computed; what does not fit waits in the middleware.
+/// Enough for a burst of every station's state while a decision is computed; the rest waits in the middleware.
 const QUEUE: usize = 1024;
 
 /// Opens every topic and service of a cell.

@@ -13,7 +13,7 @@ use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX,
 
 use super::wire::time;
 
-/// Over what is in the message, but for its header and numbers.
+/// Fills the message, but for its header and numbers.
 pub fn describe(line: &Line, state: &PlayerState, starting: bool, now: Tick, message: &mut CellState) {
     let (table, production) = (state.table(), state.production());
     message.epoch = state.epoch();

@@ -23,7 +23,7 @@ pub use observer::StationObserver;
 
 /// Longest time between two notes, so that a report shows until when the line was observed.
 const NOTE_EVERY: Duration = Duration::from_secs(60);
-/// Longest wait at the end of the process for what is not written yet.
+/// Longest wait at the end of the process for notes not yet written.
 const END: Duration = Duration::from_secs(1);
 /// After notes have found no room, the observation begins anew this much later at the earliest.
 const BEGIN_EVERY: Duration = Duration::from_secs(1);
@@ -167,7 +167,7 @@ impl LineHistory {
         true
     }
 
-    /// Writes what is left, as far as the disk takes it at once.
+    /// Writes the rest, as far as the disk takes it at once.
     pub fn end(mut self, now: Tick) {
         let at = self.at(now);
         for (index, observer) in self.stations.iter_mut().enumerate() {

@@ -17,7 +17,7 @@ use crate::{Cell, Prototype, Resource, ResourceAction, ResourceId, Role, StageId
 /// Suffix of the places that keep a stage from being moved twice at a time.
 const IDLE: &str = ".idle";
 
-/// A net, and what each of its places stands for.
+/// A net, and the meaning of each of its places.
 type Built = Result<(ColouredNet, Vec<PlaceMeaning>), Vec<ColouredError>>;
 
 /// The places of a resource.
@@ -28,7 +28,7 @@ enum InstancePlaces {
     Store { capacity: PlaceId, stored: PlaceId },
     /// free and at, by position.
     Row { free: Vec<PlaceId>, at: Vec<PlaceId> },
-    /// The first free level, and what is on each. Levels are a domain of their own.
+    /// The first free level, and the part on each. Levels are a domain of their own.
     Stack { level: BasicId, top: PlaceId, at: PlaceId, height: u32 },
     /// Number of parts that can still be carried.
     Carrier { free: PlaceId },

@@ -47,7 +47,7 @@ pub enum ResourcePosition {
 }
 
 impl PlaceMeaning {
-    /// Resource of the place; none for the outside and for what is in progress.
+    /// Resource of the place; none for the outside and for activities in progress.
     pub fn resource(self) -> Option<ResourceId> {
         match self {
             PlaceMeaning::Held(of, _)

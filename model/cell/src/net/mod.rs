@@ -44,12 +44,12 @@ pub enum Detail {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Supply<'a> {
     /// Number of parts of each type that wait outside, in their order, none by default; a part that leaves may come again.
-    /// This is what can be explored.
+    /// This can be explored.
     Closed(&'a [u32]),
     /// Number of parts of each type that may still enter, none by default; a part that leaves is gone. They are counted,
     /// and are parts only once they have entered. This is a production that comes to its end.
     Batch(&'a [u32]),
-    /// Parts are made as they enter and are gone when they leave. This is what is played.
+    /// Parts are made as they enter and are gone when they leave. This is played.
     Open,
 }
 
@@ -70,9 +70,9 @@ impl<'a, const N: usize> From<&'a [u32; N]> for Supply<'a> {
 pub enum TransitionPhase {
     /// Start and end in one transition.
     Whole,
-    /// Its beginning: what it needs is taken.
+    /// Its beginning: its tokens are taken.
     Start,
-    /// Its end: what it gives is there.
+    /// Its end: its tokens are given.
     End,
     /// The carrier takes the part, all of it, without a reservation.
     Grasp,
@@ -120,7 +120,7 @@ pub enum Origin {
 /// The instances of a cell and what joins them.
 #[derive(Clone, Debug)]
 pub struct CellInstances {
-    /// Each with its name: the resources in their order, the outside, and what is in progress.
+    /// Each with its name: the resources in their order, the outside, and activities in progress.
     pub instances: Vec<(String, ColouredNet)>,
     /// The transitions that are one.
     pub fusions: Vec<Fusion>,

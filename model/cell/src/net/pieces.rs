@@ -34,7 +34,7 @@ pub(super) struct PlannedTransition {
     pub server: Option<(String, bool)>,
 }
 
-/// A place of what is in progress.
+/// A place of an activity in progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct ProgressPlace {
     pub place: String,

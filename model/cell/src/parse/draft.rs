@@ -78,7 +78,7 @@ pub(super) struct DraftStep<'a> {
 pub(super) struct DraftException<'a> {
     pub raw: &'a RawException,
     pub activities: Vec<ActivityId>,
-    /// By answer, what is left out after it.
+    /// By answer, the resources left out after it.
     pub down: Vec<Vec<LeftOut>>,
     pub emergency_stop: Vec<StopOf>,
 }

@@ -19,7 +19,7 @@ pub(super) struct DraftPlan {
     pub is_whole: bool,
 }
 
-/// Works out the graph; what cannot be is reported.
+/// Computes the graph, and reports what it cannot.
 pub(super) fn plan(part: &RawPart, names: &NameTable<'_>, report: &mut Report) -> DraftPlan {
     let mut is_whole = true;
     // Where each step begins: the number of the first step that begins there. The number after the last is the end.

@@ -24,7 +24,7 @@ use crate::net::module::{StationPlace, is_reversible};
 use crate::{ButtonId, OpId, RestId};
 
 impl StationNetBuilder<'_> {
-    /// t4 in auto: what the station takes back by itself when it is to go back.
+    /// t4 in auto: operations that the station takes back by itself when it is to go back.
     pub(super) fn secured(&self, op: OpId) -> Option<Conjunction> {
         let station = self.station;
         let within = station.is_task_driven() && station.rest_after(op).is_none();

@@ -45,7 +45,7 @@ impl fmt::Display for NetProperty {
     }
 }
 
-/// A claim about a net, with what proves it.
+/// A claim about a net, with its proof.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Certificate {
     /// Property claimed.

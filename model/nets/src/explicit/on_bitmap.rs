@@ -61,7 +61,7 @@ struct Bitmaps<'a> {
     layout: &'a BitmapLayout,
     forth: Kernel,
     seen: Bitmap,
-    /// No longer needed for what it holds.
+    /// No longer needed for its contents.
     spare: Bitmap,
     budget: MemoryBudget,
 }

@@ -4,7 +4,7 @@ use linewright_random::Random;
 
 use crate::{Net, NetBuilder};
 
-/// A net as plain data: tokens, and per transition what it takes and gives.
+/// A net as plain data: tokens, and per transition those it takes and gives.
 #[derive(Default)]
 struct PlainNet {
     tokens: Vec<u32>,

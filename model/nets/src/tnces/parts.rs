@@ -72,7 +72,7 @@ pub fn switch(name: impl Into<String>, on: bool) -> TncesModule {
     m
 }
 
-/// Two places, two transitions, and what they show to others.
+/// Two places, two transitions, and their outputs.
 fn boolean(m: &mut TncesModule, on: bool) -> (crate::TransitionId, crate::TransitionId) {
     let off_place = m.place("off", u32::from(!on));
     let on_place = m.place("on", u32::from(on));

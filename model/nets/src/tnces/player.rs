@@ -12,7 +12,7 @@ use super::engine::Engine;
 use super::{TimedState, Tnces};
 use crate::{FireError, Marking, NamedId, PlaceId, PlayDirection, TransitionId};
 
-/// When the player fires what need not fire at once.
+/// Time at which the player fires transitions that need not fire at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Policy {
     /// As soon as the intervals allow.

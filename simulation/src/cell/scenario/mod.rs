@@ -88,7 +88,7 @@ pub struct ScriptedFault {
 pub enum StationFault {
     /// It stands, and that is known: the resource is left out until it is repaired.
     Break,
-    /// It stands, and this is not known: it is ordered to work as before, and what it is to do waits.
+    /// It stands, and this is not known: it is ordered to work as before, and its orders wait.
     Stick,
     /// It works again.
     Clear,

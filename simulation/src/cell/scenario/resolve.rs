@@ -199,7 +199,7 @@ fn breakdowns(cell: &Cell, raw: &[RawBreakdown], report: &mut Report) -> Vec<Bre
     patterns
 }
 
-/// A resource that can stand: it has a station, and what it does is ordered of that.
+/// A resource that can stand: it has a station, which does its orders.
 fn breakable(cell: &Cell, name: &LocatedName, report: &mut Report) -> Option<ResourceId> {
     let Some(id) = cell.resource_ids().find(|&id| cell.resource(id).name == name.value) else {
         let known = cell.resources.iter().map(|resource| resource.name.as_str());

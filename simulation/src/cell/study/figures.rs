@@ -15,7 +15,7 @@ use linewright_line::Tick;
 
 use super::{CellStudy, PlayedReplication, Standstill, StudyProblem};
 
-/// The figures of one replication. What there is none of, such as the lateness where nothing is due, is `None`.
+/// The figures of one replication. Figures without values, such as the lateness where nothing is due, are `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReplicationFigures {
     /// Time observed, without the warm-up.
@@ -57,7 +57,7 @@ pub struct ReplicationFigures {
 /// A resource in one replication.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResourceFigures {
-    /// The part of the time in which it worked or carried; of several at once, of what it could.
+    /// Share of the time in which it worked or carried; of several at once, of its capacity.
     pub worked: f64,
     /// The part of the time in which it stood.
     pub down: f64,
@@ -84,7 +84,7 @@ impl OrderFigures {
     }
 }
 
-/// The mean of what there is some of.
+/// Mean; none of nothing.
 fn mean(total: Duration, count: usize) -> Option<f64> {
     (count > 0).then(|| total.as_secs_f64() / count as f64)
 }

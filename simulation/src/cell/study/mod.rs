@@ -53,7 +53,7 @@ pub struct StudyOptions {
     pub planned: bool,
 }
 
-/// A cell with what it has to make.
+/// A cell with its production.
 pub struct CellStudy {
     cell: Cell,
     scenario: CellScenario,
@@ -99,8 +99,8 @@ pub enum StudyProblem {
 }
 
 impl CellStudy {
-    /// A cell, and what it has to make. Stations are those of `line`, or else those that the cell names. Its time limits do
-    /// not count.
+    /// A cell, and its production. Stations are those of `line`, or else those that the cell names. Its time limits do not
+    /// count.
     ///
     /// # Errors
     /// Reasons why the cell cannot be played.

@@ -14,7 +14,7 @@ use crate::order::{OrderKey, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 use super::SlotPhase;
 
 impl Controller {
-    /// Stops what is done of an order, whichever way it goes.
+    /// Stops the motions of an order, whichever way it goes.
     pub(super) fn stop_order(&mut self, key: OrderKey) -> TaskReply {
         let Some(orders) = &self.orders else { return TaskReply::Refused(TaskRefusal::Unknown) };
         if !orders.rules.stops_at_once {

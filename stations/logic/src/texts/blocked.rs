@@ -44,7 +44,7 @@ pub enum StationWait<'a> {
     TaskButton { choices: &'a [String] },
     /// A command of the station's panel.
     Panel,
-    /// At a rest in manual: what begins a task, and the panel's return where it leads back.
+    /// At a rest in manual: the commands that begin a task, and the panel's return where it leads back.
     PanelAtRest { is_reversible: bool },
     /// The station's selector.
     Selector,

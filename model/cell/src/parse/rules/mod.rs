@@ -20,7 +20,7 @@ use linewright_text::Report;
 use super::draft::DraftCell;
 use crate::routes::Routes;
 
-/// Applies every rule; gives what can be reached, if that could be worked out.
+/// Applies every rule; returns the spots that can be reached, if they could be computed.
 pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes> {
     whole::the_line_is_the_same(draft, report);
     whole::cell_has_resources(draft, report);
