@@ -77,8 +77,8 @@ pub enum ConfigureError {
         limit: &'static str,
         end: ObjectValue,
     },
-    /// A text that cannot be written in a file of this kind: empty, with a line end, with spaces around it, or with `
-    /// ;`.
+    /// A text that cannot be written in a file of this kind: empty, with a line end, with spaces around it, or with
+    /// ` ;`.
     NotSayable {
         /// Place where it was to stand.
         place: String,

@@ -1,7 +1,7 @@
 //! The words of a scenario: operations, buttons, conditions, by the names of the line.
 //!
-//! An operation is `station: operation`, as in a description's arrows. A condition is one or more clauses joined by `
-//! and `; a clause compares (`cycles >= 3`) or states what something is (`clamp_1 is incomplete`).
+//! An operation is `station: operation`, as in a description's arrows. A condition is one or more clauses joined by
+//! ` and `; a clause compares (`cycles >= 3`) or states what something is (`clamp_1 is incomplete`).
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;

@@ -84,7 +84,7 @@ impl OrderFigures {
     }
 }
 
-/// Mean; none of nothing.
+/// Mean; none of no items.
 fn mean(total: Duration, count: usize) -> Option<f64> {
     (count > 0).then(|| total.as_secs_f64() / count as f64)
 }
