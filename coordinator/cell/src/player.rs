@@ -2,8 +2,9 @@
 //!
 //! An activity takes its tokens when it starts, its stations get orders, and it gives its tokens when all of them are
 //! done. One [`Coordination::step`] takes what was received, lets limits run out, closes what has ended, lets happen what
-//! happens by itself, asks the dispatcher, starts what that decides, and repeats that until nothing is new. It has no
-//! clock, no file and no network; its knowledge of the cell is its [`PlayerState`], which changes by records alone.
+//! happens by itself, puts the question to the dispatcher, starts what that decides, and repeats that until nothing is
+//! new. It has no clock, no file and no network; its knowledge of the cell is its [`PlayerState`], which changes by
+//! records alone.
 //!
 //! # Why a crash at any moment loses nothing and repeats nothing
 //! 1. The caller has `records` on disk before it performs `sends`. So no station ever has an order that the log lacks.

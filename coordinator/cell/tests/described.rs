@@ -149,7 +149,7 @@ fn each_part_has_a_slot_of_its_own_in_the_store() {
     }
 }
 
-/// In a stack the position is the level: nothing lies above what is fetched.
+/// In a stack the position is the level: nothing is above the part that is fetched.
 #[test]
 fn in_a_lifo_buffer_orders_name_the_level() {
     let stack = C1.replacen("random-access-store", "lifo-buffer", 1);

@@ -30,7 +30,7 @@ pub(crate) struct Excerpt {
 }
 
 impl Excerpt {
-    /// Text around `span`, which lies in the line that starts at `line_start` and is the `line`-th one.
+    /// Text around `span`, in the line that starts at `line_start` and is the `line`-th one.
     pub(crate) fn of(file_name: &str, text: &str, span: &Range<usize>, line_start: usize, line: usize) -> Self {
         let whole = |at: usize| (0..=at.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
         let line_end = text[line_start..].find('\n').map_or(text.len(), |length| line_start + length);

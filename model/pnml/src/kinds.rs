@@ -16,7 +16,7 @@ pub(crate) fn is_ordinary_arc(arc_type: &str) -> bool {
     matches!(arc_type.to_ascii_lowercase().as_str(), "" | "normal" | "ordinary" | "standard" | "pt" | "ptnet")
 }
 
-/// Labels of coloured nets: after `hlinitialMarking` in a place, for example, the kind of the net is certain.
+/// Labels of coloured nets: with `hlinitialMarking` in a place, for example, the kind of the net is certain.
 pub(crate) fn is_coloured_label(element: &str) -> bool {
     matches!(element, "hlinitialMarking" | "hlinscription" | "condition" | "declaration")
 }

@@ -1,8 +1,8 @@
 //! The index of an endless axis: it begins at the switch that it ends at.
 //!
 //! An ordinary motion ends at another switch than it began at. An index leaves its switch and comes on to it again at the next
-//! place, so it is complete when the switch went off and on again, and what the switch shows at a moment does not say
-//! whether the index of this cycle is done. What it has shown is followed while the index is under way, stopped or not:
+//! place, so it is complete when the switch went off and on again, and the switch's state at a moment does not show whether
+//! the index of this cycle is done. What it has shown is followed while the index is under way, stopped or not:
 //!
 //! ```text
 //!   begin ──▶ AtStart ──off──▶ Away ──on, believed──▶ Arrived: complete

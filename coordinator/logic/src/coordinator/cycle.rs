@@ -16,7 +16,7 @@ use super::{Coordinator, StationEntry};
 /// A cycle that all stations of the line have completed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CompletedCycle {
-    /// Times that each station has come home since the line first started: the least of their rounds.
+    /// Number of times each station has come home since the line first started: the least of their rounds.
     pub number: i32,
     /// From the end of the cycle before, or from when motion was enabled at home.
     pub took: Duration,

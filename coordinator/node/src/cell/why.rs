@@ -11,8 +11,8 @@ use super::words::{names, parts};
 /// Parts of one order for which a reason is given, at most.
 const PARTS_MAX: usize = 5;
 
-/// Reason why a part (`part 7`, or `7`) or a production order does not go on, or a resource is left out, these by their
-/// names; the message of an unknown name as an error.
+/// Reason why a part (`part 7`, or `7`), a production order or a resource does not go on; orders and resources by their
+/// names. An error for an unknown one.
 pub fn why(
     ways: &ShortestRoutes,
     reasons: &Reasons,

@@ -21,7 +21,7 @@ use crate::player::workcell::{self, Workcell};
 use crate::player::world::World;
 use linewright_random::Random as Dice;
 
-/// Asks a dispatcher and checks its answer.
+/// Puts questions to a dispatcher and checks its answers.
 struct Judge {
     inner: RuleDispatcher,
     dice: Dice,
