@@ -168,7 +168,7 @@ pub struct FrameField {
 }
 
 impl FrameField {
-    /// Whether it lies within a frame of so many bytes.
+    /// Whether it is within a frame of so many bytes.
     pub fn fits(&self, len: u8) -> bool {
         let (start, size, bits) = (u32::from(self.start), u32::from(self.size), u32::from(len) * 8);
         let first = if self.motorola { start / 8 * 8 + 7 - start % 8 } else { start };

@@ -62,7 +62,7 @@ pub(crate) struct PeerViews {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Comparability {
     Comparable,
-    /// Not received, or not for too long.
+    /// Not received, or too long ago.
     NotHeard,
     /// This station or the peer has no generation, or they have different ones.
     OtherGeneration,
