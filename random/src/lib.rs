@@ -1,6 +1,6 @@
 //! Numbers that look random and follow from a seed: the same on every machine and in every release.
 //!
-//! For what is made up or drawn, in products and in tests; nothing here is hard to guess.
+//! For generated or random values, in products and in tests; nothing here is hard to guess.
 
 use std::ops::RangeInclusive;
 

@@ -1,4 +1,4 @@
-//! What a scenario may wait for or expect, and whether it holds.
+//! Conditions that a scenario may wait for or expect, and their evaluation.
 
 use std::cmp::Ordering;
 
@@ -17,7 +17,7 @@ pub enum Compare {
     More,
 }
 
-/// What a station, or every station, may be.
+/// Condition of a station, or every station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StationCondition {
     /// At its home place.
@@ -28,19 +28,19 @@ pub enum StationCondition {
     Moving,
     /// Some operation was stopped before its end.
     Incomplete,
-    /// It stands, and says what for.
+    /// It stands, and reports what it waits for.
     Blocked,
     /// Its process runs.
     Up,
     /// Its process does not run.
     Down,
-    /// Its process runs, has its devices and is heard by the coordinator.
+    /// Its process runs, has its devices and is received by the coordinator.
     Heard,
     /// It acts on a mode.
     Obeys(ControlMode),
 }
 
-/// What an operation may be.
+/// Condition of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OperationCondition {
     /// Under way, forward or back.

@@ -2,9 +2,9 @@
 //!
 //! Every start has a cause that came true last. Followed back from the end of the last cycle, causes lead from motion to
 //! motion; whenever an operation comes up again, a cycle or more earlier, the motions in between are a loop. The loop in
-//! which most of the time went by is what decides the cycle time: whatever is not in it could be a little slower and
-//! nobody would notice. Near the end others may come up as well, where cycles differ in turn; in the long run no loop
-//! stays but the slowest (the critical circuits of a timed event graph).
+//! which most of the time went by decides the cycle time: all else could be a little slower without effect. Near the end
+//! others may come up as well, where cycles differ in turn; in the long run no loop stays but the slowest (the critical
+//! circuits of a timed event graph).
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -25,11 +25,12 @@ pub struct CriticalMotion {
 /// The chain that determines the cycle time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CriticalPath {
-    /// Its motions, in order; each is what the next one waited for, and the last what the first waits for again.
+    /// Its motions, in order; each is the one that the next waited for, and the last the one that the first waits for
+    /// again.
     pub links: Vec<CriticalMotion>,
     /// The time from the first motion's start to its next start by the same chain.
     pub time: Duration,
-    /// How many cycles that took.
+    /// Number of cycles that took.
     pub cycles: u32,
 }
 

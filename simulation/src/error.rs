@@ -4,7 +4,7 @@ use linewright_canopen::ManagerError;
 use linewright_station_logic::CompileError;
 use thiserror::Error;
 
-/// Why a line, or a process of it, cannot be started.
+/// Reason why a line, or a process of it, cannot be started.
 #[derive(Debug, Error)]
 pub enum StartError {
     /// A station does not compile.
@@ -18,7 +18,7 @@ pub enum StartError {
         "frames are played on CAN buses, and device `{device}` speaks Modbus: simulate without frames, or run the line"
     )]
     NoFrames {
-        /// Which.
+        /// The device.
         device: String,
     },
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use linewright_line::StationId;
 
-/// How often a release is repeated: one message can get lost, and silence is no release.
+/// Number of repetitions of a release: one message can get lost, and silence is no release.
 pub(crate) const RELEASES: u8 = 5;
 
 /// The buttons that people hold, and the releases that are still to be repeated.
@@ -13,7 +13,7 @@ pub(crate) struct HeldButtons {
     /// Panel buttons, advance (`true`) or return: held, or how often the release is still to be sent.
     panel: BTreeMap<(StationId, bool), Option<u8>>,
     buttons: u32,
-    /// How often it is still to be sent that no hand-mode button is held.
+    /// Messages still to be sent that no hand-mode button is held.
     no_buttons: u8,
 }
 
@@ -28,7 +28,7 @@ impl HeldButtons {
         self.panel.insert((station, advance), None) != Some(None)
     }
 
-    /// Lets go of a panel button, which is to be sent so often. Gives whether it was held.
+    /// Releases a panel button, with so many messages. Returns whether it was held.
     pub(crate) fn release(&mut self, station: StationId, advance: bool, times: u8) -> bool {
         let held = self.holds(station, advance);
         if held {
@@ -42,7 +42,7 @@ impl HeldButtons {
         (self.buttons, self.no_buttons) = (buttons, times);
     }
 
-    /// What is to be sent again of panel buttons: station, advance rather than return, held rather than released.
+    /// Panel buttons to be sent again: station, advance rather than return, held rather than released.
     pub(crate) fn panel_again(&mut self) -> Vec<(StationId, bool, bool)> {
         let again = self.panel.iter().map(|(&(station, advance), left)| (station, advance, left.is_none())).collect();
         self.panel.retain(|_, left| {
@@ -52,7 +52,7 @@ impl HeldButtons {
         again
     }
 
-    /// What is to be sent again of hand-mode buttons.
+    /// Hand-mode buttons to be sent again.
     pub(crate) fn buttons_again(&mut self) -> Option<u32> {
         if self.buttons == 0 {
             self.no_buttons = self.no_buttons.checked_sub(1)?;

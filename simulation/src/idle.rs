@@ -1,7 +1,7 @@
 //! The time a station spends in other modes than auto.
 //!
-//! What passes there, at night, in a fault or while people work at a panel, is not the line's doing: neither a wait of
-//! the chart nor a part of the cycle time. It knows modes and nothing else.
+//! What passes there, at night, in a fault or while people work at a panel, is neither a wait of the chart nor a part
+//! of the cycle time. Only modes count here.
 
 use std::time::Duration;
 

@@ -25,7 +25,7 @@
 //!
 //! [`cell`] is the same for a flexible cell and its orders.
 //!
-//! It does not know files or how anything is shown. [`LineSim`] plays, [`RunRecord`] remembers, [`Script`] is what people do.
+//! Without files or displays. [`LineSim`] plays, [`RunRecord`] keeps the record, [`Script`] is what people do.
 
 pub mod cell;
 mod condition;

@@ -1,13 +1,13 @@
 //! One directed way of messages, from one writer to one reader.
 //!
-//! Messages arrive in their order, as a reliable or a keep-newest reader sees them, each after the network's delay; only
-//! with [`Network::best_effort`] those that are read by their numbers overtake each other. A way that is cut carries nothing.
-//! Nodes repeat their whole state every refresh period. A repetition that says nothing new to *this* reader only renews
-//! a term: it moves the moment at which the reader's view would run out. Such a message is queued like any other, with
-//! its own delay and its own chance to be lost, but nobody is woken for it: the reader takes it, at the time of its
-//! arrival, before the next thing it does. Between two things it does, it cannot tell the difference. If the writer
-//! dies nothing is queued any more, and the reader's own deadline finds the view run out at the right microsecond. A
-//! repetition that comes after that is news, for what was unknown is known again: it wakes the reader.
+//! Messages arrive in their order, as a reliable or a keep-newest reader sees them, each after the network's delay; only with
+//! [`Network::best_effort`] those that are read by their numbers overtake each other. A way that is cut carries nothing.
+//! Nodes repeat their whole state every refresh period. A repetition without news for *this* reader only renews a term: it
+//! moves the moment at which the reader's view would run out. Such a message is queued like any other, with its own delay and
+//! its own chance to be lost, but it wakes no reader: the reader takes it, at the time of its arrival, before the next thing
+//! it does. Between two things it does, there is no difference. If the writer dies nothing is queued any more, and the
+//! reader's own deadline finds the view run out at the right microsecond. A repetition that comes after that is news, for
+//! what was unknown is known again: it wakes the reader.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -21,7 +21,7 @@ use linewright_station_shell::InputsMessage;
 
 use crate::options::Network;
 
-/// What a message carries.
+/// Contents of a message.
 #[derive(Clone, Debug)]
 pub(crate) enum LinkPayload {
     /// The same as before, to this reader.
@@ -51,7 +51,7 @@ pub(crate) struct Numbered {
     pub(crate) said: WholeMessage,
 }
 
-/// What such a message carries.
+/// Contents of such a message.
 #[derive(Clone, Debug)]
 pub(crate) enum WholeMessage {
     /// A station's state, to another station.
@@ -94,29 +94,29 @@ pub(crate) struct Link {
     pub(crate) to: usize,
     /// Between stations: the operations of the writer that the reader has an arrow from. It looks at no other count.
     reads: Vec<OpId>,
-    /// The inputs of the writer that say whether the two are clear of each other.
+    /// The inputs of the writer that measure whether the two are clear of each other.
     measures: u128,
     /// The reader judges by the writer's cycle; see [`linewright_station_logic::Rules::counted`].
     reads_cycle: bool,
     queue: VecDeque<LinkMessage>,
     last_arrival: Tick,
-    /// For how long a message holds.
+    /// Validity of a message.
     term: Duration,
-    /// Until when the reader relies on what it has taken so far.
+    /// Time until which the reader relies on what it has taken so far.
     holds_until: Tick,
     sent: u64,
     key: u64,
-    /// What was said last and not lost.
+    /// Last message sent and not lost.
     said: Option<LinkPayload>,
-    /// Which state of the writer that was.
+    /// Number of that state of the writer.
     said_version: u64,
-    /// What has arrived last.
+    /// Last message received.
     pub(crate) heard: Option<LinkPayload>,
     /// It carries nothing.
     pub(crate) is_cut: bool,
     /// The reader is woken by repetitions too.
     pub(crate) wakes_always: bool,
-    /// When the first message arrives that wakes the reader.
+    /// Arrival of the first message that wakes the reader.
     wakes: Tick,
 }
 
@@ -150,17 +150,17 @@ impl Link {
         }
     }
 
-    /// Whether state number `version` of the writer has been said already: then it is the same again.
+    /// Whether state number `version` of the writer has been sent already: then it is the same again.
     pub(crate) fn has_said(&self, version: u64) -> bool {
         self.said.is_some() && self.said_version == version
     }
 
-    /// Repeats what was said last.
+    /// Repeats the last message.
     pub(crate) fn say_again(&mut self, now: Tick, network: &Network) {
         self.say_state(now, network, true, self.said_version, || LinkPayload::Again);
     }
 
-    /// Says a station's state, number `version`.
+    /// Sends a station's state, number `version`.
     pub(crate) fn say_report(&mut self, now: Tick, network: &Network, report: &Rc<StationReport>, version: u64) {
         let is_known = match &self.said {
             Some(LinkPayload::Report(before)) => self.is_same(before, report),
@@ -169,7 +169,7 @@ impl Link {
         self.say_state(now, network, is_known, version, || LinkPayload::Report(Rc::clone(report)));
     }
 
-    /// Says a station's state to the coordinator.
+    /// Sends a station's state to the coordinator.
     pub(crate) fn say_heard(&mut self, now: Tick, network: &Network, heard: StationView, version: u64) {
         let is_known = matches!(&self.said, Some(LinkPayload::Heard(before)) if *before == heard);
         self.say_state(now, network, is_known, version, || LinkPayload::Heard(heard));
@@ -240,14 +240,14 @@ impl Link {
             && (!self.reads_cycle || before.cycle == now.cycle)
     }
 
-    /// When a message arrives that is sent now and stays behind those before it, if it does.
+    /// Arrival of a message that is sent now and stays behind those before it, if it arrives.
     fn way(&mut self, now: Tick, network: &Network) -> Option<Tick> {
         let arrives = self.draw(now, network)?;
         self.last_arrival = self.last_arrival.max(arrives);
         Some(self.last_arrival)
     }
 
-    /// When a message arrives that is sent now, if it does.
+    /// Arrival of a message that is sent now, if it arrives.
     #[inline]
     fn draw(&mut self, now: Tick, network: &Network) -> Option<Tick> {
         self.sent += 1;
@@ -279,7 +279,7 @@ impl Link {
         self.queue.insert(after, message);
     }
 
-    /// When it next wants the reader woken.
+    /// Time at which it next wakes the reader.
     pub(crate) fn wakes(&self) -> Tick {
         self.wakes
     }
@@ -296,9 +296,9 @@ impl Link {
         self.find_wake();
     }
 
-    /// Takes the repetitions that have arrived until `now` in front of whatever says something new, and puts the moments
-    /// that matter to the reader into `moments`, with `number`: the last one, and of the others only those without which
-    /// the term would have run out in between.
+    /// Takes the repetitions that have arrived until `now` before the next message with news, and puts the moments that
+    /// matter to the reader into `moments`, with `number`: the last one, and of the others only those without which the
+    /// term would have run out in between.
     #[inline]
     pub(crate) fn take_repetitions(&mut self, now: Tick, number: usize, moments: &mut Vec<(Tick, usize)>) {
         let mut last = None;
@@ -323,7 +323,7 @@ impl Link {
         }
     }
 
-    /// Takes the message that has arrived at `now` and says something new.
+    /// Takes the message that has arrived at `now` and has news.
     pub(crate) fn take_news(&mut self, now: Tick) -> Option<LinkPayload> {
         if self.queue.front().is_none_or(|message| message.arrives > now) {
             return None;
@@ -338,12 +338,12 @@ impl Link {
         Some(said)
     }
 
-    /// The writer has started anew and knows nothing of what its predecessor said.
+    /// The writer has started anew, without its predecessor's messages.
     pub(crate) fn forget_said(&mut self) {
         self.said = None;
     }
 
-    /// The reader has started anew: it will hear nothing again before it has heard it once.
+    /// The reader has started anew: a repetition counts only after a first message.
     pub(crate) fn forget_heard(&mut self) {
         self.said = None;
         self.heard = None;
@@ -366,7 +366,7 @@ mod tests {
         best_effort: true,
     };
 
-    /// What arrives of a hundred messages, a millisecond apart, in the order in which it does.
+    /// Arrivals of a hundred messages, a millisecond apart, in order.
     fn arrivals(network: &Network, said: &WholeMessage) -> Vec<u64> {
         let mut link = Link::new((0, 1), (Vec::new(), 0), false, Duration::from_secs(1), 1);
         for number in 1..=100 {

@@ -1,7 +1,7 @@
-//! Processes that come and go: what is forgotten with a life, and what the others notice.
+//! Starts and ends of processes: what is lost with a life, and what the others see.
 //!
-//! A process that dies says nothing any more, and its devices keep what it asked for until they miss it. One that starts
-//! has its journal and nothing else: it hears and says everything anew.
+//! A process that dies sends nothing any more, and its devices keep its outputs until they miss it. One that starts has
+//! its journal and nothing else: it receives and sends everything anew.
 
 use linewright_coordinator_shell::CoordinatorRecord;
 use linewright_line::{DeviceBus, StationId, Tick};
@@ -18,7 +18,7 @@ impl LineSim {
         self.life
     }
 
-    /// A node begins a life now: it looks at its devices and says its state, now and from now on.
+    /// A node begins a life now: it reads its devices and sends its state, now and from now on.
     pub(crate) fn begin(&mut self, node: usize, life: u64) {
         self.lives[node] = life;
         self.wake_field(node);
@@ -64,7 +64,7 @@ impl LineSim {
         if node.is_up() {
             node.kill();
             self.record.lost(self.now, StationId::at(at));
-            // What it asked for stands until the gateway or its own bus's devices miss it.
+            // Its outputs stay until the gateway or its own bus's devices miss it.
             let timing = &self.line.timing;
             let until = match self.line.stations[at].bus {
                 DeviceBus::Line => timing.stale,
@@ -79,7 +79,7 @@ impl LineSim {
         }
     }
 
-    /// Ends the coordinator's process, and with it whoever reads the line's bus.
+    /// Ends the coordinator's process, and with it the reader of the line's bus.
     pub(crate) fn kill_coordinator(&mut self) {
         if self.coordinator.is_up {
             self.coordinator.is_up = false;

@@ -1,4 +1,4 @@
-//! What happened in a run, in order: for assertions, and for a person when one fails.
+//! Events of a run, in order: for assertions, and for a person when one fails.
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick};
@@ -30,7 +30,7 @@ pub struct RunLog {
     forgotten: u64,
 }
 
-/// A run that never ends must not eat the machine: beyond this the older half is forgotten.
+/// Bound of the memory of an endless run: beyond this the older half is dropped.
 const ENTRIES_MAX: usize = 400_000;
 
 impl RunLog {
@@ -48,7 +48,7 @@ impl RunLog {
         &self.entries
     }
 
-    /// How many entries came before those and are not kept.
+    /// Number of earlier entries that are not kept.
     pub fn forgotten(&self) -> u64 {
         self.forgotten
     }
@@ -67,7 +67,7 @@ impl RunLog {
         self.entries.iter().filter_map(mode).collect()
     }
 
-    /// All entries in words, a line each; where the oldest are not kept, the first line says so.
+    /// All entries in words, a line each; where the oldest are not kept, that is the first line.
     pub fn text(&self, line: &Line) -> String {
         let missing = match self.forgotten {
             0 => String::new(),

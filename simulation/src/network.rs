@@ -20,7 +20,7 @@ pub(crate) fn links_of(line: &Line, options: &SimOptions) -> (Vec<Link>, Vec<Vec
         for to in (0..coordinator).filter(|&to| to != from) {
             let joins = |a: &linewright_line::Arrow, x: usize, y: usize| a.from.0.index() == x && a.to.0.index() == y;
             let carried: Vec<usize> = (0..line.arrows.len()).filter(|&at| joins(&line.arrows[at], from, to)).collect();
-            // A reader of whom the writer has arrows is asked for agreement, and answers.
+            // A reader whose counts the writer's arrows compare is asked for agreement, and answers.
             let measures = measured_by(line, from, to);
             if !carried.is_empty() || measures.is_some() || line.arrows.iter().any(|a| joins(a, to, from)) {
                 let mut reads: Vec<OpId> = carried.iter().map(|&at| line.arrows[at].from.1).collect();
@@ -37,7 +37,8 @@ pub(crate) fn links_of(line: &Line, options: &SimOptions) -> (Vec<Link>, Vec<Vec
     (links, arrows)
 }
 
-/// The inputs of one station that tell another whether the two are clear of each other; none where no conflict joins them.
+/// The inputs of one station that measure for another whether the two are clear of each other; none where no conflict
+/// joins them.
 fn measured_by(line: &Line, writer: usize, reader: usize) -> Option<u128> {
     let sides = line.conflicts.iter().flat_map(|conflict| [(&conflict.a, &conflict.b), (&conflict.b, &conflict.a)]);
     let read = sides.filter(|(of, other)| of.station.index() == writer && other.station.index() == reader);

@@ -1,4 +1,4 @@
-//! The processes of the nodes: their shells, with what they have said last.
+//! The processes of the nodes: their shells, with their last messages.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -17,7 +17,7 @@ use crate::options::SimOptions;
 pub(crate) struct StationNode {
     pub(crate) id: StationId,
     shell: StationShell,
-    /// What its disk holds while it is down.
+    /// Its journal while it is down.
     pub(crate) journal: Option<StationSnapshot>,
     /// The last record, kept with frames only. Without them the state at its death is what was written down.
     disk: Option<StationSnapshot>,
@@ -26,7 +26,7 @@ pub(crate) struct StationNode {
     pub(crate) is_dying: bool,
     pub(crate) effects: Vec<StationEffect>,
     pub(crate) outputs: u128,
-    /// The image it was told last.
+    /// Last image it received.
     image: (u128, bool),
     /// Where links keep the order of messages each is newer than the one before.
     taken: u64,
@@ -35,7 +35,7 @@ pub(crate) struct StationNode {
     pub(crate) version: u64,
     /// Something may differ from the report.
     is_unsaid: bool,
-    /// Reports nobody may be reading any more, oldest first.
+    /// Reports that may have no reader any more, oldest first.
     spare: VecDeque<Rc<StationReport>>,
 }
 
@@ -116,12 +116,12 @@ impl StationNode {
         }
         self.image = image;
         let (bits, valid) = image;
-        // The image follows the outputs at once, and whoever gives it says when the devices are lost.
+        // The image follows the outputs at once, and its source reports when the devices are lost.
         self.shell.handle(now, StationArrival::Devices { bits, valid, losses: 0 }, &mut self.effects);
         true
     }
 
-    /// Plays the station one step further and gives what follows.
+    /// Plays the station one step further and returns the effects.
     pub(crate) fn step(&mut self, now: Tick) -> Vec<StationEffect> {
         self.shell.act(now, &mut self.effects);
         std::mem::take(&mut self.effects)
@@ -138,7 +138,7 @@ impl StationNode {
         self.is_unsaid = true;
     }
 
-    /// Writes down what is to be remembered. Where no disk is kept it is asked for when the station dies.
+    /// Writes the record. Without a disk it is taken when the station dies.
     pub(crate) fn remember(&mut self) {
         if let Some(disk) = &mut self.disk {
             *disk = self.shell.snapshot();
@@ -176,7 +176,7 @@ impl StationNode {
         }
     }
 
-    /// What the coordinator looks at.
+    /// The part that the coordinator uses.
     pub(crate) fn heard(&self) -> StationView {
         heard(&self.report)
     }
@@ -187,7 +187,6 @@ pub(crate) struct CoordinatorNode {
     pub(crate) shell: CoordinatorShell,
     pub(crate) is_up: bool,
     pub(crate) effects: Vec<CoordinatorEffect>,
-    /// What its disk holds.
     pub(crate) journal: CoordinatorRecord,
     /// Its disk takes no record.
     pub(crate) disk_is_full: bool,
@@ -251,7 +250,7 @@ impl CoordinatorNode {
         true
     }
 
-    /// Writes a record down. False if what follows is not to be performed.
+    /// Writes a record down. False if the effects after it are not to be performed.
     pub(crate) fn remember(&mut self, now: Tick, record: CoordinatorRecord) -> bool {
         if !self.disk_is_full {
             self.journal = record;
@@ -259,7 +258,7 @@ impl CoordinatorNode {
         self.shell.remembered(now, record, !self.disk_is_full)
     }
 
-    /// The order as it stands; its number grows when it differs from the last one asked for.
+    /// The order as it stands; its number grows when it differs from the last one.
     pub(crate) fn order(&mut self) -> ModeOrder {
         let order = self.shell.order();
         if self.order != Some(order) {

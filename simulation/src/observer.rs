@@ -1,9 +1,9 @@
 //! Has a conflict of the description happened? Decided by where the mechanisms stand, and by nothing else.
 //!
 //! A conflict names a stretch of each station's cycle. Outside of that stretch the chart leads the station's axes along
-//! certain ways: each operation along its own, several at once along their common box. Whoever is on none of these ways
+//! certain ways: each operation along its own, several at once along their common box. A station on none of these ways
 //! is in the stretch. Where the same positions belong to the stretch and to the rest of the cycle, positions cannot tell
-//! them apart; the observer then keeps silent, so what it says is certain and what it does not say is not.
+//! them apart; the observer then reports nothing, so its reports are certain and its silence is not.
 //!
 //! It looks whenever a motion of one of the two begins, ends or passes a switch, and judges the way covered since it
 //! looked last. Two stretches touched between the same two looks count as held together. That errs on the safe side, and
@@ -18,14 +18,14 @@ use crate::field::SimulatedField;
 /// thousandth, and a motion stopped by its switch stands at the edge of that.
 const TOLERANCE: f64 = 0.002;
 
-/// For each axis of a station, from where to where.
+/// For each axis of a station, its range.
 type Ranges = Vec<(f64, f64)>;
 
 /// One station's part in a conflict.
 struct ObservedSide {
     station: StationId,
     axes: usize,
-    /// Where the rest of the cycle leads.
+    /// Ranges of the rest of the cycle.
     outside: Vec<Ranges>,
     before: Vec<f64>,
     now: Vec<f64>,
@@ -34,11 +34,11 @@ struct ObservedSide {
 /// A conflict that happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenConflict {
-    /// When it was seen.
+    /// Time of the observation.
     pub at: Tick,
-    /// Which, by its place in [`Line::conflicts`].
+    /// The conflict, by its place in [`Line::conflicts`].
     pub conflict: usize,
-    /// Where the axes stood, in words.
+    /// Positions of the axes, in words.
     pub positions: String,
 }
 
@@ -132,7 +132,7 @@ fn outside(line: &Line, span: &StateSpan) -> Vec<Ranges> {
     let slack = slacks(line, span.station);
     let count = described.steps.len();
     let (from, until) = (described.step_of(span.from), described.step_of(span.until));
-    // How far into the stretch a step lies; the stretch may cross the boundary of the cycle.
+    // Position of a step in the stretch; the stretch may cross the boundary of the cycle.
     let length = (until + count - from) % count;
     let mut outside = Vec::new();
     for (step, before) in described.positions_before_steps().into_iter().enumerate() {
@@ -159,7 +159,7 @@ fn outside(line: &Line, span: &StateSpan) -> Vec<Ranges> {
     outside
 }
 
-/// How far from where it should be an axis may stand.
+/// Tolerance of the position of each axis.
 fn slacks(line: &Line, station: StationId) -> Vec<f64> {
     let described = line.station(station);
     let way = |axis: usize| {
@@ -195,7 +195,7 @@ mod tests {
         for away in [[60.0, 40.0], [60.0, 90.0], [60.0, 100.0], [0.0, 40.0]] {
             assert!(!is_outside(&machine, away), "{away:?}");
         }
-        // What closes the clamp cannot be told from what opens it.
+        // Closing the clamp and opening it look the same.
         assert!(is_outside(&of("clamp"), [30.0, 0.0]));
     }
 }

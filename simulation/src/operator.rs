@@ -1,4 +1,4 @@
-//! What people, and bad luck, do to a line.
+//! Actions of people, and faults, on a line.
 //!
 //! Commands and buttons go by message, like those of a console or a page; held buttons are sent again every refresh
 //! period, as long as they are held, and a release a few times, since one message can get lost. Faults act on the
@@ -26,7 +26,7 @@ pub enum NodeProcess {
     Coordinator,
 }
 
-/// Which motions of an operation.
+/// Motions of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionSelection {
     Normal,
@@ -54,15 +54,15 @@ pub enum OperatorAction {
     Selector(StationId, bool),
     /// Motions of an operation fail, or work again (`None`).
     Fail((StationId, OpId), MotionSelection, Option<MotionFault>),
-    /// An input of a station, or of the console (`None`), is held on or off, or let go of.
+    /// An input of a station, or of the console (`None`), is held on or off, or released.
     Force(Option<StationId>, InputId, Option<bool>),
     /// A device, by its place in the description, is unplugged (`true`) or plugged in.
     Device(usize, bool),
     /// A process dies.
     Kill(NodeProcess),
-    /// A process is started again, with what it has kept.
+    /// A process is started again, with its journal.
     Restart(NodeProcess),
-    /// The same, but what it has kept is lost.
+    /// The same, but its journal is lost.
     RestartEmpty(NodeProcess),
     /// A station's process dies (`true`) at its next change, between its record and everything after it; or it does not.
     DieAtRecord(StationId, bool),
@@ -74,7 +74,7 @@ pub enum OperatorAction {
     ForeignStop,
     /// The operator's screen hangs (`true`): held buttons are not repeated.
     Hang(bool),
-    /// What the network does otherwise from now on.
+    /// Change of the network from now on.
     Network(NetworkChange),
     /// Nothing from one process reaches another any more.
     Cut(NodeProcess, NodeProcess),
@@ -91,7 +91,7 @@ impl LineSim {
         let text = action.text(self.line());
         self.note(text);
         let now = self.now;
-        // Whatever comes of it takes a moment.
+        // The effect takes a moment.
         self.last_event = now;
         match action {
             OperatorAction::Command(command) => self.say_word(self.coordinator_node(), LinkPayload::Command(command)),
@@ -157,7 +157,7 @@ impl LineSim {
         Ok(())
     }
 
-    /// Does something to the devices of an owner, and to what they move. Without frames there are none.
+    /// Disturbs the devices of an owner, and their mechanisms. Without frames there are none.
     pub fn disturb(&mut self, owner: Owner, what: String, does: impl FnOnce(&mut Rack, Tick)) {
         self.note(what);
         let now = self.now;
@@ -176,7 +176,7 @@ impl LineSim {
         }
     }
 
-    /// What the network does from now on: to everything but images, and to images.
+    /// Sets the network from now on: for everything but images, and for images.
     pub fn set_networks(&mut self, network: Network, images: Network) {
         (self.options.network, self.options.images) = (network, images);
     }
@@ -200,7 +200,7 @@ impl LineSim {
         }
     }
 
-    /// Why an action would change nothing, if so: whoever wrote it down was mistaken about the line.
+    /// Reason why an action would change nothing, if so: an error in the scenario.
     pub(crate) fn idle(&self, action: &OperatorAction) -> Option<String> {
         let line = self.line();
         let is_up = |process: NodeProcess| self.is_up(self.node_of(process));
@@ -228,7 +228,7 @@ impl LineSim {
         self.say_word(station.index(), LinkPayload::Panel(command));
     }
 
-    /// Says again what is held, and what was let go of a moment ago.
+    /// Repeats held buttons, and recent releases.
     pub(crate) fn say_held(&mut self) {
         if self.hangs {
             return;

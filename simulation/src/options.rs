@@ -1,19 +1,19 @@
-//! What a run may be told: chance, network, and how much to remember.
+//! Options of a run: chance, network, and the extent of its log.
 
 use std::time::Duration;
 
 use linewright_station_logic::Rules;
 
-/// What the network does to messages between the nodes of a line.
+/// Effect of the network on messages between the nodes of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Network {
-    /// What every message takes.
+    /// Delay of every message.
     pub delay: Duration,
-    /// What a message may take longer, drawn for each alone.
+    /// Additional delay of a message at most, drawn for each alone.
     pub jitter: Duration,
-    /// How many of a thousand reports, orders and images are lost. Inputs of people are not.
+    /// Reports, orders and images lost, in ‰. Inputs of people are not.
     pub loss_per_mille: u32,
-    /// How many of a thousand numbered messages arrive twice.
+    /// Numbered messages that arrive twice, in ‰.
     pub double_per_mille: u32,
     /// Each message goes its own way: reports and images, which are read by their numbers, overtake each other, and held
     /// buttons, which are repeated, can get lost too.
@@ -33,7 +33,7 @@ impl Default for Network {
     }
 }
 
-/// What changes about a network; whatever is not named stays.
+/// Change of a network; a value not given stays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NetworkChange {
     /// See [`Network::delay`].
@@ -56,23 +56,23 @@ impl NetworkChange {
     }
 }
 
-/// What a run may be told.
+/// Options of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimOptions {
-    /// What everything random follows from.
+    /// Seed of everything random.
     pub seed: u64,
     pub network: Network,
     /// Whether process images travel as they do on a shop floor, in frames on buses, in messages through the gateway, and
     /// every message whole and numbered. Otherwise images are there at once and a repetition costs next to nothing.
     pub frames: bool,
-    /// With frames: what the network does to process images between the gateway and the stations.
+    /// With frames: network of process images between the gateway and the stations.
     pub images: Network,
-    /// How far a motion's duration may deviate from the description, as a fraction.
+    /// Largest deviation of a motion's duration from the description, as a fraction.
     pub variation: f64,
     /// The rules the station controllers keep. Anything but all of them is for seeing that they are needed.
     pub rules: Rules,
-    /// Wake the receiver of every message, also of one that says nothing new. Slower, and the same run: a test holds
-    /// the two against each other.
+    /// Wake the receiver of every message, also of one without news. Slower, and the same run: a test holds the two
+    /// against each other.
     pub one_by_one: bool,
     /// Keep the log of everything that happened.
     pub keeps_log: bool,

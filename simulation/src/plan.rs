@@ -1,4 +1,4 @@
-//! What the description alone promises: durations and arrows, no controllers, no messages.
+//! Cycle time by the description alone: durations and arrows, no controllers, no messages.
 //!
 //! The timing bar chart is an event graph: an operation starts when the step before it in its own station is complete,
 //! and every operation with an arrow for auto into it, or into another of its group, in the cycle the arrow names.
@@ -20,11 +20,10 @@ struct EventGraphEdge {
     lag: u32,
 }
 
-/// When one operation starts and ends in one cycle, in microseconds after the line began to move.
+/// Start and end of one operation in one cycle, in µs after the line began to move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlannedTimes {
     pub start: u64,
-    /// When it ends.
     pub end: u64,
 }
 
@@ -43,10 +42,10 @@ pub struct Circuit {
 #[derive(Clone, Debug)]
 pub struct LinePlan {
     ops: Vec<Op>,
-    /// Where each station's operations begin in `ops`.
+    /// First operation of each station in `ops`.
     first: Vec<usize>,
     durations: Vec<u64>,
-    /// What each operation counts at home: those cycles are done.
+    /// Counts of each operation at home: those cycles are done.
     base: Vec<i32>,
     edges: Vec<EventGraphEdge>,
     /// Operations in an order in which every edge without lag leads onward.
@@ -158,7 +157,7 @@ impl LinePlan {
         }
     }
 
-    /// What a cycle takes in the long run, in microseconds.
+    /// Long-run cycle time, in µs.
     pub fn cycle_time(&self) -> f64 {
         self.longest_circuit().map_or(0.0, |circuit| circuit.micros as f64 / circuit.cycles as f64)
     }

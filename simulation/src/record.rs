@@ -1,8 +1,8 @@
-//! What a run leaves behind: every motion with its cause, counts, cycles, waits, faults.
+//! Record of a run: every motion with its cause, counts, cycles, waits, faults.
 //!
-//! It listens to the stations' events and to what each station has heard when. The cause of a start is the last thing
+//! It takes the stations' events and the reports received by each, with times. The cause of a start is the last thing
 //! that had to come true for it: the operation before it in its own station, or an arrow, at the moment at which the
-//! station heard that the arrow's tail is done. Nothing here is asked of a controller.
+//! station received that the arrow's tail is done. Nothing here comes from a controller's state.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use linewright_station_logic::{HappeningKind, StationHappening, StationReport, S
 
 use crate::idle::Idle;
 
-/// What a motion waited for last.
+/// Last wait of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LastWait {
     /// The step before it in its own station.
@@ -24,7 +24,7 @@ pub enum LastWait {
     Person,
 }
 
-/// How a motion ended.
+/// End of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionEnd {
     /// Not yet.
@@ -38,21 +38,21 @@ pub enum MotionEnd {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordedMotion {
     pub station: StationId,
-    /// Of which operation.
+    /// Its operation.
     pub op: OpId,
     /// Forward, or being undone.
     pub block: Block,
     /// The station's cycle.
     pub cycle: i32,
     pub start: Tick,
-    /// When it ended; meaningless while it is open.
+    /// End; meaningless while it is open.
     pub end: Tick,
     pub ended: MotionEnd,
     pub by: LastWait,
 }
 
-/// How long starts in auto have waited for an arrow after everything in their own station was ready; time that the
-/// station spent in other modes meanwhile does not count.
+/// Time that starts in auto have waited for an arrow after everything in their own station was ready, without time of
+/// the station in other modes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ArrowWait {
     pub starts: u64,
@@ -66,16 +66,16 @@ pub struct FaultSeen {
     /// Time of the event, in µs of the caller's clock.
     pub at: Tick,
     pub station: StationId,
-    /// Of which operation.
+    /// Its operation.
     pub op: OpId,
     pub cause: StopCause,
 }
 
-/// A run that never ends must not eat the machine: beyond this the older half of the motions is forgotten.
+/// Bound of the memory of an endless run: beyond this the older half of the motions is dropped.
 const MOTIONS_MAX: usize = 200_000;
 /// Faults remembered.
 const FAULTS_MAX: usize = 1000;
-/// For each arrow, how many counts it is remembered when they were heard: a reader is at most a cycle or two behind.
+/// Number of counts kept for each arrow, with times of arrival: a reader is at most a cycle or two behind.
 const HEARD_MAX: usize = 8;
 
 #[derive(Clone, Debug)]
@@ -84,10 +84,10 @@ pub struct RunRecord {
     forgotten: usize,
     open: Vec<Vec<Option<usize>>>,
     done_at: Vec<Vec<Tick>>,
-    /// For how long each station had been out of auto when an operation was done.
+    /// Time each station had been out of auto when an operation was done.
     idle_at: Vec<Vec<Duration>>,
     idle: Vec<Idle>,
-    /// When the first motion began.
+    /// Start of the first motion.
     began: Option<Tick>,
     /// Something has kept the line's present cycle from going its way.
     is_disturbed: bool,
@@ -96,10 +96,10 @@ pub struct RunRecord {
     home: Vec<Vec<i32>>,
     /// Counts before the line's first cycle.
     base: Vec<Vec<i32>>,
-    /// Stations whose counts mean something; not those that have lost their memory, until they are founded anew.
+    /// Stations whose counts are valid; not those that have lost their memory, until they are founded anew.
     is_counted: Vec<bool>,
     counts: Vec<Vec<i32>>,
-    /// By arrow: counts of its tail, and when the reader heard them.
+    /// By arrow: counts of its tail, and when the reader received them.
     heard: Vec<VecDeque<(i32, Tick)>>,
     waits: Vec<ArrowWait>,
     /// Arrows into each operation and into the others of its group, with which it starts.
@@ -166,7 +166,7 @@ impl RunRecord {
         }
     }
 
-    /// A station has heard a report of the tail of these arrows.
+    /// A station has received a report of the tail of these arrows.
     pub(crate) fn hear(&mut self, line: &Line, now: Tick, arrows: &[usize], report: &StationReport) {
         for &arrow in arrows {
             let count = report.done[line.arrows[arrow].from.1.index()];
@@ -222,7 +222,7 @@ impl RunRecord {
             | HappeningKind::Devices(_)
             | HappeningKind::Rejoined
             | HappeningKind::PositionFound => {}
-            // Nobody gives orders in a simulated line.
+            // There are no task orders in a simulated line.
             HappeningKind::Ordered(_)
             | HappeningKind::OrderRefused(_)
             | HappeningKind::OrderDone(_)
@@ -355,12 +355,12 @@ impl RunRecord {
     }
 
     /// The cycles of the line that have ended: every operation of every station has been done that many times, as it
-    /// stands. A cycle that has ended stays so, even if somebody takes its last operation back.
+    /// stands. A cycle that has ended stays so, even if its last operation is taken back.
     pub fn cycles(&self) -> usize {
         self.ends.len()
     }
 
-    /// When each of them ended.
+    /// End of each of them.
     pub fn cycle_ends(&self) -> &[Tick] {
         &self.ends
     }
@@ -370,7 +370,7 @@ impl RunRecord {
         &self.undisturbed
     }
 
-    /// When the first motion began.
+    /// Start of the first motion.
     pub fn began(&self) -> Option<Tick> {
         self.began
     }
@@ -385,12 +385,12 @@ impl RunRecord {
         self.counts[station.index()][op.index()]
     }
 
-    /// How many motions a station has begun.
+    /// Number of motions that a station has begun.
     pub fn begun(&self, station: StationId) -> usize {
         self.begun[station.index()]
     }
 
-    /// By arrow of the description: who waited for it.
+    /// By arrow of the description: waits for it.
     pub fn waits(&self) -> &[ArrowWait] {
         &self.waits
     }

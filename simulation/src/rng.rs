@@ -1,4 +1,4 @@
-//! Delays and fingers that follow from a seed, the same on every machine.
+//! Random delays and operators that follow from a seed, the same on every machine.
 
 use linewright_random::mix;
 

@@ -1,4 +1,4 @@
-//! A run from switching on to its end, whatever that is.
+//! A run from switching on to its end.
 
 use std::time::Duration;
 
@@ -12,10 +12,10 @@ use crate::options::SimOptions;
 use crate::script::{Script, ScriptAction, ScriptFailure, ScriptPlayer, ScriptStep};
 use crate::sim::LineSim;
 
-/// What a run is to achieve.
+/// Goal of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunGoal {
-    /// So many cycles of the line.
+    /// Cycles of the line.
     pub cycles: usize,
     /// Give start and auto first.
     pub starts: bool,
@@ -30,7 +30,7 @@ impl RunGoal {
     }
 }
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RunEnd {
     /// Its goal is reached.
@@ -55,8 +55,8 @@ pub enum RunEnd {
 const SPIN_MAX: u32 = 1_000_000;
 /// No line needs longer, beyond twice its longest watchdog and some messages, to do the next thing.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Messages that may follow each other before a station has something to tell: a mode is ordered, acknowledged and put
-/// in force; a taking back is announced, agreed to and done.
+/// Messages that may follow each other before a station has an event: a mode is ordered, acknowledged and put in force;
+/// a withdrawal is announced, agreed to and done.
 const MESSAGES_IN_A_ROW: u32 = 4;
 
 /// Runs a line towards a goal.
@@ -126,8 +126,8 @@ impl LineSim {
         RunEnd::Stuck(self.reasons())
     }
 
-    /// What mode the line is in and what the coordinator said when it entered it; then what each station that does not
-    /// move waits for, in words.
+    /// Mode of the line and the coordinator's text when it was entered; then, for each station that does not move, what
+    /// it waits for, in words.
     pub fn reasons(&self) -> Vec<String> {
         let (since, why) = &self.entered;
         let mode = format!("the line is in {} since {since}", if why.is_empty() { self.mode().name() } else { why });
@@ -152,7 +152,7 @@ fn longest_watchdog(line: &Line) -> Duration {
     all.map(longest).max().unwrap_or_default()
 }
 
-/// Start as soon as everybody is heard, then auto.
+/// Start as soon as all stations are received, then auto.
 fn opening() -> Vec<ScriptStep> {
     let step = |when: ScenarioCondition, command: ModeCommand| ScriptStep {
         at: None,

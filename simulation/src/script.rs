@@ -14,7 +14,7 @@ use crate::condition::ScenarioCondition;
 use crate::operator::OperatorAction;
 use crate::sim::LineSim;
 
-/// What a step does.
+/// Action of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScriptAction {
     /// Nothing: it waits, or expects.
@@ -40,13 +40,13 @@ pub struct ScriptStep {
     pub when: Option<ScenarioCondition>,
     /// This much later still.
     pub after: Duration,
-    /// What it does.
+    /// Action.
     pub deed: ScriptAction,
-    /// What must hold when it is done.
+    /// Condition that must hold when it is done.
     pub expect: Option<ScenarioCondition>,
     /// The same in words.
     pub expect_text: String,
-    /// Where the text says so.
+    /// Its place in the text.
     pub span: Range<usize>,
 }
 
@@ -56,16 +56,16 @@ pub struct Script {
     pub steps: Vec<ScriptStep>,
 }
 
-/// Why a scenario could not be played to its end.
+/// Reason why a scenario could not be played to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScriptFailure {
-    /// Which step, from 0.
+    /// The step, from 0.
     pub step: usize,
-    /// What went wrong.
+    /// Reason, in words.
     pub why: String,
 }
 
-/// For how long a refused command is given again, and how often; beyond the time that messages take.
+/// Time for which a refused command is repeated, and the period; beyond the time that messages take.
 const PATIENCE: Duration = Duration::from_secs(5);
 const AGAIN: Duration = Duration::from_millis(100);
 /// A press that moves nothing for this long will not.
@@ -114,7 +114,7 @@ impl ScriptPlayer {
         self.at
     }
 
-    /// When it wants to be played next, whatever happens.
+    /// Time at which it is played next, whatever happens.
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
         let Some(step) = self.script.steps.get(self.at) else { return Tick::NEVER };
         match self.phase {
@@ -248,7 +248,7 @@ impl ScriptPlayer {
     }
 }
 
-/// Nobody asks again before the first word can have been heard.
+/// Time before a repetition, so that the first message can have been received.
 fn again(sim: &LineSim) -> Duration {
     AGAIN + sim.options.network.delay + sim.options.network.jitter
 }

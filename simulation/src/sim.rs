@@ -1,8 +1,8 @@
-//! The event loop: one clock, a tournament of deadlines, no queue of things to come beyond what is on its way.
+//! The event loop: one clock, a tournament of deadlines, no queue of future events beyond messages on their way.
 //!
 //! Between two events nothing happens, so time costs nothing. What may happen next is one of a fixed set: a message
-//! that says something new arrives, a mechanism presses a switch, a controller's deadline passes, somebody repeats
-//! state. Of two at the same moment the order is always the same, so a seed gives the same run to the microsecond.
+//! with news arrives, a mechanism presses a switch, a controller's deadline passes, a node repeats its state. Of two at
+//! the same moment the order is always the same, so a seed gives the same run to the microsecond.
 
 use std::collections::VecDeque;
 
@@ -54,16 +54,16 @@ pub struct LineSim {
     pub(crate) timers: Timers,
     /// Next repetition of each node's state, with its life; sorted, because all have the same period.
     pub(crate) repeats: VecDeque<(Tick, usize, u64)>,
-    /// By node: its life, for whoever knew it before it died.
+    /// By node: number of its life.
     pub(crate) lives: Vec<u64>,
     pub(crate) life: u64,
     pub(crate) log: RunLog,
     pub(crate) record: RunRecord,
     pub(crate) answers: Vec<CommandAnswer>,
     pub(crate) mode: ControlMode,
-    /// When the line entered it, and what the coordinator said of it then.
+    /// Time at which the line entered it, and the coordinator's text of that time.
     pub(crate) entered: (Tick, String),
-    /// When a station last had something to tell, the line entered a mode, or somebody did something.
+    /// Time of the last event of a station, change of mode, or action of an operator.
     pub(crate) last_event: Tick,
     pub(crate) renewals: Vec<(Tick, usize)>,
     pub(crate) events: u64,
@@ -167,7 +167,7 @@ impl LineSim {
         self.timers.set(self.node_slot(node), at);
     }
 
-    /// When the next thing happens.
+    /// Time of the next event.
     #[inline]
     pub fn next_event(&self) -> Tick {
         let repeat = self.repeats.front().map_or(Tick::NEVER, |repeat| repeat.0);

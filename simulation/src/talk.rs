@@ -1,7 +1,7 @@
 //! Messages between the nodes: which are sent, to which reader, and when they are taken.
 //!
-//! A node says its state when it changes and repeats it every refresh period; each link decides whether that is news to
-//! its reader. What is no news the reader takes before the next thing it does, each message at its own time.
+//! A node sends its state when it changes and repeats it every refresh period; each link decides whether that is news
+//! to its reader. A message without news is taken before the reader's next step, each at its own time.
 
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
@@ -11,7 +11,7 @@ use crate::link::LinkPayload;
 use crate::sim::LineSim;
 
 impl LineSim {
-    /// Takes what has arrived and says nothing new, each at its own time.
+    /// Takes messages that have arrived without news, each at its own time.
     #[inline]
     pub(crate) fn catch_up(&mut self, node: usize) {
         let mut renewals = std::mem::take(&mut self.renewals);
@@ -84,7 +84,7 @@ impl LineSim {
     }
 
     pub(crate) fn say_order(&mut self) {
-        // Buttons held by message run out without a word.
+        // Buttons held by message run out without a message.
         let order = self.coordinator.order();
         let (now, network, version) = (self.now, self.options.network, self.coordinator.version);
         let node = self.coordinator_node();
@@ -101,7 +101,7 @@ impl LineSim {
         }
     }
 
-    /// Says a word of the operator's to a node.
+    /// Sends an operator's message to a node.
     pub(crate) fn say_word(&mut self, to: usize, said: LinkPayload) {
         let operator = self.operator_node();
         let number = self.out_of[operator].iter().copied().find(|&at| self.links[at].to == to);

@@ -1,4 +1,4 @@
-//! When each of a fixed set of things wants attention next.
+//! Deadlines of a fixed set of things.
 //!
 //! A tournament tree: the winner is known at once, and a change costs as many comparisons as the tree is high. Of two
 //! things at the same moment the one with the lower number comes first, so the order never depends on anything else.
@@ -15,7 +15,7 @@ pub(crate) struct Timers {
 }
 
 impl Timers {
-    /// `slots` slots, none of which wants anything.
+    /// `slots` slots without a deadline.
     pub(crate) fn new(slots: usize) -> Self {
         let leaves = slots.max(1).next_power_of_two();
         Timers { leaves, nodes: vec![Tick::NEVER; 2 * leaves] }
@@ -35,7 +35,7 @@ impl Timers {
         }
     }
 
-    /// The earliest deadline; [`Tick::NEVER`] if nobody wants anything.
+    /// The earliest deadline; [`Tick::NEVER`] if there is none.
     pub(crate) fn earliest(&self) -> Tick {
         self.nodes[1]
     }

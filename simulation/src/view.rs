@@ -27,7 +27,7 @@ impl LineSim {
         self.events
     }
 
-    /// What has happened, if the log is kept.
+    /// Events, if the log is kept.
     pub fn log(&self) -> &RunLog {
         &self.log
     }
@@ -42,7 +42,7 @@ impl LineSim {
         self.observer.seen()
     }
 
-    /// How often drives both ways of one axis came on at once.
+    /// Number of times that drives both ways of one axis came on at once.
     pub fn alarms(&self) -> u64 {
         self.field.alarms()
     }
@@ -63,7 +63,7 @@ impl LineSim {
         self.record.count(station, op)
     }
 
-    /// A station is up, heard by the coordinator, and has its devices.
+    /// A station is up, received by the coordinator, and has its devices.
     pub fn hears(&self, station: StationId) -> bool {
         self.coordinator.is_up
             && self.coordinator.shell.coordinator().hears(station)
@@ -80,17 +80,17 @@ impl LineSim {
         (0..=self.coordinator_node()).map(|node| if self.is_up(node) { self.lives[node] } else { 0 }).collect()
     }
 
-    /// How many commands the coordinator has answered.
+    /// Number of commands that the coordinator has answered.
     pub fn answered(&self) -> usize {
         self.answers.len()
     }
 
-    /// Why a command was refused, by its place among the answered ones; none if it was obeyed.
+    /// Reason why a command was refused, by its place among the answered ones; none if it was obeyed.
     pub fn refusal(&self, answer: usize) -> Option<String> {
         self.answers.get(answer)?.refusal.as_ref().map(|refusal| refusal.text(&self.line))
     }
 
-    /// What is wrong with an owner's devices, in the words of their bus's manager. Without frames there is none.
+    /// Faults of an owner's devices, in the words of their bus's manager. Without frames there is none.
     pub fn trouble_of(&self, owner: Owner) -> Vec<String> {
         match &self.field {
             SimulatedField::Images(_) => Vec::new(),
@@ -108,7 +108,7 @@ impl LineSim {
         self.field.plant_of(station)
     }
 
-    /// Where an axis stands.
+    /// Position of an axis.
     pub fn position(&self, station: StationId, axis: AxisId) -> f64 {
         self.field.position(station, axis)
     }

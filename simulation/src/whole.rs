@@ -29,7 +29,7 @@ impl LineSim {
         self.timers.set(self.field_slot(node), due);
     }
 
-    /// What the managers of buses know of inputs, before a node decides.
+    /// Reads the inputs that the managers of buses have, before a node decides.
     pub(crate) fn look_at_own_bus(&mut self, at: usize) {
         let SimulatedField::Frames(frames) = &mut self.field else { return };
         let id = StationId::at(at);
@@ -62,7 +62,7 @@ impl LineSim {
         }
     }
 
-    /// What was put on the bus that a node reads leaves it now.
+    /// Sends the frames that were put on the bus that a node reads.
     pub(crate) fn send_frames(&mut self, node: usize) {
         if let SimulatedField::Frames(frames) = &mut self.field {
             frames.send(self.now, node);

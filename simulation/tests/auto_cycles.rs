@@ -1,4 +1,4 @@
-//! The automatic cycle when nothing goes wrong, held against what the description alone promises.
+//! The automatic cycle without faults, compared with what the description alone promises.
 
 use std::collections::BTreeSet;
 use std::time::Duration;

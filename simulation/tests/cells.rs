@@ -1,6 +1,6 @@
-//! The shipped cells with the real controllers of their stations and the plant behind them. What is true is counted in the
-//! plant's parts, which neither the coordinator nor any station sees: none is lost, none is made twice, each lies where it is
-//! said to lie, and each has had the work of its plan.
+//! The shipped cells with the real controllers of their stations and the plant behind them. The truth is counted in the
+//! plant's parts, which neither the coordinator nor any station sees: none is lost, none is made twice, each is where it is
+//! by the records, and each has had the work of its plan.
 
 mod alarm;
 mod emergency;
@@ -61,7 +61,7 @@ fn shipped_but(name: &str, parts: &[u32], change: impl Fn(String) -> String) -> 
 }
 
 impl Shipped {
-    /// Where each resource that is no store has its part: the nest of its station.
+    /// Holder of the part of each resource that is no store: the nest of its station.
     fn nests(&self) -> Vec<(&str, HolderId)> {
         let stations = self.cell.resources.iter().filter_map(|resource| {
             let station = &self.cell.controllers[resource.controller?.index()];
@@ -129,7 +129,7 @@ impl Shipped {
         assert_eq!(floor.plant().alarms(), 0);
     }
 
-    /// What was really done to each part: station and program, in order; sorted over all parts.
+    /// Work really done on each part: station and program, in order; sorted over all parts.
     fn works(&self, sim: &CellSim) -> Vec<Vec<(&str, Vec<i32>)>> {
         let mut of_part: BTreeMap<PartId, Vec<(&str, Vec<i32>)>> = BTreeMap::new();
         for work in &sim.floor.as_ref().expect("real stations").done {
@@ -262,7 +262,7 @@ fn a_coordinator_that_is_killed_again_and_again_loses_no_part() {
     }
 }
 
-/// A station's process is killed while it rests, and starts from what it kept; it knows every order it has had.
+/// A station's process is killed while it rests, and starts from its journal, which has every order it has had.
 #[test]
 fn stations_that_are_killed_and_restarted_do_nothing_twice() {
     for (name, parts) in [("assembly-cell", &[2, 2, 1][..]), ("workcell-c1", &[2, 1])] {
@@ -295,7 +295,7 @@ fn stations_that_are_killed_and_restarted_do_nothing_twice() {
     }
 }
 
-/// What the descriptions of a cell and of its line say together.
+/// Agreement of the descriptions of a cell and of its line.
 #[test]
 fn every_resource_that_works_has_a_nest_in_the_line() {
     for name in ["assembly-cell", "workcell-c1"] {
@@ -349,7 +349,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     let in_store = lies(&sim);
     assert!(sim.state().firings().next().is_some(), "the loading is open");
 
-    // The gripper works again; the part has not left its slot. That is said, and believed.
+    // The gripper works again; the part has not left its slot. That is answered, and accepted.
     grasps(&of, &mut sim, None);
     let word = "in-store";
     sim.say(&mut dispatcher, &[PlayerInput::Answer { alarm, word }]);
@@ -365,7 +365,7 @@ fn the_story_of_a_part_that_was_not_grasped_with_real_stations() {
     );
 }
 
-/// What a record says of exceptions and of the starts of one mode.
+/// Kind of a record of exceptions or of the starts of one mode.
 fn told(fact: &RecordKind, mode: ModeId) -> Option<&'static str> {
     Some(match fact {
         RecordKind::Started { mode: of, .. } if *of == mode => "started",

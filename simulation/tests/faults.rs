@@ -1,4 +1,4 @@
-//! What goes wrong, what the line makes of it, and how people bring it back.
+//! Faults, their effect on the line, and how people bring it back.
 
 use std::time::Duration;
 
@@ -147,7 +147,7 @@ fn a_killed_station_is_missed_when_its_last_report_runs_out() {
     let mut sim = LineSim::new(&line, logged()).unwrap();
     let goal = RunGoal::cycles(1);
     assert_eq!(sim.run(&goal), RunEnd::Done);
-    // In the middle of the feed the mill has nothing new to say: its last report is its last repetition.
+    // In the middle of the feed the mill has no news: its last report is its last repetition.
     let (_, feed) = op(&line, "mill_1", "feed main slide");
     while !sim.controller(MILL).unwrap().marking().any(|p| p.op == feed && p.is_operating()) {
         sim.step();

@@ -1,4 +1,4 @@
-//! Messages that say nothing new wake nobody. That must change nothing: every run here is played twice, once with every
+//! Messages without news wake no reader. That must change nothing: every run here is played twice, once with every
 //! message waking its reader, and the two traces are the same to the microsecond — through jitter, loss, deaths, lost
 //! devices, buttons and emergency stops. Only what different nodes do in the same microsecond may stand in another order.
 
@@ -11,7 +11,7 @@ use linewright_simulation::{LineSim, MotionSelection, Network, NodeProcess, Oper
 
 use crate::common::*;
 
-/// Somebody does something at random.
+/// A random action.
 fn action(line: &Line, rng: &mut Rng) -> OperatorAction {
     let station = StationId::at(rng.below(line.stations.len() as u64) as usize);
     let op = line.station(station).op_ids().nth(rng.below(2) as usize).unwrap();
@@ -69,7 +69,7 @@ fn trace(line: &Line, seed: u64, one_by_one: bool) -> (String, u64) {
     (sorted(&sim.log().text(line)), sim.events())
 }
 
-/// The lines by time and, within a microsecond, by who speaks; what one node says keeps its order.
+/// The lines by time and, within a microsecond, by node; those of one node keep their order.
 fn sorted(trace: &str) -> String {
     let mut lines: Vec<&str> = trace.lines().collect();
     let key = |line: &&str| {
@@ -87,7 +87,7 @@ fn a_message_that_says_nothing_new_changes_nothing() {
     for (machines, seeds) in [(1, 120), (3, 30)] {
         let mut line = transfer_line(machines);
         // No term is a whole number of periods: a message that arrives in the microsecond in which the one before it runs out
-        // is heard before or after that, as the order of the ways has it.
+        // is received before or after that, by the order of the ways.
         line.timing.stale += Duration::from_micros(1_733);
         line.timing.lease += Duration::from_micros(1_733);
         for seed in 1..=seeds {

@@ -1,4 +1,4 @@
-//! The plan: the largest cycle ratio against the growth of the earliest schedule, which knows nothing of circuits.
+//! The plan: the largest cycle ratio against the growth of the earliest schedule, which does not use circuits.
 
 use linewright_line::{Arrow, Line, StationId};
 use linewright_simulation::{LinePlan, Rng};

@@ -1,4 +1,4 @@
-//! Scenarios as text: what they may say, and how mistakes are answered.
+//! Scenarios as text: what they may contain, and the messages for mistakes.
 
 use std::time::Duration;
 
@@ -174,7 +174,7 @@ fn a_step_changes_of_the_network_what_it_names() {
     let text = "[network]\ndelay_ms = 5\n[[step]]\nwhen = \"cycles >= 1\"\nnetwork = { loss_percent = 0 }\n";
     let scenario = Scenario::parse(&line, "s.toml", text).expect("it is sound");
     assert_eq!(scenario.network.delay, Duration::from_millis(5));
-    // As if somebody had asked for another delay on the command line.
+    // As if another delay had been given on the command line.
     let network = Network { delay: Duration::from_millis(20), ..scenario.network };
     let goal = RunGoal { cycles: 4, starts: true, script: scenario.script };
     let (sim, end) = run(&line, SimOptions { network, ..logged() }, &goal).expect("the line compiles");

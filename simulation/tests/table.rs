@@ -1,4 +1,4 @@
-//! A rotary table with three stations around it: the shipped example, whole, with what goes wrong with its index.
+//! A rotary table with three stations around it: the shipped example, whole, with faults of its index.
 //!
 //! ```text
 //!   table  ──index──┐           ┌──index──
@@ -56,7 +56,7 @@ fn indexes(sim: &LineSim) -> u64 {
     sim.plant_of(TABLE).indexes(TABLE, AxisId(0))
 }
 
-/// The same as its controller counts it, since the counts were founded.
+/// The same by its controller's counts, since they were founded.
 fn counted(sim: &LineSim) -> u64 {
     let done = sim.controller(TABLE).expect("it runs").done(INDEX);
     u64::try_from(done).expect("it counts from 0")

@@ -1,4 +1,4 @@
-//! What looking ahead and planning are worth: makespans of random workcells by each rule, by looking ahead and by a schedule
+//! Benefit of looking ahead and planning: makespans of random workcells by each rule, by looking ahead and by a schedule
 //! that is followed, played by the token player with nominal times.
 //!
 //! `cargo bench -p linewright-coordinator-cell --bench makespan [CELLS [PARTS]]`. First the assembly cell beside the optimum,
@@ -27,7 +27,7 @@ use linewright_line::Tick;
 
 use dice::Dice;
 
-/// Nobody is urgent in what is compared here.
+/// No part is urgent in this comparison.
 const PATIENCE: Duration = Duration::from_secs(10_000_000);
 const TYPES: usize = 5;
 
@@ -69,7 +69,7 @@ fn text(seed: u64) -> String {
     out
 }
 
-/// Asks another one, and keeps the time.
+/// Calls another one, and keeps the time.
 struct Timed<'a> {
     inner: &'a mut dyn Dispatcher,
     asked: u32,

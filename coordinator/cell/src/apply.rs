@@ -1,7 +1,7 @@
-//! What a record does to a state: the one place where a cell's state changes.
+//! Effect of a record on a state: the one place where a cell's state changes.
 //!
 //! A record is looked at before anything is changed, so one that does not fit leaves the state as it was. The player
-//! writes none that do not fit; a log of another cell, or one that somebody has edited, can have them.
+//! writes none that do not fit; a log of another cell, or an edited one, can have them.
 
 use linewright_line::{StationId, Tick};
 
@@ -15,7 +15,7 @@ use super::state::{Part, PartPlace, PlayerState, ReplayError};
 type FitResult = Result<(), String>;
 
 impl PlayerState {
-    /// Does what the record says. It takes time for what it touches only: the cells of one mode, one firing.
+    /// Applies a record. It takes time for what it touches only: the cells of one mode, one firing.
     pub fn apply(&mut self, record: &Record) -> Result<(), ReplayError> {
         let sequence = self.sequence + 1;
         if record.at < self.now {
@@ -160,7 +160,7 @@ impl PlayerState {
         self.answered(station, key);
         self.change(id, |firing| {
             firing.orders[position].state = OrderProgress::Failed(failure);
-            // The same, said more exactly.
+            // The same, more exactly.
             if firing.phase == ActivityPhase::Failed(ActivityFailure::Order { key, failure: OrderFailure::TimedOut }) {
                 firing.phase = ActivityPhase::Failed(ActivityFailure::Order { key, failure });
             }
@@ -170,7 +170,7 @@ impl PlayerState {
 
     fn raised(&mut self, id: FiringId, cause: ActivityFailure, at: Tick) -> FitResult {
         let firing = self.running(id)?;
-        // Whatever of it has not been taken on is not asked for any more.
+        // Parts of it that have not been acknowledged are not sent any more.
         let keys: Vec<_> = firing.orders.iter().map(|order| (order.station, order.key)).collect();
         keys.into_iter().for_each(|(station, key)| self.answered(station, key));
         self.change(id, |firing| firing.phase = ActivityPhase::Failed(cause));
@@ -190,7 +190,7 @@ impl PlayerState {
         Ok(())
     }
 
-    /// An activity is not in progress any more. What it has taken is nowhere then.
+    /// An activity is not in progress any more. The tokens it has taken are nowhere then.
     pub(super) fn forget(&mut self, id: FiringId) {
         self.unschedule(id);
         let Some(firing) = self.firings.remove(&id) else { return };
@@ -243,7 +243,7 @@ impl PlayerState {
         self.arrival(from, part).is_some()
     }
 
-    /// Since when a part has been on a cell, if it is there and can be taken.
+    /// Number of the arrival of a part on a cell, if it is there and can be taken.
     fn arrival(&self, from: CellId, part: PartId) -> Option<u64> {
         let CellKind::Parts(pick) = self.table.kind(from) else { return None };
         match self.parts.get(&part)?.place {
@@ -254,7 +254,7 @@ impl PlayerState {
         }
     }
 
-    /// Takes what a mode takes. A part that it does not take from anywhere is a new one.
+    /// Takes the tokens of a mode. A part that it does not take from anywhere is a new one.
     fn take(&mut self, mode: ModeId, part: Option<PartId>, arrival: u64) {
         let table = self.table.clone();
         for &(cell, weight) in table.takes(mode) {
@@ -268,7 +268,7 @@ impl PlayerState {
         }
     }
 
-    /// Gives what a mode gives. A part that it does not put anywhere has left.
+    /// Gives the tokens of a mode. A part that it does not put anywhere has left.
     pub(super) fn give(&mut self, mode: ModeId, part: Option<PartId>, at: Tick) {
         let table = self.table.clone();
         for &(cell, weight) in table.gives(mode) {

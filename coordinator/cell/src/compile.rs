@@ -1,7 +1,7 @@
-//! From a cell's description to the table that the token player plays, and the dispatcher it asks.
+//! From a cell's description to the table that the token player plays, and its dispatcher.
 //!
-//! The only module here that knows descriptions. Each mode of the coordination net gets an activity of its own, since times
-//! and programs depend on the stage. What the net says of transitions and places is not worked out again.
+//! The only module here that reads descriptions. Each mode of the coordination net gets an activity of its own, since times
+//! and programs depend on the stage. What follows from the net is not worked out again.
 
 mod handling;
 mod recovery;
@@ -32,7 +32,7 @@ use crate::{
 /// At most so many places and transitions: a thousand resources need a tenth of it.
 const NODES_MAX: usize = 1_000_000;
 
-/// How patient the player is with stations.
+/// Time limits of the player for stations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OrderTiming {
     /// An order that no station has acknowledged is repeated after this time.
@@ -41,7 +41,7 @@ pub struct OrderTiming {
     pub grace: Duration,
 }
 
-/// Why a cell cannot be played.
+/// Reason why a cell cannot be played.
 #[derive(Debug, Error)]
 pub enum Unplayable {
     /// Such a cell is there to be found wrong.
@@ -59,12 +59,12 @@ pub enum Unplayable {
     /// An order that would be waited for until the end of days.
     #[error("`{0}` gives an order without a limit")]
     Limit(String),
-    /// What cannot be known is not sent.
+    /// A parameter without a value is not sent.
     #[error(
         "`{activity}`: no value for the parameter `{parameter}`: no program in the plan, or no such store in the activity"
     )]
     Parameter {
-        /// What gives the order.
+        /// Activity with the order.
         activity: String,
         parameter: String,
     },
@@ -76,7 +76,7 @@ pub enum Unplayable {
 /// A cell, ready to be played.
 #[derive(Clone, Debug)]
 pub struct CompiledCell {
-    /// What is played.
+    /// Table that is played.
     pub table: CellTable,
     /// The net it was made of.
     pub net: CellNet,
@@ -87,7 +87,7 @@ pub struct CompiledCell {
 /// Makes the table of a cell. Stations are those of `line`; without one, those that the cell names, in that order.
 ///
 /// # Errors
-/// What cannot be played, and why.
+/// Reasons why the cell cannot be played.
 pub fn compile_cell(
     cell: &Cell,
     line: Option<&Line>,
@@ -127,7 +127,7 @@ pub fn compile_cell(
     let plan = PlayPlan {
         products: match supply {
             Supply::Open | Supply::Batch(_) => products(cell, &net, &long),
-            // All that will ever come waits outside already; nobody orders it.
+            // All parts that will ever come wait outside already; there are no orders.
             Supply::Closed(_) => Vec::new(),
         },
         stores: stores(cell, &net, &long),
@@ -175,13 +175,13 @@ fn decided(
     })
 }
 
-/// One of each mode at a time (seed 000, proposition 15, L2385), unless whoever works or carries has room for more.
+/// One of each mode at a time (seed 000, proposition 15, L2385), unless the worker or carrier has room for more.
 fn servers(cell: &Cell, activity: &linewright_cell::Activity) -> u32 {
     let of = activity.used(Role::Worker).or_else(|| activity.used(Role::Carrier));
     let Some(resource) = of.and_then(|part| part.of).map(|id| cell.resource(id)) else { return 1 };
     match resource.prototype {
         Prototype::Machine | Prototype::Conveyor => resource.capacity,
-        // A human has one token for all he does; a store neither works nor carries.
+        // A human has one token for all work; a store neither works nor carries.
         Prototype::Human
         | Prototype::Robot
         | Prototype::RandomAccessStore
@@ -190,7 +190,7 @@ fn servers(cell: &Cell, activity: &linewright_cell::Activity) -> u32 {
     }
 }
 
-/// Which position in a store is meant: that of the part before or after.
+/// Position meant in a store: that of the part before or after.
 fn position(activity: &linewright_cell::Activity, store: ResourceId) -> Option<TaskParameterValue> {
     let is_in = |role| activity.used(role).is_some_and(|part| part.of == Some(store));
     match (is_in(Role::Source), is_in(Role::Target)) {
@@ -200,7 +200,7 @@ fn position(activity: &linewright_cell::Activity, store: ResourceId) -> Option<T
     }
 }
 
-/// What a cell makes: of each part type its name, and the modes that let its parts enter.
+/// Products of a cell: of each part type its name, and the modes that let its parts enter.
 fn products(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<Product> {
     let product = |part: &linewright_cell::PartType| Product { name: part.name.as_str().into(), enters: Vec::new() };
     let mut products: Vec<Product> = cell.part_types.iter().map(product).collect();
@@ -228,22 +228,22 @@ fn stores(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<StorePositions> {
     cell.resource_ids().filter(has_positions).map(store).collect()
 }
 
-/// The dispatcher that a description asks for, with production orders, looking ahead, and a schedule if that is among its
-/// rules. It begins with what is known of the cell, and is told all records from then on.
+/// The dispatcher of a description, with production orders, looking ahead, and a schedule if that is among its rules. It
+/// begins with the state of the cell, and takes all records from then on.
 pub fn schedule_follower(cell: &Cell, made: &CompiledCell, state: &PlayerState) -> ScheduleFollower {
     let desk = DispatchConfiguration::new(dispatcher(cell, &made.table), state.production().clone());
     let look = LookAhead::new(&made.table, desk, cell.dispatch.look_ahead);
     ScheduleFollower::new(look, Box::new(RolloutScheduler::default()))
 }
 
-/// The same where nothing is on order: whatever waits outside is to be made.
+/// The same without production orders: all parts that wait outside are to be made.
 pub fn planner(cell: &Cell, made: &CompiledCell) -> ScheduleFollower {
     let desk = DispatchConfiguration::without_orders(dispatcher(cell, &made.table));
     let look = LookAhead::new(&made.table, desk, cell.dispatch.look_ahead);
     ScheduleFollower::new(look, Box::new(RolloutScheduler::default()))
 }
 
-/// The rules that a description asks for, without any timetable yet. Its table is [`CompiledCell::table`].
+/// The rules of a description, without any timetable yet. Its table is [`CompiledCell::table`].
 pub fn dispatcher(cell: &Cell, table: &CellTable) -> RuleDispatcher {
     let mut by_rules = RuleDispatcher::new(table, &cell.dispatch.rules, cell.dispatch.patience);
     by_rules.timetable.tolerance = cell.dispatch.window;

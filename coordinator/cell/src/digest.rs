@@ -1,14 +1,14 @@
-//! A number for what the records of a cell mean.
+//! Digest of the meaning of a cell's records.
 //!
-//! Records name modes, cells and stations by number, so they are about one table and no other. What they mean depends on
-//! the net, on the names of its modes and cells, and on who is told what; it does not depend on times and limits, which
-//! may be changed between two lives of a coordinator: what is in progress then has the new ones.
+//! Records name modes, cells and stations by number, so they are about one table and no other. Their meaning depends on
+//! the net, on the names of its modes and cells, and on the stations' orders; it does not depend on times and limits,
+//! which may be changed between two lives of a coordinator: what is in progress then has the new ones.
 
 use super::plan::{ActivityTiming, CellKind, PartPick, TaskParameterValue};
 use super::table::CellTable;
 
 impl CellTable {
-    /// Equal for tables whose records mean the same; otherwise different, but for one case in 2⁶⁴.
+    /// Equal for tables whose records mean the same; otherwise different, except in one case in 2⁶⁴.
     pub fn digest(&self) -> u64 {
         let mut sum = Fnv(0xCBF2_9CE4_8422_2325);
         sum.number(self.cell_count() as u64);

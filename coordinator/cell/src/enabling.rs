@@ -1,4 +1,4 @@
-//! Which modes have their tokens, kept up to date firing by firing.
+//! Modes that have their tokens, kept up to date firing by firing.
 //!
 //! A mode that cannot fire *watches* one cell of which it lacks tokens, as clauses watch literals in solvers for
 //! satisfiability. Two invariants hold between calls: a mode that is enabled lacks nothing, and one that is not watches a
@@ -31,7 +31,8 @@ enum EnablingStatus {
     Blocked,
 }
 
-/// The set of enabled modes. It does not hold the counts; whoever changes a count says so, one cell at a time.
+/// The set of enabled modes. It does not hold the counts; every change of a count is reported to it, one cell at a
+/// time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Enabling {
     status: Vec<EnablingStatus>,
@@ -88,17 +89,17 @@ impl Enabling {
         self.status[mode.index()] = EnablingStatus::Blocked;
     }
 
-    /// The enabled modes that somebody decides about, in no order that means anything.
+    /// The enabled modes that the dispatcher decides about, in no particular order.
     pub fn decided(&self) -> &[ModeId] {
         &self.decided
     }
 
-    /// The enabled modes that happen by themselves, likewise.
+    /// The enabled modes that happen by themselves, in no particular order.
     pub fn immediate(&self) -> &[ModeId] {
         &self.immediate
     }
 
-    /// How many input arcs have been looked at since the beginning: what this has cost.
+    /// Number of input arcs looked at since the beginning: the cost.
     pub fn looks(&self) -> u64 {
         self.looks
     }
@@ -123,7 +124,7 @@ impl Enabling {
     /// Tokens were given to `cell`; `counts` are those after that.
     pub(super) fn given(&mut self, table: &CellTable, counts: &[u64], cell: CellId) {
         let mut list = std::mem::take(&mut self.watchers[cell.index()]);
-        // Whoever goes on watching this cell is put back on its list, which is empty now.
+        // Modes that go on watching this cell are put back on its list, which is empty now.
         list.drain(..).for_each(|mode| self.settle(table, counts, mode));
         let watchers = &mut self.watchers[cell.index()];
         if watchers.is_empty() {

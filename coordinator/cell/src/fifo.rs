@@ -17,7 +17,7 @@ use super::reason::{DecidingRule, HoldReason, LostDecision};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Fifo;
 
-/// What stands in the line for a candidate: its next part, or how often it can still start.
+/// Entry of a candidate in the line: its next part, or how often it can still start.
 type FifoCandidate = Reverse<(Tick, Option<PartId>, ModeId, usize)>;
 
 impl Dispatcher for Fifo {
@@ -72,7 +72,7 @@ fn next(
     Some(Reverse((since, Some(part), candidate.mode, index)))
 }
 
-/// What has been given away so far, and to whom first.
+/// Tokens given away so far, and to which first.
 #[derive(Default)]
 struct FifoTaken {
     parts: BTreeSet<PartId>,
@@ -80,7 +80,7 @@ struct FifoTaken {
 }
 
 impl FifoTaken {
-    /// The start that took what the mode would need.
+    /// The start that took tokens the mode would need.
     fn in_the_way(&self, question: &Question<'_>, mode: ModeId) -> Option<(ModeId, Option<PartId>)> {
         let short = |&(cell, weight): &(CellId, u32)| {
             let &(gone, by) = self.tokens.get(&cell)?;

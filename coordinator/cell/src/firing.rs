@@ -1,12 +1,12 @@
-//! An activity between its start and its end, and what the stations have said of their orders.
+//! An activity between its start and its end, and the progress of its orders.
 //!
 //! ```text
 //!  Started ──all orders ended, or its time is over──▶ Ended (the firing is gone)
 //!     │
-//!     └──an order failed, or the limit ran out──▶ failed: it keeps tokens and part until somebody says what is true
+//!     └──an order failed, or the limit ran out──▶ failed: it keeps tokens and part until an answer
 //!
 //!  an order:  written ──taken on──▶ running ──▶ ended
-//!                │                     │          ▲ a failed activity's order may still be heard to have ended
+//!                │                     │          ▲ the end of a failed activity's order may still be received
 //!                └──────────▶ failed ◀─┘──────────┘
 //! ```
 
@@ -24,14 +24,14 @@ use super::serial;
 pub struct OngoingActivity {
     /// Number of the activity, unique in its cell.
     pub id: FiringId,
-    /// What it is; the table knows what it has taken and will give.
+    /// Its mode; the table has the tokens it has taken and will give.
     pub mode: ModeId,
     /// The part it holds.
     pub part: Option<PartId>,
-    /// When it started. All limits count from here.
+    /// Start. All limits count from here.
     #[serde(with = "serial::micros")]
     pub began: Tick,
-    /// What stations were told, as the activity lists it.
+    /// Its orders to stations, as the activity lists them.
     pub orders: Vec<OngoingOrder>,
     /// Current phase.
     pub phase: ActivityPhase,
@@ -40,7 +40,7 @@ pub struct OngoingActivity {
     pub(super) spared_until: Tick,
 }
 
-/// Where an activity in progress is.
+/// Phase of an activity in progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ActivityPhase {
@@ -54,22 +54,22 @@ pub enum ActivityPhase {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OngoingOrder {
-    /// What the station knows it by.
+    /// Key of the order.
     pub key: OrderKey,
     #[serde(with = "serial::station")]
     pub station: StationId,
-    /// What has been heard of it.
+    /// Its progress.
     pub state: OrderProgress,
-    /// When it should have ended.
+    /// Time by which it should have ended.
     #[serde(with = "serial::micros")]
     pub limit: Tick,
 }
 
-/// What has been heard of an order.
+/// Progress of an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OrderProgress {
-    /// Nothing. It may have been sent or not; [`super::Coordination::sending`] knows for this life.
+    /// No report. It may have been sent or not; [`super::Coordination::sending`] has that for this life.
     Written,
     /// The station has taken it on.
     Running,
@@ -79,7 +79,7 @@ pub enum OrderProgress {
     Failed(OrderFailure),
 }
 
-/// What a firing is waiting to have written about it.
+/// Record that a firing needs next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PendingRecord {
     /// Nothing yet.
@@ -89,7 +89,7 @@ pub(super) enum PendingRecord {
 }
 
 impl OngoingActivity {
-    /// What the orders say.
+    /// Result of its orders.
     pub(super) fn next(&self) -> PendingRecord {
         match self.phase {
             ActivityPhase::Failed(_) => return PendingRecord::Wait,
@@ -107,7 +107,7 @@ impl OngoingActivity {
         if done { PendingRecord::End } else { PendingRecord::Wait }
     }
 
-    /// When it has something to do unless something is heard before: its end, or its first limit.
+    /// Time of the next step without an arrival: its end, or its first limit.
     pub(super) fn due(&self, activity: &PlayedActivity) -> Option<Tick> {
         match self.phase {
             ActivityPhase::Failed(_) => return None,

@@ -1,4 +1,4 @@
-//! What the player numbers, each kind of number with a type of its own.
+//! Numbers of the player, each kind with a type of its own.
 //!
 //! Cells and modes are numbered by the table and mean nothing beside another. Parts, firings and orders are numbered as
 //! they come, by counters that are folded from the records and never go back: no number is ever used twice.

@@ -1,12 +1,12 @@
 //! The coordination of a flexible cell: a coloured net whose transitions are activities, played with parts and stations.
 //!
 //! # Map
-//! - [`CellTable`], compiled from the net's long form and a [`PlayPlan`] that says what transitions and tokens stand for.
+//! - [`CellTable`], compiled from the net's long form and a [`PlayPlan`] with the meaning of transitions and tokens.
 //! - [`PlayerState`]: marking, parts, what is in progress; it changes by [`Record`]s alone, in [`PlayerState::apply`].
 //! - [`CellSnapshot`]: what a state is made of, to be written down in the place of all records that led to it.
 //! - [`Enabling`]: which modes have their tokens, after each firing by looking at what it touched.
-//! - [`Question`], [`DispatchDecision`], [`Dispatcher`]: what is asked before anything starts; [`Fifo`] answers where
-//!   nobody who knows more does.
+//! - [`Question`], [`DispatchDecision`], [`Dispatcher`]: the question before every start; [`Fifo`] answers where there
+//!   is no other dispatcher.
 //! - [`dispatch`]: the dispatcher with rules, under which no part waits for ever, with its reasons.
 //! - [`production`]: what is to be made, and which part counts to which order.
 //! - [`ahead`]: the dispatcher that compares decisions by forward simulation.
@@ -15,9 +15,9 @@
 //! - [`texts`]: what operators read.
 //! - [`exception`]: what becomes of what has failed, and what is down.
 //! - [`Coordination`]: the token player, with the argument why a crash loses nothing and repeats nothing.
-//! - [`compile`]: what is played, from a cell's description; the only module that knows one.
+//! - [`compile`]: from a cell's description to its table; the only module that reads one.
 //!
-//! Nothing here knows ROS or files.
+//! Nothing here depends on ROS or files.
 
 pub mod ahead;
 mod apply;

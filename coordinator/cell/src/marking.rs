@@ -1,8 +1,8 @@
-//! Where the tokens are, and which of them are which part.
+//! Places of the tokens, and the parts among them.
 //!
 //! Every cell has a count. A cell of parts has them beside it, in the order in which they came: a store that is emptied
-//! from one end knows which is next, and a decision between equals can prefer the one that has waited longest. The two
-//! agree always; counts are what enables.
+//! from one end has its next, and a decision between equals can prefer the one that has waited longest. The two agree
+//! always; counts are what enables.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ pub struct CellMarking {
     counts: Vec<u64>,
     /// Of each cell, its parts by when they came; empty for cells of plain tokens.
     parts: Vec<BTreeMap<u64, PartId>>,
-    /// How many parts have come to a cell so far.
+    /// Number of parts that have come to a cell so far.
     arrivals: u64,
 }
 
@@ -33,7 +33,7 @@ impl CellMarking {
         CellMarking { counts: vec![0; cells], parts: vec![BTreeMap::new(); cells], arrivals }
     }
 
-    /// So many tokens.
+    /// Sets the number of tokens.
     pub(super) fn set(&mut self, cell: CellId, count: u64) {
         self.counts[cell.index()] = count;
     }
@@ -44,7 +44,7 @@ impl CellMarking {
         self.parts[cell.index()].insert(arrival, part).is_none()
     }
 
-    /// How many parts have come to a cell so far.
+    /// Number of parts that have come to a cell so far.
     pub(super) fn arrivals(&self) -> u64 {
         self.arrivals
     }
@@ -96,7 +96,7 @@ impl CellMarking {
         *count = count.saturating_add(u64::from(weight));
     }
 
-    /// Which part one of the tokens just given is; its arrival.
+    /// Makes one of the tokens just given this part; its arrival.
     pub(super) fn put(&mut self, cell: CellId, part: PartId) -> u64 {
         self.arrivals += 1;
         self.parts[cell.index()].insert(self.arrivals, part);
@@ -108,7 +108,7 @@ impl CellMarking {
     pub(super) fn put_back(&mut self, cell: CellId, kind: CellKind, part: PartId) -> u64 {
         let first = self.parts[cell.index()].first_key_value().map(|(&first, _)| first);
         match (kind, first) {
-            // Whoever was taken before the first that is there came before it, so there is such a number.
+            // A part taken before the first that is there came before it, so there is such a number.
             (CellKind::Parts(PartPick::Oldest), Some(first)) if first > 1 => {
                 self.parts[cell.index()].insert(first - 1, part);
                 first - 1
@@ -119,7 +119,7 @@ impl CellMarking {
         }
     }
 
-    /// Which part one of the tokens just taken was.
+    /// Removes the part that one of the tokens just taken was.
     pub(super) fn pull(&mut self, cell: CellId, arrival: u64) {
         self.parts[cell.index()].remove(&arrival);
     }

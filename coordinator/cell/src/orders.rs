@@ -1,7 +1,7 @@
-//! What the player hears and says: whole states of stations, replies to single orders, and orders.
+//! Input and output of the player: whole states of stations, replies to single orders, and orders.
 //!
-//! Shapes only. A station keeps one order at a time in a slot and the results of some it has had, remembers them over its
-//! own restarts, and answers an order it knows with what it has instead of doing it again; [`super::player`] builds on
+//! Shapes only. A station keeps one order at a time in a slot and the results of some it has had, keeps them over its own
+//! restarts, and answers an order it already has with its state instead of doing it again; [`super::player`] builds on
 //! that. Nothing here has to arrive: a lost message costs one period.
 
 use linewright_line::{StationId, Tick};
@@ -14,28 +14,28 @@ use super::production::{ProductionOrderRequest, ProductionRefusal, RequestProble
 use super::question::BadAnswer;
 use super::record::{Record, TaskRefusal};
 
-/// What reaches the player.
+/// Input of the player.
 #[derive(Clone, Copy, Debug)]
 pub enum PlayerInput<'a> {
     /// A station's newest whole state.
     Station(StationId, &'a TaskReport),
     /// A station's answer to one order.
     Reply(StationId, OrderKey, TaskReply),
-    /// A station's answer when it was told to leave an order.
+    /// A station's answer to the order to leave an order.
     Secured(StationId, OrderKey, TaskReply),
-    /// Whether activities may start: the line is in auto, and enabled. They may not until this says so.
+    /// Whether activities may start: the line is in auto, and enabled. They may not until this is received.
     Starts(bool),
     /// A command about production orders, whose requester waits for a reply.
     Production(RequestId, ProductionCommand<'a>),
     /// A person's answer to an alarm.
     Answer { alarm: AlarmId, word: &'a str },
-    /// A person gives alarm of a resource: what it is doing is stopped.
+    /// An alarm given by hand of a resource: its activities are stopped.
     Alarm {
         resource: ResourceId,
         /// Text of the operator; may be empty.
         text: &'a str,
     },
-    /// A person says that a resource is not to be counted on, or is again. What it is doing it finishes.
+    /// An operator's request that a resource is not to be counted on, or is again. It finishes its activities.
     Resource {
         resource: ResourceId,
         /// Again.
@@ -48,10 +48,10 @@ pub enum PlayerInput<'a> {
 /// Identifies the requester of a reply; chosen by the caller.
 pub type RequestId = u64;
 
-/// What people say about production orders.
+/// Operators' commands about production orders.
 #[derive(Clone, Copy, Debug)]
 pub enum ProductionCommand<'a> {
-    /// Make orders of these requests, all of them or none. Asking again for what is on order changes nothing.
+    /// Make orders of these requests, all of them or none. A repeated request changes nothing.
     Submit(&'a [ProductionOrderRequest]),
     /// Nothing more of the order of that name is to enter.
     Cancel(&'a str),
@@ -59,41 +59,41 @@ pub enum ProductionCommand<'a> {
     Withdraw(&'a str),
 }
 
-/// Why something was not changed.
+/// Reason why something was not changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProductionCommandError {
-    /// All that is wrong with the requests.
+    /// All errors of the requests.
     Request(Vec<RequestProblem>),
     /// The order cannot be changed so.
     Order(ProductionRefusal),
-    /// Another life of the coordinator has begun, and knows better.
+    /// Another life of the coordinator has begun.
     Superseded,
 }
 
-/// What a station says of itself, again and again.
+/// Report of a station, sent again and again.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TaskReport {
-    /// A number that it drew when its memory began. As long as it is the same, the station knows every order it has had.
+    /// A number that it drew when its memory began. As long as it is the same, the station has every order it was sent.
     pub memory: u64,
-    /// The newest epoch in which it was told anything; 0 if it never was.
+    /// The newest epoch of an order it received; 0 if there was none.
     pub epoch: u64,
     /// The order it is doing, or going back from.
     pub slot: Option<OrderKey>,
-    /// How the orders it had before have ended, those it still knows.
+    /// Outcomes of the orders it had before, as far as it keeps them.
     pub results: Vec<(OrderKey, TaskOutcome)>,
     /// It stands between two rests, and does not go on from there by itself.
     pub is_held: bool,
-    /// Why it could not do anything now; none if it could.
+    /// Reason why it could do nothing now; none if it could.
     pub unable: Option<StationUnavailable>,
     /// Whether there is a part where its sensor looks.
     pub presence: Presence,
 }
 
 impl TaskReport {
-    /// What the station says of an order that it was told to leave: whether it is still at it.
+    /// The station's answer to the order to leave an order: whether it is still at it.
     pub fn secured(&self, key: OrderKey) -> TaskReply {
         match self.results.iter().find(|(of, _)| *of == key) {
-            // What had ended before it was told may be gone back from.
+            // An order that had ended before may be gone back from.
             _ if self.slot == Some(key) => TaskReply::Running,
             Some(&(_, outcome)) => TaskReply::Ended(outcome),
             // It was too old for it, and is left all the same.
@@ -102,26 +102,26 @@ impl TaskReport {
     }
 }
 
-/// What a step leaves for the caller: first write the records down, then send, then tell.
+/// Output of a step: first write the records down, then send, then reply.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PlayerOutbox {
     /// To be on disk, in this order, before anything is sent.
     pub records: Vec<Record>,
     /// To be sent. Each may be lost or doubled.
     pub sends: Vec<CellMessage>,
-    /// To be told to those who have asked, when the records are on disk: the orders that were made or changed.
+    /// Replies to requesters, when the records are on disk: the orders that were made or changed.
     pub replies: Vec<(RequestId, Result<Vec<ProductionId>, ProductionCommandError>)>,
-    /// To be told to people.
+    /// Events for operators.
     pub events: Vec<CellEvent>,
 }
 
-/// What is sent.
+/// Message to a station.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CellMessage {
     /// Do this.
     Order(OrderMessage),
-    /// Leave an order, and go back to where it began as far as that goes by itself. Who has done it already has; who has
-    /// not heard of it is not to do it.
+    /// Leave an order, and go back to where it began as far as that goes by itself. A station that has done it already
+    /// has; one that has not received it is not to do it.
     Secure {
         /// Station to be secured.
         station: StationId,
@@ -141,7 +141,7 @@ pub struct OrderMessage {
     pub order: TaskOrder,
 }
 
-/// How far an order has got towards its station in this life.
+/// Progress of an order towards its station in this life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sending {
     /// Not sent yet.
@@ -153,7 +153,7 @@ pub enum Sending {
     },
 }
 
-/// What people should know.
+/// Event for operators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellEvent {
     /// A dispatcher's answer could not be followed, and first come, first served has answered instead.
@@ -163,16 +163,16 @@ pub enum CellEvent {
         /// Reason why the dispatch decision is not valid.
         why: BadAnswer,
     },
-    /// A station knows a later life of the coordinator. This one starts and sends nothing more.
+    /// A station has received orders of a later life of the coordinator. This one starts and sends nothing more.
     Superseded {
         /// Station that reports the newer epoch.
         by: StationId,
-        /// Which life it knows.
+        /// Epoch of that life.
         epoch: u64,
     },
-    /// What a person has asked for is not done.
+    /// An operator's request is refused.
     Objected {
-        /// What that was.
+        /// The request.
         to: ResourceRequest,
         /// Reason why the request was not applied.
         why: AlarmAnswerRefusal,
@@ -180,7 +180,7 @@ pub enum CellEvent {
     /// So much has happened by itself or was started at one moment that it goes on in the next step. If this comes again
     /// and again, the net has a circle that takes no time.
     Busy {
-        /// What happened last.
+        /// Mode that happened last.
         mode: ModeId,
     },
 }

@@ -1,7 +1,7 @@
-//! What a net does not say of a cell: which tokens are parts, what the transitions are, and what stations are told.
+//! Data of a cell beside its net: which tokens are parts, what the transitions are, and the orders to stations.
 //!
-//! Plain data beside the net, indexed by its places and transitions, for whoever describes a cell to fill. It is checked
-//! once, when the table is made; here are only shapes.
+//! Plain data beside the net, indexed by its places and transitions, filled from the description of a cell. It is
+//! checked once, when the table is made; here are only shapes.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,41 +13,40 @@ use super::ids::{CellId, ModeId};
 /// Everything the player needs beside the net.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlayPlan {
-    /// What the tokens of each place of the unfolded net are, in its order.
+    /// Kinds of tokens of the places of the unfolded net, in its order.
     pub cells: Vec<CellKind>,
-    /// What can be done.
     pub activities: Vec<PlayedActivity>,
     /// For each transition of the unfolded net, in its order, the position of its activity in `activities`.
     pub activity_of: Vec<usize>,
-    /// What is made. Where nothing is said to be, there are no production orders.
+    /// Products. Without any, there are no production orders.
     pub products: Vec<Product>,
-    /// The store whose parts have positions.
+    /// The stores whose parts have positions.
     pub stores: Vec<StorePositions>,
     /// An order that no station has acknowledged is repeated after this time.
     pub refresh: Duration,
-    /// After a restart no limit runs out before this time: what has ended meanwhile is to be heard first.
+    /// After a restart no limit runs out before this time: first the ends of meanwhile are received.
     pub grace: Duration,
 }
 
 /// Something that is made on order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Product {
-    /// What orders call it.
+    /// Its name in production orders.
     pub name: Arc<str>,
     /// The modes by which its parts enter.
     pub enters: Vec<ModeId>,
 }
 
-/// A place with positions, numbered from 1, each for one part: a random-access store (seed 001, L72-77). Which position a
-/// part has matters to whoever reaches for it, and enables nothing.
+/// A place with positions, numbered from 1, each for one part: a random-access store (seed 001, L72-77). The position of
+/// a part matters to the robot that takes it, and enables nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StorePositions {
     pub name: Arc<str>,
-    /// Its parts are on these cells. How many there can be the net knows.
+    /// Its parts are on these cells. The net limits their number.
     pub cells: Vec<CellId>,
 }
 
-/// What the tokens of a cell are.
+/// Kind of the tokens of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellKind {
     /// Capacities, permissions: one is as good as another.
@@ -56,7 +55,7 @@ pub enum CellKind {
     Parts(PartPick),
 }
 
-/// Which of the parts of a cell can be taken.
+/// Parts of a cell that can be taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartPick {
     Any,
@@ -66,45 +65,44 @@ pub enum PartPick {
     Newest,
 }
 
-/// What transitions stand for.
+/// Meaning of a transition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlayedActivity {
     pub name: Arc<str>,
-    /// Whether anybody decides about it, and how long it takes.
+    /// Whether the dispatcher decides about it, and its time.
     pub kind: ActivityTiming,
-    /// How many firings of one mode may be in progress. 1 is the single server of seed 000, proposition 15 (L2385).
+    /// Most firings of one mode in progress. 1 is the single server of seed 000, proposition 15 (L2385).
     pub servers: u32,
-    /// What stations are told when it starts. It has ended when all of them have done what they were told.
+    /// Orders to stations when it starts. It has ended when all of them are done.
     pub orders: Vec<PlayedOrderTemplate>,
 }
 
-/// How an activity comes and goes.
+/// Start and end of an activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActivityTiming {
     /// It happens by itself as soon as it can, and takes no time. No station is ordered.
     Immediate,
     /// Its start is decided (seed 001, L187-190).
     Decided {
-        /// How long it should take. Without orders it ends after exactly that.
+        /// Nominal time. Without orders it ends after exactly that.
         time: Duration,
-        /// How long it may take altogether; none leaves it to the limits of its orders.
+        /// Time limit of the whole; none leaves it to the limits of its orders.
         limit: Option<Duration>,
     },
 }
 
-/// What one station is told.
+/// Order to one station.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlayedOrderTemplate {
     pub station: StationId,
     pub task: Arc<str>,
     /// The task's parameters.
     pub parameters: Vec<(Arc<str>, TaskParameterValue)>,
-    /// How long that may take from the start of the activity: one limit for each operation and resource (seed 001,
-    /// Fig. 6, L137-177).
+    /// Time limit from the start of the activity: one for each operation and resource (seed 001, Fig. 6, L137-177).
     pub limit: Duration,
 }
 
-/// What a parameter is.
+/// Source of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskParameterValue {
     /// Always this.

@@ -1,29 +1,29 @@
 //! The token player: the interpreter of seed 001 (§5.1, L120-129), firing in three phases (seed 000, definition 44, L2369).
 //!
-//! An activity takes its tokens when it starts, its stations are told, and it gives its tokens when all of them have done
-//! what they were told. One [`Coordination::step`] takes what was heard, lets limits run out, closes what has ended, lets
-//! happen what happens by itself, asks the dispatcher, starts what he says, and repeats that until nothing is new. It has
-//! no clock, no file and no network; what it knows of the cell is its [`PlayerState`], which changes by records alone.
+//! An activity takes its tokens when it starts, its stations get orders, and it gives its tokens when all of them are
+//! done. One [`Coordination::step`] takes what was received, lets limits run out, closes what has ended, lets happen what
+//! happens by itself, puts the question to the dispatcher, starts what that decides, and repeats that until nothing is
+//! new. It has no clock, no file and no network; its knowledge of the cell is its [`PlayerState`], which changes by
+//! records alone.
 //!
 //! # Why a crash at any moment loses nothing and repeats nothing
-//! 1. The caller has `records` on disk before it performs `sends`. So nobody ever knows of an order that the log lacks.
+//! 1. The caller has `records` on disk before it performs `sends`. So no station ever has an order that the log lacks.
 //! 2. Numbers come from counters that are folded from the records, and the life before the first order of a life is a
 //!    record, [`RecordKind::Epoch`]. So no two orders ever have one key.
 //! 3. A station remembers the orders it has had, over its own restarts, and does none of them twice. So an order may be
-//!    sent again at any time. All that nobody has acknowledged are: after a restart too, since nobody knows whether they
-//!    were sent.
+//!    sent again at any time. All without acknowledgement are: after a restart too, since they may not have been sent.
 //! 4. Each station is sent its orders one by one, the oldest first, the next when it has answered to the one before.
 //!    Keys therefore reach it rising, over restarts as well, and it never takes an order for an old one that it has not
 //!    had.
-//! 5. Ends are repeated by the stations until nobody asks any more. What was heard and not yet written down is heard
+//! 5. Ends are repeated by the stations until they are acknowledged. A report that was not yet written down is received
 //!    again.
-//! 6. A station that says it has a new memory may have done what it had been told or not. Such an order fails as
-//!    [`OrderFailure::Forgotten`] and is never sent again. To know a new memory from the first one, an order is sent only
-//!    after the station's memory is in a record; and it says for which memory it is meant, so that one which is on its
+//! 6. A station that reports a new memory may have done its order or not. Such an order fails as
+//!    [`OrderFailure::Forgotten`] and is never sent again. To tell a new memory from the first one, an order is sent only
+//!    after the station's memory is in a record; and it contains the memory it is meant for, so that one which is on its
 //!    way while the memory is lost is not done for a second time.
 //!
-//! A failed activity stays where it is, with its tokens, its part and what was heard of its orders, until it is known what
-//! is true; how that comes about is in [`super::exception`].
+//! A failed activity stays where it is, with its tokens, its part and the reports on its orders, until an answer settles
+//! it; see [`super::exception`].
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -54,7 +54,7 @@ const FIRINGS_MAX: usize = 10_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("epoch {asked} is not newer than epoch {newest} of the log")]
 pub struct OldEpoch {
-    /// What it would have been.
+    /// Epoch requested.
     pub asked: u64,
     /// The newest there was.
     pub newest: u64,
@@ -65,30 +65,30 @@ pub struct OldEpoch {
 pub struct Coordination {
     pub(super) state: PlayerState,
     pub(super) starts: bool,
-    /// The stations that were heard in this life.
+    /// The stations that were received in this life.
     pub(super) heard: BTreeSet<StationId>,
-    /// What was sent in this life, of orders that nobody has taken on: how often, and when last.
+    /// Orders sent in this life and not acknowledged: how often, and when last.
     pub(super) sent: BTreeMap<OrderKey, (u32, Tick)>,
     pub(super) superseded: bool,
     pub(super) watch: StationMonitor,
     pub(super) rules: ProtocolRules,
-    /// When the dispatcher wants to be asked again.
+    /// Time of the next question, set by the dispatcher.
     ask_again: Option<Tick>,
-    /// How many records there were when he had answered, and how many stations had been heard.
+    /// Number of records when it had answered, and number of stations received.
     answered: Option<(u64, usize)>,
     /// The last step was cut short.
     cut_short: bool,
 }
 
-/// Tells a dispatcher the records it has not been told.
+/// Passes new records to a dispatcher.
 fn tell(dispatcher: &mut dyn Dispatcher, out: &PlayerOutbox, told: &mut usize) {
     out.records[*told..].iter().for_each(|record| dispatcher.note(record));
     *told = out.records.len();
 }
 
 impl Coordination {
-    /// Begins a life, after what `state` knows (see [`PlayerState::replay`]). The epoch is above that of every life before, also
-    /// of those that only stations know of.
+    /// Begins a life, from `state` (see [`PlayerState::replay`]). The epoch is above that of every life before, also of those
+    /// that only stations have received.
     pub fn begin(state: PlayerState, now: Tick, epoch: u64, out: &mut PlayerOutbox) -> Result<Self, OldEpoch> {
         if epoch <= state.epoch() {
             return Err(OldEpoch { asked: epoch, newest: state.epoch() });
@@ -110,12 +110,12 @@ impl Coordination {
         Ok(new)
     }
 
-    /// What is known of the cell.
+    /// State of the cell.
     pub fn state(&self) -> &PlayerState {
         &self.state
     }
 
-    /// How far an order has got towards its station; none if its station has answered, or nobody waits for it.
+    /// Progress of an order towards its station; none if its station has answered, or it is not waited for.
     pub fn sending(&self, key: OrderKey) -> Option<Sending> {
         let (_, order) = self.state.order(key)?;
         let is_unheard = self.state.unheard.get(&order.station).is_some_and(|keys| keys.contains(&key));
@@ -125,8 +125,7 @@ impl Coordination {
         })
     }
 
-    /// Takes what has arrived, all of it before anything is decided, and does what follows. A time before that of the
-    /// newest record is taken for that.
+    /// Takes all arrivals, then decides and acts. A time before that of the newest record is taken for that.
     pub fn step(
         &mut self,
         now: Tick,
@@ -140,7 +139,7 @@ impl Coordination {
             match *input {
                 PlayerInput::Station(station, heard) => self.hear(now, station, heard, out),
                 PlayerInput::Reply(station, key, reply) => {
-                    // What has failed may be gone back from: its end says nothing of where the station is.
+                    // What has failed may be gone back from: its end does not give the station's place.
                     if reply == TaskReply::Ended(TaskOutcome::Done) {
                         self.watch.done(station, key);
                     }
@@ -176,12 +175,12 @@ impl Coordination {
         self.send(now, out);
     }
 
-    /// Something has changed that no record says: another dispatcher, other rules. He is asked in the next step.
+    /// For a change that is in no record: another dispatcher, other rules. It is asked in the next step.
     pub fn reconsider(&mut self) {
         self.answered = None;
     }
 
-    /// When to call again if nothing arrives before.
+    /// Time of the next call if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
         let limit = self.state.due.first().map(|&(due, _)| due);
         let resend = self.next_to_send().map(|key| match self.sent.get(&key) {
@@ -196,7 +195,7 @@ impl Coordination {
         self.superseded
     }
 
-    /// Nobody is told of an order any more.
+    /// An order that is not sent any more.
     pub(super) fn not_sent(&mut self, key: OrderKey) {
         self.sent.remove(&key);
     }
@@ -251,14 +250,14 @@ impl Coordination {
             (TaskReply::Ended(TaskOutcome::Done), OrderProgress::Written | OrderProgress::Running) => {
                 RecordKind::OrderEnded { key }
             }
-            // Known to whoever has to find out what is true.
+            // Kept for the diagnosis.
             (TaskReply::Ended(TaskOutcome::Done), OrderProgress::Failed(_)) if has_failed => {
                 RecordKind::OrderEnded { key }
             }
             (TaskReply::Ended(TaskOutcome::Failed(ended)), OrderProgress::Written | OrderProgress::Running) => {
                 RecordKind::OrderFailed { key, failure: OrderFailure::of(ended) }
             }
-            // Its time was over here first. What it waited for, the station says when it stands.
+            // Its time was over here first. The station reports what it waited for when it stands.
             (
                 TaskReply::Ended(TaskOutcome::Failed(ended @ TaskFailure::Waiting(_))),
                 OrderProgress::Failed(OrderFailure::TimedOut),
@@ -281,7 +280,7 @@ impl Coordination {
         self.write(now, fact, out);
     }
 
-    /// Changes what is on order.
+    /// Changes production orders.
     fn change(
         &mut self,
         now: Tick,
@@ -313,7 +312,7 @@ impl Coordination {
         })
     }
 
-    /// Lets time run out: of orders, of activities, and of those that nobody but the clock ends.
+    /// Lets time run out: of orders, of activities, and of those that end by the clock alone.
     fn run_out(&mut self, now: Tick, out: &mut PlayerOutbox) {
         while let Some(&(due, id)) = self.state.due.first().filter(|(due, _)| *due <= now) {
             let Some(firing) = self.state.firing(id) else { return };
@@ -322,7 +321,7 @@ impl Coordination {
             if firing.orders.is_empty() {
                 self.write(now, RecordKind::Ended { firing: id }, out);
             } else if firing.next() != PendingRecord::Wait {
-                // What was heard just now counts for more than a limit that runs out just now.
+                // A report of this moment counts for more than a limit that runs out now.
                 self.settle(now, out);
             } else if late.is_empty() {
                 self.write(now, RecordKind::Raised { firing: id, cause: ActivityFailure::TimedOut }, out);
@@ -336,7 +335,7 @@ impl Coordination {
         }
     }
 
-    /// Closes what has ended or failed.
+    /// Closes activities that have ended or failed.
     fn settle(&mut self, now: Tick, out: &mut PlayerOutbox) {
         while let Some(&id) = self.state.settled.first() {
             match self.state.firing(id).map(|firing| firing.next()) {
@@ -348,7 +347,7 @@ impl Coordination {
         }
     }
 
-    /// What happens by itself, the first mode first.
+    /// Fires the modes that happen by themselves, the first mode first.
     fn immediates(&mut self, now: Tick, room: &mut usize, out: &mut PlayerOutbox) -> bool {
         let before = *room;
         while *room > 0 {
@@ -363,7 +362,7 @@ impl Coordination {
         *room < before
     }
 
-    /// Puts the question, and starts what is answered.
+    /// Puts the question, and starts the modes of the answer.
     fn ask(&mut self, now: Tick, room: &mut usize, dispatcher: &mut dyn Dispatcher, out: &mut PlayerOutbox) -> bool {
         if !self.starts || self.superseded {
             return false;
@@ -371,7 +370,7 @@ impl Coordination {
         if self.again(now, room, out) {
             return true;
         }
-        // What stations say again and again is nothing new to think about.
+        // A repeated report is no reason to ask again.
         let is_due = self.ask_again.is_some_and(|at| at <= now);
         if !is_due && self.answered == Some((self.state.sequence(), self.heard.len())) {
             return false;
@@ -403,15 +402,16 @@ impl Coordination {
         !answer.start.is_empty()
     }
 
-    /// Whether all stations that a mode needs were heard in this life, and can work, and its resources were compared with
-    /// the model. Until then it waits; it is not an exception.
+    /// Whether all stations that a mode needs were received in this life, and can work, and its resources were compared
+    /// with the model. Until then it waits; it is not an exception.
     pub(super) fn is_heard(&self, now: Tick, mode: ModeId) -> bool {
         let table = &self.state.table;
         self.unready(now, mode).is_none()
             && !table.handling().mode(mode).resources().any(|id| self.watch.is_to_be_compared(&self.state, id))
     }
 
-    /// The first station that keeps a mode from starting; none if all its stations were heard and can be given an order.
+    /// The first station that keeps a mode from starting; none if all its stations were received and can be given an
+    /// order.
     pub fn unready(&self, now: Tick, mode: ModeId) -> Option<AlarmAnswerRefusal> {
         let why = |station| match self.heard.contains(&station) {
             false => Some(AlarmAnswerRefusal::NotHeard(station)),
@@ -450,7 +450,7 @@ impl Coordination {
         self.expect(mode);
     }
 
-    /// For each station that was heard, the oldest order it has not answered to.
+    /// For each station that was received, the oldest order it has not answered to.
     fn heads(&self) -> impl Iterator<Item = OrderKey> + '_ {
         let heard = self.state.unheard.iter().filter(|(station, _)| !self.superseded && self.heard.contains(station));
         heard.filter_map(|(_, keys)| keys.first().copied())

@@ -1,8 +1,8 @@
-//! Which positions of a store are taken.
+//! Positions of a store that are taken.
 //!
-//! The net knows how many parts a store holds; which position is whose, it does not, since it enables nothing. A part gets
-//! the lowest free position of the store it goes to when it sets out, so that the robot can be told, and has the one it
-//! comes from until it has arrived: the net returns the room of where it was at the same moment. So there are never more
+//! The net has the number of parts in a store, not their positions, since those enable nothing. A part gets the lowest
+//! free position of the store it goes to when it sets out, so that it can be sent to the robot, and keeps the one it comes
+//! from until it has arrived: the net returns the room of where it was at the same moment. So there are never more
 //! positions in use than the store has.
 
 use std::collections::BTreeSet;
@@ -25,7 +25,7 @@ impl Positions {
         })
     }
 
-    /// That one is not free any more; false if it was not before, or there is no such position.
+    /// Marks one as taken; false if it was not free before, or there is no such position.
     pub fn take(&mut self, position: u32) -> bool {
         if position > self.most {
             self.free.extend(self.most + 1..position);

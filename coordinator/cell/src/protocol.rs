@@ -1,16 +1,17 @@
 //! The rules of the order protocol, to be switched off by a checker.
 //!
-//! The rules exist for the checker, like `linewright_station_logic::OrderRules`: an exploration that
-//! finds nothing wrong is worth believing only if it finds something as soon as one rule is off.
+//! The rules exist for the checker, like `linewright_station_logic::OrderRules`: an exploration without findings is
+//! credible only if it has findings as soon as one rule is off.
 
-/// Which rules of the order protocol hold. The default is all of them, and the only choice for a machine.
+/// Rules of the order protocol. The default is all of them, and the only choice for a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProtocolRules {
-    /// What is in a station's slot moves, whatever its results say. Off: an order has ended as soon as a result says so.
+    /// The order in a station's slot is in progress, whatever its results report. Off: an order has ended as soon as a
+    /// result reports it.
     pub slot_counts: bool,
-    /// Somebody is asked, and an answer taken, only when the stations stand. Off: at once.
+    /// The alarm is raised, and an answer taken, only when the stations stand. Off: at once.
     pub stands_first: bool,
-    /// After an alarm given by hand stations are told to stop. Off: to go back, as after any other failure.
+    /// After an alarm given by hand stations are ordered to stop. Off: to go back, as after any other failure.
     pub stops: bool,
 }
 

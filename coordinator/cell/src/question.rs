@@ -1,12 +1,13 @@
-//! The question that is put to a dispatcher, and what an answer has to be.
+//! The question to a dispatcher, and the rules of an answer.
 //!
 //! The player decides nothing (seed 001, L39, L111, L187-190): whenever activities can start it *poses* a decision problem
-//! and starts what the answer says. Every start is asked about, also where nothing conflicts, because the dispatcher may
-//! hold back. An answer is looked at before anything is done, so a dispatcher can be wrong without doing harm.
+//! and starts the modes of the answer. Every start is a question, also where nothing conflicts, because the dispatcher may
+//! hold back. An answer is checked before anything is done, so a dispatcher can be wrong without doing harm.
 //!
 //! *Candidates* are modes that have their tokens and a server (seed 000, definition 43, without the sensors and the
 //! dispatcher). Candidates that cannot all have what they need form a *group*: the closure over everything they compete
-//! for. What is decided in one group does not matter to another, and a candidate alone in its group is only asked when.
+//! for. What is decided in one group does not matter to another, and of a candidate alone in its group only the time is
+//! decided.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,15 +19,15 @@ pub use super::reason::HoldReason;
 use super::record::Record;
 use super::state::PlayerState;
 
-/// What could start now.
+/// Problem to be decided: the modes that could start now.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
     pub now: Tick,
     /// The cell.
     pub state: &'a PlayerState,
-    /// What could start, by mode.
+    /// Modes that could start.
     pub candidates: &'a [Candidate],
-    /// Which of them compete.
+    /// Groups of them that compete.
     pub groups: &'a [ConflictGroup],
 }
 
@@ -34,7 +35,7 @@ pub struct Question<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Candidate {
     pub mode: ModeId,
-    /// How often, if nobody else took anything; at least 1.
+    /// Most starts, if no other took anything; at least 1.
     pub times: u32,
     /// Its group, as an index.
     pub group: usize,
@@ -61,11 +62,11 @@ impl<'a> Question<'a> {
     }
 }
 
-/// What a dispatcher says.
+/// Answer of a dispatcher.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DispatchDecision {
     pub start: Vec<Start>,
-    /// What is not, and why. A candidate that is in neither list is held without a reason.
+    /// Candidates held, and reasons. A candidate that is in neither list is held without a reason.
     pub held: Vec<HeldCandidate>,
 }
 
@@ -73,7 +74,7 @@ pub struct DispatchDecision {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Start {
     pub candidate: usize,
-    /// With which part; none exactly if the mode takes none.
+    /// Its part; none exactly if the mode takes none.
     pub part: Option<PartId>,
 }
 
@@ -83,21 +84,21 @@ pub struct HeldCandidate {
     pub candidate: usize,
     /// Reason, for operators.
     pub reason: HoldReason,
-    /// When to ask again, if nothing happens before.
+    /// Time of the next question, if nothing happens before.
     pub until: Option<Tick>,
 }
 
-/// Decides what starts.
+/// Decides which candidates start.
 pub trait Dispatcher {
-    /// Answers a question. It can be asked the same again.
+    /// Answers a question. The same question may come again.
     fn decide(&mut self, question: &Question<'_>) -> DispatchDecision;
 
-    /// Is told of every record that a step writes, in their order, before it is asked again. What a dispatcher remembers of
-    /// a cell can follow from this alone; after a restart whoever made it tells it the log.
+    /// Takes every record that a step writes, in their order, before the next question. What a dispatcher keeps of a cell
+    /// can follow from this alone; after a restart its maker passes it the log.
     fn note(&mut self, _record: &Record) {}
 }
 
-/// Why an answer cannot be followed.
+/// Reason why an answer cannot be followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BadAnswer {
     /// There is no such candidate.

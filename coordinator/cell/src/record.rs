@@ -1,9 +1,9 @@
-//! What is written down of a cell: one record for each step of it.
+//! Records of a cell: one for each step of it.
 //!
 //! Records are the truth: a state is what [`super::PlayerState::apply`] makes of them, in life and after a restart alike. The
-//! caller has to have them on disk, in order, before it tells anybody anything that follows from them (see
-//! [`super::player`]). A record says what has happened, never what was tried: that an order was *sent* is none, since
-//! written before it might be untrue, and written after it might be missing.
+//! caller has to have them on disk, in order, before it sends anything that follows from them (see [`super::player`]). A
+//! record is about what has happened, never about attempts: that an order was *sent* is none, since written before it might
+//! be untrue, and written after it might be missing.
 
 use linewright_line::{StationId, Tick};
 use linewright_orders::TaskFailure;
@@ -16,14 +16,14 @@ use super::production::ProductionChange;
 use super::reason::HoldReason;
 use super::serial;
 
-/// What has happened, and when.
+/// Event, and its time.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
     /// When; never earlier than the record before.
     #[serde(with = "serial::micros")]
     pub at: Tick,
-    /// What changed.
+    /// The event.
     pub fact: RecordKind,
 }
 
@@ -35,45 +35,45 @@ pub enum RecordKind {
         /// Greater than any before.
         epoch: u64,
     },
-    /// A station is heard that remembers what it was told since a certain beginning, or another beginning than before.
+    /// A station is received with a memory that began at another time than before, or for the first time.
     Memory {
-        /// Station whose order store was reset.
+        /// Station with that memory.
         #[serde(with = "serial::station")]
         station: StationId,
         /// A number that it drew when its memory began.
         memory: u64,
     },
-    /// A question was answered. What was decided to start follows as [`RecordKind::Started`].
+    /// A question was answered. The starts decided follow as [`RecordKind::Started`].
     Decided {
         /// The number of the question, from 1.
         question: u64,
         started: Vec<(ModeId, Option<PartId>)>,
-        /// What is not, and why.
+        /// Modes held, and reasons.
         held: Vec<(ModeId, HoldReason)>,
     },
     /// An activity has started: its tokens are taken, its orders exist.
     Started {
         firing: FiringId,
         mode: ModeId,
-        /// With which part; a new one if the mode lets parts enter.
+        /// Its part; a new one if the mode lets parts enter.
         part: Option<PartId>,
         /// The keys of its orders, as its activity lists them.
         orders: Vec<OrderKey>,
     },
     /// A station has taken an order on.
     Acknowledged { key: OrderKey },
-    /// A station has done what it was told.
+    /// A station has done its order.
     OrderEnded { key: OrderKey },
     /// An order will not be done, as far as is known.
     OrderFailed { key: OrderKey, failure: OrderFailure },
-    /// An activity will not end by itself. It keeps its tokens and its part until it is answered what is true.
+    /// An activity will not end by itself. It keeps its tokens and its part until there is an answer.
     Raised { firing: FiringId, cause: ActivityFailure },
     /// An activity has ended: its tokens are given.
     Ended { firing: FiringId },
-    /// What takes no time has happened: tokens are taken and given.
+    /// An instantaneous mode has happened: tokens are taken and given.
     Fired {
         mode: ModeId,
-        /// With which part; a new one if the mode lets parts enter.
+        /// Its part; a new one if the mode lets parts enter.
         part: Option<PartId>,
     },
     /// The production orders have changed.
@@ -85,7 +85,7 @@ pub enum RecordKind {
     Exception(ExceptionStep),
 }
 
-/// What has happened to an activity, or to what takes no time.
+/// Step of an activity, or of an instantaneous mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActivityStep<'a> {
     Started {
@@ -107,7 +107,7 @@ pub enum ActivityStep<'a> {
         firing: FiringId,
         ruling: &'a RecoveryDecision,
     },
-    /// What takes no time has happened.
+    /// An instantaneous mode has happened.
     Fired {
         mode: ModeId,
         part: Option<PartId>,
@@ -115,7 +115,7 @@ pub enum ActivityStep<'a> {
 }
 
 impl RecordKind {
-    /// What it says of an activity; none if it is about something else.
+    /// The step of an activity in it; none if it is about something else.
     pub fn activity_step(&self) -> Option<ActivityStep<'_>> {
         match self {
             &RecordKind::Started { firing, mode, part, ref orders } => {
@@ -139,7 +139,7 @@ impl RecordKind {
     }
 }
 
-/// Why an order was not done.
+/// Reason why an order was not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OrderFailure {
@@ -147,17 +147,17 @@ pub enum OrderFailure {
     Code(u16),
     /// The station does not take it on, and will not later.
     Refused(TaskRefusal),
-    /// No end was heard within its limit.
+    /// No end was received within its limit.
     TimedOut,
     /// The station has lost its memory; whether the order was done can only be seen at the station.
     Forgotten,
-    /// The station was not heard for too long.
+    /// The station was not received for too long.
     Lost,
-    /// The station says that its devices are not there.
+    /// The station reports that its devices are not there.
     DevicesLost,
 }
 
-/// Why an activity does not end by itself.
+/// Reason why an activity does not end by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ActivityFailure {
@@ -174,7 +174,7 @@ pub enum ActivityFailure {
 }
 
 impl OrderFailure {
-    /// How an order has ended, by its station. The station's clock means the same as the coordinator's.
+    /// From the outcome by the station. A time-out by the station's clock equals one by the coordinator's.
     pub fn of(ended: TaskFailure) -> Self {
         match ended {
             TaskFailure::TimedOut => OrderFailure::TimedOut,

@@ -1,7 +1,7 @@
-//! How times, stations and rules stand in what is written down: as microseconds, numbers, and the words of descriptions.
+//! Form of times, stations and rules in what is written down: microseconds, numbers, and the words of descriptions.
 //!
-//! Records and snapshots say with `serde` what they consist of, and nothing of the text or the bytes; the rest of their
-//! types derives it. What is here comes from crates that know nothing of being written down.
+//! The types of records and snapshots derive `serde`, independent of text or bytes. The types here come from crates
+//! that do not.
 
 /// A time, in microseconds.
 pub(super) mod micros {
@@ -31,7 +31,7 @@ pub(super) mod maybe {
     }
 }
 
-/// A key that somebody has drawn, in hexadecimal digits.
+/// A random key, in hexadecimal digits.
 pub(super) mod key {
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serializer};

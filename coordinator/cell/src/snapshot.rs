@@ -1,8 +1,8 @@
-//! A state without what can be worked out from it, to be written down in the place of the records that led to it.
+//! A state without what can be computed from it, written in the place of the records that led to it.
 //!
-//! What is in it is the state's own affair; whoever keeps it turns it into bytes and back. On the way in everything is
-//! checked against the table and against itself: a snapshot that fits is a state that records can go on from, and one that
-//! does not is refused before anything is made of it. That a token is missing altogether only its checksum can tell.
+//! Its contents are the state's own affair; the caller turns it into bytes and back. On the way in everything is checked
+//! against the table and against itself: a snapshot that fits is a state that records can go on from, and one that does
+//! not is refused before anything is made of it. A token that is missing altogether is found only by a checksum.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -66,7 +66,7 @@ impl CellSnapshot {
 }
 
 impl PlayerState {
-    /// What this state is made of.
+    /// The parts of this state.
     pub fn snapshot(&self) -> CellSnapshot {
         let is_tokens = |cell: &CellId| self.table.kind(*cell) == CellKind::Tokens && self.marking.count(*cell) > 0;
         CellSnapshot {
@@ -92,7 +92,7 @@ impl PlayerState {
     /// The state that was taken a snapshot of.
     ///
     /// # Errors
-    /// Why it is no state of this table.
+    /// Reason why it is no state of this table.
     pub fn restore(table: Arc<CellTable>, of: CellSnapshot) -> Result<Self, ReplayError> {
         let sequence = of.sequence;
         restored(table, of).map_err(|why| ReplayError { sequence, why })

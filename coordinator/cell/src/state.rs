@@ -1,10 +1,10 @@
-//! All that is remembered of a cell: marking, parts, what is in progress, and the counters that numbers come from.
+//! State of a cell: marking, parts, what is in progress, and the counters that numbers come from.
 //!
 //! It changes in [`PlayerState::apply`] alone, and all of it follows from the records. What does not follow from them (what
-//! was sent when, who was heard in this life) is the player's and is forgotten by a restart on purpose. Beside the facts
-//! there are lists that could be worked out from them and are kept up to date instead, so that no step searches: the
-//! enabled modes, the parts by since when they wait, the firings by when they are due, those that can be closed, the
-//! orders nobody has taken on.
+//! was sent when, which stations were received in this life) is the player's and is lost in a restart on purpose. Beside
+//! the facts there are lists that could be computed from them and are kept up to date instead, so that no step searches:
+//! the enabled modes, the parts by since when they wait, the firings by when they are due, those that can be closed, the
+//! orders not acknowledged.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ pub struct Part {
     pub id: PartId,
     #[serde(with = "serial::micros")]
     pub entered: Tick,
-    /// Since when it has been where it is.
+    /// Time since which it has been where it is.
     #[serde(with = "serial::micros")]
     pub since: Tick,
     /// Current place.
@@ -55,7 +55,7 @@ impl Part {
     }
 }
 
-/// Where a part is.
+/// Place of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PartPlace {
@@ -70,13 +70,13 @@ pub enum PartPlace {
     In(FiringId),
 }
 
-/// Why records cannot be what happened to this cell.
+/// Reason why records cannot be what happened to this cell.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("record {sequence} does not fit: {why}")]
 pub struct ReplayError {
     /// The position of the record, from 1.
     pub sequence: u64,
-    /// What is wrong with it.
+    /// Error in it.
     pub why: String,
 }
 
@@ -90,17 +90,17 @@ pub struct PlayerState {
     /// The parts that are on a cell, by since when.
     pub(super) waiting: BTreeSet<(Tick, PartId)>,
     pub(super) firings: BTreeMap<FiringId, OngoingActivity>,
-    /// For each mode how many of the firings are its.
+    /// Number of firings of each mode.
     pub(super) in_progress: Vec<u32>,
     /// The firing of each order of one, and the position there.
     pub(super) orders: BTreeMap<OrderKey, (FiringId, usize)>,
-    /// Orders that nobody has taken on, of activities that have not failed, for each station.
+    /// Orders not acknowledged, of activities that have not failed, for each station.
     pub(super) unheard: BTreeMap<StationId, BTreeSet<OrderKey>>,
     pub(super) due: BTreeSet<(Tick, FiringId)>,
-    /// Firings whose end or failure has not been written yet.
+    /// Firings with an end or failure that has not been written yet.
     pub(super) settled: BTreeSet<FiringId>,
     pub(super) memory: BTreeMap<StationId, u64>,
-    /// What is on order.
+    /// Production orders.
     pub(super) production: Production,
     /// Of each store.
     pub(super) positions: Vec<Positions>,
@@ -171,7 +171,7 @@ impl PlayerState {
         }
     }
 
-    /// What the records make of a cell. Records of another cell, or not from the beginning, do not fit.
+    /// State of a cell by its records. Records of another cell, or not from the beginning, do not fit.
     pub fn replay<'a>(
         table: Arc<CellTable>,
         records: impl IntoIterator<Item = &'a Record>,
@@ -181,22 +181,22 @@ impl PlayerState {
         Ok(state)
     }
 
-    /// What is played.
+    /// Table that is played.
     pub fn table(&self) -> &Arc<CellTable> {
         &self.table
     }
 
-    /// Where the tokens are. What activities in progress have taken is nowhere.
+    /// Places of the tokens, without those that activities in progress have taken.
     pub fn marking(&self) -> &CellMarking {
         &self.marking
     }
 
-    /// Which modes have their tokens.
+    /// Modes that have their tokens.
     pub fn enabling(&self) -> &Enabling {
         &self.enabling
     }
 
-    /// The modes that have their tokens, in order, whether somebody decides about them or not.
+    /// The modes that have their tokens, in order, decided ones and others.
     pub fn enabled(&self) -> Vec<ModeId> {
         let mut all = [self.enabling.decided(), self.enabling.immediate()].concat();
         all.sort_unstable();
@@ -218,12 +218,12 @@ impl PlayerState {
         self.parts.get(&part)
     }
 
-    /// What is on order, and what has become of it.
+    /// Production orders and their progress.
     pub fn production(&self) -> &Production {
         &self.production
     }
 
-    /// How many parts have left.
+    /// Number of parts that have left.
     pub fn left(&self) -> u64 {
         self.left
     }
@@ -238,7 +238,7 @@ impl PlayerState {
         self.firings.get(&firing)
     }
 
-    /// How many firings of a mode are in progress.
+    /// Number of firings of a mode in progress.
     pub fn in_progress(&self, mode: ModeId) -> u32 {
         self.in_progress[mode.index()]
     }
@@ -253,7 +253,7 @@ impl PlayerState {
         self.epoch
     }
 
-    /// How many records this state is made of.
+    /// Number of records in this state.
     pub fn sequence(&self) -> u64 {
         self.sequence
     }
@@ -281,7 +281,7 @@ impl PlayerState {
         }
     }
 
-    /// How many firings of a mode could be added at once, if it had all tokens for itself.
+    /// Number of firings of a mode that could be added at once, if it had all tokens for itself.
     pub fn room(&self, mode: ModeId) -> u32 {
         let servers = self.table.activity(mode).servers.saturating_sub(self.in_progress(mode));
         let times = |&(cell, weight): &(CellId, u32)| self.marking.count(cell) / u64::from(weight).max(1);

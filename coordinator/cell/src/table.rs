@@ -1,12 +1,12 @@
-//! The compiled cell: what every mode takes and gives, and what it stands for.
+//! The compiled cell: tokens that every mode takes and gives, and its activity.
 //!
 //! A coloured net is unfolded, so that a mode is a row and a colour of a place is a *cell*; the player never evaluates a
-//! function or a guard. Rows lie one after the other in one block of memory, found by where they start. The table does
-//! not know what a machine or a robot is; it never changes, and exists only in sound form.
+//! function or a guard. Rows lie one after the other in one block of memory, found by where they start. The table has no
+//! notion of a machine or a robot; it never changes, and exists only in sound form.
 //!
 //! The inputs of a mode are in the order in which enabling looks at them: those few modes compete for come first (the
 //! part at its location, then the target's capacity), those many compete for come last (the carrier). A mode that cannot
-//! fire then waits for what is its own rather than for the robot; [`super::enabling`] says what that is good for.
+//! fire then waits for what is its own rather than for the robot; for the benefit see [`super::enabling`].
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,32 +19,32 @@ use super::exception::RecoveryPolicy;
 use super::ids::{CellId, ModeId, TokenDemand};
 use super::plan::{ActivityTiming, CellKind, PlayPlan, PlayedActivity, Product, StorePositions, TaskParameterValue};
 
-/// Why a plan does not fit its net.
+/// Reason why a plan does not fit its net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum PlanError {
     /// Not one kind for each cell.
     #[error("the plan has kinds for {has} cells, the net has {expected}")]
     Cells {
-        /// How many there are.
+        /// Number found.
         has: usize,
-        /// How many there must be.
+        /// Number required.
         expected: usize,
     },
     /// Not one activity for each mode.
     #[error("the plan has activities for {has} modes, the net has {expected}")]
     Modes {
-        /// How many there are.
+        /// Number found.
         has: usize,
-        /// How many there must be.
+        /// Number required.
         expected: usize,
     },
     /// An activity that is not in the list.
     #[error("`{mode}` names activity {activity}; there are {count}")]
     NoActivity {
         mode: String,
-        /// The position asked for.
+        /// Position requested.
         activity: usize,
-        /// How many there are.
+        /// Number of activities.
         count: usize,
     },
     /// A mode moves more than one part.
@@ -57,9 +57,9 @@ pub enum PlanError {
     /// More parts than are kept apart.
     #[error("{has} parts are in the cell from the beginning, at most {most} can be")]
     TooManyParts {
-        /// How many there would be.
+        /// Number there would be.
         has: u64,
-        /// How many there may be.
+        /// Largest number possible.
         most: u64,
     },
     /// An immediate activity takes no time, so it cannot have orders.
@@ -75,7 +75,7 @@ pub enum PlanError {
         /// The mode, as a number.
         mode: u32,
     },
-    /// A store of what there is not, or of what another store has.
+    /// A store of a cell that does not exist, or that is another store's.
     #[error("store `{store}` has cell {cell}, which holds no parts or belongs to another store")]
     Store {
         store: String,
@@ -93,7 +93,7 @@ pub enum PlanError {
 /// At most so many parts from the beginning; each is kept by itself.
 const PARTS_MAX: u64 = 1_000_000;
 
-/// What a mode is beside its arcs.
+/// Data of a mode beside its arcs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct TableMode {
     activity: usize,
@@ -154,8 +154,8 @@ pub struct CellTable {
 }
 
 impl CellTable {
-    /// Compiles the long form of a coloured net, with what `plan` says of its places and transitions. Cells and modes are
-    /// numbered as places and transitions of [`Unfolding::net`] are.
+    /// Compiles the long form of a coloured net, with `plan` for its places and transitions. Cells and modes are numbered
+    /// as places and transitions of [`Unfolding::net`] are.
     pub fn compile(unfolding: &Unfolding, plan: PlayPlan) -> Result<Self, PlanError> {
         let net = unfolding.net();
         let cells = net.place_count();
@@ -232,38 +232,37 @@ impl CellTable {
         Ok(())
     }
 
-    /// The same cell, of which it is known what to do when something fails.
+    /// The same cell, with a recovery policy.
     #[must_use]
     pub fn with_handling(mut self, handling: RecoveryPolicy) -> Self {
         self.handling = Arc::new(handling);
         self
     }
 
-    /// What people call the activity of a mode; its own name where they call it nothing.
+    /// Operators' name of the activity of a mode; its own name where there is none.
     pub fn called(&self, mode: ModeId) -> &str {
         let activity = &self.handling.mode(mode).activity;
         if activity.is_empty() { self.mode_name(mode) } else { activity }
     }
 
-    /// What is known for the case that something fails.
+    /// Recovery policy.
     pub fn handling(&self) -> &RecoveryPolicy {
         &self.handling
     }
 
-    /// The same cell without stations: whatever takes time ends by the clock alone. This is what is played where nothing
-    /// happens but in forward simulations.
+    /// The same cell without stations: all that takes time ends by the clock alone. Used in forward simulations alone.
     pub fn without_orders(&self) -> Self {
         let mut quiet = self.clone();
         quiet.activities.iter_mut().for_each(|activity| activity.orders.clear());
         quiet
     }
 
-    /// How many cells there are.
+    /// Number of cells.
     pub fn cell_count(&self) -> usize {
         self.cell_names.len()
     }
 
-    /// How many modes there are.
+    /// Number of modes.
     pub fn mode_count(&self) -> usize {
         self.mode_names.len()
     }
@@ -284,17 +283,17 @@ impl CellTable {
         mode.index() < self.mode_count()
     }
 
-    /// What a cell is called in the net.
+    /// Name of a cell in the net.
     pub fn cell_name(&self, cell: CellId) -> &str {
         &self.cell_names[cell.index()]
     }
 
-    /// What a mode is called in the net.
+    /// Name of a mode in the net.
     pub fn mode_name(&self, mode: ModeId) -> &str {
         &self.mode_names[mode.index()]
     }
 
-    /// What the tokens of a cell are.
+    /// Kind of the tokens of a cell.
     pub fn kind(&self, cell: CellId) -> CellKind {
         self.kinds[cell.index()]
     }
@@ -304,12 +303,12 @@ impl CellTable {
         &self.initial
     }
 
-    /// What a mode takes, each cell once, in the order in which enabling looks at them.
+    /// Tokens that a mode takes, each cell once, in the order in which enabling looks at them.
     pub fn takes(&self, mode: ModeId) -> &[TokenDemand] {
         self.inputs.of(mode.index())
     }
 
-    /// What a mode gives, each cell once.
+    /// Tokens that a mode gives, each cell once.
     pub fn gives(&self, mode: ModeId) -> &[TokenDemand] {
         self.outputs.of(mode.index())
     }
@@ -319,7 +318,7 @@ impl CellTable {
         self.consumers.of(cell.index())
     }
 
-    /// What a mode stands for.
+    /// Activity of a mode.
     pub fn activity(&self, mode: ModeId) -> &PlayedActivity {
         &self.activities[self.modes[mode.index()].activity]
     }
@@ -329,7 +328,7 @@ impl CellTable {
         matches!(self.activity(mode).kind, ActivityTiming::Immediate)
     }
 
-    /// Where a mode takes its part from; none if it takes none.
+    /// Cell that a mode takes its part from; none if it takes none.
     pub fn part_in(&self, mode: ModeId) -> Option<CellId> {
         self.modes[mode.index()].part_in
     }
@@ -340,12 +339,11 @@ impl CellTable {
         self.modes[mode.index()].part_out
     }
 
-    /// What is made on order.
     pub fn products(&self) -> &[Product] {
         &self.products
     }
 
-    /// The store whose parts have positions.
+    /// The stores whose parts have positions.
     pub fn stores(&self) -> &[StorePositions] {
         &self.stores
     }
@@ -355,17 +353,17 @@ impl CellTable {
         self.store_of[cell.index()]
     }
 
-    /// After what time an order is repeated.
+    /// Time until an order is repeated.
     pub fn refresh(&self) -> Duration {
         self.refresh
     }
 
-    /// For how long after a restart no limit runs out.
+    /// Time after a restart in which no limit runs out.
     pub fn grace(&self) -> Duration {
         self.grace
     }
 
-    /// How many input arcs there are in all.
+    /// Number of input arcs in all.
     pub(super) fn arc_count(&self) -> usize {
         self.arc_modes.len()
     }
@@ -375,7 +373,7 @@ impl CellTable {
         self.inputs.range(mode.index())
     }
 
-    /// One input arc: whose it is, and what it takes.
+    /// One input arc: its mode, and the tokens it takes.
     pub(super) fn arc(&self, arc: usize) -> (ModeId, TokenDemand) {
         (self.arc_modes[arc], self.inputs.items[arc])
     }

@@ -45,7 +45,7 @@ fn the_conflict_of_figure_41_arises_in_the_described_cell() {
 }
 
 /// A4, seed 000, L2924-2944, by the rules of the description: nothing is planned, so the shortest goes first. The unloading
-/// takes 3 s; loading the human 2 s, and then he works for 5 s on part 2, for 4 s on part 3 (L2029-2035).
+/// takes 3 s; loading the human 2 s, which then works for 5 s on part 2, for 4 s on part 3 (L2029-2035).
 #[test]
 fn the_described_cell_decides_its_conflict_by_its_own_rules() {
     let starts = ["arrive<1.new>", "arrive<2.new>", "arrive<3.new>", "load robot_2<1.new>", "robot_2.process<1.new>"];
@@ -97,7 +97,7 @@ impl Dispatcher for LetIn {
 }
 
 /// Five parts go through workcell C1, with lost and doubled messages: each is loaded, worked on and unloaded as often as
-/// its plan says, and all leave.
+/// in its plan, and all leave.
 #[test]
 fn all_parts_that_enter_workcell_c1_leave_it_finished() {
     for seed in 0..5 {
@@ -118,7 +118,7 @@ fn all_parts_that_enter_workcell_c1_leave_it_finished() {
     }
 }
 
-/// The robot is told the slot: that of the part in the store, or a free one. No slot has two parts, and a part is fetched
+/// The robot is sent the slot: that of the part in the store, or a free one. No slot has two parts, and a part is fetched
 /// from where it was put.
 #[test]
 fn each_part_has_a_slot_of_its_own_in_the_store() {
@@ -139,7 +139,7 @@ fn each_part_has_a_slot_of_its_own_in_the_store() {
         for &(stores, part, slot) in &robot {
             assert!((1..=6).contains(&slot), "{slot}");
             let put = last.insert(part, slot);
-            // Nobody tells the robot where a part was put that came in by hand.
+            // The robot is not sent where a part was put that came in by hand.
             assert!(stores || put.is_none_or(|put| put == slot), "{part} was put into {put:?} and fetched from {slot}");
         }
         let mut used: Vec<i32> = robot.iter().map(|&(.., slot)| slot).collect();
@@ -149,7 +149,7 @@ fn each_part_has_a_slot_of_its_own_in_the_store() {
     }
 }
 
-/// In a stack the position is the level: nothing lies above what is fetched.
+/// In a stack the position is the level: nothing is above the part that is fetched.
 #[test]
 fn in_a_lifo_buffer_orders_name_the_level() {
     let stack = C1.replacen("random-access-store", "lifo-buffer", 1);

@@ -48,7 +48,7 @@ struct Life {
     stations: usize,
 }
 
-/// Which way out was taken: of which mode, after the carrier was said to have the part or not.
+/// Recovery that was taken: its mode, whether the carrier was answered to have the part before, and where it led.
 type Taken = (ModeId, bool, Whereabouts, Strategy);
 
 impl Life {
@@ -59,7 +59,7 @@ impl Life {
         out.records
     }
 
-    /// All stations stand at a rest, and know of no order.
+    /// All stations stand at a rest, without orders.
     fn hear(&mut self) {
         let heard = TaskReport { memory: 1, ..TaskReport::default() };
         for station in 0..self.stations {
@@ -112,7 +112,7 @@ struct Check<'c> {
 }
 
 impl Check<'_> {
-    /// What a transition does to the cells of the table.
+    /// Effect of a transition on the cells of the table.
     fn effect(&self, t: TransitionId) -> BTreeMap<usize, i64> {
         let net = &self.net.net;
         let mut effect: BTreeMap<usize, i64> = BTreeMap::new();
@@ -141,7 +141,7 @@ impl Check<'_> {
                 let Some(resource) = handling.mode(mode).resources().next() else { continue };
                 life.step(&[PlayerInput::Alarm { resource, text: "by hand" }], &mut Wanted::default());
             }
-            // Otherwise its time runs out. Nobody comes to rest by himself: people are asked in any case.
+            // Otherwise its time runs out. No station comes to rest by itself: the alarm is raised in any case.
             for _ in 0..1000 {
                 if life.alarm().is_some() {
                     break;
@@ -192,7 +192,7 @@ impl Check<'_> {
         }
     }
 
-    /// What the record that closes an activity does to the marking.
+    /// Effect of the record that closes an activity on the marking.
     fn closed(&self, state: &mut PlayerState, record: &Record) -> Option<BTreeMap<usize, i64>> {
         let before: Vec<i64> = state.marking().counts().iter().map(|&n| n as i64).collect();
         state.apply(record).expect("the player wrote it");
@@ -234,7 +234,7 @@ fn held_against(text: &str) -> (RecoveryNet, usize) {
             begun.step(&[], &mut Wanted { mode: Some(mode), asked: Vec::new() });
             check.fail(&begun, mode, &codes, 2);
         }
-        // What is new first, so that parts come further; else whatever the turn says.
+        // New modes first, so that parts come further; else by the turn.
         let next = asked.iter().find(|mode| open.contains(mode)).or(asked.get(turn * 7919 % asked.len().max(1)));
         let Some(&mode) = next else { break };
         asked.iter().for_each(|mode| _ = open.remove(mode));

@@ -26,7 +26,7 @@ fn text() -> String {
 }
 
 /// Whether messages are lost, come twice or the coordinator dies: a part that stays is clamped once, worked on twice and
-/// released once, and the robot is told nothing in between.
+/// released once, and the robot gets no order in between.
 #[test]
 fn a_part_that_stays_is_clamped_once() {
     for seed in 0..5 {
@@ -55,7 +55,7 @@ fn a_part_that_stays_is_clamped_once() {
     }
 }
 
-/// By each rule alone: where it says nothing for the unloading, the part stays.
+/// By each rule alone: where it does not decide for the unloading, the part stays.
 #[test]
 fn no_rule_unloads_a_part_to_load_it_again() {
     let rules = [DispatchRule::Fifo, DispatchRule::ShortestProcessingTime, DispatchRule::LeastSlack];
@@ -73,7 +73,7 @@ fn cell_named(table: &CellTable, name: &str) -> linewright_coordinator_cell::Cel
     table.cells().find(|&cell| table.cell_name(cell) == name).unwrap_or_else(|| panic!("no cell {name}"))
 }
 
-/// What remains is the way without transports, and without what a variant is without.
+/// The rest is the way without transports, and without the steps that a variant leaves out.
 #[test]
 fn the_work_that_remains_is_that_of_a_part_that_stays() {
     let made = made(&text(), Supply::Open);

@@ -1,9 +1,9 @@
-//! What a database is about: one cell or one line, as it was described.
+//! Identity of a database: one cell or one line, as it was described.
 
 use linewright_coordinator_cell::tracking::ReportMetadata;
 use serde::{Deserialize, Serialize};
 
-/// What a database is about.
+/// Identity of a database.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum About {
@@ -59,7 +59,7 @@ impl About {
     }
 }
 
-/// A line of a database. All that a report has to know of it is in here.
+/// A line of a database. Contains all that a report needs of it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LineAbout {
@@ -69,7 +69,7 @@ pub struct LineAbout {
     pub clock: TimeBase,
     /// Its stations, by number.
     pub stations: Vec<LineStation>,
-    /// What a cycle takes by the description alone, in µs; 0: nothing is planned.
+    /// Planned duration of a cycle, in µs; 0: nothing is planned.
     pub cycle_us: u64,
 }
 
@@ -93,7 +93,7 @@ pub struct LineOperation {
 }
 
 impl LineAbout {
-    /// What differs, as [`CellAbout::difference`]. Planned times may differ: the newest count.
+    /// Difference in stations or operations. Planned times may differ: the newest count.
     fn difference(&self, expected: &LineAbout) -> Option<(String, String)> {
         let names = |of: &LineAbout| -> Vec<(String, Vec<String>)> {
             let operations = |of: &LineStation| of.operations.iter().map(|of| of.name.clone()).collect();
@@ -104,7 +104,7 @@ impl LineAbout {
     }
 }
 
-/// A cell of a database. All that a report has to know of the cell is in it, so that none needs the description.
+/// A cell of a database. Contains all that a report needs of it, so that none needs the description.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CellAbout {

@@ -1,4 +1,4 @@
-//! Why a database cannot be used.
+//! Reasons why a database cannot be used.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::ErrorCode;
 use thiserror::Error;
 
-/// Why a database cannot be used.
+/// Reason why a database cannot be used.
 #[derive(Debug, Error)]
 pub enum HistoryError {
     /// The file system refuses.
@@ -16,7 +16,7 @@ pub enum HistoryError {
         /// The system's reason.
         error: io::Error,
     },
-    /// There is one already, and a new one was wanted.
+    /// There is one already, and a new one was requested.
     #[error("{path} exists already; choose another name, or remove it")]
     Exists {
         /// The file.
@@ -27,7 +27,7 @@ pub enum HistoryError {
     NotOurs {
         /// The file.
         path: PathBuf,
-        /// What is known of it.
+        /// Reason, where known.
         why: Option<String>,
     },
     /// Another version of the program wrote it.
@@ -43,12 +43,12 @@ pub enum HistoryError {
     #[error("database {path} is about {is}, not about {expected}; move it away to begin a new one")]
     Other {
         path: PathBuf,
-        /// What it is about.
+        /// Cell or line found.
         is: String,
-        /// What it should be about.
+        /// Cell or line expected.
         expected: String,
     },
-    /// The log says otherwise: it was begun anew, and the database was not.
+    /// The log differs: it was begun anew, and the database was not.
     #[error(
         "database {path} has another record {number} than the log, so it is of another log of the same cell; move it \
          away to begin a new one"
@@ -58,14 +58,14 @@ pub enum HistoryError {
         /// The first number under which they differ.
         number: u64,
     },
-    /// What it says cannot have happened.
+    /// Its contents cannot have happened.
     #[error("database {path} is damaged: {why}")]
     Damaged {
         path: PathBuf,
-        /// What is wrong.
+        /// Contradiction found.
         why: String,
     },
-    /// The database says no.
+    /// The database refuses.
     #[error("cannot use database {path}: {why}")]
     Refused {
         path: PathBuf,
@@ -81,7 +81,7 @@ pub enum HistoryError {
     },
 }
 
-/// Says of a failure which file it was, and tells a damaged one from one that is not there.
+/// Adds the file to a failure, and distinguishes a damaged file from a missing one.
 pub(crate) fn at(path: &Path) -> impl Fn(rusqlite::Error) -> HistoryError + Copy {
     |error| {
         let path = path.to_owned();

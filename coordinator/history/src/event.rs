@@ -21,9 +21,9 @@ pub struct HistoryEvent {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EventKind {
-    /// What the log says under a number.
+    /// Record of the log under a number.
     Fact(u64, RecordKind),
-    /// What no log says.
+    /// An event that is in no log.
     Note(Note),
 }
 

@@ -1,4 +1,4 @@
-//! What a flexible cell or a line has done, in an embedded database: to be asked while it runs, and for years after.
+//! History of a flexible cell or a line, in an embedded database: for queries while it runs, and for years after.
 //!
 //! ```text
 //!   records ──▶ log on disk ──▶ Recorder ──▶ database ──▶ Reader ──▶ folds of `tracking` ──▶ reports
@@ -6,16 +6,16 @@
 //!                   └─ what did not fit ──────┘
 //! ```
 //!
-//! The log of a cell is what its coordinator goes on from, and forgets all that a snapshot stands for. This remembers, and
-//! nothing of the cell depends on it: a database that is lost, full or slow is a report that is missing. Each [`HistoryEvent`] is a
-//! row: a record of the log by its number, so that feeding it twice changes nothing, or a [`Note`] about what is no record
-//! (the mode of the cell, a device that is lost). Rows say what has happened as the record does, as JSON; reports are folds
-//! over the same records as everywhere else, and SQL is for people ([`schema`](mod@self) has views for them).
+//! The log of a cell is what its coordinator goes on from, and a snapshot replaces its records. The database keeps them, and
+//! nothing of the cell depends on it: a database that is lost, full or slow is a report that is missing. Each [`HistoryEvent`]
+//! is a row: a record of the log by its number, so that feeding it twice changes nothing, or a [`Note`] about what is no record
+//! (the mode of the cell, a device that is lost). Rows contain the record as JSON; reports are folds over the same records as
+//! everywhere else, and SQL is for people ([`schema`](mod@self) has views for them).
 //!
-//! A line has no log: its coordinator gives notes alone, with what they say of the line's state given anew wherever some may
-//! be missing, and [`mod@line`] folds them.
+//! A line has no log: its coordinator gives notes alone, with the whole state of the line wherever some may be missing, and
+//! [`mod@line`] folds them.
 //!
-//! *Only this crate knows SQL.* It has no clock: times are those of the records.
+//! *Only this crate contains SQL.* It has no clock: times are those of the records.
 
 mod about;
 mod error;

@@ -1,7 +1,7 @@
-//! What happens to a cell or a line and is no record of a log.
+//! Events of a cell or a line that are no records of a log.
 //!
-//! Nothing of the cell's state follows from these, so nobody has to remember them over a crash: one that was not written
-//! when the power went is missing.
+//! Nothing of the cell's state follows from these, so none is kept over a crash: one that was not written when the power
+//! went is missing.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use linewright_coordinator_cell::FiringId;
 use linewright_line::Tick;
 use serde::{Deserialize, Serialize};
 
-/// What has happened beside the records.
+/// Event beside the records.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Note {
@@ -21,14 +21,14 @@ pub enum Note {
     },
     /// An emergency stop has come, or is over.
     EmergencyStop {
-        /// Which of the two.
+        /// True for on.
         on: bool,
     },
-    /// A station is not heard any more, or is heard again.
+    /// A station is not received any more, or is received again.
     Station {
         /// Index of the station in the description.
         station: u16,
-        /// Which of the two.
+        /// True for lost.
         lost: bool,
     },
     /// A device of a station is lost, or is there again.
@@ -36,10 +36,10 @@ pub enum Note {
         /// The station's number.
         station: u16,
         device: String,
-        /// Which of the two.
+        /// True for lost.
         lost: bool,
     },
-    /// When an activity that has started was planned to start and to end.
+    /// Planned start and end of an activity that has started.
     Planned {
         firing: FiringId,
         #[serde(with = "micros")]
@@ -47,14 +47,14 @@ pub enum Note {
         #[serde(with = "micros")]
         to: Tick,
     },
-    /// Records of the log that are not in the database, since the log had forgotten them when it was read.
+    /// Records of the log that are not in the database, since they were no longer in the log when it was read.
     Missing {
         /// The first.
         from: u64,
         /// The last.
         to: u64,
     },
-    /// Of a line, as all below: the observation begins here, or goes on after a gap. What follows says how everything stands.
+    /// Of a line, as all below: the observation begins here, or goes on after a gap. The whole situation follows.
     Began {},
     /// An operation was in motion.
     Motion {
@@ -72,7 +72,7 @@ pub enum Note {
     /// A station stood in auto and waited.
     Waited {
         station: u16,
-        /// What it waited for.
+        /// Reason of the wait.
         why: String,
         #[serde(with = "micros")]
         from: Tick,
@@ -83,9 +83,9 @@ pub enum Note {
     Fault { station: u16, text: String },
     /// The line has completed a cycle.
     Cycle { number: i32, took_us: u64 },
-    /// Nothing else was to be said for a while, and the line is still observed.
+    /// There was no other note for a while, and the line is still observed.
     Observed {},
-    /// Anything that people should know.
+    /// Information for operators.
     Said {
         /// Text of the log line.
         text: String,
@@ -114,14 +114,14 @@ impl Note {
     }
 }
 
-/// How a motion has ended.
+/// Outcome of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionOutcome {
     Done,
     /// The motion back was completed.
     Undone,
-    /// On its way: by a fault, a stop, or since the station was not heard any more.
+    /// On its way: by a fault, a stop, or since the station was not received any more.
     Stopped,
     /// It is over, and neither its beginning nor its end was seen: no times.
     Unseen,

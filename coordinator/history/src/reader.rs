@@ -1,4 +1,4 @@
-//! The database, open for reading: while somebody writes it, and of one moment from beginning to end.
+//! The database, open for reading beside its writer: of one moment from beginning to end.
 
 use std::path::{Path, PathBuf};
 
@@ -25,9 +25,10 @@ impl HistoryReader {
     /// # Errors
     /// When there is none, it is something else, of another form, or damaged.
     pub fn open(path: &Path) -> Result<Self, HistoryError> {
-        // The database's own message does not say what was wrong with the file.
+        // The database's own message does not name the error of the file.
         std::fs::File::open(path).map_err(|error| HistoryError::File { path: path.to_owned(), error })?;
-        // Whoever may only read leaves files behind that others would have to remove; so it may write, and does not.
+        // A connection that may only read leaves files behind that others would have to remove; so it may write, and
+        // does not.
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let db = Connection::open_with_flags(path, flags).map_err(at(path))?;
         db.pragma_update(None, "query_only", true).map_err(at(path))?;
@@ -46,7 +47,7 @@ impl HistoryReader {
         &self.about
     }
 
-    /// When the first and the last thing happened; none if nothing has.
+    /// Times of the first and the last event; none if there is none.
     ///
     /// # Errors
     /// When it cannot be read.
@@ -60,7 +61,7 @@ impl HistoryReader {
     /// has them.
     ///
     /// # Errors
-    /// When it cannot be read, or says what cannot be.
+    /// When it cannot be read, or its contents are impossible.
     pub fn each(&self, until: Tick, mut take: impl FnMut(HistoryEvent)) -> Result<(), HistoryError> {
         let failed = at(&self.path);
         let damaged = |why: String| HistoryError::Damaged { path: self.path.clone(), why };

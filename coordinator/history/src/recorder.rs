@@ -3,7 +3,7 @@
 //! Records are offered through a bounded queue, after they are in the cell's log. What finds the queue full is dropped: the
 //! thread sees by the numbers that something is missing and reads it from the log ([`RecordSource`]). The same happens when it
 //! begins, so a database that is behind for whatever reason (killed, moved away, damaged and replaced) catches up by itself,
-//! as far back as the log goes. [`HistoryFeed::newest`] says how far it is: a log may forget what is older.
+//! as far back as the log goes. [`HistoryFeed::newest`] gives how far it is: a log may drop older records.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -19,23 +19,23 @@ use linewright_line::Tick;
 use crate::writer::HistoryItem;
 use crate::{History, HistoryError, Note};
 
-/// So many batches can wait. A step of the player is one.
+/// Batches that can wait. A step of the player is one.
 const QUEUE: usize = 1024;
-/// So many records or notes are written at once.
+/// Records or notes written at once.
 const BATCH: usize = 1000;
-/// So many notes are kept while the queue is full; then the oldest are lost.
+/// Notes kept while the queue is full; then the oldest are lost.
 const NOTES_MAX: usize = 1000;
 
-/// How often it is looked whether the thread has ended.
+/// Period of the check whether the thread has ended.
 const POLL: Duration = Duration::from_millis(10);
 
 /// The log, for readers beside its writer.
 pub trait RecordSource: Send {
     /// Gives `take` every record that the log has, with its number, in their order, as far as they are written. It may begin
-    /// later than with the first: what is before, the log has forgotten.
+    /// later than with the first: the log no longer has those before.
     ///
     /// # Errors
-    /// Why not, in words.
+    /// Reason, in words.
     fn read(&mut self, take: &mut dyn FnMut(u64, Record)) -> Result<(), String>;
 }
 
@@ -48,20 +48,20 @@ impl RecordSource for NoRecords {
     }
 }
 
-/// What waits to be written.
+/// Items that wait to be written.
 enum FeedQueue {
     Records(u64, Vec<Record>),
     Note(Tick, Note),
 }
 
-/// What both sides know.
+/// State shared by both sides.
 #[derive(Debug, Default)]
 struct FeedState {
     /// The newest record that the database has.
     newest: AtomicU64,
     /// The newest that the log has.
     written: AtomicU64,
-    /// Why the thread has given up.
+    /// Reason why the thread has given up.
     failed: Mutex<Option<String>>,
 }
 
@@ -88,7 +88,7 @@ pub struct HistoryFeed {
 
 impl HistoryFeed {
     /// Begins, with what the log has: `last` is the number of its newest record. Records of the database beyond that are
-    /// removed, since a power cut has taken them from the log before anybody was told of them.
+    /// removed, since a power cut has taken them from the log before anything was sent about them.
     pub fn start(history: History, source: Box<dyn RecordSource>, last: u64) -> Self {
         Self::with_queue(history, source, last, QUEUE)
     }
@@ -130,7 +130,7 @@ impl HistoryFeed {
         _ = self.send(FeedQueue::Records(first, records.to_vec()));
     }
 
-    /// Offers what is no record. It never waits.
+    /// Offers a note. It never waits.
     pub fn note(&mut self, at: Tick, note: Note) {
         if self.notes.len() >= NOTES_MAX {
             self.notes.pop_front();
@@ -139,7 +139,7 @@ impl HistoryFeed {
         self.flush();
     }
 
-    /// Offers what is no record, unless there is no room for it; whether there was. It never waits.
+    /// Offers a note, unless there is no room for it; whether there was. It never waits.
     pub fn offer_note(&mut self, at: Tick, note: Note) -> bool {
         self.flush();
         let has_room = self.notes.len() < NOTES_MAX;
@@ -150,7 +150,7 @@ impl HistoryFeed {
         has_room
     }
 
-    /// Waits for all that was offered to be written, but not longer than so; what is not written then may be lost.
+    /// Waits for all that was offered to be written, but not longer than so; the rest may be lost.
     pub fn end_within(mut self, long: Duration) {
         self.flush();
         self.queue = None;
@@ -185,9 +185,9 @@ impl HistoryFeed {
         self.shared.newest.load(Ordering::Acquire)
     }
 
-    /// Why nothing is written any more; none as long as it is. The cell goes on without it.
+    /// Reason why nothing is written any more; none while it is. The cell goes on without it.
     pub fn failed(&self) -> Option<String> {
-        // In this order: a thread that gives up says why before it ends.
+        // In this order: a thread that gives up sets the reason before it ends.
         let has_ended = self.thread.as_ref().is_some_and(JoinHandle::is_finished);
         let why = self.shared.failed.lock().ok().and_then(|failed| failed.clone());
         why.or_else(|| has_ended.then(|| "the thread that writes the database has ended".to_owned()))
@@ -196,16 +196,16 @@ impl HistoryFeed {
     /// Returns when all that was offered is in the database.
     ///
     /// # Errors
-    /// Why it is not.
+    /// Reason why it is not.
     pub fn close(mut self) -> Result<History, HistoryError> {
         for (at, note) in std::mem::take(&mut self.notes) {
-            // At the end there is time to wait; a thread that has given up says so below.
+            // At the end there is time to wait; a thread that has given up is reported below.
             _ = self.queue.as_ref().map(|queue| queue.send(FeedQueue::Note(at, note)));
         }
         self.queue = None;
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(history)) => history,
-            // It has panicked, which is a bug; whoever closes shares its fate.
+            // It has panicked, which is a bug; the caller panics too.
             Some(Err(panic)) => std::panic::resume_unwind(panic),
             // Not before, since closing takes the recorder.
             None => Err(HistoryError::Refused { path: PathBuf::new(), why: "it is closed".to_owned() }),
@@ -214,7 +214,7 @@ impl HistoryFeed {
 }
 
 impl Drop for HistoryFeed {
-    /// Waits as well: who drops it by mistake loses nothing.
+    /// Waits as well: a drop by mistake loses nothing.
     fn drop(&mut self) {
         self.queue = None;
         _ = self.thread.take().map(JoinHandle::join);
@@ -229,7 +229,7 @@ struct Feeding {
     shift: Shift,
 }
 
-/// By how much notes are later than they say.
+/// Correction of the time of notes.
 #[derive(Clone, Copy, Debug)]
 enum Shift {
     None,
@@ -256,7 +256,7 @@ impl Feeding {
         }
     }
 
-    /// Compares with the log, takes what is missing, and removes what the log has lost.
+    /// Compares with the log, takes missing records, and removes those that the log has lost.
     fn begin(&mut self, last: u64) -> Result<(), HistoryError> {
         // What is behind that is of this life, and may stand under numbers that the database has from one before.
         self.catch_up(0, last)?;
@@ -289,7 +289,7 @@ impl Feeding {
         self.complete()
     }
 
-    /// Takes from the log what was offered and has not come.
+    /// Takes from the log records that were offered and have not come.
     fn complete(&mut self) -> Result<(), HistoryError> {
         let newest = self.history.newest();
         if self.shared.written.load(Ordering::Acquire) > newest { self.catch_up(newest, u64::MAX) } else { Ok(()) }
@@ -317,7 +317,7 @@ impl Feeding {
         Ok(())
     }
 
-    /// Takes from the log what it has after a number, until another.
+    /// Takes from the log the records after a number, until another.
     fn catch_up(&mut self, after: u64, until: u64) -> Result<(), HistoryError> {
         let Feeding { history, source, .. } = self;
         let (mut items, mut put) = (Vec::new(), Ok(()));

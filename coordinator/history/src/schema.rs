@@ -1,8 +1,8 @@
-//! The tables, and views for people who ask with SQL.
+//! The tables, and views for queries in SQL.
 //!
-//! One table has everything that has happened. What people want to select by is in columns that follow from the JSON, so
-//! that they are never at odds with it, and a fact with a part, a firing, a station has them by itself. The views add names
-//! to numbers and the end of an activity to its beginning; the program uses none of them.
+//! One table has everything that has happened. Columns for selections are computed from the JSON, so that they are never at
+//! odds with it, and a fact with a part, a firing, a station has them by itself. The views add names to numbers and the end
+//! of an activity to its beginning; the program uses none of them.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use rusqlite::Connection;
 use crate::HistoryError;
 use crate::error::at;
 
-/// What the file says it is: `LWRT`.
+/// Application id of the file: `LWRT`.
 const APPLICATION: i64 = 0x4C57_5254;
 /// The form of the tables. Another one gets another number.
 const FORM: i64 = 1;
@@ -64,7 +64,7 @@ pub fn create(db: &Connection, path: &Path) -> Result<(), HistoryError> {
     db.pragma_update(None, "user_version", FORM).map_err(at(path))
 }
 
-/// Whether there is nothing in a file yet, as if somebody had made it and was killed.
+/// Whether there is nothing in a file yet, as after a process killed while it made it.
 pub fn is_empty(db: &Connection, path: &Path) -> Result<bool, HistoryError> {
     let tables = db.query_row("SELECT count(*) FROM sqlite_schema", [], |row| row.get::<_, i64>(0));
     Ok(tables.map_err(at(path))? == 0)

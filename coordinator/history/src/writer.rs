@@ -1,7 +1,7 @@
 //! The database, open for writing.
 //!
 //! What is written in one call is there whole or not at all. It is in the write-ahead log of the database then, which a
-//! killed process survives; a power cut may take the newest of it, and what is a record is fed again from the cell's log.
+//! killed process survives; a power cut may take the newest of it, and records are fed again from the cell's log.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -14,7 +14,7 @@ use crate::error::at;
 use crate::event::parts;
 use crate::{About, HistoryError, Note, schema};
 
-/// How long another one may hold the file. Readers never do.
+/// Longest wait for another connection to release the file. Readers never hold it.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
 
 /// A database that is open for writing.
@@ -25,7 +25,7 @@ pub struct History {
     newest: u64,
 }
 
-/// What is written.
+/// Item to be written.
 #[derive(Clone, Debug)]
 pub(crate) enum HistoryItem {
     /// Under its number in the log.
@@ -44,7 +44,7 @@ impl HistoryItem {
     }
 }
 
-/// What the database has under a number.
+/// Contents of the database under a number.
 enum Under {
     Nothing,
     Same,
@@ -77,7 +77,7 @@ impl History {
         let mut db = Connection::open(path).map_err(failed)?;
         db.busy_timeout(PATIENCE).map_err(failed)?;
         if schema::is_empty(&db, path)? {
-            // Which mode it has is in the file, and cannot be changed while something else is.
+            // The journal mode is kept in the file, and cannot be changed in a transaction.
             db.pragma_update(None, "journal_mode", "WAL").map_err(failed)?;
         }
         let change = db.transaction_with_behavior(TransactionBehavior::Immediate).map_err(failed)?;
@@ -108,7 +108,7 @@ impl History {
         self.newest
     }
 
-    /// When the last thing in it happened.
+    /// Time of the last event in it.
     ///
     /// # Errors
     /// When it cannot be read.
@@ -117,7 +117,7 @@ impl History {
         Ok(last.map_err(at(&self.path))?.map(Tick::from_micros))
     }
 
-    /// Writes records under their numbers in the log, from `first` on. What is there already stays.
+    /// Writes records under their numbers in the log, from `first` on. Rows that are there already stay.
     ///
     /// # Errors
     /// When something else is there under one of the numbers, or they cannot be written. Nothing is written then.
@@ -127,7 +127,7 @@ impl History {
         self.put(&items)
     }
 
-    /// Writes down what is no record.
+    /// Writes a note.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -135,7 +135,7 @@ impl History {
         self.put(&[HistoryItem::Note(at, note.clone())])
     }
 
-    /// Removes records beyond `last`: a power cut has taken them from the log, and nobody was told anything about them.
+    /// Removes records beyond `last`: a power cut has taken them from the log, and nothing was sent about them.
     ///
     /// # Errors
     /// When they cannot be removed.
@@ -175,7 +175,7 @@ impl History {
     }
 }
 
-/// Writes a record where there is none; what was there.
+/// Writes a record where there is none; the record that was there.
 fn insert(change: &Transaction<'_>, of: u64, record: &Record) -> rusqlite::Result<Under> {
     let (kind, data) = parts(&record.fact);
     let when = number(record.at.as_micros());

@@ -1,8 +1,8 @@
 //! Hand-mode buttons held by message: hold-to-run across a network.
 //!
 //! A held button counts while it is refreshed. A refresh that comes late finds the motion stopped, and must not start it
-//! again, however long the silence was: the finger may never have left the button. Only a release that was heard makes the
-//! next message a new press.
+//! again, however long the silence was: the finger may never have left the button. Only a release that was received makes
+//! the next message a new press.
 
 use std::time::Duration;
 
@@ -13,12 +13,12 @@ use linewright_line::Tick;
 pub(crate) struct Buttons {
     said: u32,
     until: Tick,
-    /// Ran out while they were held, and not heard released since.
+    /// Expired while they were held, and no release received since.
     unreleased: u32,
 }
 
 impl Buttons {
-    /// Takes what is held now, for `term` from now. Gives whether the buttons in force may have changed.
+    /// Takes the buttons held now, for `term` from now. Returns whether the buttons in force may have changed.
     pub(crate) fn hear(&mut self, now: Tick, held: u32, term: Duration) -> bool {
         let ran_out = now >= self.until;
         let changed = held != self.said || ran_out;
@@ -31,8 +31,8 @@ impl Buttons {
         changed
     }
 
-    /// Takes what was held at a time that is not known. What it holds counts for nothing and not as released; the finger may
-    /// never have left the button.
+    /// Takes the buttons held at an unknown time. They count neither as held nor as released; the finger may never have left
+    /// the button.
     pub(crate) fn hear_late(&mut self, now: Tick, held: u32, term: Duration) {
         self.hear(now, held, term);
         self.unreleased = held;
@@ -43,7 +43,7 @@ impl Buttons {
         if now < self.until { self.said & !self.unreleased } else { 0 }
     }
 
-    /// When they run out.
+    /// Expiry.
     pub(crate) fn until(&self) -> Tick {
         self.until
     }

@@ -4,7 +4,7 @@
 //! *enabled* only when every station has acknowledged its epoch, so no station moves while another still acts on the
 //! mode before. The same holds for rest: a station counts as standing only once it has acknowledged an epoch in which
 //! nothing starts by itself. A master stop begins such an epoch too. Everything unknown counts against motion: a station
-//! that is not heard is trouble, and a console that was heard and is no longer heard counts as a pressed emergency stop.
+//! that is not received is trouble, and a console that was received and no longer is counts as a pressed emergency stop.
 
 mod alone;
 mod cycle;
@@ -26,15 +26,15 @@ use crate::refusal::{ModeRefusal, RefusedCommand};
 struct StationEntry {
     heard: StationView,
     known_until: Tick,
-    /// Came up anew while the line was in auto or hand, and nobody has looked at it since.
+    /// Came up anew while the line was in auto or hand, and no operator has acknowledged it since.
     restarted: bool,
     /// Its counts are compared with others'.
     compares: bool,
-    /// Not heard when auto or hand was left, nor since.
+    /// Not received when auto or hand was left, nor since.
     missed: bool,
     /// Works on order: it has no rounds, and is at home at any rest.
     on_order: bool,
-    /// What is wrong with it is an exception of its order (see [`Coordinator::isolate`]).
+    /// Its fault is an exception of its order (see [`Coordinator::isolate`]).
     isolated: bool,
     /// Between two rests, at no order (see [`Coordinator::hold`]).
     held: bool,
@@ -65,15 +65,15 @@ pub struct Coordinator {
     epoch: u64,
     enabled: bool,
     stopping: bool,
-    /// The first epoch in which no station leaves its place by itself. Who has not acknowledged it may be on its way
-    /// though it was last heard at rest.
+    /// The first epoch in which no station leaves its place by itself. A station that has not acknowledged it may be on
+    /// its way though it was last received at rest.
     quiet: u64,
     estop: bool,
     founding: Option<founding::OpenFounding>,
     /// Generations drawn in this life.
     drawn: u64,
-    /// The epoch in which the emergency stop was left last: a station that stands in one though it has heard of that
-    /// epoch was stopped anew.
+    /// The epoch in which the emergency stop was left last: a station in emergency stop with that epoch acknowledged
+    /// was stopped anew.
     released: u64,
     stopped_in: u64,
     /// The journal cannot be written.
@@ -85,7 +85,7 @@ pub struct Coordinator {
     stations: Vec<StationEntry>,
     console: (u128, bool),
     console_was_heard: bool,
-    /// Wired hand-mode buttons that were down when the console was heard again, and have not been up since.
+    /// Wired hand-mode buttons that were down when the console was received again, and have not been up since.
     unreleased: u32,
     buttons: Buttons,
     changed: bool,
@@ -144,7 +144,8 @@ impl Coordinator {
         self
     }
 
-    /// Whether the emergency stop is latched, or was and has not been left through manual: what a successor must know.
+    /// Whether the emergency stop is latched, or was and has not been left through manual: part of the record for a
+    /// successor.
     pub fn is_estopped(&self) -> bool {
         self.estop || self.mode == ControlMode::EStop
     }
@@ -153,7 +154,7 @@ impl Coordinator {
         self.mode
     }
 
-    /// The epoch in which the emergency stop was entered last; 0 if it never was. What was decided before is not acted on after.
+    /// The epoch in which the emergency stop was entered last; 0 if it never was. Earlier decisions are not acted on after it.
     pub fn stopped_in(&self) -> u64 {
         self.stopped_in
     }
@@ -175,8 +176,8 @@ impl Coordinator {
         }
     }
 
-    /// The latest round that any station has begun. It may still rise after the stop was given, until every station
-    /// has heard it; then all follow.
+    /// The latest round that any station has begun. It may still rise after the stop was given, until every station has
+    /// received it; then all follow.
     fn latest_round(&self) -> i32 {
         self.stations.iter().filter(|s| !s.on_order).map(|s| s.heard.round).max().unwrap_or(0)
     }
@@ -196,7 +197,8 @@ impl Coordinator {
         valid && self.line.console.estop.is_some_and(|contact| contact.is_pressed(bits))
     }
 
-    /// A console is described and has not been heard since the start: whether its emergency stop is pressed is unknown.
+    /// A console is described and has not been received since the start: whether its emergency stop is pressed is
+    /// unknown.
     fn console_is_unknown(&self) -> bool {
         !self.console_was_heard && self.line.devices.iter().any(|device| device.owner == Owner::Console)
     }
@@ -206,7 +208,7 @@ impl Coordinator {
         valid && input.is_some_and(|input| bits & (1 << input.0) != 0)
     }
 
-    /// Takes what has arrived and acts on it. Follow with [`Coordinator::step`].
+    /// Takes an arrival and acts on it. Follow with [`Coordinator::step`].
     pub fn handle(&mut self, now: Tick, input: ModeInput) {
         self.now = self.now.max(now);
         match input {
@@ -239,11 +241,11 @@ impl Coordinator {
         self.console = (bits, valid);
         self.changed = true;
         let console = self.line.console.clone();
-        // An emergency stop that cannot be heard counts as pressed.
+        // An emergency stop that cannot be received counts as pressed.
         if self.estop_is_pressed() || (lost && console.estop.is_some()) {
             self.estop = true;
         }
-        // Hand-mode buttons that are down when the console comes back may never have been let go of.
+        // Hand-mode buttons that are down when the console comes back may never have been released.
         let wired = |on: u32, (i, input): (usize, &Option<InputId>)| on | u32::from(self.wired(*input)) << i;
         let down = console.buttons.iter().enumerate().fold(0, wired);
         self.unreleased = if before.1 && valid { self.unreleased & down } else { down };
@@ -281,8 +283,8 @@ impl Coordinator {
         self.follow_founding();
         self.follow_cycle(knew_rounds);
         self.estop |= self.is_stopped_by_another(id, heard);
-        // The stations have obeyed a later epoch than ours: somebody coordinated them before us. Go above it, and to
-        // a mode in which nothing starts.
+        // The stations have obeyed a later epoch than ours: that of a former coordinator. Go above it, and to a mode in
+        // which nothing starts.
         if heard.mode_epoch > self.epoch {
             self.epoch = heard.mode_epoch.saturating_add(1);
             self.quiet = self.epoch;
@@ -335,7 +337,7 @@ impl Coordinator {
         away.collect()
     }
 
-    /// Nothing moves, and nothing will by an order that it heard before.
+    /// Nothing moves, and nothing will by an order received before.
     fn is_at_rest(&self, heard: &StationView) -> bool {
         heard.stopped && heard.mode_epoch >= self.quiet
     }
@@ -344,7 +346,7 @@ impl Coordinator {
         self.counted().any(|(_, s)| self.is_known(s) && s.heard.selector_manual)
     }
 
-    /// What speaks against motion in auto and hand.
+    /// Reasons against motion in auto and hand.
     fn troubles(&self) -> Vec<ModeRefusal> {
         let mut reasons = Vec::new();
         if self.journal_lost {
@@ -390,7 +392,7 @@ impl Coordinator {
         self.counted().filter(|(_, s)| self.is_known(s) && what(&s.heard)).map(|(id, _)| reason(id)).collect()
     }
 
-    /// Why auto or hand ends now.
+    /// Reasons why auto or hand ends now.
     fn why_ended(&self) -> Vec<ModeRefusal> {
         let mut reasons = self.troubles();
         reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
@@ -475,7 +477,7 @@ impl Coordinator {
         out.cycles.append(&mut self.cycles);
     }
 
-    /// When to step again if nothing arrives before.
+    /// Time of the next step if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
         let views = self.stations.iter().map(|s| s.known_until);
         let rival = self.rival.map_or(Tick::ZERO, |(_, until)| until);

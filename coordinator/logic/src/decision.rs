@@ -19,13 +19,13 @@
 //! *Away*: a coordinator that comes up while a task-driven station stands between two rests is in stand-by, since home is
 //! only where every station is at its start.
 //!
-//! Every condition is over [`ModeFacts`], so that a test can try all of them: out of each place at most one
-//! arc is ever allowed. Emergency stop comes before trouble, trouble before what the operator asks for.
+//! Every condition is over [`ModeFacts`], so that a test can try all of them: out of each place at most one arc is ever
+//! allowed. Emergency stop comes before trouble, trouble before the operator's command.
 
 use linewright_line::net::ControlMode;
 use linewright_nets::{Net, NetBuilder};
 
-/// What an operator may ask for.
+/// Commands of an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ModeCommand {
     /// Master start: from home to stand-by; also takes a master stop back.
@@ -83,7 +83,7 @@ pub struct ModeFacts {
     pub command: Option<ModeCommand>,
     /// The emergency stop is latched.
     pub estop: bool,
-    /// A fault, an incomplete operation, or a station or device that is not heard.
+    /// A fault, an incomplete operation, or a station or device that is not received.
     pub trouble: bool,
     /// Master stop has been given.
     pub stopping: bool,
@@ -98,7 +98,7 @@ pub struct ModeFacts {
 }
 
 impl ModeFacts {
-    /// Every combination of facts and command, for whoever wants to try them all.
+    /// Every combination of facts and command, for exhaustive tests.
     pub fn all() -> impl Iterator<Item = ModeFacts> {
         (0..1u32 << 7).flat_map(|bits| {
             let on = move |bit: u32| bits & (1 << bit) != 0;
@@ -121,7 +121,7 @@ impl ModeFacts {
 pub struct ModeArc {
     pub from: ControlMode,
     pub to: ControlMode,
-    /// If this holds.
+    /// Condition.
     pub when: fn(&ModeFacts) -> bool,
 }
 

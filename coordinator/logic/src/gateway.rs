@@ -1,9 +1,9 @@
-//! The gateway's rule for outputs: whose image is put on the bus, and for how long.
+//! The gateway's rule for outputs: which image is put on the bus, and for how long.
 //!
-//! Stations whose devices hang on the coordinator's bus send their output images by message. An image is energised
-//! only while it is fresh, comes from the newest life of its station, and was decided on inputs that the same devices
-//! still vouch for: outputs decided before a device was lost are not put on after it has come back, because the
-//! station may not yet know that the device started over.
+//! Stations whose devices hang on the coordinator's bus send their output images by message. An image is energised only
+//! while it is fresh, comes from the newest life of its station, and was decided on inputs that the same devices still
+//! vouch for: outputs decided before a device was lost are not put on after it has come back, because the station may
+//! not yet have received that the device started over.
 
 use std::time::Duration;
 
@@ -16,23 +16,23 @@ pub struct OutputImage {
     pub bits: u128,
     /// The station vouches for it.
     pub valid: bool,
-    /// How often the devices had been lost when the inputs it was decided on were sent.
+    /// Number of losses of devices when the inputs it was decided on were sent.
     pub losses: u64,
-    /// Which life of the station it comes from.
+    /// Boot id of the station it comes from.
     pub boot_id: u64,
     /// Grows with every change of the station's outputs, in one life.
     pub number: u64,
-    /// The newest mode epoch the station had heard when it decided it.
+    /// The newest mode epoch the station had received when it decided it.
     pub mode_epoch: u64,
 }
 
-/// What is put on the bus for a station.
+/// Outputs on the bus for a station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AppliedImage {
     /// Bit `i` is output `i` of the station.
     pub bits: u128,
-    /// Life and number of the station's image it is; `None` when all is off because no image may be used. Told with
-    /// the inputs, so that the station knows which of its outputs they were taken under.
+    /// Life and number of the station's image it is; `None` when all is off because no image may be used. Sent with the
+    /// inputs: the outputs that were in force when they were taken.
     pub image: Option<(u64, u64)>,
 }
 
@@ -50,7 +50,7 @@ pub struct Gateway {
 }
 
 impl Gateway {
-    /// A gateway that has heard nothing: every output is off. `stale` is how long an image lasts.
+    /// A gateway that has received nothing: every output is off. `stale` is how long an image lasts.
     pub fn new(stations: usize, stale: Duration) -> Self {
         Gateway { stations: vec![None; stations], stale }
     }
@@ -62,8 +62,8 @@ impl Gateway {
         }
     }
 
-    /// What to energise for a station whose devices have been lost `losses` times: its image, or all off. `since` is the
-    /// epoch of the last emergency stop: an image from before it is not energised after it.
+    /// Outputs of a station whose devices have been lost `losses` times: its image, or all off. `since` is the epoch of
+    /// the last emergency stop: an image from before it is not energised after it.
     pub fn in_force(&self, now: Tick, station: StationId, losses: u64, since: u64) -> AppliedImage {
         match self.stations.get(station.index()).copied().flatten() {
             Some(HeldImage { image, until })
@@ -71,12 +71,12 @@ impl Gateway {
             {
                 AppliedImage { bits: image.bits, image: Some((image.boot_id, image.number)) }
             }
-            // Silence, an image nobody vouches for, or one decided before a loss or an emergency stop: off is the safe state.
+            // No image, an image that has expired, or one decided before a loss or an emergency stop: off is the safe state.
             Some(_) | None => AppliedImage::default(),
         }
     }
 
-    /// When the next image runs out.
+    /// Expiry of the next image.
     pub fn next_deadline(&self, now: Tick) -> Option<Tick> {
         self.stations.iter().flatten().map(|held| held.until).filter(|&until| until > now).min()
     }

@@ -1,4 +1,4 @@
-//! The coordinator's decisions: which control mode the line is in, who may change it, and why not.
+//! The coordinator's decisions: the control mode of the line, permitted changes, and reasons of refusals.
 //!
 //! The mode decision is a net of six places (seed 002 §5.4, Figure 18). [`decision`] is that net with its conditions
 //! as data; [`Coordinator`] plays it: it takes operator commands, the console's image and what the stations report,

@@ -5,7 +5,7 @@ use linewright_line::net::ControlMode;
 
 use crate::decision::ModeCommand;
 
-/// Why a command is not obeyed now.
+/// Reason why a command is not obeyed now.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ModeRefusal {
     /// The mode has no use for it; these commands it would take.
@@ -16,13 +16,13 @@ pub enum ModeRefusal {
     EStop,
     /// The emergency stop button is still pressed.
     EStopPressed,
-    /// The console's devices are not heard.
+    /// The console's devices are not received.
     ConsoleLost,
     /// The coordinator's journal cannot be written.
     JournalLost,
     /// Another coordinator gives orders to this line; its boot id.
     OtherCoordinator(u64),
-    /// The console's devices have not been heard since the coordinator came up.
+    /// The console's devices have not been received since the coordinator came up.
     ConsoleNeverHeard,
     NotHeard(StationId),
     DevicesLost(StationId),

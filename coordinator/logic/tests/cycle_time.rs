@@ -1,4 +1,4 @@
-//! The cycle time of the line: from end to end, and none where a beginning or an end was not heard.
+//! The cycle time of the line: from end to end, and none where a beginning or an end was not received.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use linewright_line::net::ControlMode;
 
 use crate::common::Bench;
 
-/// Time passes in which everybody is heard.
+/// Time passes in which all stations are received.
 fn pass(bench: &mut Bench, millis: u64) {
     for _ in 0..millis / 100 {
         bench.wait(Duration::from_millis(100));

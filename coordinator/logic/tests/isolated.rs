@@ -1,4 +1,4 @@
-//! Stations whose trouble is an exception of the cell they work in: the others stay in auto.
+//! Stations whose faults are exceptions of their cell: the others stay in auto.
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::StationId;
@@ -61,7 +61,7 @@ fn only_stations_on_order_are_left_out() {
     assert_eq!(bench.mode(), ControlMode::StandBy);
 }
 
-/// Emergency stop is for all, and nobody leaves it past a station that moves.
+/// Emergency stop is for all, and it is not left past a station that moves.
 #[test]
 fn in_the_emergency_stop_all_count() {
     let mut bench = bench();
@@ -92,7 +92,7 @@ fn one_that_is_stopped_alone_stops_nobody_else() {
     assert!(bench.coordinator.text().ends_with(", clamp_1 in emergency stop"), "{}", bench.coordinator.text());
     assert!(bench.coordinator.order().enabled);
 
-    // Its state from before it has heard of its reset says nothing new. The others go on.
+    // Its state from before the arrival of its reset has no effect. The others go on.
     bench.heard[1].incomplete = false;
     bench.heard[1].mode_epoch = before;
     bench.coordinator.stop_alone(|_| false);
@@ -106,7 +106,7 @@ fn one_that_is_stopped_alone_stops_nobody_else() {
     assert_eq!(bench.mode(), ControlMode::Auto);
     assert!(bench.coordinator.order().enabled);
 
-    // If it is in one still though it has, somebody else has stopped it.
+    // If it is in one still though it has, another has stopped it.
     let heard = linewright_coordinator_logic::StationView { mode_epoch: reset, ..heard };
     bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Station(ON_ORDER, heard));
     bench.coordinator.step(bench.now, &mut linewright_coordinator_logic::ModeOutbox::default());

@@ -1,4 +1,5 @@
-//! What the coordinator notices by itself: silence, restarts, higher epochs, a lost console, buttons that run out.
+//! Events that the coordinator detects by itself: silence, restarts, higher epochs, a lost console, buttons that run
+//! out.
 
 use std::time::Duration;
 
@@ -275,7 +276,7 @@ fn a_coordinator_that_has_heard_nobody_stays_where_nothing_moves() {
     assert!(out.refusals.iter().all(|refusal| refusal.text(&line()).contains("transfer: no state received")));
 }
 
-/// A station that was last heard at home may have begun its next round before it heard of the stop.
+/// A station that was last received at home may have begun its next round before it received the stop.
 #[test]
 fn home_is_reached_only_when_every_station_has_heard_of_the_stop() {
     let mut bench = Bench::in_mode(ControlMode::Auto);
@@ -297,7 +298,7 @@ fn home_is_reached_only_when_every_station_has_heard_of_the_stop() {
     assert_eq!(bench.mode(), ControlMode::Home);
 }
 
-/// The same for stand-by: what a station was ordered in auto it may have begun since it was last heard.
+/// The same for stand-by: a station may have begun what it was ordered in auto since it was last received.
 #[test]
 fn in_stand_by_a_station_stands_only_when_it_has_heard_of_it() {
     for command in [ModeCommand::Stop, ModeCommand::Hand] {

@@ -1,4 +1,4 @@
-//! A station behind the gateway, as far as ROS 2 sees it: the message with its inputs, and what is wrong with its devices.
+//! A station behind the gateway, as far as ROS 2 sees it: the message with its inputs, and the diagnostics of its devices.
 
 use linewright_coordinator_shell::InputsImage;
 use linewright_line::{Line, Owner, StationId};
@@ -20,7 +20,7 @@ pub fn inputs_message(image: InputsImage, boot_id: u64, sequence: u64) -> Proces
 /// A station behind the gateway.
 pub struct GatewayTopics {
     pub station: StationId,
-    /// What it is told of its devices.
+    /// Diagnostics of its devices.
     pub trouble: DeviceDiagnosticsTopic,
 }
 

@@ -26,7 +26,7 @@ use crate::remembered::remembered;
 use crate::situation::LineSituation;
 use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
 
-/// Why the coordinator's node cannot run, or had to end.
+/// Reason why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
 pub enum CoordinatorNodeError {
     /// ROS 2 is not to be had.
@@ -58,7 +58,7 @@ pub enum CoordinatorNodeError {
     Middleware,
 }
 
-/// What the coordinator's node needs.
+/// Options of the coordinator's node.
 pub struct CoordinatorOptions {
     /// The checked description.
     pub line: Line,
@@ -66,19 +66,19 @@ pub struct CoordinatorOptions {
     pub cell: Option<Cell>,
     /// The line's bus, by the CAN interface's name.
     pub interface: String,
-    /// Where the journal is kept; `None`: nothing is remembered.
+    /// Directory of the journal; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
-    /// Where the bus is found.
+    /// Options of the bus.
     pub bus: linewright_fieldbus::BusOptions,
     /// The process's clock.
     pub clock: Clock,
 }
 
-/// Runs the coordinator until `stop` turns true, then lets go of all outputs.
+/// Runs the coordinator until `stop` turns true, then switches all outputs off.
 ///
 /// # Errors
-/// When it cannot start, or when the middleware or the cell fails under it. It lets go of all outputs on every way out.
-/// The line then falls to stand-by by its lease; where it has no way out left, the devices on its bus let go by their own
+/// When it cannot start, or when the middleware or the cell fails under it. It switches all outputs off on every way out.
+/// The line then falls to stand-by by its lease; where no way out is left, the devices on its bus switch off by their own
 /// heartbeat consumers.
 pub async fn run(
     options: CoordinatorOptions,
@@ -102,16 +102,16 @@ pub(crate) enum Recorded {
     Interrupted,
 }
 
-/// How soon a refusal may follow another one in what is logged.
+/// Shortest time between two refusals in the log.
 const ANSWER_EVERY: Duration = Duration::from_millis(20);
-/// How often the mode is told in words when it does not change.
+/// Period of the text of the mode while it does not change.
 const TEXT_EVERY: Duration = Duration::from_secs(1);
 
 pub(crate) struct CoordinatorLoop {
     pub(crate) line: Line,
     pub(crate) clock: Clock,
     pub(crate) shell: CoordinatorShell,
-    /// What there is to do, in this order.
+    /// Effects to be performed, in this order.
     effects: Vec<CoordinatorEffect>,
     pub(crate) cell: Option<CellThread>,
     pub(crate) buses: Joined,
@@ -122,9 +122,9 @@ pub(crate) struct CoordinatorLoop {
     pub(crate) from: mpsc::Receiver<CoordinatorInbound>,
     tasks: Vec<Forward>,
     pub(crate) behind: Vec<GatewayTopics>,
-    /// What is wrong with the devices of stations that have a bus of their own, as they tell it.
+    /// Diagnostics of the devices of stations that have a bus of their own, as published by them.
     troubles: Vec<String>,
-    /// How the line stands, for the cell or the database.
+    /// Situation of the line, for the cell or the database.
     pub(crate) situation: LineSituation,
     /// The database of a line; none where there is a cell, or none can be used.
     pub(crate) history: Option<LineHistory>,
@@ -139,7 +139,7 @@ pub(crate) struct CoordinatorLoop {
     _node: linewright_node_shell::RosNode,
 }
 
-/// An end that nobody has planned lets go of the outputs as well.
+/// An unplanned end switches the outputs off as well.
 impl Drop for CoordinatorLoop {
     fn drop(&mut self) {
         self.end();
@@ -318,7 +318,7 @@ impl CoordinatorLoop {
             self.refusal_log_due = now + ANSWER_EVERY;
             tracing::warn!(refusals = self.refusals, "{text}");
         }
-        // With many devices lost there is more to say than a message carries.
+        // With many devices lost the text is longer than a message carries.
         self.refusal = fitting(text);
         self.shell.answer_soon();
     }
@@ -334,7 +334,7 @@ impl CoordinatorLoop {
         self.devices.bus_news(news, &mut self.buses);
     }
 
-    /// What the buses know of inputs now.
+    /// Takes the inputs that the buses have now.
     fn look(&mut self) {
         let image = self.buses.take_inputs(Owner::Console);
         self.handle(CoordinatorArrival::Console { bits: image.bits, valid: image.valid });
@@ -346,8 +346,8 @@ impl CoordinatorLoop {
         }
     }
 
-    /// Performs what follows from what has arrived and from the time. After a record that could not be written there is
-    /// more to do: the emergency stop.
+    /// Performs the effects of arrivals and of the time. After a record that could not be written there is one more:
+    /// the emergency stop.
     ///
     /// # Errors
     /// When the bus or the middleware fails while a record is being written.
@@ -359,7 +359,8 @@ impl CoordinatorLoop {
         Ok(())
     }
 
-    /// Acts once. True if an emergency stop has arrived while a record was being written: it comes before what followed.
+    /// Acts once. True if an emergency stop has arrived while a record was being written: it comes before the effects
+    /// that followed.
     async fn is_interrupted(&mut self) -> Result<bool, CoordinatorNodeError> {
         let now = self.clock.now();
         self.look();
@@ -369,7 +370,7 @@ impl CoordinatorLoop {
             self.shell.hold(|id| apart.held.contains(&id));
         }
         self.devices.act(now, &self.buses);
-        // The reason first, so that a station that sees the loss can say why.
+        // The reason first, so that a station that sees the loss can report it.
         self.behind.iter_mut().for_each(|behind| behind.trouble.act(now, &self.buses));
         let mut effects = std::mem::take(&mut self.effects);
         self.shell.act(now, &mut effects);
@@ -432,7 +433,7 @@ impl CoordinatorLoop {
         }
     }
 
-    /// Lets go of all outputs.
+    /// Switches all outputs off.
     fn end(&mut self) {
         if !std::mem::replace(&mut self.has_ended, true) {
             self.buses.release_outputs();
@@ -466,7 +467,7 @@ impl CoordinatorLoop {
         let coordinator = self.shell.coordinator();
         let order = coordinator.order();
         let text = coordinator.text();
-        // Latched for readers that ask for it, and repeated for those that do not, as `ros2 topic echo` may not.
+        // Latched for readers that request it, and repeated for those that do not, as `ros2 topic echo` may not.
         if text != self.text || now >= self.text_due {
             self.text_due = now + TEXT_EVERY;
             self.text.clone_from(&text);

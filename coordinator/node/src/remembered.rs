@@ -1,4 +1,4 @@
-//! What the coordinator of a line keeps over its own restarts: a line of text in its journal.
+//! Record that the coordinator of a line keeps over its own restarts: a line of text in its journal.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ pub fn record_of(remembered: CoordinatorRecord) -> Vec<u8> {
     format!("epoch {} {}", remembered.epoch, if remembered.estop { "estop" } else { "-" }).into_bytes()
 }
 
-/// What a journal holds. One that holds something else may have held an emergency stop: that is in force then.
+/// Record in a journal. A journal with anything else may have held an emergency stop: that is in force then.
 pub fn remembered(record: &[u8], path: &Path) -> CoordinatorRecord {
     read(record).unwrap_or_else(|| {
         let path = path.display();

@@ -1,5 +1,5 @@
-//! How the line stands, for the cell and for the database of the line or cell; and what the cell answers: which stations are
-//! not treated like the others.
+//! Situation of the line, for the cell and for the database; and the answer of the cell: the stations that are not treated
+//! like the others.
 
 use std::collections::BTreeSet;
 
@@ -9,23 +9,22 @@ use linewright_history::Note;
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 
-/// How the line stands.
+/// Situation of the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineSituation {
     /// Activities may start.
     pub starts: bool,
-    /// The mode.
     pub mode: ControlMode,
-    /// By station: it is heard.
+    /// By station: its state is received.
     pub heard: Vec<bool>,
-    /// By station: it has its devices, as far as was heard.
+    /// By station: it has its devices, by its last state.
     pub devices: Vec<bool>,
 }
 
-/// What the cell tells the rest of the coordinator: stations that are not treated like the others.
+/// Stations that the cell has the rest of the coordinator treat unlike the others.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IsolatedStations {
-    /// Their trouble is the cell's alone.
+    /// Their faults are the cell's alone.
     pub isolated: BTreeSet<StationId>,
     /// They are in emergency stop by themselves.
     pub stopped: BTreeSet<StationId>,
@@ -34,7 +33,7 @@ pub struct IsolatedStations {
 }
 
 impl IsolatedStations {
-    /// As it follows from what is known of the cell.
+    /// As it follows from the state of the cell.
     pub fn of(coordination: &Coordination) -> Self {
         let state = coordination.state();
         let stopped = state.exceptions().stopped().collect();
@@ -43,7 +42,7 @@ impl IsolatedStations {
 }
 
 impl LineSituation {
-    /// Of a line of so many stations that has just begun: nothing may start, and no station was heard.
+    /// Of a line of so many stations that has just begun: nothing may start, and no station was received.
     pub fn new(stations: usize) -> Self {
         LineSituation {
             starts: false,
@@ -53,7 +52,7 @@ impl LineSituation {
         }
     }
 
-    /// What has changed since, for the database.
+    /// Changes since `before`, for the database.
     pub fn notes_since(&self, before: &LineSituation) -> impl Iterator<Item = Note> {
         let is_stopped = |of: &LineSituation| of.mode == ControlMode::EStop;
         let mode = ((self.mode, self.starts) != (before.mode, before.starts))
@@ -62,13 +61,13 @@ impl LineSituation {
         let stations =
             changed(&self.heard, &before.heard).map(|(station, heard)| Note::Station { station, lost: !heard });
         let devices = changed(&self.devices, &before.devices);
-        // A station tells of its devices as a whole.
+        // A station reports its devices as a whole.
         let devices = devices.map(|(station, there)| Note::Device { station, device: String::new(), lost: !there });
         mode.into_iter().chain(stop).chain(stations).chain(devices)
     }
 }
 
-/// The stations of which something else is true now, and what.
+/// The stations with a change, and their new value.
 fn changed(now: &[bool], before: &[bool]) -> impl Iterator<Item = (u16, bool)> {
     let both = (0..).zip(now.iter().zip(before));
     both.filter(|(_, (now, before))| now != before).map(|(station, (&now, _))| (station, now))

@@ -1,4 +1,4 @@
-//! What the coordinator says and hears over ROS 2.
+//! ROS 2 topics of the coordinator.
 
 use linewright_coordinator_logic::CompletedCycle;
 use linewright_line::{DeviceBus, Line, StationId};
@@ -17,7 +17,7 @@ pub enum CoordinatorInbound {
     Order { boot_id: u64, sequence: u64 },
     /// A station's state.
     State(Box<StationState>),
-    /// What is wrong with the devices of a station with a bus of its own.
+    /// Diagnostics of the devices of a station with a bus of its own.
     Trouble(StationId, String),
     /// The output image of a station behind the gateway.
     Outputs(StationId, ProcessImage),
@@ -38,7 +38,7 @@ pub fn cycle_time_message(cycle: CompletedCycle) -> CycleTime {
     CycleTime { header: stamp(), number: cycle.number, duration_s: cycle.took.as_secs_f64() }
 }
 
-/// Enough for a burst of every station's state while the node is busy; what does not fit waits in the middleware.
+/// Enough for a burst of every station's state while the node is busy; the rest waits in the middleware.
 const QUEUE: usize = 1024;
 
 /// Opens every topic of the coordinator.
@@ -59,7 +59,7 @@ pub fn open(
         forward(node.subscription("mode_cmd", qos::event())?, to.clone(), |m: Text, _| {
             Some(CoordinatorInbound::Command(m.data))
         }),
-        // Another coordinator's; what this one says itself does not come back from the loopback address.
+        // Another coordinator's; this one's own do not come back from the loopback address.
         forward(node.subscription("mode", qos::repeated())?, to.clone(), |m: ModeOrder, _| {
             Some(CoordinatorInbound::Order { boot_id: m.boot_id, sequence: m.sequence })
         }),

@@ -1,4 +1,4 @@
-//! What arrives while a record is being written, which takes as long as a disk takes.
+//! Arrivals while a record is being written, which takes as long as a disk takes.
 //!
 //! It waits: what follows the record was decided without it. An emergency stop, by command or from the console, comes first:
 //! what follows the record is dropped then, and decided again.
@@ -14,11 +14,11 @@ use crate::node::{CoordinatorLoop, CoordinatorNodeError, Recorded};
 use crate::remembered::record_of;
 use crate::topics::CoordinatorInbound;
 
-/// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
+/// Most messages taken between two steps, so that no flood of them keeps the bus waiting.
 const TAKEN_AT_ONCE: usize = 256;
 
 impl CoordinatorLoop {
-    /// Takes in what has arrived, what has waited first.
+    /// Takes in the arrivals, those that have waited first.
     pub(crate) fn take(&mut self) {
         if let Some(news) = self.waiting.take_news() {
             self.bus_news(&news);

@@ -1,4 +1,4 @@
-//! What is noted of a station from one of its states to the next, and what of it is in the database of a line.
+//! Notes on a station from one of its states to the next, and those in the database of a line.
 
 use linewright_coordinator_logic::CompletedCycle;
 use linewright_coordinator_node::LineSituation;
@@ -63,7 +63,7 @@ fn a_motion_between_two_states_is_counted_without_times() {
     let again = [(10, state([1, 0], [1, 0])), (90, state([1, 0], [2, 0])), (95, state([3, 0], [2, 0]))];
     let expected = [motion(0, 1, (90, 90), MotionOutcome::Unseen), motion(0, 2, (90, 95), MotionOutcome::Done)];
     assert_eq!(notes(&mut observer, &again), expected);
-    // The counts of another life, or of another generation, say nothing of this.
+    // The counts of another life, or of another generation, do not matter to this.
     let other = StationState { boot_id: 2, ..state([3, 0], [7, 0]) };
     assert_eq!(notes(&mut observer, &[(99, other)]), []);
 }
@@ -118,7 +118,7 @@ fn in_auto(line: &Line) -> LineSituation {
     LineSituation { starts: true, mode: ControlMode::Auto, heard: all.clone(), devices: all }
 }
 
-/// A second life goes on behind the first, and says anew how everything stands.
+/// A second life goes on behind the first, with the whole situation first.
 #[test]
 fn the_database_of_a_line_begins_with_how_everything_stands_in_each_life() {
     let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
@@ -131,7 +131,7 @@ fn the_database_of_a_line_begins_with_how_everything_stands_in_each_life() {
     now.heard[1] = false;
     let mut history = LineHistory::begin(dir.path(), &line, AT(0));
     let state = StationState { sequence: 1, fault: "stuck".to_owned(), ..of(&line, 2) };
-    // Before it has begun: it is said with everything else.
+    // Before it has begun: it is written with everything else.
     history.state(AT(0), StationId(2), &state);
     assert!(history.situation(AT(1), &now), "it is written");
     // The same once more, late: nothing new.

@@ -1,4 +1,4 @@
-//! What arrives at the coordinator, and what follows from it.
+//! Arrivals at the coordinator, and their effects.
 
 use linewright_coordinator_logic::{CompletedCycle, ModeCommand, OutputImage, RefusedCommand, StationView};
 use linewright_line::StationId;
@@ -25,7 +25,7 @@ pub enum CoordinatorArrival {
         station: StationId,
         /// Its number in that station's life.
         sequence: u64,
-        /// What of it matters here; see [`heard`].
+        /// The part of it that is used here; see [`heard`].
         heard: StationView,
     },
     /// The output image of a station behind the gateway.
@@ -45,18 +45,18 @@ pub enum CoordinatorArrival {
     },
     /// The input image of the devices of a station behind the gateway.
     Devices {
-        /// Station whose devices are meant.
+        /// Station of the devices.
         station: StationId,
         /// Bit `i` is input `i` of the station.
         bits: u128,
         /// The bus's manager vouches for the bits.
         valid: bool,
-        /// How often devices have been lost.
+        /// Number of losses of devices.
         losses: u64,
     },
 }
 
-/// What the coordinator keeps over its own restarts.
+/// Record that the coordinator keeps over its own restarts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CoordinatorRecord {
     /// The highest epoch used.
@@ -65,14 +65,14 @@ pub struct CoordinatorRecord {
     pub estop: bool,
 }
 
-/// What is to be done. Effects are performed in the order in which they are given. If [`CoordinatorEffect::Remember`]
-/// fails, those after it are not performed, and [`crate::CoordinatorShell::remembered`] is told so.
+/// Effects are performed in the order in which they are given. If [`CoordinatorEffect::Remember`] fails, those after it
+/// are not performed, and [`crate::CoordinatorShell::remembered`] is called with the failure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CoordinatorEffect {
     /// A command is refused.
     Refused(RefusedCommand),
     Entered(ControlMode),
-    /// Write this down, and tell [`crate::CoordinatorShell::remembered`] whether it was.
+    /// Write this down, and pass the result to [`crate::CoordinatorShell::remembered`].
     Remember(CoordinatorRecord),
     /// Put these outputs of the console on the bus: its lamps.
     Lamps(u128),
@@ -100,12 +100,12 @@ pub enum CoordinatorEffect {
     Completed(CompletedCycle),
 }
 
-/// What the coordinator looks at in a station's report.
+/// The part of a station's report that the coordinator uses.
 pub fn heard(report: &StationReport) -> StationView {
     StationView {
         boot_id: report.boot_id,
         mode_epoch: report.mode_epoch,
-        // Not in the report: whoever reads it from a message adds it.
+        // Not in the report: added by the reader of a message.
         follows: 0,
         at_home: report.at_home,
         round: report.round,

@@ -1,7 +1,7 @@
-//! A station behind the gateway: what it was sent of its inputs, and what the bus puts out for it.
+//! A station behind the gateway: inputs sent to it, and outputs put on the bus for it.
 //!
-//! Only what was given last is kept here, so that nothing is given twice. Which outputs may be in force,
-//! [`Gateway`] says.
+//! Only what was sent last is kept here, so that nothing is sent twice. [`Gateway`] decides which outputs may be in
+//! force.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use crate::effect::{CoordinatorEffect, InputsImage};
 pub(crate) enum GatewayStop {
     /// Nothing is put out.
     InForce,
-    /// The epoch of the last one: only what was decided in it or later is put out.
+    /// The epoch of the last one: only images decided in it or later are put out.
     Since(u64),
 }
 
@@ -28,11 +28,11 @@ pub(crate) struct GatewayStation {
     pub newest: NewestBySequence,
     /// Input bits, whether they are valid, and how often its devices have been lost.
     pub devices: (u128, bool, u64),
-    /// What the bus was last given to put out, and in which life of the devices.
+    /// Outputs last given to the bus, and in which life of the devices.
     put: Option<(u128, u64)>,
-    /// What is on the bus if that was given and not performed.
+    /// Outputs on the bus if those were not put out.
     on_bus: u128,
-    /// What the station was last sent of its inputs.
+    /// Inputs last sent to the station.
     sent: Option<InputsImage>,
 }
 
@@ -53,7 +53,8 @@ impl GatewayStation {
         (self.put, self.sent) = (None, None);
     }
 
-    /// Takes off the bus what is not to be on any more, before a record that may take long. `life` is the coordinator's.
+    /// Takes outputs off the bus that are not to be on any more, before a record that may take long. `life` is the
+    /// coordinator's.
     pub(crate) fn take_off(
         &mut self,
         now: Tick,
@@ -72,7 +73,7 @@ impl GatewayStation {
         }
     }
 
-    /// Of what is on the bus only this stays; nothing if that is all of it. The next step gives outputs anew.
+    /// Leaves only these bits on the bus; nothing if those are all that is on it. The next step gives outputs anew.
     pub(crate) fn keep_only(&mut self, bits: u128) -> Option<u128> {
         let staying = self.on_bus & bits;
         if staying == self.on_bus {
@@ -115,7 +116,7 @@ impl GatewayStation {
         let (bits, valid, _) = self.devices;
         let lives = self.lives(life);
         let in_force = self.in_force(now, gateway, lives, stop);
-        // After a loss the bus has forgotten what it was given, so it is given again.
+        // After a loss the bus has no outputs any more, so they are given again.
         if self.put.replace((in_force.bits, lives)) != Some((in_force.bits, lives)) {
             effects.push(CoordinatorEffect::Energise(self.station, in_force.bits));
         }

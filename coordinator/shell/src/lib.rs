@@ -1,10 +1,10 @@
-//! What the coordinator's node does between messages, as pure code.
+//! Behaviour of the coordinator's node between messages, as pure code.
 //!
 //! [`linewright_coordinator_logic::Coordinator`] decides the mode and [`linewright_coordinator_logic::Gateway`] which
-//! outputs may be in force. Around them a node has to know which message is the newest, what a station behind the gateway
-//! was sent last, what is written down before what is sent, and what to do when it cannot be. That is
-//! [`CoordinatorShell`]: it takes what has arrived and gives effects, in the order in which they must become true. The
-//! node of ROS 2 performs them with sockets and files, a simulation in memory; neither has rules of its own.
+//! outputs may be in force. The rest of a node's decisions (the newest message, what a station behind the gateway was
+//! sent last, what is written before what is sent, and what follows when it cannot be) is [`CoordinatorShell`]: it takes
+//! what has arrived and gives effects, in the order in which they must become true. The node of ROS 2 performs them with
+//! sockets and files, a simulation in memory; neither has rules of its own.
 
 mod effect;
 mod gateway_station;

@@ -1,12 +1,12 @@
 //! A station's report of its orders, as the token player reads it.
 //!
-//! Neither crate knows the other. In a plant messages stand between the two; where both are in one process, as in a simulation
-//! and under a checker, this does.
+//! The crates do not depend on each other. In a plant messages stand between the two; where both are in one process, as in a
+//! simulation and under a checker, this does.
 
 use linewright_coordinator_cell::TaskReport;
 use linewright_station_logic::TaskOrderReport;
 
-/// What the token player takes from a station's report.
+/// The part of a station's report that the token player takes.
 pub fn heard(report: &TaskOrderReport) -> TaskReport {
     TaskReport {
         memory: report.memory,

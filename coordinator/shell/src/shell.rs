@@ -1,14 +1,14 @@
 //! The coordinator's shell: arrivals in, effects out.
 //!
-//! Order of effects: record, outputs, order, state, and last what is only told, as a completed cycle. So no station
-//! obeys an epoch that the coordinator could forget. The emergency stop alone turns this round: outputs go off and the
-//! order goes out first, because a slow disk must not delay it. That is safe: who forgets an emergency stop finds the
-//! stations in it and adopts it, and an epoch that was used for nothing but a stop starts nothing when it is used
-//! again. Outputs of stations go off before the record as well. After a record that took longer than a period nothing
-//! is put out or ordered by what was decided before it: it is decided again.
+//! Order of effects: record, outputs, order, state, and last what is only information, as a completed cycle. So no
+//! station obeys an epoch that the coordinator could lose. The emergency stop alone turns this round: outputs go off
+//! and the order goes out first, because a slow disk must not delay it. That is safe: a coordinator that has lost an
+//! emergency stop finds the stations in it and adopts it, and an epoch that was used for nothing but a stop starts
+//! nothing when it is used again. Outputs of stations go off before the record as well. After a record that took longer
+//! than a period nothing is put out or ordered by what was decided before it: it is decided again.
 //!
-//! A record that cannot be written is itself an emergency stop: the line would otherwise act on what a successor does not
-//! know. It stays in force, and writing is tried again, until it succeeds and an operator resets.
+//! A record that cannot be written is itself an emergency stop: the line would otherwise act on what a successor cannot
+//! read. It stays in force, and writing is tried again, until it succeeds and an operator resets.
 
 use std::time::Duration;
 
@@ -21,9 +21,9 @@ use linewright_station_shell::{EPOCH_JUMP_MAX, NewestBySequence, RivalLife, Riva
 use crate::effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord};
 use crate::gateway_station::{GatewayStation, GatewayStop};
 
-/// How soon a refusal may follow another one in what is sent.
+/// Shortest time between two refusals that are sent.
 const ANSWER_EVERY: Duration = Duration::from_millis(20);
-/// How soon writing a record is tried again. A disk that is full stays so for longer.
+/// Time until writing a record is tried again. A disk that is full stays so for longer.
 const WRITE_AGAIN_EVERY: Duration = Duration::from_secs(1);
 
 /// A coordinator between its messages.
@@ -41,14 +41,14 @@ pub struct CoordinatorShell {
     is_followed: bool,
     /// A station has acknowledged orders, and none of this life.
     others_are_followed: bool,
-    /// By station: it has said that it has its devices.
+    /// By station: it has reported that it has its devices.
     has_devices: Vec<bool>,
     /// By station: its last report has its devices or a position lost, or something stopped in the middle.
     in_trouble: Vec<bool>,
-    /// In a cell: the stations whose trouble is the cell's alone, and those that it has stopped.
+    /// In a cell: the stations whose faults are the cell's alone, and those that it has stopped.
     isolated: Option<Vec<StationId>>,
     stopped: Vec<StationId>,
-    /// What is known to be written down.
+    /// Record that is certainly written.
     written: CoordinatorRecord,
     /// The last attempt to write failed; when the next is due.
     write_again: Option<Tick>,
@@ -58,18 +58,18 @@ pub struct CoordinatorShell {
     refresh: Duration,
     refresh_due: Tick,
     stale: Duration,
-    /// When order and state were given last.
+    /// Time of the last order and state.
     told: Tick,
-    /// When it was decided last.
+    /// Time of the last decision.
     acted: Tick,
-    /// It asked to be called by then.
+    /// Time of the next call that it has requested.
     expected: Tick,
-    /// What arrives before may have waited while the process stood still: its age is unknown.
+    /// Arrivals before this may have waited while the process stood still: their age is unknown.
     doubts_until: Tick,
 }
 
 impl CoordinatorShell {
-    /// The shell of a line's coordinator in its life `boot_id`, which remembers what its predecessor has written down.
+    /// The shell of a line's coordinator in its life `boot_id`, with the record that its predecessor has written.
     pub fn new(line: &Line, boot_id: u64, remembered: CoordinatorRecord) -> Self {
         let (stations, stale) = (line.stations.len(), line.timing.stale);
         let coordinator = Coordinator::new(line.clone(), boot_id, remembered.epoch);
@@ -103,8 +103,8 @@ impl CoordinatorShell {
         }
     }
 
-    /// The same without repetitions and without a gateway, for a simulation whose links repeat by themselves what was
-    /// sent last, and in which images reach the plant at once.
+    /// The same without repetitions and without a gateway, for a simulation whose links repeat the last messages by
+    /// themselves, and in which images reach the plant at once.
     #[must_use]
     pub fn without_refresh_and_gateway(mut self) -> Self {
         self.refresh_due = Tick::NEVER;
@@ -117,28 +117,28 @@ impl CoordinatorShell {
         &self.coordinator
     }
 
-    /// Which life of the coordinator this is.
+    /// Boot id of the coordinator.
     pub fn boot_id(&self) -> u64 {
         self.boot_id
     }
 
-    /// What a successor has to know.
+    /// Record for a successor.
     pub fn to_remember(&self) -> CoordinatorRecord {
         CoordinatorRecord { epoch: self.coordinator.epoch(), estop: self.coordinator.is_estopped() }
     }
 
-    /// Whether a station was ever heard.
+    /// Whether a station was ever received.
     pub fn has_heard(&self, station: StationId) -> bool {
         self.states[station.index()].current().is_some()
     }
 
-    /// Whether a station has said last that it has its devices.
+    /// Whether a station has reported last that it has its devices.
     pub fn has_devices(&self, station: StationId) -> bool {
         self.has_devices[station.index()]
     }
 
-    /// A cell is played on this line; the trouble of some stations is the cell's alone, and some it has put into emergency stop.
-    /// Call it before anything is handled, and before [`CoordinatorShell::act`] whenever that changes.
+    /// A cell is played on this line; the faults of some stations are the cell's alone, and some it has put into emergency
+    /// stop. Call it before anything is handled, and before [`CoordinatorShell::act`] whenever that changes.
     pub fn plays_cell(&mut self, isolated: impl Iterator<Item = StationId>, stopped: impl Iterator<Item = StationId>) {
         let known = self.isolated.get_or_insert_default();
         known.clear();
@@ -185,7 +185,7 @@ impl CoordinatorShell {
     }
 
     /// Takes what has arrived. Follow with [`CoordinatorShell::act`], once everything that waits has been taken. False if it is
-    /// the state of a station with an epoch that no coordinator can have given, which counts as not heard.
+    /// the state of a station with an epoch that no coordinator can have given, which counts as not received.
     pub fn handle(&mut self, now: Tick, arrival: CoordinatorArrival) -> bool {
         self.notice_gap(now);
         let is_doubtful = now < self.doubts_until;
@@ -206,8 +206,8 @@ impl CoordinatorShell {
             }
             CoordinatorArrival::State { station, sequence, heard } => {
                 let Some(states) = self.states.get_mut(station.index()) else { return true };
-                // An epoch that no coordinator can have given: followed, it would leave none above it. The station counts as not
-                // heard. An emergency stop is believed of it all the same.
+                // An epoch that no coordinator can have given: followed, it would leave none above it. The station counts as
+                // not received. Its emergency stop is in force all the same.
                 if heard.mode_epoch > self.coordinator.epoch().saturating_add(EPOCH_JUMP_MAX) {
                     if heard.estopped && !self.coordinator.is_estopped() {
                         self.coordinator.handle(now, ModeInput::Command(ModeCommand::EStop));
@@ -242,8 +242,8 @@ impl CoordinatorShell {
         true
     }
 
-    /// The process was stopped, or the machine stood still: what was heard before is unknown by its age. That has to be
-    /// seen before anything newer hides it.
+    /// The process was stopped, or the machine stood still: the age of earlier arrivals is unknown. That has to be seen
+    /// before anything newer hides it.
     fn notice_gap(&mut self, now: Tick) {
         if self.expected == Tick::NEVER || now <= self.expected + self.stale {
             return;
@@ -260,7 +260,7 @@ impl CoordinatorShell {
         self.refresh_due = self.refresh_due.min(self.told + ANSWER_EVERY);
     }
 
-    /// Brings everything up to `now` and gives what follows.
+    /// Brings everything up to `now` and returns the effects.
     pub fn act(&mut self, now: Tick, effects: &mut Vec<CoordinatorEffect>) {
         self.notice_gap(now);
         self.isolate();
@@ -309,8 +309,8 @@ impl CoordinatorShell {
         }
     }
 
-    /// What has become of writing `record` down. False if what follows in the same effects must not be performed: it was not
-    /// written, or that took longer than a period. Act again at once then; after a failure the emergency stop is in force.
+    /// Result of writing `record`. False if what follows in the same effects must not be performed: it was not written, or
+    /// that took longer than a period. Act again at once then; after a failure the emergency stop is in force.
     pub fn remembered(&mut self, now: Tick, record: CoordinatorRecord, is_written: bool) -> bool {
         let is_late = now > self.acted + self.refresh;
         if is_written {
@@ -327,13 +327,13 @@ impl CoordinatorShell {
         goes_on
     }
 
-    /// Until when the next of the output images in force is not too old.
+    /// Time until which the next of the output images in force is not too old.
     pub fn images_until(&self, now: Tick) -> Option<Tick> {
         self.gateway.next_deadline(now)
     }
 
-    /// While a record is being written a newer image of a station has arrived: of what is on its bus only what that image has
-    /// stays. Gives this where something is to go off.
+    /// While a record is being written a newer image of a station has arrived: of the outputs on its bus only those of that
+    /// image stay. Returns this where something is to go off.
     pub fn keep_only(&mut self, station: StationId, bits: u128) -> Option<u128> {
         self.behind.iter_mut().find(|behind| behind.station == station)?.keep_only(bits)
     }
@@ -344,15 +344,15 @@ impl CoordinatorShell {
         self.order_sequence
     }
 
-    /// What followed a record was not performed, since an emergency stop arrived while the record was being written. Act again
-    /// at once; the record is asked for again.
+    /// The effects after a record were not performed, since an emergency stop arrived while the record was being written. Act
+    /// again at once; the record is given again.
     pub fn interrupted(&mut self, now: Tick) {
         self.behind.iter_mut().for_each(GatewayStation::forget);
         self.refresh_due = self.refresh_due.min(now);
     }
 
-    /// In a cell trouble of a station on order is an exception of its order, and the others work on: what has come to be
-    /// one, and in auto also what is about to, since a station tells of its trouble here and there at once.
+    /// In a cell a fault of a station on order is an exception of its order, and the others work on: faults that have
+    /// become one, and in auto also those about to, since a station reports in two messages at once.
     fn isolate(&mut self) {
         let Some(isolated) = &self.isolated else { return };
         let in_auto = self.coordinator.order().mode == ControlMode::Auto;
@@ -368,7 +368,7 @@ impl CoordinatorShell {
         (is_second && !self.is_followed).then_some(life)
     }
 
-    /// When to act again if nothing arrives before.
+    /// Time of the next call if nothing arrives before.
     pub fn next_deadline(&self, now: Tick) -> Tick {
         let deadlines = [self.coordinator.next_deadline(), self.gateway.next_deadline(now), self.write_again];
         deadlines.into_iter().flatten().fold(self.refresh_due, Tick::min)

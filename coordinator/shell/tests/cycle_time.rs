@@ -1,4 +1,4 @@
-//! A completed cycle is told once, and never with a time in which the process stood still.
+//! A completed cycle is published once, and never with a time in which the process stood still.
 
 use std::time::Duration;
 

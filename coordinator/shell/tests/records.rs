@@ -1,4 +1,4 @@
-//! What is written down before what is sent, and what becomes of a line whose coordinator cannot write.
+//! Order of writing and sending, and a line whose coordinator cannot write.
 
 use std::time::Duration;
 
@@ -79,7 +79,7 @@ fn an_emergency_stop_that_cannot_be_written_stays_in_force_and_is_written_when_i
     assert_eq!(rig.mode(), ControlMode::Manual);
 }
 
-/// The order of a mode that could not be written down must not go out: the next coordinator would not know its epoch.
+/// The order of a mode that could not be written down must not go out: the next coordinator would not have its epoch.
 #[test]
 fn a_mode_that_cannot_be_written_is_not_ordered_and_becomes_an_emergency_stop() {
     let mut rig = Rig::new(CoordinatorRecord::default());
@@ -118,7 +118,7 @@ fn outputs_go_off_before_a_record_and_after_a_slow_one_none_goes_on_by_what_was_
     assert!(rig.act().iter().any(energised(0b10)));
 }
 
-/// What was decided before the slow record was dropped, and with it the account of what is on the bus.
+/// Decisions from before the slow record were dropped, and with them the account of what is on the bus.
 #[test]
 fn outputs_go_off_before_the_record_that_follows_a_slow_one() {
     let mut rig = Rig::new(CoordinatorRecord::default());

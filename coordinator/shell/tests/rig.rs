@@ -1,4 +1,4 @@
-//! The coordinator of the shipped line, with stations that say what they are made to say.
+//! The coordinator of the shipped line, with stations whose reports are set by the test.
 
 use std::time::Duration;
 
@@ -16,10 +16,10 @@ pub struct Rig {
     pub effects: Vec<CoordinatorEffect>,
     pub heard: Vec<StationView>,
     pub disk_is_full: bool,
-    /// How long it takes to write.
+    /// Time of a write.
     pub disk_takes: Duration,
     pub record: CoordinatorRecord,
-    /// When it was tried to write.
+    /// Times of attempts to write.
     pub writes: Vec<Tick>,
     sequence: u64,
 }
@@ -70,7 +70,7 @@ impl Rig {
         self.shell.coordinator().mode()
     }
 
-    /// Every station says its state, with the epoch that is ordered.
+    /// Every station sends its state, with the epoch that is ordered.
     pub fn hear_all(&mut self) {
         let epoch = self.shell.coordinator().epoch();
         for (at, heard) in self.heard.clone().into_iter().enumerate() {
@@ -126,7 +126,7 @@ impl Rig {
         }
     }
 
-    /// In auto, and everybody knows.
+    /// In auto, acknowledged by all.
     pub fn in_auto(&mut self) {
         self.refresh();
         self.command(ModeCommand::Start);
@@ -137,7 +137,7 @@ impl Rig {
         assert_eq!(self.mode(), ControlMode::Auto, "{}", self.shell.coordinator().text());
     }
 
-    /// A period passes in which everybody is heard.
+    /// A period passes in which all stations are received.
     pub fn refresh(&mut self) -> Vec<CoordinatorEffect> {
         self.now = self.now + Duration::from_millis(50);
         self.hear_all();

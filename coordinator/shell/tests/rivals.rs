@@ -93,7 +93,7 @@ fn who_comes_second_gives_way_and_who_is_followed_does_not() {
     assert_eq!(rig.shell.gives_way_to(rig.now), Some(OTHER));
 }
 
-/// No station is up yet: who has given fewer orders came second.
+/// No station is up yet: the one that has given fewer orders came second.
 #[test]
 fn of_two_that_no_station_has_heard_the_younger_one_gives_way() {
     for (from, expected) in [(1000, Some(OTHER)), (1, None)] {
@@ -111,7 +111,7 @@ fn of_two_that_no_station_has_heard_the_younger_one_gives_way() {
     }
 }
 
-/// Two that do not hear each other can come to the same epoch.
+/// Two that do not receive each other can come to the same epoch.
 #[test]
 fn a_station_that_follows_another_coordinator_has_acknowledged_nothing() {
     let mut rig = Rig::new(CoordinatorRecord::default());

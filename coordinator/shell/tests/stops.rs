@@ -38,7 +38,7 @@ fn a_stop_that_somebody_else_gives_a_station_in_auto_is_adopted_and_adopted_agai
     assert_eq!(rig.mode(), ControlMode::Manual);
 }
 
-/// The last state from before the way out was heard says nothing new.
+/// The last state from before the arrival of the way out has no effect.
 #[test]
 fn a_station_that_has_not_heard_of_the_way_out_yet_stops_nothing() {
     let mut rig = Rig::new(CoordinatorRecord::default());
@@ -105,8 +105,8 @@ fn a_station_in_an_emergency_stop_is_believed_whatever_its_epoch() {
     assert!(rig.shell.coordinator().epoch() < 1 << 20, "its epoch is not followed");
 }
 
-/// The cell has put one station into emergency stop: its outputs go off and its order says so, at once; the others go on. Reset,
-/// nothing that it decided before is put out.
+/// The cell has put one station into emergency stop: its outputs go off and its order is the stop, at once; the others go on.
+/// Reset, nothing that it decided before is put out.
 #[test]
 fn a_station_is_stopped_by_itself_and_follows_again_in_an_epoch_of_its_own() {
     let mut rig = Rig::with_one_on_order(CoordinatorRecord::default());
@@ -146,8 +146,8 @@ fn a_station_is_stopped_by_itself_and_follows_again_in_an_epoch_of_its_own() {
     assert!(rig.act().contains(&CoordinatorEffect::Energise(id, 1)));
 }
 
-/// Its coordinator has been started again: what the cell's log says is known before anybody is heard. Without the log nobody
-/// knows why the station is stopped, and the line is.
+/// Its coordinator has been started again: the cell's log is read before any station is received. Without the log the reason
+/// of the stop is lost, and the line is stopped.
 #[test]
 fn a_new_coordinator_knows_the_station_or_stops_the_line() {
     for is_known in [true, false] {

@@ -1,4 +1,4 @@
-//! The checked cell: what every other crate may rely on without asking again.
+//! The checked cell: other crates may rely on it without checks.
 //!
 //! A [`Cell`] comes from [`crate::parse`] alone, which has resolved every name and checked every rule; so ids index
 //! without a `Result`. Fields are public because a cell is data. Times are nominal; limits are what may pass before
@@ -15,11 +15,11 @@ use crate::prototype::{Prototype, ResourceAction, Role};
 index_id! {
     /// A resource, by its place in [`Cell::resources`].
     ResourceId
-    /// What can be done, by its place in [`Cell::activities`].
+    /// An activity, by its place in [`Cell::activities`].
     ActivityId
     /// A part type, by its place in [`Cell::part_types`].
     PartTypeId
-    /// How far parts of one type are, by its place in [`Cell::stages`]. Its tone in the nets is one more.
+    /// Progress of parts of one type, by its place in [`Cell::stages`]. Its tone in the nets is one more.
     StageId
     /// A station that works on order, by its place in [`Cell::controllers`].
     ControllerId
@@ -30,27 +30,26 @@ index_id! {
 pub struct Cell {
     /// The ROS namespace, which is the line's.
     pub name: String,
-    /// What a person calls it.
     pub title: String,
-    /// What holds for all of it.
+    /// Limits of the whole cell.
     pub limits: CellTimeouts,
-    /// How the dispatcher decides.
+    /// Configuration of the dispatcher.
     pub dispatch: Dispatch,
     /// The stations that get orders or belong to resources, by name.
     pub controllers: Vec<String>,
-    /// What parts are moved by, worked on and kept in.
+    /// Resources: they move, work on and keep parts.
     pub resources: Vec<Resource>,
     /// Synchronisations in the order of the description, then one for each resource that works on parts.
     pub activities: Vec<Activity>,
-    /// What comes in.
+    /// Part types that come in.
     pub part_types: Vec<PartType>,
     /// The stages of all part types, those of one type side by side, in the order of its plan.
     pub stages: Vec<Stage>,
-    /// What to do when an activity fails, in the order of the description; the first that fits counts.
+    /// Recovery rules, in the order of the description; the first that fits counts.
     pub exceptions: Vec<ExceptionRule>,
 }
 
-/// What holds for all of a cell.
+/// Limits of the whole cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellTimeouts {
     /// Parts in the cell at once.
@@ -61,16 +60,16 @@ pub struct CellTimeouts {
     pub safety: f64,
 }
 
-/// How the dispatcher decides.
+/// Configuration of the dispatcher.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dispatch {
     /// In this order; what one leaves equal the next decides.
     pub rules: Vec<DispatchRule>,
-    /// How far decisions are tried out beforehand; zero for not at all.
+    /// Time of the simulation before decisions; zero for none.
     pub look_ahead: Duration,
     /// A part that could move and has waited this long goes first.
     pub patience: Duration,
-    /// What may differ from the schedule.
+    /// Permitted difference from the schedule.
     pub window: Duration,
 }
 
@@ -79,7 +78,7 @@ pub struct Dispatch {
 pub enum DispatchRule {
     /// First come, first served: the part that has been where it is for longest.
     Fifo,
-    /// What takes least time, with what then follows by itself.
+    /// The least time, with what then follows by itself.
     ShortestProcessingTime,
     /// The part that is due first; those that never are come last.
     EarliestDueDate,
@@ -90,7 +89,7 @@ pub enum DispatchRule {
     CriticalRatio,
     /// The part whose order has the highest priority.
     Priority,
-    /// What the timetable has first. What it has for later is held; what should have begun before comes first.
+    /// The first by the timetable. A start that it has later is held; one that should have begun before comes first.
     Schedule,
 }
 
@@ -99,9 +98,8 @@ pub enum DispatchRule {
 pub struct Resource {
     /// Its name, which its places have as well.
     pub name: String,
-    /// What it is an instance of.
     pub prototype: Prototype,
-    /// How many parts it holds, or carries at a time.
+    /// Number of parts it holds, or carries at a time.
     pub capacity: u32,
     /// Its station, if it has one.
     pub controller: Option<ControllerId>,
@@ -117,13 +115,13 @@ pub struct Activity {
     pub kind: ActivityKind,
     /// The actions that are one here.
     pub uses: Vec<Use>,
-    /// What stations are told; together they have done it when each of them has.
+    /// Orders to stations; it has ended when all of them are done.
     pub orders: Vec<OrderTemplate>,
-    /// For which stages it is possible, in their order, and what it makes of them. At most one for each pair.
+    /// Stages for which it is possible, in their order, and their changes. At most one for each pair.
     pub moves: Vec<StageMove>,
 }
 
-/// What an activity is.
+/// Kind of activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ActivityKind {
     /// A part is moved within the cell.
@@ -139,20 +137,19 @@ pub enum ActivityKind {
 /// A part of an activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Use {
-    /// Whose action; none for the outside.
+    /// Resource of the action; none for the outside.
     pub of: Option<ResourceId>,
-    /// What it does.
     pub action: ResourceAction,
 }
 
-/// What an activity makes of one stage.
+/// Change of one stage by an activity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StageMove {
     /// Before.
     pub from: StageId,
     /// Afterwards; the same where parts are only moved.
     pub to: StageId,
-    /// How long it should take; none for what takes no time.
+    /// Nominal time; none for an instantaneous one.
     pub time: Option<Duration>,
     /// The number of the program, where the plan gives one.
     pub program: Option<i32>,
@@ -172,7 +169,7 @@ pub enum Staying {
     Must,
 }
 
-/// What one station is told when an activity starts.
+/// Order to one station when an activity starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrderTemplate {
     /// Station that gets the order.
@@ -180,12 +177,12 @@ pub struct OrderTemplate {
     pub task: String,
     /// The task's parameters, by name.
     pub parameters: Vec<(String, ParameterSource)>,
-    /// How long it may take from the start of the activity; none for safety × nominal time. One limit for each
-    /// operation and resource (seed 001, Fig. 6, L137-177).
+    /// Time limit from the start of the activity; none for safety × nominal time. One limit for each operation and
+    /// resource (seed 001, Fig. 6, L137-177).
     pub limit: Option<Duration>,
 }
 
-/// Where the value of a parameter comes from.
+/// Source of the value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ParameterSource {
     /// It is always this.
@@ -216,11 +213,11 @@ pub struct PlanStep {
     pub from: StageId,
     /// Afterwards.
     pub to: StageId,
-    /// Where it can be done.
+    /// Resources that can do it.
     pub on: Vec<ResourceId>,
 }
 
-/// How far a part is.
+/// Progress of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stage {
     /// `A.new`, `A.turn` when that has been done, `A.done`.
@@ -228,21 +225,21 @@ pub struct Stage {
     pub part_type: PartTypeId,
 }
 
-/// What to do when an activity fails (seed 001 §6, L214-229).
+/// Rule for the failure of an activity (seed 001 §6, L214-229).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExceptionRule {
     pub activities: Vec<ActivityId>,
     /// The code of the failure; `*` for any.
     pub code: String,
-    /// What the operator is told; names in braces stand for what is meant.
+    /// Text for the operator, with names in braces.
     pub tell: String,
-    /// How often the activity may be tried again.
+    /// Most repetitions of the activity.
     pub retries: u32,
-    /// Nobody needs to answer: it is as the first answer says.
+    /// No answer is needed: the first answer holds.
     pub automatic: bool,
     /// The stations that go into emergency stop at once (seed 001 §5.2, L206).
     pub emergency_stop: Vec<StopOf>,
-    /// What the operator can answer.
+    /// Permitted answers.
     pub answers: Vec<AlarmAnswer>,
 }
 
@@ -250,15 +247,15 @@ pub struct ExceptionRule {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmAnswer {
     pub word: String,
-    /// Where the part is.
+    /// Place of the part.
     pub part: Whereabouts,
-    /// How to go on.
+    /// Strategy.
     pub then: Strategy,
-    /// What is left out then, until somebody says that it is up again.
+    /// Resources left out then, until an operator puts them back.
     pub down: Vec<LeftOut>,
 }
 
-/// What goes into emergency stop after a failure.
+/// Stations that go into emergency stop after a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StopOf {
     /// All stations that have an order in the activity.
@@ -270,23 +267,23 @@ pub enum StopOf {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LeftOut {
     Resource(ResourceId),
-    /// Whoever has the part in the activity when it is there.
+    /// The resource that has the part in the activity when it is there.
     As(Whereabouts),
 }
 
-/// Where a part is after a failure.
+/// Place of a part after a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Whereabouts {
     /// At the resource it came from.
     From,
-    /// Where it was to go.
+    /// Its destination.
     To,
     Carrier,
     /// Nowhere any more.
     Gone,
 }
 
-/// How to go on after a failure. The source names the three (seed 000, L3101-3104); what they mean here is ours.
+/// Continuation after a failure. The source names the three (seed 000, L3101-3104); their meaning here is ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Strategy {
     /// The same once more, from its beginning.
@@ -324,24 +321,24 @@ impl Cell {
         self.part_types.iter().position(|part| part.name == name).map(PartTypeId::at)
     }
 
-    /// How long an order may take; none where neither a limit nor a time is known.
+    /// Time limit of an order; none where neither a limit nor a time is known.
     pub fn limit(&self, order: &OrderTemplate, of: &StageMove) -> Option<Duration> {
         order.limit.or_else(|| of.time.map(|time| time.mul_f64(self.limits.safety)))
     }
 }
 
 impl Activity {
-    /// Who takes part in that role.
+    /// The resource in that role.
     pub fn used(&self, role: Role) -> Option<Use> {
         self.uses.iter().copied().find(|part| part.action.role() == role)
     }
 
-    /// What it makes of a stage, by the tones of a mode: before, and afterwards.
+    /// Its change of a stage, by the tones of a mode: before, and afterwards.
     pub fn move_of(&self, from: StageId, to: StageId) -> Option<&StageMove> {
         self.moves.iter().find(|of| (of.from, of.to) == (from, to))
     }
 
-    /// Whether it takes no time and nobody is told: a step of the books only (seed 000, definitions 32 and 33, L1445).
+    /// Whether it takes no time and has no orders: a step of the books only (seed 000, definitions 32 and 33, L1445).
     pub fn is_logical(&self) -> bool {
         self.orders.is_empty() && self.moves.iter().all(|of| of.time.is_none())
     }

@@ -1,14 +1,14 @@
 //! The prototypes that resources are instances of, and what each can do.
 //!
-//! The only module that knows which actions belong to which prototype and what a capacity means there; what the places
-//! and arcs of an instance are, [`crate::net`] says. The machine is the one of seed 001 (L68-70, Figs. 2 and 3).
+//! The only module with the actions of each prototype and the meaning of its capacity; the places and arcs of an
+//! instance are in [`crate::net`]. The machine is the one of seed 001 (L68-70, Figs. 2 and 3).
 
-/// What a resource is an instance of.
+/// Prototype of a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Prototype {
     /// Works on parts: available-capacity, loaded, unload-ready.
     Machine,
-    /// A machine who can also carry: one token for all he does.
+    /// A machine that can also carry: one token for all work.
     Human,
     /// Keeps parts, and gives back any of them.
     RandomAccessStore,
@@ -22,7 +22,7 @@ pub enum Prototype {
     Conveyor,
 }
 
-/// What a resource does when an activity happens.
+/// Action of a resource when an activity happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ResourceAction {
     /// A machine takes a part.
@@ -43,7 +43,7 @@ pub enum ResourceAction {
     Out,
 }
 
-/// What an action is for the part that an activity moves.
+/// Role of an action for the part that an activity moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// The part is there before.
@@ -68,7 +68,7 @@ impl Prototype {
         Prototype::Conveyor,
     ];
 
-    /// As a description writes it.
+    /// Name in a description.
     pub const fn name(self) -> &'static str {
         match self {
             Prototype::Machine => "machine",
@@ -81,7 +81,7 @@ impl Prototype {
         }
     }
 
-    /// What it can do.
+    /// Actions.
     pub const fn actions(self) -> &'static [ResourceAction] {
         match self {
             Prototype::Machine => &[ResourceAction::Load, ResourceAction::Process, ResourceAction::Unload],
@@ -95,7 +95,7 @@ impl Prototype {
         }
     }
 
-    /// How much an instance holds if the description does not say; none where it has to, or has nothing to say.
+    /// Default capacity; none where it must be given, or has no meaning.
     pub const fn usual_capacity(self) -> Option<u32> {
         match self {
             Prototype::Machine | Prototype::Human | Prototype::Robot => Some(1),
@@ -130,7 +130,7 @@ impl Prototype {
 }
 
 impl ResourceAction {
-    /// As a description writes it.
+    /// Name in a description.
     pub const fn name(self) -> &'static str {
         match self {
             ResourceAction::Load => "load",
@@ -144,7 +144,7 @@ impl ResourceAction {
         }
     }
 
-    /// What it is for the part that moves.
+    /// Its role for the part that moves.
     pub const fn role(self) -> Role {
         match self {
             ResourceAction::Unload | ResourceAction::Retrieve | ResourceAction::In => Role::Source,

@@ -1,13 +1,13 @@
-//! Where parts can come and still be finished: reachability of (stage, spot), forwards and backwards.
+//! Spots where parts can come and still be finished: reachability of (stage, spot), forwards and backwards.
 //!
-//! A spot is where a part can stand: outside before or after, in a store, in a machine before or after its work. What
-//! lies on a way from *new, outside* to *done, outside* is what activities are for; the rest is left out of the nets and
-//! reported where a plan needs it. Capacities play no part here. The search is linear in spots × stages × ways.
+//! A spot is where a part can stand: outside before or after, in a store, in a machine before or after its work.
+//! Activities are for the ways from *new, outside* to *done, outside*; the rest is left out of the nets and reported
+//! where a plan needs it. Capacities play no part here. The search is linear in spots × stages × ways.
 
 use crate::prototype::ResourceAction;
 use crate::{ResourceId, StageId, Staying};
 
-/// Where a part can stand.
+/// Place where a part can stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PartSpot(usize);
 
@@ -31,34 +31,34 @@ impl PartSpot {
         }
     }
 
-    /// Where a part can be when work on it begins.
+    /// Spots of a part when work on it begins.
     pub fn work_from(resource: ResourceId, stays: Staying) -> impl Iterator<Item = PartSpot> {
         let [loaded, ready] = PartSpot::work(resource);
         let spots = [(loaded, stays.allows_loaded()), (ready, stays.allows_ready())];
         spots.into_iter().filter(|(_, can_be)| *can_be).map(|(spot, _)| spot)
     }
 
-    /// Where a machine's parts are before and after its work.
+    /// Spots of a machine's parts before and after its work.
     pub fn work(resource: ResourceId) -> [PartSpot; 2] {
         [PartSpot(2 + 2 * resource.index()), PartSpot(3 + 2 * resource.index())]
     }
 }
 
-/// What moves parts and what changes them.
+/// Moves of parts, and changes of their stages.
 #[derive(Clone, Debug, Default)]
 pub struct RouteTable {
-    /// From where to where, whatever the stage.
+    /// Start and end, whatever the stage.
     pub transports: Vec<(PartSpot, PartSpot)>,
     pub works: Vec<(ResourceId, StageId, StageId, Staying)>,
     /// The first and the last stage of each part type.
     pub ends: Vec<(StageId, StageId)>,
-    /// How many stages there are.
+    /// Number of stages.
     pub stages: usize,
-    /// How many resources there are.
+    /// Number of resources.
     pub resources: usize,
 }
 
-/// What can be reached.
+/// Spots that can be reached.
 #[derive(Clone, Debug)]
 pub struct Routes {
     stages: usize,

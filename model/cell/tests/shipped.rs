@@ -1,4 +1,4 @@
-//! What the shipped descriptions say.
+//! Contents of the shipped descriptions.
 
 use std::time::Duration;
 
@@ -59,7 +59,8 @@ fn the_workcell_is_the_described_one() {
     assert_eq!((meant, rule.retries), (vec!["load M1", "load M2", "load M3"], 2));
 }
 
-/// What a rule leaves out it does after each of its answers; a resource can be called what its part in the activity is.
+/// Resources left out by a rule are so after each of its answers; one can be named by the role of its part in the
+/// activity.
 #[test]
 fn answers_leave_resources_out() {
     let text = C1.replacen("retries = 2", "retries = 2\ndown = [\"M2\", \"carrier\"]", 1);
@@ -105,7 +106,7 @@ fn a_plan_may_have_alternatives() {
     assert_eq!(steps, expected);
 }
 
-/// What a part goes through, and between which stages.
+/// Steps of a part, and the stages between them.
 fn steps_of(cell: &linewright_cell::Cell, part: usize) -> Vec<(&str, &str, &str)> {
     let stage = |id: linewright_cell::StageId| cell.stages[id.index()].name.as_str();
     cell.part_types[part].steps.iter().map(|s| (s.name.as_str(), stage(s.from), stage(s.to))).collect()

@@ -1,4 +1,4 @@
-//! What a description says in the names of a DBC file → numbers, with every problem at its place in the description.
+//! A description in the names of a DBC file → numbers, with every problem at its place in the description.
 
 use linewright_line::{
     Checksum, DbcName, FrameBinding, FrameField, FrameTable, Page, Problem, ReceivedFrameBinding, ReceivedMessageTable,
@@ -12,7 +12,7 @@ const LEN_MAX: u64 = 8;
 /// A counter of fewer bits comes round too soon to show that a frame is new.
 const COUNTER_BITS_MIN: u8 = 2;
 
-/// Works out what `frames` means by `database`: all problems at once, each pointing into the description.
+/// Binds `frames` to `database`: all problems at once, each pointing into the description.
 pub fn bind(frames: &FrameTable, database: &Database) -> Result<FrameBinding, Vec<Problem>> {
     let mut binder = Binder { database, file: &frames.file.name, problems: Vec::new() };
     let heard: Vec<_> = frames.receive.iter().filter_map(|receive| binder.heard(receive)).collect();
@@ -229,7 +229,7 @@ impl<'a> Binder<'a> {
     }
 }
 
-/// The least and the greatest value of a signal: what its bits hold, and no more than the file says. A limit between two
+/// The least and the greatest value of a signal: the range of its bits, limited by the file's. A limit between two
 /// values is taken as the nearer one.
 fn within(signal: &DbcSignal, field: &FrameField) -> (f64, f64) {
     let (first, last) = field.range();

@@ -9,7 +9,7 @@ use thiserror::Error;
 /// A larger file is refused; those of whole vehicles have a few megabytes.
 pub const FILE_BYTES_MAX: usize = 16 << 20;
 
-/// Why a file is no database.
+/// Reason why a file is no database.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum DbcError {
     /// It has too many bytes.
@@ -22,10 +22,10 @@ pub enum DbcError {
         line: usize,
         /// From 1.
         column: usize,
-        /// What was expected there.
+        /// Text expected there.
         message: String,
     },
-    /// It follows the grammar, but says something impossible.
+    /// It follows the grammar, but its contents are impossible.
     #[error("{0}")]
     Content(String),
 }
@@ -52,11 +52,11 @@ pub struct DbcMessage {
 #[derive(Clone, Debug, PartialEq)]
 pub struct DbcSignal {
     pub name: String,
-    /// Where it lies. `None` for one that no frame of eight bytes holds, or whose step is worth nothing.
+    /// Its place. `None` for a signal that no frame of eight bytes holds, or whose factor is 0.
     pub field: Option<FrameField>,
     /// Whether it is always there.
     pub mux: Mux,
-    /// The least and the greatest value it has, if the file says so: `[0|0]`, or any two that are no range, say nothing.
+    /// The least and the greatest value, if the file has them: `[0|0]`, or any two that are no range, count as none.
     pub limits: Option<(f64, f64)>,
     pub unit: String,
 }
@@ -75,7 +75,7 @@ pub enum Mux {
 }
 
 impl DbcMessage {
-    /// The signal that selects others, if there is one in its eight bytes, and where it lies.
+    /// The signal that selects others, if there is one in its eight bytes, and its place.
     pub fn selector(&self) -> Option<(&DbcSignal, FrameField)> {
         let selector = self.signals.iter().find(|signal| signal.mux == Mux::Selector)?;
         Some((selector, selector.field.filter(|field| u8::try_from(self.len).is_ok_and(|len| field.fits(len)))?))

@@ -1,8 +1,8 @@
 //! CAN databases: DBC files, read, and bound to a line description.
 //!
-//! [`read`] turns a file's bytes into a [`Database`] of messages and signals; [`bind`] works out in numbers what a
-//! device's `dbc` table says in the file's names. The grammar is the library `can-dbc`'s; what lies where in a frame is
-//! [`FrameField`](linewright_line::FrameField)'s. *Only this crate knows DBC.* It knows no bus and no time.
+//! [`read`] turns a file's bytes into a [`Database`] of messages and signals; [`bind`] turns a device's `dbc` table in
+//! the file's names into numbers. The grammar is the library `can-dbc`'s; places in a frame are
+//! [`FrameField`](linewright_line::FrameField)'s. *Only this crate reads DBC.* It has no bus and no time.
 
 mod bind;
 mod database;

@@ -84,7 +84,7 @@ impl<'a> Binder<'a> {
         Some((message, SentFrameBinding { name, id, len, every, lets_go_after, counter, checksum, rest, outputs }))
     }
 
-    /// What is multiplexed is there because of the selector's value, which then is for nothing else.
+    /// A multiplexed signal is there because of the selector's value, which then is for nothing else.
     fn signals_are_apart(&mut self, message: &'a DbcMessage, send: &CyclicFrame, is_multiplexed: bool) {
         let checksum = send.checksum.iter().map(|(named, _)| named);
         let changing = || send.counter.iter().chain(checksum.clone()).chain(send.outputs.iter().map(|own| &own.signal));
@@ -97,7 +97,7 @@ impl<'a> Binder<'a> {
             self.problem(named, what, Some("give it one value, in `set`".to_owned()));
             return;
         }
-        // Not said, its value is 0, and its bits are its own.
+        // A signal that is not set is 0, and its bits are its own.
         let silent = selector.filter(|own| !set.clone().any(|named| named.name == own.name));
         self.apart(message, set.clone().chain(changing()), silent);
     }

@@ -1,5 +1,5 @@
 //! Numbers in frames, compared with the Python package `cantools`: the same file, the same frames, every signal both
-//! ways. Wants `pip install cantools` and a Python named by `LINEWRIGHT_PYTHON`; without it nothing is tested.
+//! ways. Needs `pip install cantools` and a Python named by `LINEWRIGHT_PYTHON`; without it nothing is tested.
 
 use std::fmt::Write as _;
 use std::io::Write as _;

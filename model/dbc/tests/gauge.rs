@@ -1,4 +1,4 @@
-//! A file and what a description makes of it.
+//! A file, and a description bound to it.
 
 use std::time::Duration;
 

@@ -20,9 +20,9 @@ const AFTER: usize = 80;
 pub(crate) struct Excerpt {
     file_name: String,
     text: String,
-    /// What it is about, in `text`.
+    /// Place of the problem, in `text`.
     pub(crate) span: Range<usize>,
-    /// How many lines of the file come before `text`.
+    /// Number of lines of the file before `text`.
     lines_before: usize,
     /// The line and column of the problem in the file, from 1.
     line: usize,
@@ -30,7 +30,7 @@ pub(crate) struct Excerpt {
 }
 
 impl Excerpt {
-    /// What is around `span`, which lies in the line that starts at `line_start` and is the `line`-th one.
+    /// Text around `span`, in the line that starts at `line_start` and is the `line`-th one.
     pub(crate) fn of(file_name: &str, text: &str, span: &Range<usize>, line_start: usize, line: usize) -> Self {
         let whole = |at: usize| (0..=at.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
         let line_end = text[line_start..].find('\n').map_or(text.len(), |length| line_start + length);
@@ -82,7 +82,7 @@ impl SourceCode for Excerpt {
         lines_after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
         let found = self.text.read_span(span, lines_before, lines_after)?;
-        // Asked for the span alone, `miette` wants to know where it is; otherwise which lines it is going to draw.
+        // For the span alone, `miette` needs its place; otherwise the lines it is going to draw.
         let (line, column) = match lines_before {
             0 => (self.line - 1, self.column - 1),
             _ => (self.lines_before + found.line(), found.column()),

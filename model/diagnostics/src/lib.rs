@@ -1,7 +1,7 @@
-//! What is wrong with a file: where, and what to do about it.
+//! Problems in a file: place, and advice.
 //!
 //! A reader finds places as byte ranges. It reports each [`Problem`] to a [`Report`], which becomes [`Problems`] with lines
-//! and columns at the end; `miette` draws them. It knows text and no format.
+//! and columns at the end; `miette` draws them. It handles text of any format.
 //!
 //! Files come in two sizes. A description that people wrote is kept whole, so that a drawing can show several places of it
 //! ([`Report::default`]). What a program wrote may be many megabytes in one line: of that only the few lines around each
@@ -18,7 +18,7 @@ pub use problem::Problem;
 pub use problems::Problems;
 pub use report::{EXCERPTS_MAX, Report};
 
-/// Somebody else's text in a message: short, and in one line.
+/// Foreign text in a message: short, and in one line.
 pub fn shown(text: &str) -> String {
     const CHARS_MAX: usize = 60;
     let mut short: String = text.chars().take(CHARS_MAX).map(|c| if c.is_control() { ' ' } else { c }).collect();

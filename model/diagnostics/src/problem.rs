@@ -1,4 +1,4 @@
-//! One thing that is wrong.
+//! One problem of a file.
 
 use std::fmt;
 use std::ops::Range;
@@ -10,7 +10,7 @@ use crate::excerpt::Excerpt;
 /// One thing wrong with a file, or (as a warning) suspicious about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// What is wrong, with the names and numbers involved.
+    /// Text, with the names and numbers involved.
     pub message: String,
     /// The bytes of the text it is about.
     pub span: Range<usize>,
@@ -18,9 +18,9 @@ pub struct Problem {
     pub line: usize,
     /// The column of the first of them, in characters, from 1.
     pub column: usize,
-    /// What to do about it.
+    /// Advice.
     pub hint: Option<String>,
-    /// What to write under the marked text.
+    /// Text under the marked place.
     pub label: Option<String>,
     /// Other places that take part in it, each with its own label.
     pub also: Vec<(Range<usize>, String)>,

@@ -1,4 +1,4 @@
-//! All that is wrong with a file.
+//! Problems of a file.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,8 +12,8 @@ use crate::place::{Lines, within};
 /// All problems of one file, in the order of the text.
 ///
 /// Printed plainly it is a headline, and with `{:#}` also one line per problem, `file:line:column: message`, as editors
-/// and build logs expect it; drawn by `miette` it shows the places. The crate that reads the file says which of them it
-/// hands out: a file that is read has warnings at most.
+/// and build logs expect it; drawn by `miette` it shows the places. The crate that reads the file documents which of
+/// them it returns: a file that is read has warnings at most.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problems {
     file_name: String,
@@ -29,7 +29,7 @@ const LINE_DRAWN_MAX: usize = 2000;
 /// The longest message, in characters; of a longer one the beginning is kept.
 const MESSAGE_MAX: usize = 1000;
 
-/// Of which kind there are more than are kept.
+/// Kind of which there are more than are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Cut {
     pub errors: bool,
@@ -100,12 +100,12 @@ impl Problems {
         self.problems
     }
 
-    /// How many of them are errors.
+    /// Number of errors.
     pub fn errors(&self) -> usize {
         self.problems.iter().filter(|problem| !problem.is_warning).count()
     }
 
-    /// How many of them are warnings.
+    /// Number of warnings.
     pub fn warnings(&self) -> usize {
         self.problems.len() - self.errors()
     }

@@ -1,4 +1,4 @@
-//! Where readers put what they find.
+//! Collection of a reader's findings.
 
 use crate::problems::Cut;
 use crate::{Problem, Problems};
@@ -10,7 +10,7 @@ const PROBLEMS_MAX: usize = 500;
 /// The same where each problem has an excerpt of its own.
 pub const EXCERPTS_MAX: usize = 50;
 
-/// Where readers put what they find.
+/// Collection of a reader's findings.
 #[derive(Debug, Default)]
 pub struct Report {
     errors: Vec<Problem>,
@@ -68,8 +68,8 @@ impl Report {
         !self.errors.is_empty()
     }
 
-    /// What was read, with the warnings, if nothing forbids using it; otherwise all problems. That nothing could be read
-    /// and no rule says why would be a mistake of the program, and is said as one.
+    /// The result, with the warnings, if nothing forbids using it; otherwise all problems. No result without an error is
+    /// a mistake of the program, and reported as one.
     pub fn close<T>(mut self, read: Option<T>, file_name: &str, text: &str) -> Result<(T, Vec<Problem>), Problems> {
         let has_errors = self.has_errors();
         match read {
@@ -86,7 +86,7 @@ impl Report {
         }
     }
 
-    /// All of them, with what is kept of the text they point into. `file_name` is for messages.
+    /// All of them, with the parts kept of the text they point into. `file_name` is for messages.
     pub fn into_problems(self, file_name: &str, text: &str) -> Problems {
         let all = self.errors.into_iter().chain(self.warnings).collect();
         let make = if self.in_excerpts { Problems::excerpts } else { Problems::new };

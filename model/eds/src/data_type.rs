@@ -9,16 +9,16 @@ use crate::value::ObjectValue;
 /// Declares the types with their number, their name in the standard and their shape.
 macro_rules! data_types {
     ($($variant:ident = $code:literal $name:literal $shape:expr;)*) => {
-        /// What the bytes of an entry mean.
+        /// Type of the bytes of an entry.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum DataType {
             $(#[doc = $name] $variant,)*
-            /// A type this crate does not know, by its number.
+            /// A type this crate does not support, by its number.
             Other(u16),
         }
 
         impl DataType {
-            /// All types this crate knows.
+            /// All types this crate supports.
             pub const ALL: &[DataType] = &[$(DataType::$variant),*];
 
             /// The type with this number in an object dictionary.
@@ -84,7 +84,7 @@ data_types! {
     Unsigned64 = 0x1B "UNSIGNED64" ValueShape::Unsigned(8);
 }
 
-/// What the types have in common. Numbers carry their size in bytes.
+/// Common shape of types. Numbers carry their size in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ValueShape {
     Boolean,
@@ -112,7 +112,7 @@ impl ValueShape {
     }
 }
 
-/// Why a value has no bytes of a type.
+/// Reason why a value has no bytes of a type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EncodeError {
     /// The number is not among those of the type.
@@ -121,7 +121,7 @@ pub enum EncodeError {
     WrongKind { data_type: DataType, value: ObjectValue },
     /// A VISIBLE_STRING has one byte per character.
     NoSuchCharacter(char),
-    /// Only bytes can be given for a type this crate does not know.
+    /// Only bytes can be given for a type this crate does not support.
     UnknownType(u16),
 }
 
@@ -141,15 +141,15 @@ impl fmt::Display for EncodeError {
 
 impl std::error::Error for EncodeError {}
 
-/// Why bytes are no value of a type.
+/// Reason why bytes are no value of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValueDecodeError {
     /// Another number of bytes is needed.
     Length {
         data_type: DataType,
-        /// How many bytes it has.
+        /// Number of bytes expected.
         expected: usize,
-        /// How many there are.
+        /// Number of bytes found.
         actual: usize,
     },
     /// A UNICODE_STRING that is no UTF-16.
@@ -170,7 +170,7 @@ impl fmt::Display for ValueDecodeError {
 impl std::error::Error for ValueDecodeError {}
 
 impl DataType {
-    /// How many bytes a value has; `None` if that depends on the value or is not known.
+    /// Number of bytes of a value; `None` if that depends on the value or is not known.
     pub fn size(self) -> Option<usize> {
         match self.shape() {
             ValueShape::Boolean => Some(1),
@@ -183,7 +183,8 @@ impl DataType {
 
     /// The bytes of a value, as SDO and PDO carry them: little endian (CiA 301 §7.1.4).
     ///
-    /// Whole numbers may be given as either kind of [`ObjectValue`]; of a type this crate does not know, bytes alone.
+    /// Whole numbers may be given as either kind of [`ObjectValue`]; of a type this crate does not support, bytes
+    /// alone.
     ///
     /// # Errors
     /// The value is of another kind, or out of the range of the type.
@@ -212,7 +213,7 @@ impl DataType {
         }
     }
 
-    /// The value that bytes mean. Bytes of a type this crate does not know are their own value; zeros behind a
+    /// The value of bytes. Bytes of a type this crate does not support are their own value; zeros behind a
     /// VISIBLE_STRING, with which some devices fill it up, are none of its characters.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! From a description to the configuration of one device: the same text with values in it.
 //!
-//! The result is read again before it is handed out, and every value compared. What cannot be said in a file, such as a
-//! text with a line end, is found there and not on the machine.
+//! The result is read again before it is handed out, and every value compared. A value that cannot be written in a
+//! file, such as a text with a line end, is found there and not on the machine.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,11 +15,11 @@ use crate::names::{SectionKind, classify};
 use crate::value::{self, NodeId, ObjectValue};
 use crate::{AccessType, Eds, EncodeError, understand};
 
-/// What one device of one net is to be given.
+/// Values for one device of one net.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
     pub node_id: NodeId,
-    /// What it is called.
+    /// Its name.
     pub node_name: Option<String>,
     /// Bit rate of its bus, in kbit/s.
     pub baud_rate: Option<u16>,
@@ -41,7 +41,7 @@ impl Configuration {
     }
 }
 
-/// Why a value cannot be part of a configuration.
+/// Reason why a value cannot be part of a configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConfigureError {
     /// The device has no such entry.
@@ -64,7 +64,7 @@ pub enum ConfigureError {
         index: u16,
         /// Subindex.
         sub: u8,
-        /// What is wrong.
+        /// Error in the value.
         error: EncodeError,
     },
     /// The value is beyond a limit of the entry.
@@ -77,9 +77,10 @@ pub enum ConfigureError {
         limit: &'static str,
         end: ObjectValue,
     },
-    /// A text that a file of this kind cannot say: empty, with a line end, with spaces around it, or with ` ;`.
+    /// A text that cannot be written in a file of this kind: empty, with a line end, with spaces around it, or with
+    /// ` ;`.
     NotSayable {
-        /// Where it was to stand.
+        /// Place where it was to stand.
         place: String,
         text: String,
     },
@@ -128,10 +129,10 @@ impl std::error::Error for ConfigureErrors {}
 
 impl Eds {
     /// This description with the values of one device in it: a DCF called `file_name`. Order, comments and everything
-    /// this crate does not know stay as they are.
+    /// this crate does not support stay as they are.
     ///
     /// # Errors
-    /// All values that the device cannot be given or a file cannot say.
+    /// All values that the device cannot be given or a file cannot contain.
     pub fn configure(&self, file_name: &str, configuration: &Configuration) -> Result<Eds, ConfigureErrors> {
         let mut errors = self.check(configuration);
         if !errors.is_empty() {
@@ -252,7 +253,7 @@ impl Eds {
         self.document.sections().find(|section| classify(section.name()) == kind)
     }
 
-    /// What was read back and is not what was to be said.
+    /// Values read back that differ from those to be written.
     fn said_otherwise(&self, configuration: &Configuration, said: &[(&'static str, String)]) -> Vec<ConfigureError> {
         let mut errors = Vec::new();
         for (&(index, sub), value) in &configuration.values {

@@ -1,14 +1,14 @@
 //! Bytes ↔ text.
 //!
-//! The standard says ASCII. Tools write their national encoding, mostly ISO-8859-1 or its Windows relative, and of late
-//! UTF-8. What is valid UTF-8 is taken as that, everything else byte for byte as ISO-8859-1: names may show a wrong
-//! letter then, but no byte is lost, and nothing that a device is sent depends on it.
+//! The standard requires ASCII. Tools write their national encoding, mostly ISO-8859-1 or its Windows relative, and of
+//! late UTF-8. What is valid UTF-8 is taken as that, everything else byte for byte as ISO-8859-1: names may show a
+//! wrong letter then, but no byte is lost, and nothing that a device is sent depends on it.
 
 use linewright_diagnostics::{At, Problem, Report};
 
 use crate::limits::FILE_BYTES_MAX;
 
-/// How a file says its text.
+/// Encoding of a file's text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextEncoding {
     Utf8,
@@ -60,7 +60,7 @@ pub(crate) fn decode(bytes: &[u8], report: &mut Report) -> Result<(String, TextE
     }
 }
 
-/// The bytes of a text. One that its old encoding cannot say, or would say as something else, becomes marked UTF-8.
+/// The bytes of a text. One that its old encoding cannot express, or only as something else, becomes marked UTF-8.
 pub(crate) fn encode(text: &str, encoding: TextEncoding) -> Vec<u8> {
     let marked = || [MARK, text.as_bytes()].concat();
     match encoding {

@@ -1,4 +1,4 @@
-//! What a configuration writes into a device, in an order the device accepts.
+//! Writes of a configuration into a device, in an order the device accepts.
 //!
 //! By index, with three exceptions. A PDO is switched off while it is changed, and its mapping has no elements while
 //! they are written (CiA 301 §7.5.2.36 and §7.5.2.38); PDOs come last, because what they map may come to be only by
@@ -11,7 +11,7 @@ use crate::Eds;
 use crate::model::SubObject;
 use crate::value::{NodeId, ObjectValue};
 
-/// What is written.
+/// Contents of a write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DownloadContent {
     /// These bytes.
@@ -20,10 +20,10 @@ pub enum DownloadContent {
     File(String),
 }
 
-/// Why it is written.
+/// Reason of a write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteReason {
-    /// The file says so.
+    /// By the file.
     Value,
     /// The PDO is off while it is changed.
     SwitchOff,
@@ -40,9 +40,7 @@ pub struct Download {
     pub index: u16,
     /// Its subindex.
     pub sub: u8,
-    /// What is written.
     pub content: DownloadContent,
-    /// Why the object is written.
     pub reason: WriteReason,
     /// The line of the entry's section in the file.
     pub line: u32,
@@ -70,11 +68,11 @@ pub(crate) fn address(index: u16, sub: u8) -> String {
     if sub == 0 { format!("{index:04X}h") } else { format!("{index:04X}h sub {sub}") }
 }
 
-/// Why a description is no configuration for a node.
+/// Reason why a description is no configuration for a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DownloadError {
     pub file: NodeId,
-    /// The node that was asked for.
+    /// The node requested.
     pub asked: NodeId,
 }
 
@@ -90,18 +88,18 @@ impl fmt::Display for DownloadError {
 
 impl std::error::Error for DownloadError {}
 
-/// What the file sets of one entry.
+/// Values of the file for one entry.
 type WantedEntry = BTreeMap<(u16, u8), Download>;
 
-/// The bit of a COB-ID that says the PDO does not exist.
+/// The bit of a COB-ID of a PDO that does not exist.
 const INVALID: u64 = 1 << 31;
 /// From the communication parameters of a PDO to its mapping.
 const TO_MAPPING: u16 = 0x200;
 
 impl Eds {
-    /// What this file sets of a device with this node id, in the order of writing. Nothing for an EDS, which has no
-    /// parameter values; entries that cannot be written, or whose ObjFlags forbid it, are left out: tools note there
-    /// what they have read.
+    /// Writes of this file to a device with this node id, in their order. Nothing for an EDS, which has no parameter
+    /// values; entries that cannot be written, or whose ObjFlags forbid it, are left out: tools note there what they
+    /// have read.
     ///
     /// # Errors
     /// The file is for another node.

@@ -1,7 +1,7 @@
 //! The section of one entry: its type, its access, its values.
 //!
-//! What would change a value that a device is sent is an error. A limit or a default that cannot be understood is only
-//! a check less, and a warning, unless it is a number that does not fit its type: then the type may be the wrong one.
+//! An error that would change a value that a device is sent is one. A limit or a default that cannot be read is only a
+//! check less, and a warning, unless it is a number that does not fit its type: then the type may be the wrong one.
 
 use linewright_diagnostics::shown;
 
@@ -11,7 +11,7 @@ use crate::model::{AccessType, ObjectType, SubObject};
 use crate::reader::{SectionReader, Weight};
 use crate::value::{self, NodeId, ValueSetting};
 
-/// The kind of object a section describes; a section that does not say describes one value (CiA 306 §4.6.3.2).
+/// The kind of object a section describes; a section without one describes one value (CiA 306 §4.6.3.2).
 pub(crate) fn object_type(reader: &mut SectionReader<'_, '_>) -> ObjectType {
     const WORDS: [(&str, ObjectType); 6] = [
         ("DOMAIN", ObjectType::Domain),
@@ -50,7 +50,7 @@ pub(crate) fn name(reader: &mut SectionReader<'_, '_>) -> String {
     name.unwrap_or_default()
 }
 
-/// Reads the section of one entry. `None` if it has no data, or if it cannot be told what the data are.
+/// Reads the section of one entry. `None` if it has no data, or if their type is uncertain.
 pub(crate) fn read(reader: &mut SectionReader<'_, '_>, object_type: ObjectType, node: NodeId) -> Option<SubObject> {
     let entry_name = name(reader);
     if object_type == ObjectType::Null {
@@ -108,7 +108,7 @@ fn access(reader: &mut SectionReader<'_, '_>, object_type: ObjectType) -> Option
     let names = || AccessType::ALL.map(AccessType::name).join(", ");
     let Some((key, text)) = reader.key("AccessType") else {
         return match object_type {
-            // CiA 306: what a DOMAIN does not say is rw.
+            // CiA 306: the default of a DOMAIN is rw.
             ObjectType::Domain => Some(AccessType::ReadWrite),
             ObjectType::DefType | ObjectType::Other(_) => Some(AccessType::ReadOnly),
             _ => {

@@ -1,4 +1,4 @@
-//! Who a device says it is: object 1018h, and the same numbers in `[DeviceInfo]`.
+//! Identity of a device: object 1018h, and the same numbers in `[DeviceInfo]`.
 
 use std::collections::BTreeMap;
 
@@ -11,8 +11,8 @@ use crate::reader::{SectionReader, Weight};
 use crate::value::NodeId;
 use crate::{Commissioning, Eds};
 
-/// What a device of this description answers. What the description leaves open, or calls 0, is `None`: there is nothing
-/// to compare (as in objects 1F84h to 1F88h of CiA 302).
+/// Identity that a device of this description answers. What the description leaves open, or calls 0, is `None`: there
+/// is nothing to compare (as in objects 1F84h to 1F88h of CiA 302).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct EdsIdentity {
     /// Object 1000h.
@@ -28,7 +28,7 @@ pub struct EdsIdentity {
 }
 
 impl Eds {
-    /// Who a device of this description is. Object 1018h counts first, then `[DeviceInfo]`.
+    /// Identity of a device of this description. Object 1018h counts first, then `[DeviceInfo]`.
     pub fn identity(&self) -> EdsIdentity {
         let node = self.node_id().unwrap_or(NodeId::FIRST);
         let stated = |index, sub| stated(&self.objects, index, sub, node);
@@ -49,7 +49,7 @@ fn stated(objects: &BTreeMap<u16, Object>, index: u16, sub: u8, node: NodeId) ->
     u32::try_from(value).ok().filter(|number| *number > 0)
 }
 
-/// The same number in two places ought to be the same.
+/// Checks that the same number in two places is the same.
 pub(crate) fn check(
     device: &DeviceInfo,
     objects: &BTreeMap<u16, Object>,

@@ -18,7 +18,7 @@ pub struct FileInfo {
     /// ModificationDate and ModificationTime, as they stand.
     pub modified: Option<String>,
     pub modified_by: Option<String>,
-    /// LastEDS: what a DCF was made from.
+    /// LastEDS: source of a DCF.
     pub last_eds: Option<String>,
 }
 

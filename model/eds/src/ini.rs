@@ -1,8 +1,8 @@
 //! The text as sections and keys, with nothing lost: everything is a place in the text.
 //!
 //! Comments, blank lines, spaces and line ends are not kept apart; they are what the places leave out. Writing is
-//! therefore copying the text, and changing a value is changing a few bytes of it (`edit`). This module knows no name
-//! of the standard, except the keys whose loss would change what a device is sent.
+//! therefore copying the text, and changing a value is changing a few bytes of it (`edit`). This module has no name of
+//! the standard, except the keys whose loss would change what a device is sent.
 
 use std::collections::HashMap;
 
@@ -145,12 +145,12 @@ impl<'a> SectionRef<'a> {
         self.document.sections[self.index]
     }
 
-    /// What stands between the brackets.
+    /// Text between the brackets.
     pub(crate) fn name(self) -> &'a str {
         self.document.str(self.own().name)
     }
 
-    /// Where it stands.
+    /// Its place.
     pub(crate) fn at(self) -> At {
         self.own().name
     }

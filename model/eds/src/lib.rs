@@ -1,12 +1,12 @@
 //! CANopen device descriptions, EDS and DCF (CiA 306-1): read, with errors that have a line and a key, and written.
 //!
-//! An electronic data sheet says which objects a device has. A device configuration file is the same with the values
-//! one device of one net is to be given. [`read`] takes what tools write and says with a place what is sloppy about it;
-//! it refuses whatever would leave open what a device is sent. [`Eds::to_bytes`] gives back every byte, and
-//! [`Eds::configure`] makes a DCF of an EDS that differs from it in the values alone.
+//! An electronic data sheet lists the objects of a device. A device configuration file is the same with the values one
+//! device of one net is to be given. [`read`] takes what tools write and warns with a place where it is sloppy; it
+//! refuses what would leave open what a device is sent. [`Eds::to_bytes`] gives back every byte, and [`Eds::configure`]
+//! makes a DCF of an EDS that differs from it in the values alone.
 //!
-//! The crate knows text and object dictionaries. It does not know files, frames, or what an object is for, with two
-//! exceptions: who a device says it is ([`Eds::identity`]), and that a PDO is switched off while it is changed
+//! The crate handles text and object dictionaries, not files, frames, or the purpose of an object, with two exceptions:
+//! the identity of a device ([`Eds::identity`]), and that a PDO is switched off while it is changed
 //! ([`Eds::downloads`]).
 //!
 //! ```
@@ -37,7 +37,7 @@
 //! 1. `decode`: bytes → text
 //! 2. `ini`: text → sections and keys, as places in it
 //! 3. `names`: what each section is about
-//! 4. `info`, `objects` with `entry`: what the sections say
+//! 4. `info`, `objects` with `entry`: meaning of the sections
 //! 5. `lists`: does what is listed agree with what is there?
 //!
 //! All problems of a file are reported at once.
@@ -153,7 +153,7 @@ fn understand(file_name: &str, text: String, encoding: TextEncoding, mut report:
     })
 }
 
-/// What each section is about. Of two about the same thing a program would take one by chance.
+/// Subject of each section. Of two about the same thing a program would take one by chance.
 fn classify<'a>(document: &'a Document, report: &mut Report) -> Vec<(SectionKind, SectionRef<'a>)> {
     let mut sections = Vec::new();
     let mut first: HashMap<SectionKind, SectionRef<'a>> = HashMap::new();
@@ -191,7 +191,7 @@ impl Eds {
         &self.file_name
     }
 
-    /// What is sloppy about the file.
+    /// Warnings about the file.
     pub fn warnings(&self) -> &Problems {
         &self.warnings
     }

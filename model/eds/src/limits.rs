@@ -1,7 +1,7 @@
-//! How much of anything is read. Beyond these a file is refused, by name of the limit, before it costs memory.
+//! Limits of reading. Beyond these a file is refused, by name of the limit, before it costs memory.
 //!
-//! What a number in the file says costs nothing: a compact array of 254 elements is kept as its one description, and
-//! elements are made when they are asked for.
+//! A number in the file costs nothing by itself: a compact array of 254 elements is kept as its one description, and
+//! elements are made on demand.
 
 /// The largest file, in bytes. Descriptions of modular couplers with thousands of objects have about one million.
 pub const FILE_BYTES_MAX: usize = 8 << 20;

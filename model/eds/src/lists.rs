@@ -48,7 +48,7 @@ pub(crate) fn check(
     }
 }
 
-/// Where CiA 306 puts an object.
+/// List of an object by CiA 306.
 fn expected(index: u16) -> Category {
     match index {
         0x1000 | 0x1001 | 0x1018 => Category::Mandatory,

@@ -1,4 +1,4 @@
-//! What a description says of a device's objects.
+//! Description of a device's objects.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -8,7 +8,7 @@ use crate::data_type::DataType;
 use crate::names::Category;
 use crate::value::{NodeId, ObjectValue, ValueSetting};
 
-/// What kind of object something is (CiA 301 §7.4.3, table 42).
+/// Kind of an object (CiA 301 §7.4.3, table 42).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ObjectType {
     /// 0: an entry without data.
@@ -49,7 +49,7 @@ impl ObjectType {
     }
 }
 
-/// Who may do what with an entry (CiA 306, AccessType).
+/// Permitted access to an entry (CiA 306, AccessType).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AccessType {
     /// `ro`: may only be read.
@@ -76,7 +76,7 @@ impl AccessType {
         AccessType::Const,
     ];
 
-    /// As a file says it.
+    /// Name in a file.
     pub fn name(self) -> &'static str {
         match self {
             AccessType::ReadOnly => "ro",
@@ -105,18 +105,18 @@ impl fmt::Display for AccessType {
     }
 }
 
-/// One value of a device: what an index and a subindex lead to.
+/// One value of a device, at an index and a subindex.
 #[derive(Clone, Debug)]
 pub struct SubObject {
     /// ParameterName.
     pub name: String,
-    /// Denotation: what the plant calls it (DCF).
+    /// Denotation: the plant's name for it (DCF).
     pub denotation: Option<String>,
     /// ObjectType, nearly always [`ObjectType::Var`].
     pub object_type: ObjectType,
     pub data_type: DataType,
     pub access: AccessType,
-    /// DefaultValue: what the device has after switching on, if the file says so.
+    /// DefaultValue: value of the device after switching on, if the file has it.
     pub default: Option<ValueSetting>,
     /// LowLimit.
     pub low: Option<ValueSetting>,
@@ -126,7 +126,7 @@ pub struct SubObject {
     pub pdo_mappable: bool,
     /// ObjFlags; see [`SubObject::refuses_download`].
     pub flags: u32,
-    /// ParameterValue: what the device is to be given (DCF).
+    /// ParameterValue: the device's value to be set (DCF).
     pub value: Option<ValueSetting>,
     /// UploadFile: where its content is to be put, for a DOMAIN (DCF).
     pub upload_file: Option<String>,
@@ -148,7 +148,7 @@ impl SubObject {
         self.value.as_ref().map(|setting| setting.for_node(node))
     }
 
-    /// What the device has when it is configured: the parameter value, or else the default.
+    /// Value of the device when it is configured: the parameter value, or else the default.
     pub fn effective(&self, node: NodeId) -> Option<ObjectValue> {
         self.value_for(node).or_else(|| self.default_for(node))
     }
@@ -179,7 +179,7 @@ pub(crate) struct Compact {
     pub values: BTreeMap<u8, ValueSetting>,
 }
 
-/// One object: what an index leads to.
+/// One object, at an index.
 #[derive(Clone, Debug)]
 pub struct Object {
     pub index: u16,
@@ -196,7 +196,7 @@ pub struct Object {
     pub line: u32,
     pub(crate) section: u32,
     pub(crate) sub_number: Option<u8>,
-    /// How many sections describe elements, those with errors included.
+    /// Number of sections that describe elements, those with errors included.
     pub(crate) described: u16,
     /// Only elements of it are in the file; its section is that of the first one.
     pub(crate) is_implied: bool,

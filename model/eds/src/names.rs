@@ -1,9 +1,9 @@
-//! What the name of a section says, as CiA 306 spells it, in any case.
+//! Meaning of the name of a section, as CiA 306 spells it, in any case.
 
 /// A list of objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Category {
-    /// `[MandatoryObjects]`: what every device has.
+    /// `[MandatoryObjects]`: objects of every device.
     Mandatory,
     /// `[OptionalObjects]`: other objects of the standards.
     Optional,
@@ -25,7 +25,7 @@ impl Category {
     }
 }
 
-/// What a section is about.
+/// Subject of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum SectionKind {
     FileInfo,
@@ -36,7 +36,7 @@ pub(crate) enum SectionKind {
     List(Category),
     Object(u16),
     Sub(u16, u8),
-    /// `[1003Name]`, `[1003Denotation]` and `[1003Value]`: what elements of a compact array have of their own.
+    /// `[1003Name]`, `[1003Denotation]` and `[1003Value]`: own data of elements of a compact array.
     Names(u16),
     Denotations(u16),
     Values(u16),
@@ -46,7 +46,7 @@ pub(crate) enum SectionKind {
     Garbled,
 }
 
-/// What the name of a section says.
+/// Meaning of the name of a section.
 pub(crate) fn classify(name: &str) -> SectionKind {
     const NAMED: [(&str, SectionKind); 9] = [
         ("FileInfo", SectionKind::FileInfo),

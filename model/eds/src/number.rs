@@ -15,7 +15,7 @@ pub(crate) struct Number {
     pub is_octal: bool,
 }
 
-/// Why a text is no number.
+/// Reason why a text is no number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum NotANumber {
     /// There is nothing.
@@ -33,7 +33,7 @@ pub(crate) enum NotANumber {
 }
 
 impl NotANumber {
-    /// What to do about it.
+    /// Advice.
     pub(crate) fn hint(&self) -> &'static str {
         match self {
             NotANumber::Empty => "write a number, or remove the key",

@@ -12,10 +12,10 @@ use crate::names::SectionKind;
 use crate::reader::{SectionReader, Weight};
 use crate::value::NodeId;
 
-/// Sections with what their names say.
+/// Sections with the meanings of their names.
 pub(crate) type Classified<'a> = [(SectionKind, SectionRef<'a>)];
 
-/// Reads all objects. `node` is what limits that depend on the node id are checked with.
+/// Reads all objects. Limits that depend on the node id are checked with `node`.
 pub(crate) fn read(sections: &Classified<'_>, node: NodeId, report: &mut Report) -> BTreeMap<u16, Object> {
     let mut objects = BTreeMap::new();
     for &(kind, section) in sections {
@@ -36,7 +36,7 @@ pub(crate) fn read(sections: &Classified<'_>, node: NodeId, report: &mut Report)
     objects
 }
 
-/// Checks what can only be seen when all sections are read: whether arrays and records have their elements.
+/// Checks that need all sections: whether arrays and records have their elements.
 pub(crate) fn check_elements(objects: &BTreeMap<u16, Object>, document: &Document, report: &mut Report) {
     for object in objects.values().filter(|object| !object.is_implied) {
         let Some(section) = document.section(object.section) else { continue };
@@ -113,7 +113,7 @@ fn compact_count(reader: &mut SectionReader<'_, '_>, object_type: ObjectType) ->
     count
 }
 
-/// What may be described by CompactSubObj. The standard says arrays; tools write the mappings of PDOs, which are records
+/// Whether CompactSubObj may describe it. The standard has arrays; tools write the mappings of PDOs, which are records
 /// of one type, in this way as well.
 fn is_uniform(object_type: ObjectType) -> bool {
     matches!(object_type, ObjectType::Array | ObjectType::Record)
@@ -167,7 +167,7 @@ fn element(
     }
 }
 
-/// `[1003Name]` and the like: what elements of a compact array have of their own.
+/// `[1003Name]` and the like: own data of elements of a compact array.
 fn of_compact(
     objects: &mut BTreeMap<u16, Object>,
     index: u16,

@@ -5,7 +5,7 @@ use linewright_diagnostics::{Problem, Report, shown};
 use crate::ini::{IniKey, SectionRef};
 use crate::number;
 
-/// How much it matters that a value is not understood.
+/// Severity of a value that is not understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Weight {
     /// A device might be sent something else.
@@ -14,7 +14,7 @@ pub(crate) enum Weight {
     Warning,
 }
 
-/// A section and where to report what is wrong in it.
+/// A section, and the report for its errors.
 pub(crate) struct SectionReader<'a, 'r> {
     pub section: SectionRef<'a>,
     pub report: &'r mut Report,
@@ -88,7 +88,7 @@ impl<'a, 'r> SectionReader<'a, 'r> {
         }
     }
 
-    /// That a leading zero makes the number another one.
+    /// Warns that a leading zero makes the number another one.
     pub(crate) fn say_octal(&mut self, key: IniKey, text: &str, value: i128) {
         let message = format!("`{}` is octal and means {value}", shown(text));
         self.say(key, Weight::Warning, message, "octal by its leading 0; write it without, or with 0x");
@@ -118,7 +118,7 @@ impl<'a, 'r> SectionReader<'a, 'r> {
 
     /// The numbered keys `1=`, `2=` … of a list, with the count that its key `counted_by` states.
     ///
-    /// What is counted and what stands there must agree: a program that believes the count would lose the rest.
+    /// The count and the entries must agree: a program that relies on the count would lose the rest.
     pub(crate) fn numbered(&mut self, counted_by: &str) -> Vec<(u64, IniKey, &'a str)> {
         let mut found = Vec::new();
         for &key in self.section.keys() {

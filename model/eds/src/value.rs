@@ -1,4 +1,4 @@
-//! Values, and how a file says them.
+//! Values, and their form in a file.
 
 use std::fmt;
 use std::fmt::Write as _;
@@ -33,7 +33,7 @@ impl fmt::Display for NodeId {
     }
 }
 
-/// What an entry holds.
+/// Value of an entry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObjectValue {
     Boolean(bool),
@@ -45,7 +45,7 @@ pub enum ObjectValue {
     Real64(f64),
     /// VISIBLE_STRING and UNICODE_STRING.
     Text(String),
-    /// OCTET_STRING, DOMAIN, and every type this crate does not know.
+    /// OCTET_STRING, DOMAIN, and every type this crate does not support.
     Bytes(Vec<u8>),
 }
 
@@ -65,7 +65,7 @@ impl ObjectValue {
         self.whole().and_then(|value| u64::try_from(value).ok())
     }
 
-    /// Whether it is real and no number: it has no order, and lies between no limits.
+    /// Whether it is real and no number: it has no order, and is between no limits.
     pub(crate) fn is_no_number(&self) -> bool {
         match self {
             ObjectValue::Real32(value) => value.is_nan(),
@@ -139,7 +139,7 @@ impl ValueSetting {
     }
 }
 
-/// Why a text is no value of a type.
+/// Reason why a text is no value of a type.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BadValue {
     Number(NotANumber),
@@ -158,7 +158,7 @@ pub(crate) enum BadValue {
 }
 
 impl BadValue {
-    /// What to do about it.
+    /// Advice.
     pub(crate) fn hint(&self) -> String {
         match self {
             BadValue::Number(number) => number.hint().to_owned(),
@@ -197,7 +197,7 @@ impl fmt::Display for BadValue {
     }
 }
 
-/// What a text says for a type, and whether it was octal.
+/// Value of a text for a type, and whether it was octal.
 pub(crate) fn read(text: &str, data_type: DataType) -> Result<(ValueSetting, bool), BadValue> {
     let fixed = |value| Ok((ValueSetting::fixed(value), false));
     match data_type.shape() {
@@ -250,7 +250,7 @@ pub(crate) fn read(text: &str, data_type: DataType) -> Result<(ValueSetting, boo
     }
 }
 
-/// How a file says a value of a type, so that [`read`] understands the same.
+/// Text of a value of a type, such that [`read`] gives the same value.
 pub(crate) fn write(value: &ObjectValue, data_type: DataType) -> Result<String, EncodeError> {
     let bytes = data_type.encode(value)?;
     Ok(match value {

@@ -1,4 +1,5 @@
-//! What is read is written, and what is configured is read back: on thousands of generated descriptions.
+//! Written descriptions equal those read, and configurations read back equal those written: thousands of generated
+//! ones.
 //!
 //! The generator writes its own text from its own model, in the many ways of spelling that files have, and the reader
 //! must find the model again.
@@ -20,7 +21,7 @@ struct Meant {
     spelling: u8,
 }
 
-/// What an object has: a value, elements, or compact elements.
+/// Contents of an object: a value, elements, or compact elements.
 #[derive(Clone, Debug)]
 enum Shape {
     Var(Meant),

@@ -1,8 +1,8 @@
 //! Analogue channels of a device (CiA 401), bound to the bits of its owner's process image.
 //!
 //! To a station nothing changes: an input is on while a measured value is above or below a limit, an output that is on
-//! gives a channel its value. This is what the description says about it, in the channel's unit. How the 16 bits of a
-//! channel lie in a process data object a [`FrameField`] knows, as it does for other devices' signals.
+//! gives a channel its value. This is its description, in the channel's unit. The place of the 16 bits of a channel in
+//! a process data object is a [`FrameField`], as for other devices' signals.
 
 use crate::{Coding, FrameField, InputId, OutputId, When};
 
@@ -20,23 +20,23 @@ pub struct Analogue {
     pub outputs: Vec<AnalogueOutput>,
 }
 
-/// Which channel it is, and what its number means.
+/// A channel, and the meaning of its number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalogueChannel {
     /// 1 to [`CHANNELS_MAX`]: the subindex of object 6401h or 6411h.
     pub number: u8,
-    /// What it is measured in, for people; may be empty.
+    /// Unit, for people; may be empty.
     pub unit: String,
-    /// What a step of the number is worth; not 0.
+    /// Value of a step of the number; not 0.
     pub factor: f64,
-    /// What 0 is worth.
+    /// Value of 0.
     pub offset: f64,
 }
 
 /// A channel that is measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalogueInput {
-    /// Which, and what its number means.
+    /// The channel, and the meaning of its number.
     pub channel: AnalogueChannel,
     /// A value below it is no measurement.
     pub least: Option<f64>,
@@ -46,36 +46,35 @@ pub struct AnalogueInput {
     pub inputs: Vec<(InputId, When)>,
     /// The input that is on while there is no measurement. Without one the owner's inputs are then invalid.
     pub broken: Option<InputId>,
-    /// What a simulated plant has behind it. Without one its value is such that its inputs are what the mechanisms say.
+    /// Simulated source of the value. Without one its value is such that its inputs follow the mechanisms.
     pub simulated: Option<Lag>,
 }
 
 /// A channel that is set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalogueOutput {
-    /// Which, and what its number means.
+    /// The channel, and the meaning of its number.
     pub channel: AnalogueChannel,
-    /// Its value while none of its outputs is on, or more than one; and what the device puts it to by itself.
+    /// Its value while none of its outputs is on, or more than one; and the device's own value without a manager.
     pub rest: f64,
     /// Its values while one of them is on.
     pub outputs: Vec<(OutputId, f64)>,
 }
 
-/// What a simulated plant has behind a measured channel: a value that goes to another with a delay of first order.
+/// Simulated source of a measured channel: a value that goes to another with a delay of first order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lag {
-    /// What it follows.
+    /// Target of the value.
     pub follows: Follows,
     /// After this time it has done 63 % of its way.
     pub time_constant: std::time::Duration,
 }
 
-/// What a simulated value follows.
+/// Target of a simulated value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Follows {
     /// An output of the owner.
     Output {
-        /// The output.
         output: OutputId,
         /// The value while it is on.
         on: f64,
@@ -87,12 +86,12 @@ pub enum Follows {
 }
 
 impl AnalogueChannel {
-    /// Which process data object carries it, 2 to 4.
+    /// Number of the process data object that carries it, 2 to 4.
     pub fn pdo(&self) -> u8 {
         2 + self.number.saturating_sub(1) / IN_ONE
     }
 
-    /// Where its 16 bits lie in that, and what they mean.
+    /// Place of its 16 bits in that, and their meaning.
     pub fn field(&self) -> FrameField {
         let start = self.number.saturating_sub(1) % IN_ONE * 16;
         let (factor, offset) = (self.factor, self.offset);
@@ -104,12 +103,12 @@ impl AnalogueChannel {
         self.field().bits(value).map(|bits| bits as u16 as i16)
     }
 
-    /// What a number is worth.
+    /// Value of a number.
     pub fn value_of(&self, number: i16) -> f64 {
         f64::from(number) * self.factor + self.offset
     }
 
-    /// A value in words, with as many decimals as the channel tells apart.
+    /// A value in words, with as many decimals as the channel resolves.
     pub fn text(&self, value: f64) -> String {
         let decimals = (-self.factor.abs().log10()).ceil().clamp(0.0, 6.0) as usize;
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
@@ -144,7 +143,7 @@ impl AnalogueOutput {
         }
     }
 
-    /// That as a number.
+    /// Value as a number.
     pub fn number(&self, image: u128) -> i16 {
         // The description's rules let no value be beyond the range; were one, the channel stays at rest.
         self.channel.number_of(self.value(image)).unwrap_or_else(|| self.at_rest())

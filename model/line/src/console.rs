@@ -32,7 +32,7 @@ pub struct Console {
 pub struct StopContact {
     /// Its input of the console.
     pub input: InputId,
-    /// What the input reads while the button is pressed: false with a closed-circuit contact, whose broken wire reads as
+    /// State of the input while the button is pressed: false with a closed-circuit contact, whose broken wire reads as
     /// pressed too.
     pub pressed: bool,
 }

@@ -1,7 +1,7 @@
-//! A device: whose bits it carries, how it is spoken to, what it has to be, and what it is told before it is started.
+//! A device: the bits it carries, its protocol, its identity, and its settings before it is started.
 //!
-//! Numbers and bytes only. Where they come from, the description itself or a device's own file (EDS, DCF), is no matter
-//! here; what an object does, the device's manual says.
+//! Numbers and bytes only. Their source, the description or a device's own file (EDS, DCF), is no matter here; the
+//! effect of an object is in the device's manual.
 
 use crate::{Analogue, DeviceBus, Drive, FrameTable, InputId, Line, Modbus, OutputId, StationId};
 
@@ -10,15 +10,15 @@ use crate::{Analogue, DeviceBus, Drive, FrameTable, InputId, Line, Modbus, Outpu
 pub struct Device {
     /// Name, unique in the line.
     pub name: String,
-    /// Whose image it carries.
+    /// Owner of the image it carries.
     pub owner: Owner,
     /// The bus it hangs on.
     pub bus: DeviceBus,
-    /// How it is spoken to, and what it carries.
+    /// Its protocol, and its bits.
     pub kind: DeviceKind,
 }
 
-/// What kind of device it is, with its address and its settings.
+/// Kind of device, with its address and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DeviceKind {
     /// Inputs and outputs in CANopen (CiA 401).
@@ -32,7 +32,7 @@ pub enum DeviceKind {
 }
 
 impl DeviceKind {
-    /// An I/O device in CANopen with these bits, and nothing else said of it.
+    /// An I/O device in CANopen with these bits, and nothing else given.
     pub fn io(node_id: u8, inputs: Vec<Option<InputId>>, outputs: Vec<Option<OutputId>>) -> Self {
         let canopen = Canopen { node_id, setup: DeviceSetup::default() };
         DeviceKind::Io(canopen, Io { inputs, outputs, analogue: Analogue::default() })
@@ -44,7 +44,7 @@ impl DeviceKind {
 pub struct Canopen {
     /// Its node id, 1 to 126, unique on its bus.
     pub node_id: u8,
-    /// Which device it has to be, and what it is told before it is started.
+    /// Its identity, and its settings before it is started.
     pub setup: DeviceSetup,
 }
 
@@ -60,7 +60,7 @@ pub struct Io {
     pub analogue: Analogue,
 }
 
-/// Whose process image a device carries.
+/// Owner of the process image that a device carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Owner {
     /// A station's.
@@ -69,7 +69,7 @@ pub enum Owner {
     Console,
 }
 
-/// Who a device has to be. What is `None` is not compared.
+/// Identity that a device must have. `None` is not compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct DeviceIdentity {
     /// Object 1000h: the profile in the lower half.
@@ -123,7 +123,7 @@ pub(crate) fn is_synchronous(kind: u8) -> bool {
     kind <= 240
 }
 
-/// Whether the manager writes this object itself, whatever else is said: how it and the devices watch each other.
+/// Whether the manager writes this object itself, whatever else is given: the supervision between it and the devices.
 pub fn is_the_managers(index: u16) -> bool {
     matches!(index, 0x1016 | 0x1017)
 }
@@ -133,8 +133,8 @@ pub fn wired_bits<T>(byte: &[Option<T>]) -> u8 {
     byte.iter().enumerate().filter(|(_, output)| output.is_some()).fold(0, |mask, (bit, _)| mask | 1 << bit)
 }
 
-/// Whether a device that is told this would not turn off one of these outputs by itself when its manager is gone: it stays
-/// as it is or goes on (CiA 401 6206h, 6207h), or nothing becomes of the loss (CiA 301 1029h).
+/// Whether a device with this setting would not turn off one of these outputs by itself when its manager is gone: it stays
+/// as it is or goes on (CiA 401 6206h, 6207h), or the loss has no effect (CiA 301 1029h).
 pub fn keeps_an_output<T>(outputs: &[Option<T>], setting: &ObjectWrite) -> bool {
     let value = setting.data.first().copied().unwrap_or(0);
     let byte = usize::from(setting.sub).checked_sub(1).and_then(|nth| outputs.chunks(8).nth(nth)).unwrap_or(&[]);
@@ -147,41 +147,41 @@ pub fn keeps_an_output<T>(outputs: &[Option<T>], setting: &ObjectWrite) -> bool 
     }
 }
 
-/// What trouble with a device does to its owner.
+/// Effect of trouble with a device on its owner.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Reaction {
-    /// Its owner's inputs are invalid until it is over, and every output of the owner is let go.
+    /// Its owner's inputs are invalid until it is over, and every output of the owner is off.
     #[default]
     Fault,
     /// It is reported, and nothing else.
     Report,
 }
 
-/// What a device has to be and is told, and what follows when it is in trouble.
+/// Identity and settings of a device, and the effect of its trouble.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DeviceSetup {
-    /// Its EDS or DCF, by its path from the description's directory. Whoever reads the description reads it too, and
-    /// adds to the rest what it says.
+    /// Its EDS or DCF, by its path from the description's directory. The reader of the description reads it too, and
+    /// adds its contents to the rest.
     pub file: Option<String>,
-    /// Who it has to be.
+    /// Identity that it must have.
     pub identity: DeviceIdentity,
-    /// What is written, in this order.
+    /// Settings to be written, in this order.
     pub settings: Vec<ObjectWrite>,
-    /// Why it may be without error values for its outputs (objects 1029h, 6206h, 6207h, 6443h, 6444h): what else lets them
-    /// go when the manager is gone. `None`: it may not.
+    /// Reason why it may be without error values for its outputs (objects 1029h, 6206h, 6207h, 6443h, 6444h): what else
+    /// turns them off when the manager is gone. `None`: it may not.
     pub without_error_values: Option<String>,
-    /// When its process data are sent and taken.
+    /// Times at which its process data are sent and taken.
     pub transmission: Transmission,
-    /// What an emergency of the device does to its owner; `None` where the description leaves it open, see
+    /// Effect of an emergency of the device on its owner; `None` where the description leaves it open, see
     /// [`Device::on_emergency`].
     pub on_emergency: Option<Reaction>,
-    /// What its loss does to its owner. [`Reaction::Report`] only for a device nothing depends on: the description's
-    /// rules see to it.
+    /// Effect of its loss on its owner. [`Reaction::Report`] only for a device nothing depends on: a rule of the
+    /// description checks that.
     pub when_lost: Reaction,
 }
 
 impl Device {
-    /// What it is in CANopen, if it speaks that.
+    /// Its CANopen part, if it has one.
     pub fn canopen(&self) -> Option<&Canopen> {
         match &self.kind {
             DeviceKind::Io(canopen, _) | DeviceKind::Drive(canopen, _) => Some(canopen),
@@ -197,7 +197,7 @@ impl Device {
         }
     }
 
-    /// Its node id, if it speaks CANopen.
+    /// Its node id, if it is a CANopen device.
     pub fn node_id(&self) -> Option<u8> {
         self.canopen().map(|canopen| canopen.node_id)
     }
@@ -226,7 +226,7 @@ impl Device {
         }
     }
 
-    /// Its frames, if it speaks plain CAN.
+    /// Its frames, if it is a device of plain CAN.
     pub fn frames(&self) -> Option<&FrameTable> {
         match &self.kind {
             DeviceKind::Frames(frames) => Some(frames),
@@ -234,7 +234,7 @@ impl Device {
         }
     }
 
-    /// Its registers, if it speaks Modbus.
+    /// Its registers, if it is a Modbus device.
     pub fn modbus(&self) -> Option<&Modbus> {
         match &self.kind {
             DeviceKind::Modbus(modbus) => Some(modbus),
@@ -290,12 +290,11 @@ impl Device {
         }
     }
 
-    /// What an emergency of the device does to its owner.
+    /// Effect of an emergency of the device on its owner.
     ///
-    /// Usually a fault: a device that says it is in error is not believed what it says of its inputs, nor to do with its
-    /// outputs what it is told. Two kinds are not asked that much unless the description does. A drive with a fault
-    /// signal tells its station by that signal, which stops the operation under way and no other. And of a device whose
-    /// loss does not matter, its emergency matters less.
+    /// Usually a fault: of a device in error, neither inputs nor outputs can be relied on. Two kinds are excepted unless
+    /// the description includes them. A drive with a fault signal reports to its station by that signal, which stops the
+    /// operation under way and no other. And of a device whose loss does not matter, its emergency matters less.
     pub fn on_emergency(&self) -> Reaction {
         let Some(Canopen { setup, .. }) = self.canopen() else { return Reaction::Fault };
         let tells_itself = self.drive().is_some_and(|drive| drive.fault.is_some());

@@ -1,11 +1,11 @@
 //! A drive: an axis of a station moved by a CiA 402 drive instead of valves.
 //!
-//! To a station nothing changes: an output says "go to this target", an input says "is there". What turns the one into
-//! the other belongs to the field bus; this is only what the description says about it, in the axis's own units.
+//! To a station nothing changes: an output means "go to this target", an input "is there". The conversion belongs to
+//! the field bus; this is only the description of it, in the axis's own units.
 
 use crate::{AxisId, InputId, OutputId};
 
-/// What a drive is told to do.
+/// Mode of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DriveMode {
     /// Its targets are positions (profile position mode).
@@ -14,7 +14,7 @@ pub enum DriveMode {
     Velocity,
 }
 
-/// What a drive does while none of its outputs is on.
+/// Behaviour of a drive while none of its outputs is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AtRest {
     /// It stops and switches its power off. The axis stays because nothing pushes it, or because a brake holds it.
@@ -28,25 +28,25 @@ pub enum AtRest {
 pub struct Drive {
     /// The axis it moves.
     pub axis: AxisId,
-    /// What its targets are.
+    /// Kind of its targets.
     pub mode: DriveMode,
     /// Increments of the drive for one unit of the axis, above zero.
     pub units_per_mm: f64,
     /// It is at a target within this distance, at least one increment.
     pub window: f64,
-    /// How fast it moves, unless a target says otherwise.
+    /// Velocity, unless a target has its own.
     pub velocity: f64,
-    /// How fast it gains and loses speed.
+    /// Acceleration and deceleration.
     pub acceleration: f64,
-    /// How fast it loses speed when it is stopped on the way.
+    /// Deceleration when it is stopped on the way.
     pub quick_stop: f64,
-    /// What it does without an order.
+    /// Behaviour without an order.
     pub at_rest: AtRest,
-    /// Where it can be sent, at least one. Targets at one place share their input.
+    /// Targets, at least one. Targets at one place share their input.
     pub targets: Vec<DriveTarget>,
     /// On while it has failed or refuses to move.
     pub fault: Option<InputId>,
-    /// How it learns where it is. `None` for a drive that knows.
+    /// Its homing. `None` for a drive with an absolute position.
     pub homing: Option<Homing>,
 }
 
@@ -59,26 +59,26 @@ pub struct DriveTarget {
     pub to: f64,
     /// The input that is on while it is there.
     pub at: InputId,
-    /// How fast it goes there.
+    /// Velocity of the motion there.
     pub velocity: f64,
 }
 
-/// How a drive finds its zero.
+/// Homing of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Homing {
     /// The method's number (CiA 402, object 6098h).
     pub method: i8,
-    /// How fast it looks for the switch.
+    /// Velocity of the search for the switch.
     pub fast: f64,
-    /// How fast it looks for the switch's edge.
+    /// Velocity of the search for the switch's edge.
     pub slow: f64,
-    /// How fast it gains and loses speed meanwhile.
+    /// Acceleration and deceleration meanwhile.
     pub acceleration: f64,
-    /// Where it then is.
+    /// Position at its end.
     pub offset: f64,
     /// The output that starts it. If it is a target's output, the drive is homed before it first goes there.
     pub output: OutputId,
-    /// The input that is on while it knows where it is.
+    /// The input that is on while its position is valid.
     pub done: Option<InputId>,
 }
 
@@ -89,7 +89,7 @@ impl Drive {
         (value * self.units_per_mm).round() as i32
     }
 
-    /// What a number of increments is in the axis's unit.
+    /// Value of a number of increments in the axis's unit.
     pub fn units(&self, increments: f64) -> f64 {
         increments / self.units_per_mm
     }

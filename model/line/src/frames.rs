@@ -1,8 +1,8 @@
-//! A device that speaks no CANopen: plain CAN frames, as a DBC file describes them.
+//! A device without CANopen: plain CAN frames, as a DBC file describes them.
 //!
 //! To a station it is a device like any other: its frames turn inputs on and off, outputs turn into numbers in frames it
-//! is sent. [`FrameTable`] is what the description says, in the names of the DBC file; [`FrameBinding`] is the same in
-//! numbers, worked out by whoever has read that file. A [`FrameField`] knows how a number lies in eight bytes.
+//! is sent. [`FrameTable`] is the description, in the names of the DBC file; [`FrameBinding`] is the same in numbers,
+//! computed by the reader of that file. A [`FrameField`] is the place of a number in eight bytes.
 
 use std::fmt;
 use std::ops::Range;
@@ -10,16 +10,15 @@ use std::time::Duration;
 
 use crate::{InputId, OutputId};
 
-/// A name that only the DBC file can explain, and its place in the description, for whoever finds that it cannot.
+/// A name of the DBC file, and its place in the description, for messages about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DbcName {
-    /// The name.
     pub name: String,
     /// The bytes of the description it stands in.
     pub at: Range<usize>,
 }
 
-/// What the description says of such a device.
+/// Description of such a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameTable {
     /// Its DBC file, by its path from the description's directory.
@@ -41,24 +40,22 @@ pub struct ReceivedMessageTable {
     pub timeout: Duration,
     /// A signal that is another in each frame: one that comes with the same number again is no news.
     pub counter: Option<DbcName>,
-    /// What its bytes add up to, and the signal that says so.
+    /// Its checksum, and the signal that carries it.
     pub checksum: Option<(DbcName, Checksum)>,
-    /// What follows from it.
+    /// Inputs that follow from it.
     pub inputs: Vec<SignalInput>,
 }
 
 /// An input that follows a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalInput {
-    /// The input.
     pub input: InputId,
-    /// The signal.
     pub signal: DbcName,
-    /// When it is on.
+    /// Condition under which it is on.
     pub when: When,
 }
 
-/// When an input that follows a signal is on. Numbers are in the signal's unit.
+/// Condition of an input that follows a signal. Numbers are in the signal's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum When {
     /// While the signal is not zero.
@@ -88,15 +85,15 @@ pub enum When {
 pub struct CyclicFrame {
     /// Name of the message in the DBC file.
     pub message: DbcName,
-    /// How often, when nothing changes.
+    /// Period, when nothing changes.
     pub every: Duration,
-    /// How long after the last one the device turns its outputs off by itself; `None`: nothing is said of it.
+    /// Time after the last one until the device turns its outputs off by itself; `None`: not given.
     pub lets_go_after: Option<Duration>,
     /// A signal that counts the frames.
     pub counter: Option<DbcName>,
-    /// A signal for what its bytes add up to.
+    /// A signal for its checksum.
     pub checksum: Option<(DbcName, Checksum)>,
-    /// What outputs make of it.
+    /// Values by outputs.
     pub outputs: Vec<SignalOutput>,
     /// Signals that have the same value in every frame.
     pub set: Vec<(DbcName, f64)>,
@@ -105,9 +102,7 @@ pub struct CyclicFrame {
 /// A signal that follows an output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalOutput {
-    /// The output.
     pub output: OutputId,
-    /// The signal.
     pub signal: DbcName,
     /// Its value while the output is on.
     pub on: f64,
@@ -115,7 +110,7 @@ pub struct SignalOutput {
     pub off: f64,
 }
 
-/// How the bytes of a frame, but for the one that says so, are made into one.
+/// Computation of one byte from the other bytes of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Checksum {
     /// Exclusive or.
@@ -141,7 +136,7 @@ impl fmt::Display for FrameId {
     }
 }
 
-/// What a field's bits are.
+/// Coding of a field's bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coding {
     /// A number without a sign.
@@ -154,7 +149,7 @@ pub enum Coding {
     Double,
 }
 
-/// Where a signal lies in a frame, and what its bits mean.
+/// Place of a signal in a frame, and meaning of its bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameField {
     /// As a DBC file counts, bit *n* is bit *n* mod 8 of byte *n* / 8: the lowest bit of an Intel field, the highest of a
@@ -164,23 +159,23 @@ pub struct FrameField {
     pub size: u8,
     /// Motorola byte order: the higher byte comes first.
     pub motorola: bool,
-    /// What the bits are.
+    /// Coding of the bits.
     pub coding: Coding,
-    /// What a step is worth; not 0.
+    /// Value of a step; not 0.
     pub factor: f64,
-    /// What 0 is worth.
+    /// Value of 0.
     pub offset: f64,
 }
 
 impl FrameField {
-    /// Whether it lies within a frame of so many bytes.
+    /// Whether it is within a frame of so many bytes.
     pub fn fits(&self, len: u8) -> bool {
         let (start, size, bits) = (u32::from(self.start), u32::from(self.size), u32::from(len) * 8);
         let first = if self.motorola { start / 8 * 8 + 7 - start % 8 } else { start };
         (1..=64).contains(&size) && first + size <= bits
     }
 
-    /// How far its lowest bit is from that of the 64 bits, read in its byte order. It fits 8 bytes.
+    /// Distance of its lowest bit from that of the 64 bits, read in its byte order. It fits 8 bytes.
     fn shift(&self) -> u32 {
         let (start, size) = (u32::from(self.start), u32::from(self.size));
         if self.motorola { 64u32.saturating_sub(start / 8 * 8 + 7 - start % 8 + size) } else { start.min(63) }
@@ -226,7 +221,7 @@ impl FrameField {
         (one.min(other), one.max(other))
     }
 
-    /// What its bits are worth.
+    /// Value of its bits.
     pub fn value(&self, bits: u64) -> f64 {
         let number = match self.coding {
             Coding::Unsigned => bits as f64,
@@ -291,30 +286,30 @@ pub struct ReceivedFrameBinding {
     pub id: FrameId,
     /// Its bytes, 0 to 8.
     pub len: u8,
-    /// How long it may stay away.
+    /// Longest time without it.
     pub timeout: Duration,
     /// Differs from frame to frame.
     pub counter: Option<FrameField>,
     /// The byte that holds a checksum.
     pub checksum: Option<(u8, Checksum)>,
-    /// What is read of it, at least one page; a message that is not multiplexed has one.
+    /// Pages read of it, at least one; a message that is not multiplexed has one.
     pub pages: Vec<Page>,
 }
 
-/// What is read together: all that is not multiplexed, or what one value of the selector shows. Each page has to come in
+/// Signals read together: all that is not multiplexed, or those of one value of the selector. Each page has to come in
 /// time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     /// The selector, and the values of it with which this page is there.
     pub selected: Option<(FrameField, Vec<(u64, u64)>)>,
-    /// Inputs, what they follow, and when they are on.
+    /// Inputs, the fields they follow, and their conditions.
     pub inputs: Vec<(InputId, FrameField, When)>,
-    /// Of what they follow, the least and the greatest value that is one, where the DBC file says so. Many a device says
-    /// "not available" beyond them.
+    /// Least and greatest valid values, of signals with inputs, where the DBC file has them. Many devices send "not
+    /// available" beyond them.
     pub limits: Vec<(FrameField, f64, f64)>,
 }
 
-/// Why the bits of a signal are no value.
+/// Reason why the bits of a signal are no value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SignalError {
     /// The signal that starts at this bit is infinite, or no number.
@@ -341,15 +336,15 @@ pub struct SentFrameBinding {
     pub id: FrameId,
     /// Its bytes, 0 to 8.
     pub len: u8,
-    /// How often it is sent.
+    /// Period.
     pub every: Duration,
-    /// How long after the last one the device turns its outputs off by itself, where the description says so.
+    /// Time after the last one until the device turns its outputs off by itself, where the description has it.
     pub lets_go_after: Option<Duration>,
     /// Counts the frames.
     pub counter: Option<FrameField>,
     /// The byte that holds a checksum.
     pub checksum: Option<(u8, Checksum)>,
-    /// The bytes with nothing on: what never changes, and every output's `off`.
+    /// The bytes with nothing on: constants, and every output's `off`.
     pub rest: [u8; 8],
     /// Outputs, where they lie, and the bits for on.
     pub outputs: Vec<(OutputId, FrameField, u64)>,
@@ -364,7 +359,7 @@ impl Page {
         })
     }
 
-    /// What in a frame that has it is no value, although an input follows it.
+    /// Signal in a frame of this page that is no value, although an input follows it.
     pub fn unsound(&self, data: &[u8; 8]) -> Option<SignalError> {
         let value = |field: &FrameField| field.value(field.get(data));
         let is_none = |(_, field, _): &&(InputId, FrameField, When)| !value(field).is_finite();
@@ -375,7 +370,7 @@ impl Page {
 }
 
 impl When {
-    /// Why a limit says nothing of values from `least` to `most`; `None` if they are on either side of it.
+    /// Reason why a limit does not divide the values from `least` to `most`; `None` if they are on either side of it.
     pub fn out_of_reach(self, least: f64, most: f64) -> Option<&'static str> {
         let (on, off) = match self {
             When::NotZero | When::Equals(_) | When::Bit(_) => return None,

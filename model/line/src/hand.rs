@@ -4,7 +4,7 @@ use crate::ButtonId;
 
 macro_rules! hand_types {
     ($($(#[$doc:meta])* $name:ident = $number:literal,)+) => {
-        /// Which part of a hand-mode sequence an operation is, by the seed's number.
+        /// Part of a hand-mode sequence that an operation is, by the seed's number.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum HandType {
             $($(#[$doc])* $name = $number,)+
@@ -150,7 +150,7 @@ pub enum HandMode {
 }
 
 impl HandMode {
-    /// Which part of a sequence the operation is.
+    /// Part of a sequence that the operation is.
     pub fn kind(&self) -> HandType {
         match self {
             HandMode::Sequence { .. } => HandType::Sequence,

@@ -1,11 +1,11 @@
-//! Where parts can be, and what moves them: for the simulated plant, and for nobody else.
+//! Places of parts, and what moves them: for the simulated plant alone.
 //!
 //! A *nest* is where a part can lie: a clamp, a bench, a position of a store. A *hand* has a part only while it is closed.
 //! A hand *reaches* a nest while the axes of its station stand in certain positions; then it can take the part that lies
-//! there, or put one down. A *sensor* is an input that is on while parts and axes, also those of other stations, are as it
-//! says: what a light barrier or an inductive switch sees.
+//! there, or put one down. A *sensor* is an input that is on while parts and axes, also those of other stations, are as
+//! described: what a light barrier or an inductive switch sees.
 //!
-//! No controller knows any of this. It is what a controller cannot know: that the hand has closed on nothing.
+//! No controller uses any of this. It is what a controller cannot detect: that the hand has closed on nothing.
 
 use linewright_text::index_id;
 
@@ -16,12 +16,12 @@ index_id! {
     HolderId
 }
 
-/// What has parts, what moves them, and what sees them.
+/// Places of parts, what moves them, and what sees them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialFlow {
     /// Nests and hands.
     pub holders: Vec<Holder>,
-    /// Which hand can take from, and put down in, which nest.
+    /// Hands, and the nests that they can take from and put down in.
     pub reaches: Vec<Reach>,
     /// Inputs that see parts.
     pub sensors: Vec<Sensor>,
@@ -32,52 +32,50 @@ pub struct MaterialFlow {
 pub struct Holder {
     /// Its name; that of a station's with the station's before it, as in `robot.hand`.
     pub name: String,
-    /// For how many parts there is room, each at a position of its own, from 1. A hand has one.
+    /// Number of parts it has room for, each at a position of its own, from 1. A hand has one.
     pub places: u16,
-    /// What it does with them.
+    /// Its effect on them.
     pub grip: Grip,
 }
 
-/// What a holder does with a part.
+/// Effect of a holder on a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Grip {
     /// A nest in which parts lie loose.
     Loose,
     /// A nest that holds its part fast while this axis stands here.
     Clamp(Stand),
-    /// A hand: it has a part while this axis stands here, and lets go of it otherwise.
+    /// A hand: it has a part while this axis stands here, and releases it otherwise.
     Hand(Stand),
 }
 
 /// An axis, and where it stands: one of the ends of its motions, in millimetres or degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stand {
-    /// Whose axis.
+    /// Station of the axis.
     pub station: StationId,
-    /// Axis.
     pub axis: AxisId,
     /// End position, in the unit of the axis.
     pub at: f64,
 }
 
-/// When a hand can take from a nest, and put down in it.
+/// Condition under which a hand can take from a nest, and put down in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
-    /// The hand.
     pub hand: HolderId,
     /// The nest.
     pub to: HolderId,
     /// All of these stand so.
     pub when: Vec<Stand>,
-    /// Outputs of the hand's station that say at which position, a number with the lowest bit first. What they said when
-    /// the axes came there counts until they leave. Empty where the nest has one position.
+    /// Outputs of the hand's station that give the position, a number with the lowest bit first. Their state when the
+    /// axes came there counts until they leave. Empty where the nest has one position.
     pub position: Vec<OutputId>,
 }
 
 /// An input that is on while something is so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
-    /// Whose input.
+    /// Station of the input.
     pub station: StationId,
     /// Input of the process image.
     pub input: InputId,
@@ -85,7 +83,7 @@ pub struct Sensor {
     pub when: Vec<Sign>,
 }
 
-/// What a sensor can see.
+/// Objects of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sign {
     /// There is a part in this holder.
@@ -100,7 +98,6 @@ impl MaterialFlow {
         self.holders.iter().position(|holder| holder.name == name).map(HolderId::at)
     }
 
-    /// A holder.
     pub fn holder(&self, id: HolderId) -> &Holder {
         &self.holders[id.index()]
     }

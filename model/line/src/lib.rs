@@ -1,7 +1,7 @@
 //! The line description: text → checked [`Line`] → nets.
 //!
-//! This crate knows what a line is and how its description is written. It knows nothing of time passing, messages or
-//! devices beyond their names and numbers: those are the business of the crates that take a [`Line`].
+//! This crate contains lines and their descriptions. It contains no time passing, messages, or devices beyond their
+//! names and numbers: those are the business of the crates that take a [`Line`].
 
 mod analogue;
 mod console;

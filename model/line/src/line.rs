@@ -1,9 +1,9 @@
-//! The checked line: what every other crate may rely on without asking again.
+//! The checked line: other crates may rely on it without checks.
 //!
 //! A [`Line`] exists only after [`crate::parse`] has resolved every name and checked every rule, so its ids index
-//! without a `Result`. It knows nothing of files, spans or spelling: those stay with the text it came from. The
-//! fields are public because a `Line` is data; building one by hand is for generators and tests, which pass it
-//! through [`crate::parse`] by writing it as text first.
+//! without a `Result`. It has no files, spans or spelling: those stay with the text it came from. The fields are public
+//! because a `Line` is data; building one by hand is for generators and tests, which pass it through [`crate::parse`]
+//! by writing it as text first.
 
 use std::fmt;
 use std::time::Duration;
@@ -75,7 +75,6 @@ pub const BRANCHES_MAX: usize = 8;
 pub struct Line {
     /// The ROS namespace: lower-case letters, digits and `_`, starting with a letter.
     pub name: String,
-    /// What a person calls it.
     pub title: String,
     /// The stations in the order of the timing bar chart.
     pub stations: Vec<Station>,
@@ -89,9 +88,9 @@ pub struct Line {
     pub buttons: Vec<String>,
     /// The main console's own signals.
     pub console: Console,
-    /// How long things may take.
+    /// Times.
     pub timing: Timing,
-    /// Where parts can be, for the simulated plant.
+    /// Places of parts, for the simulated plant.
     pub handling: MaterialFlow,
 }
 
@@ -100,7 +99,6 @@ pub struct Line {
 pub struct Station {
     /// The ROS node name: lower-case letters, digits and `_`, starting with a letter.
     pub name: String,
-    /// What a person calls it.
     pub title: String,
     /// The operations in the order the chart lists them. The first starts a new cycle; those of a task stand together.
     pub operations: Vec<Operation>,
@@ -109,9 +107,9 @@ pub struct Station {
     /// The steps of the cycle, in chart order: one operation each, or several that run side by side (seed 002,
     /// Appendix). Neither the first step nor the one of the home operation has more than one.
     pub steps: Vec<Vec<OpId>>,
-    /// Where a station on order may stand between its tasks, home first. Empty in a station that goes round a cycle.
+    /// Rests of a station on order, between its tasks, home first. Empty in a station that goes round a cycle.
     pub rests: Vec<Rest>,
-    /// What it does on order. Empty in a station that goes round a cycle.
+    /// Its tasks. Empty in a station that goes round a cycle.
     pub tasks: Vec<Task>,
     /// The mechanisms, for the simulated plant and for drawing.
     pub axes: Vec<Axis>,
@@ -125,7 +123,7 @@ pub struct Station {
     pub bus: DeviceBus,
 }
 
-/// Which CAN bus a device hangs on.
+/// CAN bus of a device.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum DeviceBus {
     /// The coordinator's bus; the coordinator is the gateway of the process images.
@@ -150,7 +148,7 @@ pub struct Panel {
 pub struct Axis {
     /// Name, as in the description.
     pub name: String,
-    /// Where it stands when the station is at home.
+    /// Position when the station is at home.
     pub home: f64,
     /// Of an axis that turns endlessly, one way: how far it goes with one index. Every index begins and ends at `home`, the
     /// one place that its switch measures.
@@ -164,11 +162,11 @@ pub struct Operation {
     pub name: String,
     /// Reversible or irreversible (seed 002 §4.5.1).
     pub module: OperationModule,
-    /// What the normal motion takes when nothing is wrong.
+    /// Duration of the normal motion without faults.
     pub duration: Duration,
     /// After this long the normal motion counts as failed.
     pub watchdog: Duration,
-    /// What the operation moves.
+    /// Motion of the operation.
     pub motion: Motion,
     /// Signals of the normal motion.
     pub normal: MotionSignals,
@@ -186,9 +184,9 @@ pub struct Operation {
 pub struct Motion {
     /// The axis it moves.
     pub axis: AxisId,
-    /// Where a normal motion starts and a recovery motion ends.
+    /// Start of a normal motion and end of a recovery motion.
     pub from: f64,
-    /// Where a normal motion ends.
+    /// End of a normal motion.
     pub to: f64,
 }
 
@@ -199,7 +197,7 @@ pub enum OperationModule {
     Reversible {
         /// Signals of the recovery motion.
         recovery: MotionSignals,
-        /// What the recovery motion takes.
+        /// Duration of the recovery motion.
         recovery_duration: Duration,
         /// After this long the recovery motion counts as failed.
         recovery_watchdog: Duration,
@@ -245,7 +243,7 @@ pub struct Arrow {
 /// Two states that must never hold together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conflict {
-    /// Why: printed with a counterexample.
+    /// Reason: printed with a counterexample.
     pub why: String,
     /// One state.
     pub a: StateSpan,
@@ -257,7 +255,6 @@ pub struct Conflict {
 /// starts) and ends when `until` is complete (or `from` has been undone).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateSpan {
-    /// The station.
     pub station: StationId,
     /// Its first operation.
     pub from: OpId,
@@ -265,20 +262,20 @@ pub struct StateSpan {
     pub until: OpId,
 }
 
-/// How long things may take, for the whole line.
+/// Times of the whole line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
-    /// How often a station's or the coordinator's whole state is sent when nothing changes.
+    /// Period of a station's or the coordinator's whole state when nothing changes.
     pub refresh: Duration,
     /// A view, a process image or a held button older than this is unknown.
     pub stale: Duration,
     /// A mode not refreshed within this time has run out: stand-by.
     pub lease: Duration,
-    /// How often a CAN device or manager sends its heartbeat.
+    /// Period of the heartbeat of a CAN device or manager.
     pub heartbeat: Duration,
-    /// A CAN device or manager not heard for this long is lost.
+    /// A CAN device or manager without a heartbeat for this long is lost.
     pub heartbeat_timeout: Duration,
-    /// How often a manager sends SYNC on its bus, if it does.
+    /// Period of SYNC of a manager on its bus, if it sends any.
     pub sync: Option<Duration>,
 }
 
@@ -337,7 +334,7 @@ impl Station {
         (0..self.operations.len()).map(OpId::at)
     }
 
-    /// How far an operation turns an endless axis; none where it moves from one place to another.
+    /// Turn of an endless axis by an operation; none where it moves from one place to another.
     pub fn index_of(&self, op: OpId) -> Option<f64> {
         self.axes[self.operations[op.index()].motion.axis.index()].index
     }
@@ -347,7 +344,7 @@ impl Station {
         self.steps.iter().position(|step| step.contains(&op)).expect("every operation belongs to a step")
     }
 
-    /// What an operation counts when the station stands at home at the end of round `n` (the home operation done `n`
+    /// Count of an operation when the station stands at home at the end of round `n` (the home operation done `n`
     /// times): the operations listed up to home count `n`, everything after it `n` − 1.
     ///
     /// With home listed last that is `n` for all of them; a station that has never moved stands at

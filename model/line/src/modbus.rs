@@ -10,32 +10,32 @@ use crate::{InputId, OutputId};
 /// Of registers that hold inputs or outputs, how many bits each has.
 pub const REGISTER_BITS: usize = 16;
 
-/// What the description says of such a device.
+/// Description of such a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modbus {
     /// Host and port.
     pub address: String,
     /// Unit identifier.
     pub unit: u8,
-    /// How often it is asked for its inputs and told its outputs.
+    /// Period of reading its inputs and writing its outputs.
     pub cycle: Duration,
-    /// How long it has to answer. One that takes longer is lost.
+    /// Time limit of its answer. A device that takes longer is lost.
     pub timeout: Duration,
     /// For each bit of its inputs, the input of its owner's image it carries.
     pub inputs: Vec<Option<InputId>>,
-    /// Where they begin.
+    /// Their first address.
     pub inputs_at: (Table, u16),
     /// For each bit of its outputs, the output of its owner's image it carries.
     pub outputs: Vec<Option<OutputId>>,
-    /// Where they begin: coils or holding registers.
+    /// Their first address: coils or holding registers.
     pub outputs_at: (Table, u16),
     /// Its outputs are read back and compared in each cycle.
     pub reads_back: bool,
-    /// What turns its outputs off when the manager is gone.
+    /// The register that turns its outputs off when the manager is gone.
     pub watchdog: Option<WatchdogRegister>,
-    /// Why it may be without a watchdog register.
+    /// Reason why it may be without a watchdog register.
     pub without_watchdog: Option<String>,
-    /// Holding registers that tell whether it is the right device.
+    /// Holding registers by which the right device is recognised.
     pub expect: Vec<RegisterValue>,
     /// Holding registers that are written before it is used, in this order.
     pub settings: Vec<RegisterValue>,
@@ -78,7 +78,7 @@ impl Table {
         matches!(self, Table::HoldingRegisters | Table::InputRegisters)
     }
 
-    /// How many addresses so many bits take.
+    /// Number of addresses of so many bits.
     pub fn addresses(self, bits: usize) -> usize {
         if self.has_registers() { bits.div_ceil(REGISTER_BITS) } else { bits }
     }
@@ -107,12 +107,12 @@ impl fmt::Display for Table {
 }
 
 impl Modbus {
-    /// Where the device is, for a person.
+    /// Place of the device, for a person.
     pub fn place(&self) -> String {
         format!("{} unit {}", self.address, self.unit)
     }
 
-    /// Where an input lies, for a person; `None` if it is not one of the device's.
+    /// Place of an input, for a person; `None` if it is not one of the device's.
     pub(crate) fn source(&self, input: InputId) -> Option<String> {
         let bit = self.inputs.iter().position(|carried| *carried == Some(input))?;
         let (table, first) = self.inputs_at;

@@ -1,10 +1,10 @@
-//! Measured positions: which switches say where a station's mechanisms stand, and what follows from them for conflicts.
+//! Measured positions: the switches that measure a station's mechanisms, and what follows from them for conflicts.
 //!
 //! A motion ends at a switch. Where the chart has an axis at rest, the switches of every motion that ends there are on. From
 //! this follow, for each marked place, the inputs that must be on ([`Station::rest_inputs`]), and for each side of a conflict
 //! the inputs that are all on outside it and never all on inside it ([`Line::clearance`]).
 //!
-//! Nothing here remembers anything: the same answer follows from the image alone, whatever a controller believes.
+//! No memory is involved: the same answer follows from the image alone, whatever a controller's state.
 
 use crate::net::{Block, MotionStage, StationPlace};
 use crate::{AxisId, Line, Motion, OpId, OperationModule, StateSpan, Station};
@@ -16,7 +16,7 @@ fn same_place(a: f64, b: f64) -> bool {
     (a - b).abs() < SAME_PLACE
 }
 
-/// Why no switches can tell whether a station is outside a state of a conflict.
+/// Reason why no switches measure whether a station is outside a state of a conflict.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoClearance {
     /// No axis with a switch stands still all the time the station is outside the state.
@@ -44,9 +44,9 @@ impl NoClearance {
 }
 
 impl Station {
-    /// The inputs that are on while the axis stands at `at`: the completion inputs of the motions that end there. A
-    /// motion without a way is left out, for its completion is no position. Where several inputs tell of one place none is
-    /// given: each has a reach of its own, and a motion that ends in the wider one may not have come to the narrower.
+    /// The inputs that are on while the axis stands at `at`: the completion inputs of the motions that end there. A motion
+    /// without a way is left out, for its completion is no position. Where several inputs measure one place none is given:
+    /// each has a reach of its own, and a motion that ends in the wider one may not have come to the narrower.
     pub fn switches_at(&self, axis: AxisId, at: f64) -> u128 {
         let here = self.completions().filter(|&(of, place, _)| of == axis && same_place(place, at));
         let bits = here.fold(0, |bits, (_, _, input)| bits | input);
@@ -101,7 +101,7 @@ impl Station {
         })
     }
 
-    /// Where each axis stands before the first operation of a step, by the chart; one list for each step.
+    /// Position of each axis before the first operation of a step, by the chart; one list for each step.
     pub fn positions_before_steps(&self) -> Vec<Vec<f64>> {
         let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
         let mut before = vec![home.clone(); self.steps.len()];
@@ -169,7 +169,7 @@ impl Station {
     }
 }
 
-/// When an axis is at a place during a step.
+/// Part of a step during which an axis is at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meets {
     AtItsStart,
@@ -199,7 +199,7 @@ impl Line {
     /// it one of these axes must be elsewhere.
     ///
     /// # Errors
-    /// When there are no such switches; the reason says what is not measured.
+    /// When there are no such switches; the reason contains what is not measured.
     pub fn clearance(&self, span: &StateSpan) -> Result<u128, NoClearance> {
         let station = self.station(span.station);
         let before = station.positions_before_steps();
@@ -377,7 +377,7 @@ mod tests {
         }
         station.steps = vec![vec![OpId(0)], vec![OpId(1), OpId(2)], vec![OpId(3)], vec![OpId(4)]];
         assert_eq!(line.clearance(&span), Err(NoClearance::NotSeen { op: OpId(1) }));
-        // One after the other, the first one first out again, is told.
+        // One after the other, the first one first out again, is measured.
         line.stations[2].steps = vec![vec![OpId(0), OpId(2)], vec![OpId(1)], vec![OpId(3)], vec![OpId(4)]];
         assert!(line.clearance(&span).is_ok());
     }

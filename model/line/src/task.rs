@@ -1,9 +1,9 @@
-//! Stations that work on order: they rest until somebody orders one of their tasks, and rest again when it is done.
+//! Stations that work on order: they rest until one of their tasks is ordered, and rest again when it is done.
 //!
 //! A rest is a position of the whole station, by name: a clamp has two, open and closed on a part. A task leads from one
 //! rest to another, or to the same, and its operations are a stretch of the station's list. What is at one rest is at one
 //! physical position, so a rest needs no place of its own in the net: the station is at it where the last operation of
-//! any task that ends there is complete. Nothing here knows who orders, or why.
+//! any task that ends there is complete. The source of orders is elsewhere.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -32,25 +32,25 @@ pub const PARAMETER_BITS_MAX: usize = 31;
 /// The greatest code that a description may give; greater ones are the controller's own.
 pub const CODE_MAX: u16 = 999;
 
-/// Where a station on order may stand between its tasks.
+/// Rest of a station on order, between its tasks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rest {
     /// Name, as in the description.
     pub name: String,
-    /// Where each axis stands, in the order of [`Station::axes`]; millimetres, or degrees.
+    /// Position of each axis, in the order of [`Station::axes`]; millimetres, or degrees.
     pub at: Vec<f64>,
 }
 
-/// What a station on order can be told to do.
+/// Task of a station on order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
     /// Name, as in the description.
     pub name: String,
     /// Its steps, a stretch of [`Station::steps`], of one operation each; never empty.
     pub steps: Range<usize>,
-    /// Where it begins.
+    /// Rest at its beginning.
     pub from: RestId,
-    /// Where it ends.
+    /// Rest at its end.
     pub to: RestId,
     /// After this long it has failed, whatever time an order leaves it.
     pub limit: Duration,

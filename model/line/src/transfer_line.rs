@@ -1,8 +1,8 @@
-//! The shipped transfer line, with as many machines and as much time as a test or a demonstration wants.
+//! The shipped transfer line, with a chosen number of machines and times, for tests and demonstrations.
 //!
-//! There is one source, the file in `launch-config/lines/transfer-line/`: this module copies what that file says about
-//! clamp 1 and mill 1 for every further machine, and scales its times. It works on the text and not on a [`crate::Line`]
-//! so that its result is a description like any other, to be checked, read and changed by hand.
+//! There is one source, the file in `launch-config/lines/transfer-line/`: this module copies that file's clamp 1 and
+//! mill 1 for every further machine, and scales its times. It works on the text and not on a [`crate::Line`] so that its
+//! result is a description like any other, to be checked, read and changed by hand.
 
 use std::fmt::Write;
 use std::ops::Range;
@@ -11,18 +11,18 @@ use std::ops::Range;
 const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
 /// A watchdog is no shorter than this, however fast the line: a loaded computer may be late by that much.
 const WATCHDOG_MIN_S: f64 = 1.0;
-/// The shipped drives cannot be told more (32 bits of increments), in millimetres per second squared.
+/// Largest value of the shipped drives (32 bits of increments), in mm/s².
 const ACCELERATION_MAX: f64 = 1e7;
-/// How many devices a pair has, and so how far the node ids of the next are from its own.
+/// Number of devices of a pair, and so the distance of the node ids of the next.
 const DEVICES_EACH: usize = 4;
 
 /// A transfer bar with a number of clamp-and-mill pairs along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransferLine {
-    /// How many pairs, 1 to [`TransferLine::MACHINES_MAX`].
+    /// Number of pairs, 1 to [`TransferLine::MACHINES_MAX`].
     pub machines: usize,
-    /// What every duration is multiplied with, within [`TransferLine::TIME_SCALE`]. A watchdog is scaled too, but does
-    /// not fall below one second.
+    /// Factor on every duration, within [`TransferLine::TIME_SCALE`]. A watchdog is scaled too, but does not fall below
+    /// one second.
     pub time_scale: f64,
 }
 
@@ -95,7 +95,7 @@ fn without_schema(text: &str) -> &str {
     text.split_once('\n').and_then(rest).unwrap_or(text)
 }
 
-/// Where a line of the shipped text, or an inline table in it, gives a number to `key`, and the number.
+/// Place and value of a number that a line of the shipped text, or an inline table in it, gives to `key`.
 fn value_of(line: &str, key: &str) -> Option<(Range<usize>, f64)> {
     let assignment = format!("{key} = ");
     let at = line.find(&assignment).filter(|_| !line.starts_with('#'))?;
@@ -121,7 +121,7 @@ fn blocks(text: &str) -> Vec<&str> {
     starts.iter().zip(ends).map(|(&start, end)| &text[start..end]).collect()
 }
 
-/// Whether a block speaks of clamp 1 or mill 1; the first block, before any header, does so only in its comments.
+/// Whether a block is about clamp 1 or mill 1; the first block, before any header, is so only in its comments.
 fn is_of_machine_1(block: &str) -> bool {
     block.starts_with('[') && without_comments(block).any(|line| line.contains("clamp_1") || line.contains("mill_1"))
 }

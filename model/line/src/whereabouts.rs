@@ -1,5 +1,5 @@
-//! Where a signal is: which device, node, object and bit carry it. The one place where this is put into words, for
-//! whoever has to find the switch.
+//! Place of a signal: device, node, object and bit that carry it. The one place where this is put into words, for the
+//! search for the switch.
 
 use std::time::Duration;
 
@@ -68,7 +68,7 @@ fn drive_object(drive: &Drive, input: InputId) -> Option<&'static str> {
     (drive.homing.and_then(|homing| homing.done) == Some(input)).then_some("statusword 6041h bit 12")
 }
 
-/// A time as people say it: `1 s`, `1.5 s`, `250 ms`.
+/// A time in words: `1 s`, `1.5 s`, `250 ms`.
 pub fn duration_text(span: Duration) -> String {
     if span < Duration::from_secs(1) {
         format!("{} ms", span.as_millis())

@@ -1,4 +1,4 @@
-//! Rules about process data that wait for SYNC, and about devices that speak no CANopen: each broken once.
+//! Rules about process data that wait for SYNC, and about devices without CANopen: each broken once.
 
 use std::time::Duration;
 

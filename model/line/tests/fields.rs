@@ -1,4 +1,4 @@
-//! Where a number lies in a frame, against walking through its bits one by one.
+//! Place of a number in a frame, against walking through its bits one by one.
 
 use linewright_line::{Checksum, Coding, FrameField};
 use proptest::prelude::*;

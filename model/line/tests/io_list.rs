@@ -1,4 +1,4 @@
-//! I/O lists: what a list does to a description, and what it does not.
+//! I/O lists: changes of a description by a list, and what stays.
 
 use linewright_line::{IoListError, IoRow, TransferLine, io_list, parse, with_io_list};
 use proptest::prelude::*;
@@ -153,7 +153,8 @@ fn rows_that_are_wrong_are_named_with_their_column_and_nothing_is_taken() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Whatever bits signals move to, the next list says so, the rest of the description stays, and the way back is there.
+    /// Whatever bits signals move to, the next list has them, the rest of the description stays, and the way back is
+    /// there.
     #[test]
     fn a_shuffled_list_is_taken_and_the_way_back_leads_home(seed in proptest::collection::vec(0_usize..1000, 64)) {
         let text = TransferLine::default().text();

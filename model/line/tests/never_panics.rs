@@ -30,7 +30,7 @@ fn survives(text: &str) {
         .expect("every report can be drawn");
 }
 
-/// What a slip of the hand, or of a merge tool, does to a file.
+/// Effect of a slip of the hand, or of a merge tool, on a file.
 fn slip() -> impl Strategy<Value = String> {
     prop_oneof![
         any::<char>().prop_map(String::from),

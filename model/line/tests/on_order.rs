@@ -1,4 +1,4 @@
-//! Task-driven stations: what the base description says.
+//! Task-driven stations: contents of the base description.
 
 use linewright_line::{AxisId, Grip, Line, OpId, RestId, Sign, Stand, StationId, TaskId, parse};
 

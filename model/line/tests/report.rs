@@ -1,4 +1,4 @@
-//! What a user sees when several things are wrong at once.
+//! Report to a user when several things are wrong at once.
 
 use linewright_line::{Problems, parse};
 use miette::{GraphicalReportHandler, GraphicalTheme};

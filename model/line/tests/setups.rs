@@ -1,4 +1,4 @@
-//! What a device has to be and is told: what is read.
+//! Identity and settings of a device, as read.
 
 use linewright_line::{DeviceIdentity, ObjectWrite, Reaction, parse};
 
@@ -55,7 +55,7 @@ fn what_keeps_an_output_on_without_a_manager_is_read_with_its_reason() {
         let why = parsed.line.devices[0].canopen().expect("CANopen").setup.without_error_values.as_deref();
         assert_eq!(why, Some("the safety relay cuts its supply"));
     }
-    // What no output hangs on, and what lets go.
+    // Values without effect on outputs, and those that turn them off.
     for (object, value) in [("6206:01", 3), ("6207:01", 0xFC), ("6206:02", 0), ("1029:01", 2)] {
         let text = with(&format!("settings = [{{ object = \"{object}\", type = \"u8\", value = {value} }}]"));
         assert!(parse("line.toml", &text).is_ok(), "{object} = {value}");

@@ -1,4 +1,4 @@
-//! The shipped transfer line: it parses without a word, it is the line that was meant, and it can be multiplied.
+//! The shipped transfer line: it parses without a warning, it is the line that was meant, and it can be multiplied.
 
 use std::time::Duration;
 
@@ -236,7 +236,7 @@ fn times_scale_but_watchdogs_stay_above_a_second() {
     let duration = |drive: &linewright_line::Drive| drive.time_for(60.0, drive.targets[1].velocity);
     assert!((duration(&slow) / duration(&fast) - 10.0).abs() < 1e-6, "a tenth of the time");
     for bound in [TransferLine::TIME_SCALE.start(), TransferLine::TIME_SCALE.end()] {
-        // Motions of many minutes are asked about.
+        // Motions of many minutes give warnings.
         let text = TransferLine { machines: 2, time_scale: *bound }.text();
         assert!(parse("line.toml", &text).is_ok(), "{bound}");
     }

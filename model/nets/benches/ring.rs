@@ -1,4 +1,4 @@
-//! What a whole verdict costs: the ring of five and of six stations, a million and fourteen million markings.
+//! Cost of a whole verdict: the ring of five and of six stations, a million and fourteen million markings.
 //!
 //! Each run decides everything (counts, bounds, deadlocks, liveness, reversibility, home states). For scale: Spin 6.5.2
 //! takes a second and more for the million and half a minute for the fourteen million, and decides of it only that

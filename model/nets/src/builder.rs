@@ -1,10 +1,10 @@
-//! Where a net is written down, and where it is checked once.
+//! Builder of nets, and their one check.
 //!
 //! A builder accepts everything, so that the code which generates a net need not stop at each arc; [`NetBuilder::build`]
-//! then reports *all* that is wrong, or returns a [`Net`] whose arcs resolve, whose weights are positive and whose names
-//! are unique. Nothing after that has to check again.
+//! then reports *all* errors, or returns a [`Net`] whose arcs resolve, whose weights are positive and whose names are
+//! unique. Nothing after that has to check again.
 //!
-//! A builder cannot tell the ids of another builder from its own as long as they are in range.
+//! A builder cannot distinguish the ids of another builder from its own as long as they are in range.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -16,7 +16,7 @@ use crate::net::Adjacency;
 use crate::{Marking, NamedId, Net, PlaceId, TransitionId};
 
 /// The largest number of places, and of transitions. A line of hundreds of stations has tens of thousands; sixteen
-/// million come from a generator that has lost its way, and it should hear about it before the memory is gone.
+/// million come from a faulty generator, which should get the error before the memory is used up.
 pub const MAX_NODES: usize = 1 << 24;
 
 /// The direction of an arc.
@@ -31,7 +31,7 @@ pub enum ArcDirection {
 /// An arc, as error messages name it: "place `home` → transition `start`".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ArcName {
-    /// Which end is the place.
+    /// The end that is the place.
     pub direction: ArcDirection,
     /// The place at one end.
     pub place: NamedId<PlaceId>,
@@ -48,7 +48,7 @@ impl fmt::Display for ArcName {
     }
 }
 
-/// One thing wrong with a net under construction.
+/// One error of a net under construction.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NetError {
     /// A net has at least one place or transition (seed 002 §3.1: P ∪ T ≠ ∅).
@@ -74,43 +74,43 @@ pub enum NetError {
     #[error("the arc {arc} names place #{}, but the net has {places} places", arc.place.id.0)]
     UnknownPlace {
         arc: ArcName,
-        /// How many places are declared.
+        /// Number of places declared.
         places: usize,
     },
     /// An arc at a transition that was not declared.
     #[error("the arc {arc} names transition #{}, but the net has {transitions} transitions", arc.transition.id.0)]
     UnknownTransition {
         arc: ArcName,
-        /// How many transitions are declared.
+        /// Number of transitions declared.
         transitions: usize,
     },
     /// An arc that would move no token.
     #[error("the arc {arc} has weight 0")]
     ZeroWeight { arc: ArcName },
-    /// The same two nodes are joined more than once in the same direction; a weight says that better.
+    /// The same two nodes are joined more than once in the same direction; a weight is for that.
     #[error("the arc {arc} is declared {times} times")]
     DuplicateArc {
         arc: ArcName,
-        /// How often it is declared.
+        /// Number of declarations.
         times: usize,
     },
     /// More places than [`MAX_NODES`].
     #[error("the net has {count} places; at most {limit} are possible")]
     TooManyPlaces {
-        /// How many are declared.
+        /// Number declared.
         count: usize,
         limit: usize,
     },
     /// More transitions than [`MAX_NODES`].
     #[error("the net has {count} transitions; at most {limit} are possible")]
     TooManyTransitions {
-        /// How many are declared.
+        /// Number declared.
         count: usize,
         limit: usize,
     },
 }
 
-/// An arc as declared. The derived order groups duplicates and puts arcs in the order in which tables want them.
+/// An arc as declared. The derived order groups duplicates and puts arcs in the order of the tables.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct DeclaredArc {
     direction: ArcDirection,
@@ -181,7 +181,7 @@ impl NetBuilder {
         self
     }
 
-    /// The net, or everything that is wrong with it: sizes first, then names, then arcs.
+    /// The net, or all its errors: sizes first, then names, then arcs.
     pub fn build(mut self) -> Result<Net, Vec<NetError>> {
         self.arcs.sort_unstable();
         let mut problems = Vec::new();

@@ -1,4 +1,4 @@
-//! Strongly connected components, in the one form that this crate asks for.
+//! Strongly connected components, in the one form that this crate needs.
 //!
 //! Liveness and reversibility are the same question for a graph of places and for a graph of markings: which parts can
 //! be left for good? A component with no edge out is *terminal*: whatever enters it stays.

@@ -1,9 +1,9 @@
-//! The token game: which transitions may fire, and what firing does.
+//! The token game: transitions that may fire, and the effect of firing.
 //!
-//! Enabling is a question about tokens alone. The game does not know conditions, priorities or time, and forces nothing
-//! to fire (seed 002 §3.1, firing rule 3). A logic controller fires an enabled transition once its condition holds
-//! (§3.2, Definition 6); whoever evaluates the conditions asks here first. Every move is all or nothing: a marking is
-//! changed only if the whole move is possible.
+//! Enabling is a question about tokens alone. The game has no conditions, priorities or time, and forces nothing to
+//! fire (seed 002 §3.1, firing rule 3). A logic controller fires an enabled transition once its condition holds (§3.2,
+//! Definition 6); before that it is enabled here. Every move is all or nothing: a marking is changed only if the whole
+//! move is possible.
 //!
 //! Moves can be taken back. An explorer uses that to walk a state space without copies, a test to state that no move
 //! loses information.
@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use crate::{Marking, NamedId, Net, PlaceId, TransitionId};
 
-/// Which way a transition is played.
+/// Direction in which a transition is played.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum PlayDirection {
     /// Take from the preset, give to the postset.
@@ -32,33 +32,33 @@ impl fmt::Display for PlayDirection {
     }
 }
 
-/// Why a move was refused. The marking is as it was.
+/// Reason why a move was refused. The marking is as it was.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum FireError {
     /// A place has too few tokens: the transition is not enabled.
     #[error("{transition} cannot {attempt}: {place} has {has} of the {needs} tokens needed")]
     Lacking {
-        /// What was attempted.
+        /// Direction attempted.
         attempt: PlayDirection,
         transition: NamedId<TransitionId>,
         /// The first place that lacks tokens.
         place: NamedId<PlaceId>,
         /// Tokens on the place.
         has: u32,
-        /// What it would need.
+        /// Number needed.
         needs: u32,
     },
     /// A place would hold more tokens than can be counted.
     #[error("{transition} cannot {attempt}: {place} has {has} tokens, and {gets} more cannot be counted")]
     Overflow {
-        /// What was attempted.
+        /// Direction attempted.
         attempt: PlayDirection,
         transition: NamedId<TransitionId>,
         /// The first place that would overflow.
         place: NamedId<PlaceId>,
         /// Tokens on the place.
         has: u32,
-        /// What it would get.
+        /// Number it would get.
         gets: u32,
     },
 }

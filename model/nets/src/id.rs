@@ -1,9 +1,9 @@
-//! What places and transitions are called: a number to compute with, a name to show.
+//! Identity of places and transitions: a number to compute with, a name to show.
 //!
 //! Everything a controller does at run time uses the numbers, dense from zero, so that an id is an index into a table.
 //! Findings and errors are read by people and carry a [`NamedId`] id: the name is shared with the net, not copied. An id
-//! does not know which net it belongs to; using it with another net is a programming error that only an index out of
-//! range brings to light.
+//! has no reference to its net; using it with another net is a programming error that only an index out of range brings
+//! to light.
 
 use std::fmt;
 use std::sync::Arc;

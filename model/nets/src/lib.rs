@@ -1,8 +1,8 @@
 //! Petri nets: structure, marking, token game and structural analysis.
 //!
 //! A net is the common language of this project: a station's controller, the mode decision and the coordination of a
-//! line are nets, and what is proved about a line is proved about nets. This crate knows only nets. It has no idea of
-//! operations, stations or conditions, and no clock, thread or socket: every function is called with all it needs.
+//! line are nets, and what is proved about a line is proved about nets. This crate contains nets alone: no operations,
+//! stations or conditions, and no clock, thread or socket: every function is called with all it needs.
 //!
 //! ```
 //! use linewright_nets::{NetBuilder, state_machine_verdict};
@@ -36,10 +36,10 @@
 //! # Map
 //! - [`NetBuilder`] → [`Net`]: written down freely, checked once, immutable afterwards.
 //! - [`Marking`] and [`game`]: where the tokens are, and how they move.
-//! - [`structure`]: what can be said without playing: classes of nets, connection, conserved sums, and the verdict on
-//!   state machines. Linear in the size of the net, so this is what scales.
+//! - [`structure`]: facts without playing: classes of nets, connection, conserved sums, and the verdict on state
+//!   machines. Linear in the size of the net, so this is what scales.
 //! - [`semiflows`], [`siphons`], [`coverability`]: conserved sums and repetitions, sets that stay empty or marked, and
-//!   boundedness of any net. Each is complete or says where it stopped.
+//!   boundedness of any net. Each is complete or returns where it stopped.
 //! - [`certificate`]: live, bounded, safe, reversible and free of deadlocks by structure, each answer with evidence that
 //!   a small checker accepts on its own.
 //! - [`explicit`]: every reachable marking of a bounded net. [`reach`]: the same the slow and obvious way, for tests.

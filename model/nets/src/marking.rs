@@ -1,8 +1,8 @@
 //! Where the tokens are.
 //!
-//! A marking is a plain vector of counts, one per place. It does not know its net: the token game in [`crate::game`]
-//! brings the two together. Equality, order and hash are those of the vector, which makes a marking usable as the key
-//! of a set of states and gives every report the same order on every run.
+//! A marking is a plain vector of counts, one per place. It has no reference to its net: the token game in
+//! [`crate::game`] brings the two together. Equality, order and hash are those of the vector, which makes a marking
+//! usable as the key of a set of states and gives every report the same order on every run.
 
 use crate::PlaceId;
 
@@ -16,7 +16,7 @@ impl Marking {
         Marking(tokens.into_iter().collect())
     }
 
-    /// How many places the marking covers.
+    /// Number of places that the marking covers.
     pub fn place_count(&self) -> usize {
         self.0.len()
     }

@@ -1,10 +1,10 @@
 //! The structure of a net: places, transitions, weighted arcs, and the marking it starts from.
 //!
 //! A [`Net`] never changes, and exists only in sound form (see [`crate::NetBuilder`]), so no method here returns a
-//! `Result`. It does not know what its places and transitions mean: conditions, actions, stations, and equally the
+//! `Result`. The meaning of its places and transitions is elsewhere: conditions, actions, stations, and equally the
 //! time intervals, event arcs or colours of a richer kind of net, are tables beside it, indexed by its ids.
 //!
-//! Arcs are stored twice, by transition and by place. The token game reads the one, a controller that asks what leads
+//! Arcs are stored twice, by transition and by place. The token game reads the one, a controller that needs what leads
 //! on from a marked place reads the other, and both are hot.
 
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ use crate::{Marking, NamedId, NetNode, PlaceId, TransitionId};
 /// there, are those of the usual place/transition nets).
 ///
 /// # Panics
-/// Methods that take an id panic when it is not an id of this net; markings of another size are refused likewise.
+/// Methods that take an id panic when it is not an id of this net; so they do with markings of another size.
 #[derive(Clone, Debug)]
 pub struct Net {
     pub(crate) name: String,
@@ -36,12 +36,12 @@ impl Net {
         &self.name
     }
 
-    /// How many places there are.
+    /// Number of places.
     pub fn place_count(&self) -> usize {
         self.place_names.len()
     }
 
-    /// How many transitions there are.
+    /// Number of transitions.
     pub fn transition_count(&self) -> usize {
         self.transition_names.len()
     }

@@ -1,4 +1,4 @@
-//! Playing a net out: every marking that can be reached, and what follows from seeing them all.
+//! Playing a net out: every marking that can be reached, and facts that follow.
 //!
 //! The oracle of tests, for plain and for [coloured](crate::coloured::explore) nets: slow and obvious. It stores each
 //! marking, stops at a bound, and is undecided then. It does not recognise an unbounded net, and does not reduce or
@@ -47,7 +47,7 @@ pub struct ReachUndecided<E: Display = FireError> {
     pub cause: ReachLimit<E>,
 }
 
-/// What stops an exploration.
+/// Limit that stops an exploration.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ReachLimit<E: Display = FireError> {
     /// There are more states than allowed.
@@ -67,11 +67,11 @@ pub struct Reachability<M = Marking, T = TransitionId> {
     steps: Vec<ReachArc<T>>,
     /// The step by which each state was found; none for the initial one.
     found_by: Vec<Option<ReachArc<T>>>,
-    /// All that is to be live.
+    /// Transitions that are to be live.
     transitions: Vec<T>,
     /// The terminal components, each with its first state.
     terminal: Vec<(usize, StateId)>,
-    /// What fires in which component.
+    /// Component and transition fired.
     fires: HashSet<(usize, T)>,
     /// A state from which the initial one cannot be reached.
     no_return: Option<StateId>,

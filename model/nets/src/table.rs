@@ -36,7 +36,7 @@ impl Net {
         if marked.is_empty() { "no tokens".to_owned() } else { marked.join(", ") }
     }
 
-    /// What one side of a transition moves ("4 bolts + fixture").
+    /// Tokens on one side of a transition ("4 bolts + fixture").
     fn bag(&self, arcs: &[(PlaceId, u32)]) -> String {
         let show = |&(place, weight): &(PlaceId, u32)| match weight {
             1 => self.place_name(place).to_owned(),

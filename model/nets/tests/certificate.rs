@@ -21,7 +21,7 @@ const ENOUGH: usize = 700;
 type Truth = BTreeMap<NetProperty, bool>;
 type Judged = (Net, StructuralVerdict, Truth);
 
-/// What playing everything out finds, as far as it comes to an end.
+/// Facts found by playing everything out, as far as it comes to an end.
 fn truth(net: &Net) -> Truth {
     let mut truth = BTreeMap::new();
     if let Ok(explored) = explore(net, ENOUGH) {
@@ -306,7 +306,7 @@ fn a_certificate_with_a_detail_missing_is_refused() {
     sums.sums[0].pop();
     assert!(matches!(rejected(&safe), CertificateRule::Monotone | CertificateRule::Bound));
 
-    // The certificate of the ring with parts says nothing about the ring without.
+    // The certificate of the ring with parts proves nothing about the ring without.
     let dead = ring(4, false);
     assert_eq!(check(&dead, verdict.live.certificate().unwrap()).unwrap_err().rule, CertificateRule::Rising);
 }

@@ -1,7 +1,7 @@
 //! Published results about plain nets, recomputed: Colombo, *Hierarchical control structures of flexible production
 //! systems using high-level Petri nets*, 1998 (seed 000).
 //!
-//! The drawings of the nets are lost. What the text prints is asserted as printed; what had to be rebuilt is said so.
+//! The drawings of the nets are lost. What the text prints is asserted as printed; what had to be rebuilt is marked.
 
 use linewright_nets::certificate::{NetProperty, check, decide_by_structure};
 use linewright_nets::coverability::{self, coverability};

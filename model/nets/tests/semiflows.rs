@@ -44,7 +44,7 @@ fn transposed(net: &Net) -> Vec<Vec<i64>> {
     net.transitions().map(|t| net.places().map(|p| c.entry(p, t)).collect()).collect()
 }
 
-/// Whether `found` is all minimal semiflows, as far as vectors with small entries can tell.
+/// Whether `found` is all minimal semiflows, as far as vectors with small entries show.
 fn compare(found: &[Vec<u64>], matrix: &[Vec<i64>], most: u64) {
     for flow in found {
         assert!(is_flow(flow, matrix), "{flow:?}");

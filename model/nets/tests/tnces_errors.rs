@@ -1,4 +1,4 @@
-//! Ill-formed systems and compositions are refused with everything that is wrong, by name.
+//! Ill-formed systems and compositions are refused with all errors, by name.
 
 use linewright_nets::tnces::{
     ComposeError, Composite, EventMode, Interval, Policy, Semantics, TncesBuilder, TncesError, TncesModule,

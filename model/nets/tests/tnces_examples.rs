@@ -41,7 +41,7 @@ fn figure_3_is_a_course_of_a_variable_under_events() {
     let system = b.build().unwrap();
     let mut lift = TncesPlayer::new(&system, Policy::Soonest);
     for (at, &(call, ride, to)) in calls.iter().enumerate() {
-        // The last event of all finds nobody waiting for it before its turn comes.
+        // The last event of all finds no transition that waits for it before its turn comes.
         let last = calls[calls.len() - 1].0;
         if at + 1 < calls.len() {
             assert_eq!(lift.fire(last).unwrap().step.as_ref(), [last]);
@@ -61,7 +61,7 @@ enum Three {
     OnBoth,
 }
 
-/// Figure 8 (L491-495): p1 and p2 say that location 1 is free or busy, p3 and p4 location 2. t1 "will be fired if an
+/// Figure 8 (L491-495): p1 and p2 mean that location 1 is free or busy, p3 and p4 location 2. t1 "will be fired if an
 /// extern event happens, and t2 and t3 will happen three seconds after they will be enabled".
 fn conveyor(clock: ArcClock, three: Three) -> Tnces {
     let mut b = NetBuilder::new("conveyor");
@@ -175,7 +175,7 @@ fn a_firing_forces_what_is_enabled_and_does_not_wait_for_what_is_not() {
     assert_eq!(steps, [vec![t1, t2], vec![t1]]);
 }
 
-/// One token, two forced transitions that want it: two maximal steps.
+/// One token, two forced transitions that need it: two maximal steps.
 #[test]
 fn forced_transitions_in_conflict_make_several_steps() {
     let mut b = NetBuilder::new("conflict");

@@ -16,7 +16,7 @@ use linewright_nets::{Net, NetBuilder, PlaceId, StateId, TransitionId, explore};
 const OPERATIONS: [u32; 6] = [1, 0, 0, 0, 1, 1];
 const QUEUES: [u32; 6] = [2, 0, 0, 0, 1, 2];
 
-/// p1 to p24 of L834: operation and queue in turn, then what is free of each. The order of p13 to p24 is not told.
+/// p1 to p24 of L834: operation and queue in turn, then what is free of each. The order of p13 to p24 is not given.
 fn transport_places() -> Vec<(String, u32)> {
     let capacity = |i: usize| if i.is_multiple_of(2) { 1 } else { 2 };
     let pallets = |i: usize| if i.is_multiple_of(2) { OPERATIONS[i / 2] } else { QUEUES[i / 2] };
@@ -56,7 +56,7 @@ fn transport_module() -> TncesModule {
     m
 }
 
-/// A stopper that nobody moves.
+/// A stopper that does not move.
 fn fixed(name: String, retracted: bool) -> TncesModule {
     let mut m = TncesModule::new(name);
     let [odd, even] = [("retracted", retracted), ("advanced", !retracted)].map(|(name, n)| m.place(name, u32::from(n)));
@@ -102,7 +102,7 @@ fn placements() -> BTreeSet<[u32; 12]> {
     found
 }
 
-/// Who can move: there is a pallet, and room where it goes.
+/// Pallets that can move: there is a pallet, and room where it goes.
 fn can_move(line: &[u32; 12]) -> usize {
     let capacity = |i: usize| if i.is_multiple_of(2) { 1 } else { 2 };
     moves().iter().filter(|&&(from, to, _)| line[from] > 0 && line[to] < capacity(to)).count()
@@ -381,7 +381,7 @@ fn distributing(third: &str) -> Tnces {
 }
 
 /// L872: no deadlock; L877, L884: some states of start-up, then one closed loop. The source's figure has 50 states; its
-/// nets are lost and its notion of a state with time is not told, so the number is no test.
+/// nets are lost and its notion of a state with time is not given, so the number is no test.
 #[test]
 fn the_distributing_station_starts_up_and_then_repeats_one_cycle() {
     let system = distributing("Arm_put");
@@ -442,7 +442,7 @@ fn the_shape_is_the_same_however_the_clock_is_read() {
     }
 }
 
-/// What the state space is for: a controller that waits for the wrong end of the arm stops.
+/// Use of the state space: a controller that waits for the wrong end of the arm stops.
 #[test]
 fn a_controller_that_waits_for_the_wrong_signal_is_found_to_stop() {
     let system = distributing("Arm_take");

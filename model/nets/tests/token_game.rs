@@ -1,4 +1,4 @@
-//! The token game on any net: what a move changes, that it can be taken back, and what no move changes.
+//! The token game on any net: changes by a move, their reversal, and what no move changes.
 
 use linewright_nets::{Marking, Net, explore};
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! Structure against exploration: what is decided on the arcs must be what playing everything out finds.
+//! Structure against exploration: decisions on the arcs must agree with playing everything out.
 
 use linewright_nets::{
     Net, NetBuilder, NetNode, Reachability, StateId, StateMachineVerdict, explore, state_machine_verdict,
@@ -21,7 +21,7 @@ fn confirmed(net: &Net) -> StateMachineVerdict {
     verdict
 }
 
-/// Which nodes can be reached from a node, by walking.
+/// Nodes that can be reached from a node, by walking.
 fn reachable_from(net: &Net, start: NetNode) -> Vec<NetNode> {
     let mut seen = vec![start];
     let mut next = 0;

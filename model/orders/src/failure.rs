@@ -1,6 +1,6 @@
-//! Why an order has not ended as it should, and the code of it.
+//! Failures of an order, and their codes.
 
-/// Why an order has not ended as it should. Each has a code (seed 001, L131-185: the error code of an abnormal end).
+/// Failure of an order. Each has a code (seed 001, L131-185: the error code of an abnormal end).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskFailure {
     /// Its time was over while an operation waited for its inputs, and the description gives this code for that.
@@ -9,17 +9,17 @@ pub enum TaskFailure {
     TimedOut,
     /// An operation was stopped by a fault.
     Fault,
-    /// The mode was changed to one in which people or nobody move the station.
+    /// The mode was changed to one without automatic motion of the station.
     Interrupted,
     /// The station's controller was restarted.
     Restarted,
-    /// It was told to leave it, and is back where the task began.
+    /// It was ordered to leave it, and is back where the task began.
     Cancelled,
-    /// It was told to leave it, and stands where it could not go on by itself.
+    /// It was ordered to leave it, and stands where it could not go on by itself.
     Held,
-    /// It was told to stop, and stands where it was then.
+    /// It was ordered to stop, and stands where it was then.
     Stopped,
-    /// A code that this version does not know.
+    /// A code that this version does not have.
     Other(u16),
 }
 

@@ -1,10 +1,10 @@
-//! Orders between a coordinator and its stations: what is ordered, and every reply to it. Shapes only.
+//! Orders between a coordinator and its stations: task orders, and every reply. Shapes only.
 //!
-//! A key is never used twice by the coordinator, and a station does no key twice: given again one that it knows, it replies
-//! with what it has. It remembers the last [`RESULTS_MAX`] and the newest key it took on; so of an older one it knows at
-//! least that it has had it.
+//! A key is never used twice by the coordinator, and a station does no key twice: given again one that it has, it replies
+//! with its state. It keeps the last [`RESULTS_MAX`] and the newest key it took on; so an older one is recognised at least
+//! as had before.
 //!
-//! What a station makes of an order stands in `stations/logic`, what becomes of the part in `coordinator/cell`.
+//! The handling of an order by a station is in `stations/logic`, that of the part in `coordinator/cell`.
 
 mod failure;
 mod refusal;
@@ -19,14 +19,14 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 /// A coordinator's life is numbered by the time of day at its start, in seconds, or by one more than the life before. An
-/// order from further ahead of the one that was followed, 34 years, is nobody's.
+/// order from further ahead of the one that was followed, 34 years, is no coordinator's.
 pub const EPOCH_AHEAD_MAX: u64 = 1 << 30;
 
-/// A station remembers so many orders.
+/// Number of orders that a station keeps.
 pub const RESULTS_MAX: usize = 16;
 
-/// What an order is known by. The id alone is never used twice; the epoch is the coordinator's life in which it was given,
-/// so that a station can refuse what somebody of an earlier life asks for anew.
+/// Identity of an order. The id alone is never used twice; the epoch is the coordinator's life in which it was given, so
+/// that a station can refuse new orders of an earlier life.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OrderKey {
@@ -50,16 +50,16 @@ pub struct TaskOrder {
     /// The memory it is meant for: a number that the station drew when its memory began. A station with another one
     /// refuses it.
     pub memory: u64,
-    /// Which task, by name.
+    /// Task, by name.
     pub task: Arc<str>,
     /// Its parameters, by name: all of them.
     pub parameters: Vec<(Arc<str>, i32)>,
-    /// How long there is left until it must have ended, from when it is heard: clocks are not compared across machines.
-    /// Heard when this is over, it is not begun.
+    /// Time left until it must have ended, from its arrival: clocks are not compared across machines. An order that
+    /// arrives when this is over is not begun.
     pub limit: Duration,
 }
 
-/// What a station is told to do.
+/// Order to a station.
 #[derive(Clone, Copy, Debug)]
 pub enum TaskCommand<'a> {
     Run(&'a TaskOrder),
@@ -76,7 +76,7 @@ impl TaskCommand<'_> {
     }
 }
 
-/// What a station says to one order.
+/// Reply of a station to one order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskReply {
     /// It is doing it, or on its way back from it.
@@ -87,7 +87,7 @@ pub enum TaskReply {
     Refused(TaskRefusal),
 }
 
-/// How an order has ended.
+/// Outcome of an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TaskOutcome {
     /// As it should: the activity-end of seed 001 (L131-185).

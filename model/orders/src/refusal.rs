@@ -1,8 +1,8 @@
-//! Why a station does not take an order on.
+//! Reasons why a station does not take an order on.
 
 use serde::{Deserialize, Serialize};
 
-/// Why a station does not take an order on. The number of each is its code in messages.
+/// Reason why a station does not take an order on. The number of each is its code in messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 #[repr(u16)]
@@ -11,11 +11,11 @@ pub enum TaskRefusal {
     Busy = 1,
     /// It is not in auto, or not enabled, or master stop has been given.
     Mode = 2,
-    /// Its memory is not the one the order was meant for. Its whole state will say so, and be believed.
+    /// Its memory is not the one the order was meant for. Its whole state has the one that counts.
     OtherMemory = 3,
-    /// It knows a later life of the coordinator.
+    /// It has received an order of a later life of the coordinator.
     OldEpoch = 4,
-    /// It has had it, or a later one, and no longer knows how it ended.
+    /// It has had it, or a later one, and no longer has its outcome.
     Old = 5,
     /// The time in which it was to end is over.
     Late = 6,
@@ -27,7 +27,7 @@ pub enum TaskRefusal {
     Unknown = 9,
     /// An operation was stopped before its end.
     Incomplete = 10,
-    /// It is left out until somebody has looked after it.
+    /// It is left out until an operator has attended to it.
     Isolated = 11,
 }
 
@@ -52,12 +52,12 @@ impl TaskRefusal {
         self as u16
     }
 
-    /// The refusal with this code; none for a reason that a later version knows.
+    /// The refusal with this code; none for a reason of a later version.
     pub fn from_code(code: u16) -> Option<Self> {
         Self::ALL.into_iter().find(|refusal| refusal.code() == code)
     }
 
-    /// Whether to ask again: what is in the way ends by itself, or by a decision about the whole line.
+    /// Whether to repeat the order: the obstacle ends by itself, or by a decision about the whole line.
     pub const fn is_passing(self) -> bool {
         match self {
             TaskRefusal::Busy | TaskRefusal::Mode | TaskRefusal::OtherMemory => true,
@@ -72,7 +72,7 @@ impl TaskRefusal {
         }
     }
 
-    /// That the order was rejected, and the reason, for the operator; it may follow `task order`.
+    /// Text of the refusal with the reason, for the operator; it may follow `task order`.
     pub const fn text(self) -> &'static str {
         match self {
             TaskRefusal::Busy => "rejected: another task order is in progress",

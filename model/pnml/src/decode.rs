@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use crate::limits::FILE_BYTES_MAX;
 use linewright_diagnostics::{At, Problem, Report, shown};
 
-/// How far into the file the XML declaration may reach.
+/// Bytes of the file that the XML declaration may reach into.
 const DECLARATION_MAX: usize = 256;
 
 /// The text; or, with a problem, as much of it as could be read.
@@ -65,7 +65,7 @@ enum XmlEncoding {
     Other(String),
 }
 
-/// What the XML declaration says, if there is one.
+/// Encoding by the XML declaration, if there is one.
 fn declared(bytes: &[u8]) -> XmlEncoding {
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(DECLARATION_MAX)]);
     let value = || {

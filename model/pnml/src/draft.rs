@@ -1,7 +1,7 @@
 //! The elements of one net as they stand in the file, with their places.
 //!
-//! What an element says of itself is checked here; what it says of others is only written down, because they may come
-//! later in the file. Pages are a matter of drawing: everything on them is of the same net.
+//! An element's own data is checked here; its references are only written down, because their targets may come later in
+//! the file. Pages are a matter of drawing: everything on them is of the same net.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -46,7 +46,7 @@ pub(crate) enum Being {
         name: Option<String>,
         tokens: u32,
     },
-    /// A reference node: what it refers to, and where that is said.
+    /// A reference node: its target, and the place of the reference.
     Another {
         id: Id,
         at: At,
@@ -128,7 +128,7 @@ impl<'a> DraftReader<'a, '_> {
         Ok(())
     }
 
-    /// What is in a net, or on a page. Pages lie in pages as deep as elements may.
+    /// Contents of a net, or of a page. Pages lie in pages as deep as elements may.
     fn page(&mut self, is_net: bool) -> Result<(), XmlAbort> {
         while let Some(tag) = self.child()? {
             match tag.name {

@@ -1,6 +1,6 @@
-//! What changes the meaning of a net, and how this crate tells.
+//! Elements that change the meaning of a net, and their recognition.
 //!
-//! Unknown elements are passed over, as the standard asks: most of them are drawings and remarks. But a net with an
+//! Unknown elements are passed over, as the standard requires: most of them are drawings and remarks. But a net with an
 //! inhibitor arc that is taken for an ordinary one is another net, and whatever is then proved is proved of that. So what
 //! tools are known to write for nets that are more than place/transition nets is listed here, and refused.
 
@@ -16,7 +16,7 @@ pub(crate) fn is_ordinary_arc(arc_type: &str) -> bool {
     matches!(arc_type.to_ascii_lowercase().as_str(), "" | "normal" | "ordinary" | "standard" | "pt" | "ptnet")
 }
 
-/// Labels of coloured nets: of `hlinitialMarking` in a place, say, it follows what kind of net this is.
+/// Labels of coloured nets: with `hlinitialMarking` in a place, for example, the kind of the net is certain.
 pub(crate) fn is_coloured_label(element: &str) -> bool {
     matches!(element, "hlinitialMarking" | "hlinscription" | "condition" | "declaration")
 }

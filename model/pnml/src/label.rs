@@ -37,7 +37,7 @@ pub(crate) fn label<'a>(xml: &mut Xml<'a>, report: &mut Report) -> Result<Option
     Ok(found)
 }
 
-/// A label may be given twice by a tool that writes for two readers; it may not say two things.
+/// A label may be given twice by a tool that writes for two readers; it may not have two values.
 fn add<'a>(found: &mut Option<AttributeValue<'a>>, value: AttributeValue<'a>, at: At, report: &mut Report) {
     match found {
         Some(first) if first.text != value.text => {

@@ -1,8 +1,8 @@
 //! Petri nets as PNML, the exchange format of ISO/IEC 15909-2: read, with errors that have a position, and written.
 //!
-//! [`read`] takes the files that tools write, which is more than the standard allows, and refuses whatever would make
-//! the net it returns another one than the file means: an arc of a kind it does not know, a capacity, a coloured label.
-//! [`write()`] writes what the standard says. The crate knows nets and text. It does not know files, stations or lines.
+//! [`read`] takes the files that tools write, which is more than the standard allows, and refuses what would make the
+//! net it returns another one than the file means: an arc of an unknown kind, a capacity, a coloured label. [`write()`]
+//! writes by the standard. The crate handles nets and text, no files, stations or lines.
 //!
 //! ```
 //! use linewright_pnml::{read, write};

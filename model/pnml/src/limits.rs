@@ -1,4 +1,4 @@
-//! How much of anything is read. Beyond these a file is refused, by name of the limit, before it costs memory.
+//! Limits of reading. Beyond these a file is refused, by name of the limit, before it costs memory.
 //!
 //! A net of a million places with as many transitions, written by a talkative tool, is within all of them.
 

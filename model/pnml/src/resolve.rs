@@ -1,4 +1,4 @@
-//! Draft → net: who is meant by each id, what everything is called, and which arcs there are.
+//! Draft → net: targets of ids, names, and arcs.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use linewright_nets::{Net, NetBuilder, PlaceId, TransitionId};
 use crate::draft::{Being, DraftNet, DraftNode, Id, NodeKind};
 use linewright_diagnostics::{At, Problem, Report, shown};
 
-/// The net of a draft; none if something is wrong, which is reported.
+/// The net of a draft; none if there are errors, which are reported.
 pub(crate) fn resolve(draft: DraftNet<'_>, report: &mut Report) -> Option<Net> {
     let owners = owners(&draft, report);
     let beings = follow_references(&draft, &owners, report);
@@ -136,7 +136,7 @@ fn declare(draft: &DraftNet<'_>, builder: &mut NetBuilder) -> Vec<Declared> {
     draft.nodes.iter().enumerate().map(declare).collect()
 }
 
-/// What the nodes of a kind are called: by their names, as far as they are unique, and else by their ids.
+/// Names of the nodes of a kind: their names, as far as they are unique, and else their ids.
 ///
 /// A node that goes by its id takes the name away from a node that is called the same, and that one goes by its id as
 /// well, and so on. Ids are unique, so in the end all names are.

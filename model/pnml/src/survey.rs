@@ -9,7 +9,7 @@ use linewright_diagnostics::{At, Problem, Report, shown};
 /// The most nets in one file.
 const NETS_MAX: usize = 10_000;
 
-/// How many ids are named in the advice on a file of several nets.
+/// Number of ids named in the advice on a file of several nets.
 const NAMED_MAX: usize = 8;
 
 /// The position, among the nets of the file, of the one to read.

@@ -1,4 +1,4 @@
-//! XML as the readers of this crate want it: the children of an element, its attributes, its text.
+//! XML in the form that the readers of this crate need: the children of an element, its attributes, its text.
 //!
 //! A thin layer over `quick-xml`, which finds tags and checks that they are closed in order. Here are the bounds on
 //! depth and attributes, the places of everything in the text, and words for what is wrong. No entity is ever expanded
@@ -14,7 +14,7 @@ use quick_xml::events::{BytesStart, Event};
 use crate::limits::{ATTRIBUTES_MAX, DEPTH_MAX, NAME_BYTES_MAX};
 use linewright_diagnostics::{At, Problem, Report, shown};
 
-/// The text cannot be read on; the report says why.
+/// The text cannot be read on; the reason is in the report.
 pub(crate) struct XmlAbort;
 
 /// The start of an element.
@@ -174,7 +174,7 @@ impl<'a> Xml<'a> {
 }
 
 impl<'a> Tag<'a> {
-    /// The values of these attributes, in the order of `names`. What is wrong with any attribute is reported.
+    /// The values of these attributes, in the order of `names`. Errors of any attribute are reported.
     pub(crate) fn attributes<const N: usize>(
         &self,
         xml: &Xml<'a>,
@@ -205,10 +205,10 @@ impl<'a> Tag<'a> {
         values
     }
 
-    /// One value. Where it is wrong that is reported, and it stands for itself as it is written, so that nothing else
-    /// looks as if it were missing.
+    /// One value. An error in it is reported, and it stands for itself as it is written, so that nothing else looks as
+    /// if it were missing.
     fn value(&self, xml: &Xml<'a>, name: &str, raw: &str, report: &mut Report) -> Option<AttributeValue<'a>> {
-        // The reader lends parts of the text; where, it does not say.
+        // The reader lends parts of the text without their places.
         let start = (raw.as_ptr() as usize).wrapping_sub(xml.text.as_ptr() as usize);
         let range = start..start.saturating_add(raw.len());
         let raw = xml.text.get(range.clone())?;
@@ -233,7 +233,7 @@ impl<'a> Tag<'a> {
 const ONLY_PREDEFINED: &str =
     "`&lt; &gt; &amp; &quot; &apos;` and `&#number;` are read, and entities of one's own are not";
 
-/// What `quick-xml` says, where it repeats the text cut to what can be read.
+/// Message of `quick-xml`, with a repetition of the text cut to what can be read.
 fn words(error: &quick_xml::Error) -> String {
     match error {
         quick_xml::Error::Syntax(error) => error.to_string(),
@@ -304,7 +304,7 @@ impl BoundedText {
         }
     }
 
-    /// One more than is allowed, so that whoever checks the length sees it.
+    /// One more than is allowed, so that a check of the length sees it.
     fn has_room(&self) -> bool {
         self.text.len() <= NAME_BYTES_MAX
     }

@@ -1,4 +1,4 @@
-//! What is wrong, where, and what to do about it: one row for everything that is refused.
+//! Errors, places and advice: one row for everything that is refused.
 
 use linewright_pnml::{limits, read};
 

@@ -1,4 +1,4 @@
-//! What is written is read as what it was, whatever the names are; and a ring of stations written by a program.
+//! A written net is read back equal, whatever the names are; and a ring of stations written by a program.
 
 use linewright_nets::{Net, NetBuilder, explore};
 use linewright_pnml::write;
@@ -47,7 +47,7 @@ fn net() -> impl Strategy<Value = Net> {
         })
 }
 
-/// The text of a net says all there is to it: names, marking, and every arc with its weight.
+/// The text of a net is complete: names, marking, and every arc with its weight.
 fn assert_same(a: &Net, b: &Net) {
     assert_eq!(a.to_string(), b.to_string());
     assert_eq!(a.initial_marking(), b.initial_marking());

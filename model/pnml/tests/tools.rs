@@ -1,4 +1,4 @@
-//! What tools write besides the plain standard, and is read all the same.
+//! Output of tools beyond the plain standard that is read all the same.
 
 use linewright_pnml::read;
 
@@ -43,7 +43,7 @@ fn the_same_net_is_read_however_it_is_written() {
         // Labels as PIPE and TAPAAL write them.
         with(&format!("<place id=\"p\"><initialMarking><value>Default,1</value></initialMarking><capacity><value>0</value></capacity></place>{rest}")),
         with(&format!("<place id=\"p\" initialMarking=\"1\"/>{rest}")),
-        // Text that stands in the label itself, and labels that say more than their text.
+        // Text that stands in the label itself, and labels with more than their text.
         with(&format!("<place id=\"p\"><name>p</name><initialMarking>\n 1 </initialMarking></place>{rest}")),
         with(&format!("<place id=\"p\"><initialMarking><graphics/>1</initialMarking></place>{rest}")),
         with(&format!("<place id=\"p\"><initialMarking>1<value>1</value><more/></initialMarking></place>{rest}")),
@@ -86,7 +86,7 @@ fn names_are_taken_where_they_are_unique_and_ids_where_they_are_not() {
     assert_eq!(names(&[("a", "home"), ("b", "  press\n")]), ["home", "press"]);
     assert_eq!(names(&[("a", "home"), ("b", "home"), ("c", "press"), ("d", "home")]), ["a", "b", "press", "d"]);
     assert_eq!(names(&[("a", ""), ("b", "press")]), ["a", "press"]);
-    // The names of two are the ids of others; as nobody goes by an id, nobody is mistaken.
+    // The names of two are the ids of others; as none goes by its id, there is no confusion.
     assert_eq!(names(&[("a", "b"), ("b", "a")]), ["b", "a"]);
     // `c` is called `a`, but `a` has to go by its id, and so on down the line.
     assert_eq!(names(&[("a", "x"), ("b", "x"), ("c", "a"), ("d", "c"), ("e", "y")]), ["a", "b", "c", "d", "y"]);
@@ -117,7 +117,7 @@ fn one_of_several_nets_is_read_by_its_id() {
         b"<pnml><net id=\"a\"><place id=\"p\"/></net><net id=\"b\"><place id=\"p\"/><place id=\"q\"/></net></pnml>";
     let places = |net| read("nets.pnml", file, Some(net)).unwrap().place_count();
     assert_eq!((places("a"), places("b")), (1, 2));
-    // What is wrong with a net is no business of the others.
+    // Errors of a net do not affect the others.
     let file = b"<pnml><net id=\"a\"><place/></net><net id=\"b\"><place id=\"p\"/></net></pnml>";
     assert!(read("nets.pnml", file, Some("b")).is_ok() && read("nets.pnml", file, Some("a")).is_err());
 }

@@ -1,8 +1,8 @@
 //! Reading one table, key by key, without losing a problem.
 //!
 //! A [`Fields`] wraps any TOML table, written as a block, inline or with dotted keys: to the rest of the parser they
-//! are the same. It remembers which keys were asked for, so the list of known keys exists only once, as the code that
-//! reads them; [`Fields::finish`] reports the others.
+//! are the same. It records which keys were read, so the list of known keys exists only once, as the code that reads
+//! them; [`Fields::finish`] reports the others.
 
 use std::fmt;
 use std::time::Duration;
@@ -40,7 +40,7 @@ pub struct Fields<'a> {
     table: &'a dyn TableLike,
     /// Where the table is: its header, or the whole of it when inline.
     pub at: TextRange,
-    /// What it is, for messages: "a station", "`moves`".
+    /// Its name, for messages: "a station", "`moves`".
     what: &'static str,
     asked: Vec<&'static str>,
 }
@@ -346,7 +346,7 @@ impl<'a> Fields<'a> {
         Some(entries)
     }
 
-    /// Reports every key that nobody asked for.
+    /// Reports every key that was not read.
     pub fn finish(self, report: &mut Report) {
         for (key, item) in self.table.iter() {
             if item.is_none() || self.asked.contains(&key) {
@@ -363,12 +363,12 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// A whole number will do where a number is wanted.
+/// A whole number will do as a number.
 fn number(item: &Item) -> Option<f64> {
     item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64))
 }
 
-/// A number that is one of those it may be; `hint` says which.
+/// A number that is one of those permitted; `hint` names them.
 fn checked<T: fmt::Display>(
     report: &mut Report,
     key: &str,

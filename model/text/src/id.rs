@@ -1,4 +1,4 @@
-//! Numbers for what stands in lists.
+//! Numbers of the elements of lists.
 
 /// Makes ids, each for one list of a checked description: a newtype of `u16` with `index()` and `at(index)`.
 ///

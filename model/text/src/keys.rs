@@ -1,12 +1,12 @@
-//! Tables of keys: what a description may contain, written down once, for its reader and for other tools.
+//! Tables of keys: the contents of a description, written down once, for its reader and for other tools.
 
 use crate::{Fields, Property, Report, Shape};
 
 /// A table of a description as it was written, made by [`keys!`](crate::keys).
 pub trait Keys: Sized {
-    /// What it is, for messages: "a station", "`moves`".
+    /// Its name, for messages: "a station", "`moves`".
     const WHAT: &'static str;
-    /// What it is, for people who write one, line by line.
+    /// Its meaning, for the authors of descriptions, line by line.
     const DOC: &'static [&'static str];
 
     fn read(fields: &mut Fields<'_>, report: &mut Report) -> Self;
@@ -20,7 +20,7 @@ pub trait Keys: Sized {
         read
     }
 
-    /// What it looks like.
+    /// Its shape.
     fn shape() -> Shape {
         Shape::Table(Self::DOC, Self::keys())
     }
@@ -29,8 +29,8 @@ pub trait Keys: Sized {
 /// Makes structs of tables as they are written, each with its reader and its description.
 ///
 /// A field is a key of the same name, unless another one is given by `as`; its type and its [`KeyKind`](crate::KeyKind) belong
-/// together. Keys are read in the order in which they stand here. What is missing or could not be read is `None`, and has
-/// been reported. Doc comments are shown by editors to people who write descriptions: they say unit and bounds.
+/// together. Keys are read in the order in which they stand here. What is missing or could not be read is `None`, and has been
+/// reported. Doc comments are shown by editors to people who write descriptions: they contain unit and bounds.
 ///
 /// ```
 /// use linewright_text::{Keys, LocatedName, Report, keys, text, whole, Located};

@@ -1,4 +1,4 @@
-//! What may stand at a key: how it is read, and what it looks like.
+//! Kinds of keys: reading, and shape.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use crate::{Fields, KeyPresence, Keys, Located, LocatedName, Named, Property, Re
 
 type Reader<T> = dyn Fn(&mut Fields<'_>, &mut Report, &'static str) -> T;
 
-/// How the value of a key is read into a `T`, and what it looks like in the text.
+/// Reading of the value of a key into a `T`, and its shape in the text.
 pub struct KeyKind<T> {
     read: Box<Reader<T>>,
     shape: Box<dyn Fn() -> Shape>,
@@ -123,7 +123,7 @@ impl<T: Copy + Into<Usual> + 'static> KeyKind<Option<Located<T>>> {
 }
 
 impl<T: 'static> KeyKind<Option<Located<Vec<T>>>> {
-    /// What is in the list; nothing where none is written.
+    /// Entries of the list; nothing where none is written.
     pub fn entries(self) -> KeyKind<Vec<T>> {
         self.then(|found, _| found.map(|list| list.value).unwrap_or_default())
     }

@@ -1,9 +1,9 @@
-//! Descriptions written by people: text → tables of values with their places, and what is wrong with them.
+//! Descriptions written by people: text → tables of values with their places, and their problems.
 //!
-//! What every reader of such a file needs: problems that point into the text and give advice, tables read key by key
+//! Common needs of readers of such files: problems that point into the text and give advice, tables read key by key
 //! without losing a problem, names that are looked up, and "did you mean". The keys of a table are written down once, as
-//! [`keys!`]: its reader follows from that, and the schema that editors use. It knows TOML and no key: what a description
-//! means is known to the crates that read one. A reader never stops at a mistake; what could not be read is absent
+//! [`keys!`]: its reader follows from that, and the schema that editors use. It handles TOML and no key: the meaning of a
+//! description is in the crates that read one. A reader never stops at a mistake; what could not be read is absent
 //! afterwards, so that one run reports all that can be known, and none of it twice.
 
 mod document;

@@ -1,4 +1,4 @@
-//! Names that a description defines: what each stands for, and whether it is well formed.
+//! Names that a description defines: their meaning, and whether they are well formed.
 //!
 //! A name that is defined twice stands for its first definition, and one that is malformed is kept as it is, so that one
 //! slip is reported once and not at every use.
@@ -29,12 +29,12 @@ impl<'a> NameTable<'a> {
         None
     }
 
-    /// What `name` stands for.
+    /// Index of `name`.
     pub fn get(&self, name: &str) -> Option<usize> {
         self.entries.get(name).map(|&(id, _)| id)
     }
 
-    /// Where `name` is defined.
+    /// Place of the definition of `name`.
     pub fn place(&self, name: &str) -> Option<&'a TextRange> {
         self.entries.get(name).map(|&(_, at)| at)
     }
@@ -44,7 +44,7 @@ impl<'a> NameTable<'a> {
         self.order.iter().copied()
     }
 
-    /// What `name` stands for, or a problem that says what it could have been.
+    /// Index of `name`, or a problem with what it could have been.
     pub fn find(&self, name: &LocatedName, what: &str, report: &mut Report) -> Option<usize> {
         let found = self.get(&name.value);
         if found.is_none() && !report.is_full() {

@@ -1,8 +1,8 @@
-//! What a description may contain, as data, for editors and other tools.
+//! Permitted contents of a description, as data, for editors and other tools.
 //!
 //! A shape holds keys, types and bounds. Names, and what holds between keys, are left to the rules of a description.
 
-/// What may stand at one place.
+/// Permitted contents of one place.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     Text,
@@ -32,13 +32,13 @@ pub enum Shape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Property {
     pub key: &'static str,
-    /// What it means, with unit and bounds, line by line.
+    /// Meaning, with unit and bounds, line by line.
     pub doc: &'static [&'static str],
-    /// What may stand there.
+    /// Permitted contents.
     pub shape: Shape,
     /// Whether it may be left out.
     pub presence: KeyPresence,
-    /// What counts where it is left out.
+    /// Default.
     pub usual: Option<Usual>,
 }
 
@@ -53,7 +53,7 @@ pub enum KeyPresence {
     Unless(&'static [&'static str]),
 }
 
-/// What counts where nothing is written.
+/// Default.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Usual {
     Word(&'static str),
@@ -90,7 +90,6 @@ impl From<f64> for Usual {
 
 /// Any whole number.
 pub(crate) const ANY_WHOLE: Shape = Shape::Whole(i64::MIN, i64::MAX);
-/// Any number.
 pub(crate) const ANY_NUMBER: Shape = Shape::Number(f64::NEG_INFINITY, f64::INFINITY);
 
 /// The lines of a doc comment as one text.

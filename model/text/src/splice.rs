@@ -1,13 +1,13 @@
 //! A text put together from stretches of another one, with the place that each stretch comes from.
 //!
-//! What is wrong with the new text is shown in the old one: people have written that one. A stretch that stands in the
-//! new text several times has a note, which says for what it was copied this time.
+//! Problems in the new text are shown in the old one: that is the one people have written. A stretch that stands in the
+//! new text several times has a note on what it was copied for this time.
 
 use std::collections::HashMap;
 
 use crate::{Problem, Report, TextRange};
 
-/// Why a stretch stands in the new text: a place of the old text, and what to write there.
+/// Reason why a stretch stands in the new text: a place of the old text, and what to write there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NoteId(usize);
 
@@ -32,7 +32,7 @@ struct SpliceNote {
 
 #[derive(Clone, Debug)]
 struct Piece {
-    /// Where it begins in the new text.
+    /// Its beginning in the new text.
     start: usize,
     from: TextRange,
     /// Whether it is byte by byte what the old text has there.
@@ -48,7 +48,7 @@ impl Splice {
         splice
     }
 
-    /// What has been put together.
+    /// The new text.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -82,7 +82,7 @@ impl Splice {
         }
     }
 
-    /// Turns problems of the new text into problems of the text `old`. What is wrong with a stretch in each of its copies is
+    /// Turns problems of the new text into problems of the text `old`. A problem of a stretch in each of its copies is
     /// reported once.
     pub fn put_back(&self, old: &str, report: &mut Report) {
         report.rewrite(|problems| self.put_back_all(old, problems));

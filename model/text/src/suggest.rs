@@ -2,10 +2,10 @@
 
 use crate::NAME_MAX;
 
-/// The candidate that `name` is most likely a slip of, if any is near enough to be worth saying.
+/// The candidate that `name` is most likely a slip of, if any is near enough.
 ///
 /// Near enough is a third of the name's letters: enough for a swapped, missing or doubled one, too little for one word
-/// to be taken for another. Case does not count, since a name written in the wrong case is always worth saying.
+/// to be taken for another. Case does not count, since a name in the wrong case is always worth a suggestion.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = name.to_lowercase();
     if wanted.len() > NAME_MAX {
@@ -21,7 +21,8 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// How many letters apart the names are; a name cut short or written too long, such as one without its unit, is near.
+/// Number of letters by which the names differ; a name cut short or written too long, such as one without its unit, is
+/// near.
 fn distance(wanted: &str, candidate: &str) -> usize {
     /// Shorter beginnings are shared by chance.
     const BEGINNING_MIN: usize = 4;

@@ -1,4 +1,4 @@
-//! What several replications say of a figure: its mean, and how far from that the true mean may be.
+//! Estimate of a figure from several replications: its mean, and a confidence interval.
 //!
 //! Replications are independent of each other, so the interval is the usual one of Student's t with n − 1 degrees of freedom
 //! (Law, *Simulation Modeling and Analysis*, §4.5 and §9.4). One replication gives no interval.
@@ -9,9 +9,9 @@ use distrs::StudentsT;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     pub mean: f64,
-    /// The true mean is within so much of `mean`, as surely as was asked for; none of one replication.
+    /// Half width of the confidence interval around `mean`; none of one replication.
     pub half_width: Option<f64>,
-    /// How many replications there were.
+    /// Number of replications.
     pub n: usize,
 }
 
@@ -38,7 +38,7 @@ impl Estimate {
         self.half_width.is_some_and(|half_width| half_width <= allowed)
     }
 
-    /// Whether a value lies in the interval.
+    /// Whether a value is in the interval.
     pub fn has(&self, value: f64) -> bool {
         self.half_width.is_some_and(|half_width| (value - self.mean).abs() <= half_width)
     }

@@ -1,9 +1,9 @@
 //! The shop floor of a cell: the real controllers of its stations, and the plant with parts behind them.
 //!
-//! Orders come and whole states go as they do with pretended stations; between the order and the part stands the code that
-//! runs in a plant. Images reach controllers at once, and outputs the plant; what is doubtful about that, other tests have in
-//! hand. People put parts in and take them out as the records say, and look nowhere else: from there on the parts are the
-//! truth, which no controller and no coordinator sees.
+//! Orders come and whole states go as with pretended stations; between the order and the part stands the code that runs in a
+//! plant. Images reach controllers at once, and outputs the plant; other tests cover that simplification. Simulated people
+//! put parts in and take them out by the records, and use nothing else: from there on the parts are the truth, which no
+//! controller and no coordinator sees.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -35,7 +35,7 @@ pub struct Work {
     /// The part that lay there, if there was one.
     pub part: Option<PartId>,
     pub station: StationId,
-    /// Which of its operations was complete.
+    /// The operation that was complete.
     pub op: OpId,
     /// The numbers that stood on its outputs meanwhile.
     pub numbers: Vec<i32>,
@@ -45,11 +45,11 @@ pub struct Work {
 struct Running {
     controller: Controller,
     out: station::StationOutbox,
-    /// The image it was told last.
+    /// Last image it received.
     image: Option<u128>,
-    /// What it has said last.
+    /// Its last report.
     said: TaskOrderReport,
-    /// What its disk holds while it is down, and when its outputs go off then.
+    /// Its journal while it is down, and when its outputs go off then.
     down: Option<(StationSnapshot, Tick)>,
 }
 
@@ -70,11 +70,11 @@ pub struct ShopFloor {
     watched: Vec<(StationId, OpId, HolderId, bool)>,
     /// By so much the time of an order is over sooner than it was given: the clocks of stations run fast.
     pub fast: Duration,
-    /// What was done to parts, in order.
+    /// Work done on parts, in order.
     pub done: Vec<Work>,
     /// The parts that people have taken out, in order.
     pub left: Vec<PartId>,
-    /// What people could not do.
+    /// Actions of people that were impossible.
     pub trouble: Vec<String>,
 }
 
@@ -124,7 +124,7 @@ impl ShopFloor {
         &self.plant
     }
 
-    /// The same, to make them fail, and for people who put parts right.
+    /// The same, for faults, and for people who put parts right.
     pub fn plant_mut(&mut self) -> &mut Plant {
         &mut self.plant
     }
@@ -134,7 +134,7 @@ impl ShopFloor {
         &self.processes[station.index()].controller
     }
 
-    /// Ends a station's process. What it asked for stands until its devices miss it.
+    /// Ends a station's process. Its outputs stay until its devices miss it.
     pub fn kill(&mut self, station: StationId) {
         let process = &mut self.processes[station.index()];
         if process.down.is_none() {
@@ -142,7 +142,7 @@ impl ShopFloor {
         }
     }
 
-    /// Starts it again, from what it kept.
+    /// Starts it again, from its journal.
     ///
     /// # Errors
     /// When it does not compile any more.
@@ -185,7 +185,7 @@ impl ShopFloor {
         ModeOrder { mode, ..self.order }
     }
 
-    /// In manual somebody holds this button of a station, motion by motion, until it stands at a rest. Gives when it does.
+    /// Holds this button of a station in manual, motion by motion, until it stands at a rest. Returns when it does.
     pub fn lead(&mut self, station: StationId, button: PanelCommand) -> Tick {
         let release = match button {
             PanelCommand::Advance(_) => PanelCommand::Advance(false),
@@ -196,7 +196,7 @@ impl ShopFloor {
                 break;
             }
             self.press(station, release);
-            // A button is held by being said again.
+            // A button is held by repetition.
             let end = self.now + HELD;
             while self.now < end {
                 self.press(station, button);
@@ -227,7 +227,7 @@ impl ShopFloor {
         Ok(Running { controller, out, image: None, said, down: None })
     }
 
-    /// When something happens by itself.
+    /// Time of the next event that happens by itself.
     pub(super) fn next(&self) -> Option<Tick> {
         let deadlines = self.processes.iter().filter_map(|process| match process.down {
             Some((_, runs_out)) => Some(runs_out),
@@ -236,7 +236,7 @@ impl ShopFloor {
         deadlines.chain(self.plant.next_change()).filter(|at| *at > self.now && *at < Tick::NEVER).min()
     }
 
-    /// Lets time pass. Gives the stations that have something to say.
+    /// Lets time pass. Returns the stations with something to send.
     pub(super) fn go_on(&mut self, now: Tick) -> Vec<usize> {
         while let Some(at) = self.next().filter(|at| *at <= now) {
             self.now = at;
@@ -301,20 +301,20 @@ impl ShopFloor {
         }
     }
 
-    /// What a station says of itself; nothing while it is down.
+    /// Report of a station; none while it is down.
     pub(super) fn heard(&self, index: usize) -> Option<TaskReport> {
         let process = self.processes.get(index).filter(|process| process.down.is_none())?;
         process.controller.report().order.as_ref().map(orders::heard)
     }
 
-    /// What a station answers to an order.
+    /// Reply of a station to an order.
     pub(super) fn told(&mut self, now: Tick, message: &OrderMessage) -> Option<TaskReply> {
         let limit = message.order.limit.saturating_sub(self.fast);
         let order = TaskOrder { limit, ..message.order.clone() };
         self.command(now, message.station, TaskCommand::Run(&order))
     }
 
-    /// What a station answers when it is told to leave an order.
+    /// Reply of a station to the order to leave an order.
     pub(super) fn told_to_leave(&mut self, now: Tick, to: StationId, key: OrderKey, stop: bool) -> Option<TaskReply> {
         self.command(now, to, TaskCommand::leave(key, stop))
     }
@@ -331,7 +331,7 @@ impl ShopFloor {
         reply
     }
 
-    /// People do what a record says that is theirs to do: parts come in and go out.
+    /// People's part of a record: parts come in and go out.
     pub(super) fn note(&mut self, record: &Record, state: &PlayerState) {
         match record.fact.activity_step() {
             Some(ActivityStep::Started { firing, mode, part, orders: _ }) => {
@@ -369,7 +369,7 @@ impl ShopFloor {
         self.settle();
     }
 
-    /// In what the plant differs from what a state says: parts that rest must be where they are said to be.
+    /// Differences between the plant and a state: parts that rest must be where the state has them.
     pub fn differences(&self, state: &PlayerState) -> Vec<String> {
         let table = state.table();
         let mut found = Vec::new();
@@ -395,7 +395,7 @@ impl ShopFloor {
 }
 
 impl Running {
-    /// One step with this image; what it drives.
+    /// One step with this image; the outputs it drives.
     fn step(&mut self, now: Tick, image: u128) -> u128 {
         if self.image.replace(image) != Some(image) {
             let input = StationInput::Inputs { bits: image, valid: true, until: Tick::NEVER, under: NO_DELAY };

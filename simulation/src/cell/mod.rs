@@ -4,17 +4,17 @@
 //!   Dispatcher ◀──▶ Coordination ──▶ records ──▶ Store, from which the next life begins
 //!                     │      ▲
 //!              orders ▼      │ replies, whole states        messages take time, get lost, come twice
-//!                    Station … Station                      their ledgers know what has really been done
+//!                    Station … Station                      their ledgers have what has really been done
 //! ```
 //!
-//! [`CellSim`] plays it, from a seed; [`SimulatedStation`] stands for a station that works on order, and knows nothing of its axes and
-//! sensors; or [`ShopFloor`] has the real ones, with mechanisms and parts; [`RecordStore`] is where records go. Of pretended stations
-//! [`PartTruth`] knows where the parts really are, and [`SimulatedOperator`] looks there. The coordinator can be killed at each of its
-//! steps, of which every record and every message is one. What stations do, and what happens to them, whoever plays says
-//! between two calls.
+//! [`CellSim`] plays it, from a seed; [`SimulatedStation`] stands for a station that works on order, without axes and sensors;
+//! or [`ShopFloor`] has the real ones, with mechanisms and parts; [`RecordStore`] keeps records. With pretended stations
+//! [`PartTruth`] has the true places of parts, which [`SimulatedOperator`] sees. The coordinator can be killed at each of its
+//! steps, of which every record and every message is one. The caller sets what stations do, and what happens to them, between
+//! two calls.
 //!
-//! [`CellStudy`] is for plants that are being planned: a [`CellScenario`] says what is ordered and what breaks down, and several
-//! replications say what is to be expected, each figure with its confidence interval ([`Estimate`]).
+//! [`CellStudy`] is for plants that are being planned: a [`CellScenario`] has the orders and breakdowns, and several
+//! replications give the expected figures, each with its confidence interval ([`Estimate`]).
 
 mod distribution;
 mod estimate;

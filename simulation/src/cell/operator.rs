@@ -1,7 +1,8 @@
 //! A simulated operator: inspects what has failed, puts it right, and answers the alarm.
 //!
-//! He sees the parts as they are ([`super::PartTruth`]), never what the coordinator believes. He brings stations to a rest, mends
-//! them, and says what he has found; where that cannot be said he changes it first. Now and then he may be told to lie.
+//! The operator sees the parts as they are ([`super::PartTruth`]), never the coordinator's state. It brings stations to a rest,
+//! mends them, and answers with the places found; where no answer fits it changes the places first. On request some answers are
+//! wrong.
 
 use linewright_coordinator_cell::exception::{AlarmSubject, RecoveryDecision, Whereabouts};
 use linewright_coordinator_cell::{AlarmId, Dispatcher, FiringId, PlayerInput, ResourceId};
@@ -10,9 +11,9 @@ use super::sim::CellSim;
 
 #[derive(Clone, Debug, Default)]
 pub struct SimulatedOperator {
-    /// He says something else than he has found to so many alarms, as soon as that can be said and a sensor would see it.
+    /// Number of alarms to be answered wrongly, as soon as a sensor can contradict the answer.
     pub lies: usize,
-    /// How often he has answered.
+    /// Number of answers given.
     pub answers: usize,
 }
 
@@ -41,7 +42,7 @@ impl SimulatedOperator {
         }
     }
 
-    /// Brings its stations to a rest, and says what he has found, or makes it so that he can.
+    /// Brings its stations to a rest, and returns the answer for the places found, or changes them so that one fits.
     fn put_right(&mut self, sim: &mut CellSim, alarm: AlarmId, firing: FiringId) -> Option<String> {
         let orders = sim.state().firing(firing)?.orders.clone();
         for order in orders {
@@ -84,7 +85,7 @@ impl SimulatedOperator {
     }
 }
 
-/// What could be said instead of what was found.
+/// Wrong answer to a place found.
 fn opposite(found: Whereabouts) -> Option<Whereabouts> {
     match found {
         Whereabouts::From => Some(Whereabouts::To),
@@ -109,7 +110,7 @@ fn is_seen(sim: &CellSim, firing: FiringId) -> bool {
     handled.from != handled.to && [handled.from, handled.to].into_iter().flatten().any(alone)
 }
 
-/// Whatever is wrong with its station is not any more.
+/// Clears every fault of its station.
 fn mend(sim: &mut CellSim, resource: ResourceId) {
     let station = sim.table.handling().resource(resource).and_then(|of| of.station);
     if let Some(station) = station.and_then(|station| sim.stations.get_mut(station.index())) {

@@ -19,15 +19,15 @@ use super::task_times::TaskTimes;
 use super::truth::PartTruth;
 use crate::rng::Rng;
 
-/// So many steps at one moment, each with as much as a step takes, and there will be no other moment.
+/// Steps at one moment, each as full as a step can be, after which there will be no other moment.
 const SPINS_MAX: usize = 3;
 /// A cell in which nothing has happened for so long, and nothing is going to, has come to its end.
 const QUIET: Duration = Duration::from_secs(3);
 
-/// How long stations take for an order.
+/// Time of stations for an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StationSpeed {
-    /// As long as its activity should take, or up to this part of it longer or shorter.
+    /// The nominal time of its activity, longer or shorter by this fraction at most.
     Nominal {
         /// Between 0 and 1.
         spread: f64,
@@ -36,18 +36,18 @@ pub enum StationSpeed {
     Between(Duration, Duration),
 }
 
-/// What a simulation of a cell is played with.
+/// Options of a simulation of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellSimOptions {
-    /// What everything random follows from.
+    /// Seed of everything random.
     pub seed: u64,
-    /// How long stations take.
+    /// Time of stations for an order.
     pub pace: StationSpeed,
-    /// What a message takes at least and at most.
+    /// Delay of a message, least and most.
     pub delay: (Duration, Duration),
     /// One message in so many is lost, as many are doubled, and some take far longer; none with 0.
     pub bad_luck: u64,
-    /// How often stations say how they are.
+    /// Period of stations' reports.
     pub period: Duration,
     /// The coordinator is killed at these of its steps: each record and each message is one.
     pub crash_at: Vec<usize>,
@@ -75,14 +75,14 @@ enum MessageInTransit {
     /// To a station, for which it will be so much work.
     Order(OrderMessage, Duration),
     Reply(usize, OrderKey, TaskReply),
-    /// To a station, that it is to leave an order, or to stop; and what it says to that.
+    /// To a station, to leave an order, or to stop; and its reply.
     Secure(usize, OrderKey, bool),
     Secured(usize, OrderKey, TaskReply),
     /// With a number that rises.
     State(usize, u64, TaskReport),
 }
 
-/// What the coordinator gets of that.
+/// The coordinator's part of that.
 enum PlayerInbound {
     Reply(StationId, OrderKey, TaskReply),
     Secured(StationId, OrderKey, TaskReply),
@@ -91,9 +91,9 @@ enum PlayerInbound {
 
 /// A cell in virtual time.
 pub struct CellSim {
-    /// What is played.
+    /// Table that is played.
     pub table: Arc<CellTable>,
-    /// How. It may be changed while it goes on.
+    /// Options. They may be changed while it goes on.
     pub options: CellSimOptions,
     /// The coordinator, in its present life.
     pub coordination: Coordination,
@@ -101,33 +101,32 @@ pub struct CellSim {
     pub stations: Vec<SimulatedStation>,
     /// The real ones, which then take the place of those that are pretended.
     pub floor: Option<ShopFloor>,
-    /// What has been written, in all lives.
+    /// Records written, in all lives.
     pub log: Vec<Record>,
-    /// What people were told, and when.
+    /// Events for operators, with times.
     pub events: Vec<(Tick, CellEvent)>,
     pub now: Tick,
     /// Whether anything may start.
     pub starts: bool,
-    /// How many steps the coordinator has taken, in all lives.
+    /// Number of steps of the coordinator, in all lives.
     pub steps: usize,
-    /// How many lives it has had.
+    /// Number of its lives.
     pub lives: usize,
-    /// What people want to be made, who ask until they get a reply.
+    /// Requests for production orders, repeated until there is a reply.
     pub asked: Vec<Vec<ProductionOrderRequest>>,
-    /// What they were told.
+    /// Replies to them.
     pub told: Vec<Result<Vec<ProductionId>, ProductionCommandError>>,
-    /// Where the parts really are.
+    /// True places of the parts.
     pub truth: PartTruth,
-    /// Whether stations say what their sensors see.
+    /// Whether stations report their sensors.
     pub senses: bool,
-    /// How much longer or shorter than described the orders of an activity take, drawn for each; the pace counts where
-    /// nothing is said.
+    /// Factors on the described times of orders, drawn for each activity; by default the pace counts.
     pub times: TaskTimes,
     store: Box<dyn RecordStore>,
     rng: Rng,
     flying: BTreeMap<(Tick, u64), MessageInTransit>,
     sent: u64,
-    /// The newest state of each station that this life has heard.
+    /// The newest state of each station that this life has received.
     newest: Vec<u64>,
     publish: Tick,
 }
@@ -138,7 +137,7 @@ impl CellSim {
         Self::with_store(table, stations, options, Box::new(InMemory::default()))
     }
 
-    /// The same with another store, in which there is nothing.
+    /// The same with another store, which is empty.
     pub fn with_store(
         table: Arc<CellTable>,
         stations: usize,
@@ -174,14 +173,14 @@ impl CellSim {
         new
     }
 
-    /// What the coordinator knows.
+    /// State of the coordinator.
     pub fn state(&self) -> &PlayerState {
         self.coordination.state()
     }
 
-    /// Goes on until nothing happens any more, at most until a time. A cell whose failed activities wait for somebody, and
-    /// whose others are over, has come to its end. The dispatcher outlives the coordinator, so it should know nothing that
-    /// the state does not say.
+    /// Goes on until nothing happens any more, at most until a time. A cell whose failed activities wait for an answer,
+    /// and whose others are over, has come to its end. The dispatcher outlives the coordinator, so it should keep nothing
+    /// that is not in the state.
     pub fn run(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
         self.coordination.reconsider();
         while !self.is_over() && self.goes_on(dispatcher, until) {}
@@ -193,7 +192,7 @@ impl CellSim {
         while self.spins().is_none() && self.goes_on(dispatcher, until) {}
     }
 
-    /// The same with a dispatcher of its own for each life, made from what that knows of the cell.
+    /// The same with a dispatcher of its own for each life, made from the state.
     pub fn run_by(&mut self, made: &dyn Fn(&PlayerState) -> Box<dyn Dispatcher>, until: Tick) {
         let mut dispatcher = made(self.state());
         let mut life = self.lives;
@@ -209,7 +208,7 @@ impl CellSim {
         !self.flying.is_empty() || self.stations.iter().any(|station| station.ends().is_some())
     }
 
-    /// When something happens by itself, beside stations saying how they are; none if nothing will.
+    /// Time of the next event, stations' reports left out; none if there is none.
     pub fn next_event(&self) -> Option<Tick> {
         let ends = self.stations.iter().filter_map(SimulatedStation::ends);
         let arrives = self.flying.keys().next().map(|&(at, _)| at);
@@ -230,12 +229,12 @@ impl CellSim {
         true
     }
 
-    /// People say something now.
+    /// Gives operators' input now.
     pub fn say(&mut self, dispatcher: &mut dyn Dispatcher, what: &[PlayerInput<'_>]) {
         self.coordinate(dispatcher, &[], what);
     }
 
-    /// What goes round at one moment without end, if something does: time does not go on any more.
+    /// A mode that fires at one moment without end, if one does: time does not go on any more.
     pub fn spins(&self) -> Option<ModeId> {
         let busy = |(at, event): &(Tick, CellEvent)| match event {
             CellEvent::Busy { mode } if *at == self.now => Some(*mode),
@@ -254,7 +253,7 @@ impl CellSim {
         }
         let is_idle = self.state().firings().all(|firing| firing.phase != ActivityPhase::Running);
         let is_quiet = self.now.since(self.state().now()) > QUIET;
-        // Before a station was heard for the first time, everything waits for it.
+        // Before a station is received for the first time, everything waits for it.
         is_idle
             && is_quiet
             && self.asked.is_empty()
@@ -318,7 +317,7 @@ impl CellSim {
         }
     }
 
-    /// Sensors see what is there.
+    /// Sensors see the parts that are there.
     fn sense(&mut self) {
         let sensed = self.table.handling().resources.iter().enumerate().filter(|(_, of)| of.is_sensed && self.senses);
         for (index, of) in sensed {
@@ -354,7 +353,7 @@ impl CellSim {
         }
     }
 
-    /// Delivers what is there by now; what of it the coordinator gets.
+    /// Delivers messages that have arrived; the coordinator's part of them.
     fn arrived(&mut self) -> Vec<PlayerInbound> {
         let mut arrived = Vec::new();
         while let Some(entry) = self.flying.first_entry().filter(|entry| entry.key().0 <= self.now) {
@@ -396,7 +395,7 @@ impl CellSim {
         arrived
     }
 
-    /// Writes down, then sends, then tells, unless the coordinator is killed in between; false if it was.
+    /// Writes records, then sends, then replies, unless the coordinator is killed in between; false if it was.
     fn perform(&mut self, out: PlayerOutbox) -> bool {
         for record in out.records {
             if self.dies() {
@@ -438,7 +437,7 @@ impl CellSim {
         true
     }
 
-    /// How long a station will take for an order.
+    /// Time of a station for an order.
     fn takes(&mut self, order: &OrderMessage) -> Duration {
         match self.options.pace {
             StationSpeed::Between(least, most) => between(&mut self.rng, least, most),
@@ -463,7 +462,7 @@ impl CellSim {
         dies
     }
 
-    /// Another life, from what has been written down.
+    /// Another life, from the records written.
     fn restart(&mut self) -> bool {
         let state = self.store.restart(&self.table, &mut self.rng);
         let kept = usize::try_from(state.sequence()).unwrap_or(usize::MAX);
@@ -478,7 +477,7 @@ impl CellSim {
     }
 }
 
-/// A life of the coordinator after what is known.
+/// A life of the coordinator from a state.
 fn life(state: PlayerState, now: Tick) -> (Coordination, PlayerOutbox) {
     let (mut out, epoch) = (PlayerOutbox::default(), state.epoch() + 1);
     let coordination = Coordination::begin(state, now, epoch, &mut out).expect("it is the next epoch");

@@ -1,8 +1,8 @@
-//! A station that works on order, pretended: it does one order at a time, remembers what it has had over its own restarts,
-//! and does no key twice.
+//! A station that works on order, pretended: it does one order at a time, keeps past ones over its own restarts, and does
+//! no key twice.
 //!
-//! It answers as the token player expects of every station. What it has really done stands in [`SimulatedStation::done`], which the
-//! player cannot see: whoever made it do something twice would be found there.
+//! It answers as the token player expects of every station. What it has really done is in [`SimulatedStation::done`], which the
+//! player cannot see: work done twice is found there.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,7 +15,7 @@ use crate::rng::Rng;
 
 /// The code of those orders that fail by chance.
 const CODE: u16 = 7;
-/// How long it takes to go back.
+/// Time of going back.
 const WAY_BACK: Duration = Duration::from_millis(400);
 
 /// Something that a station has begun to do.
@@ -36,48 +36,48 @@ pub struct BegunTask {
 pub struct SimulatedStation {
     heard: TaskReport,
     doing: Option<(OrderKey, Tick)>,
-    /// It is on its way back from what it is doing, and this is why.
+    /// It is on its way back from its order, for this reason.
     is_securing: Option<TaskFailure>,
-    /// When the time of what it is doing is over.
+    /// Time limit of its order.
     limit: Tick,
-    /// Since when it stands, and nothing goes on, if it does.
+    /// Time since which it stands, and nothing goes on, if it does.
     stands: Option<Tick>,
-    /// How long it has worked on orders until `metered`.
+    /// Time at work until `metered`.
     worked: Duration,
     metered: Tick,
     last: u64,
     /// All it has really done, each time it did it.
     pub done: Vec<BegunTask>,
-    /// How often it was told something that it had been told before.
+    /// Number of repeated messages received.
     pub doubled: usize,
-    /// What it would not do.
+    /// Refusals.
     pub refused: Vec<TaskRefusal>,
     /// One order in so many ends with a code; none with 0.
     pub failing: u64,
     /// The code with which the order ends that it is doing, or the next.
     pub fails_with: Option<u16>,
-    /// Nothing reaches it, and nothing is heard of it. What it does goes on.
+    /// Nothing reaches it, and nothing is received from it. Its work goes on.
     pub is_away: bool,
-    /// What it is doing does not end. It can be left nevertheless.
+    /// Its work does not end. It can be left nevertheless.
     pub is_stuck: bool,
-    /// What an order waits for that does not end.
+    /// Code of an endless wait of an order.
     pub waits_code: Option<u16>,
     /// By so much the time of its orders is over sooner than it was given.
     pub fast: Duration,
-    /// Told to leave an order it stays where it is, between rests.
+    /// Ordered to leave an order it stays where it is, between rests.
     pub holds: bool,
     /// It stands between rests.
     pub is_held: bool,
-    /// Why it takes nothing on.
+    /// Reason why it takes nothing on.
     pub unable: Option<StationUnavailable>,
-    /// What its sensor says.
+    /// State of its sensor.
     pub presence: Presence,
-    /// How all it has really begun has ended, and when, each time.
+    /// Outcomes of all that it has really begun, with times.
     pub ended: Vec<(OrderKey, TaskOutcome, Tick)>,
 }
 
 impl SimulatedStation {
-    /// What it says of itself.
+    /// Its report.
     pub fn heard(&self) -> TaskReport {
         let SimulatedStation { is_held, unable, presence, .. } = *self;
         TaskReport { is_held, unable, presence, ..self.heard.clone() }
@@ -104,13 +104,13 @@ impl SimulatedStation {
         }
     }
 
-    /// It breaks down: what it is doing stands still, and what it is ordered waits.
+    /// It breaks down: its order stands still, and new orders wait.
     pub fn stand(&mut self, now: Tick) {
         self.meter(now);
         self.stands.get_or_insert(now);
     }
 
-    /// It is repaired: what it is doing goes on where it stood.
+    /// It is repaired: its order goes on where it stood.
     pub fn go_on(&mut self, now: Tick) {
         self.meter(now);
         if let Some(since) = self.stands.take() {
@@ -120,7 +120,7 @@ impl SimulatedStation {
         }
     }
 
-    /// How long it has worked on orders so far, without the time in which it stood.
+    /// Time at work so far, without the time in which it stood.
     pub fn worked(&mut self, now: Tick) -> Duration {
         self.meter(now);
         self.worked
@@ -138,20 +138,20 @@ impl SimulatedStation {
         self.stands.unwrap_or(now)
     }
 
-    /// When it will have done what it is doing.
+    /// Time at which its work will be done.
     pub fn ends(&self) -> Option<Tick> {
         let (_, until) = self.doing.filter(|_| self.stands.is_none())?;
         let goes_on = self.is_securing.is_some() || (!self.is_stuck && until <= self.limit);
         Some(if goes_on { until } else { self.limit })
     }
 
-    /// It remembers nothing of what it was told, and is doing nothing.
+    /// Erases its memory; it is doing nothing.
     pub fn forget(&mut self) {
         self.heard = TaskReport { memory: self.heard.memory + 1, ..TaskReport::default() };
         (self.doing, self.is_securing, self.last) = (None, None, 0);
     }
 
-    /// What it answers to an order, which takes so long; none if it does not hear it.
+    /// Reply to an order, which takes so long; none if it does not arrive.
     pub(super) fn told(&mut self, now: Tick, order: &OrderMessage, takes: Duration) -> Option<TaskReply> {
         if self.is_away {
             return None;
@@ -197,7 +197,7 @@ impl SimulatedStation {
         Some(TaskReply::Refused(refusal))
     }
 
-    /// Ends what it is doing when the time has come.
+    /// Ends its order when the time has come.
     pub(super) fn tick(&mut self, now: Tick, rng: &mut Rng) -> Option<(OrderKey, TaskReply)> {
         self.ends().filter(|&until| until <= now)?;
         self.meter(now);
@@ -233,7 +233,7 @@ impl SimulatedStation {
         TaskReply::Ended(outcome)
     }
 
-    /// What it answers when it is told to leave an order; none if it does not hear it.
+    /// Reply to the order to leave an order; none if it does not arrive.
     pub(super) fn told_to_leave(&mut self, now: Tick, key: OrderKey, stop: bool) -> Option<TaskReply> {
         if self.is_away {
             return None;
@@ -263,7 +263,7 @@ impl SimulatedStation {
         if key.epoch == self.heard.epoch && key.id <= self.last {
             return Some(TaskReply::Refused(TaskRefusal::Old));
         }
-        // Not heard of yet, and not to be done when it is.
+        // Not received yet, and not to be done when it is.
         (self.heard.epoch, self.last) = (key.epoch, key.id);
         Some(self.remember(key, TaskOutcome::Failed(TaskFailure::Cancelled)))
     }

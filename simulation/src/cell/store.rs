@@ -1,4 +1,4 @@
-//! Where the records of a cell go, and where the next life of its coordinator finds them.
+//! Store of the records of a cell, from which the next life of its coordinator begins.
 
 use std::sync::Arc;
 
@@ -11,14 +11,14 @@ pub trait RecordStore {
     /// Writes a record behind the others.
     fn append(&mut self, record: &Record);
 
-    /// What was written will be there whatever happens. It is called before anything is sent.
+    /// Makes what was written durable. It is called before anything is sent.
     fn sync(&mut self);
 
     /// The coordinator was killed. What is there now is what the next life begins from: at least all that was there at the
     /// last [`RecordStore::sync`], and otherwise perhaps less than was written.
     fn restart(&mut self, table: &Arc<CellTable>, rng: &mut Rng) -> PlayerState;
 
-    /// A step is over, and this is what the records say. A store that keeps a snapshot may take one.
+    /// A step is over, with this state. A store that keeps a snapshot may take one.
     fn settled(&mut self, state: &PlayerState) {
         let _ = state;
     }

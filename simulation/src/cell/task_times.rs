@@ -1,4 +1,4 @@
-//! How long the orders of an activity take, by distributions: each activity draws from a stream of its own.
+//! Times of the orders of an activity, by distributions: each activity draws from a stream of its own.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use linewright_coordinator_cell::{FiringId, ModeId};
 use super::distribution::Distribution;
 use crate::rng::Rng;
 
-/// So many activities can be in progress before it is looked which are over.
+/// Activities that can be in progress before those that are over are removed.
 const DRAWN_MAX: usize = 10_000;
 
-/// What described times are multiplied by.
+/// Factors on described times.
 #[derive(Clone, Debug, Default)]
 pub struct TaskTimes {
     /// Of each mode the stream, if its time is drawn.
@@ -26,7 +26,7 @@ impl TaskTimes {
         TaskTimes { of_mode, streams, drawn: BTreeMap::new() }
     }
 
-    /// What the described time of an activity in progress is multiplied by; none if it is as described.
+    /// Factor on the described time of an activity in progress; none if it is as described.
     pub(super) fn factor(&mut self, firing: FiringId, mode: ModeId) -> Option<f64> {
         let stream = (*self.of_mode.get(mode.index())?)?;
         if let Some(&drawn) = self.drawn.get(&firing) {

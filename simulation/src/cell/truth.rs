@@ -1,8 +1,8 @@
-//! Where the parts of a cell really are, whatever its coordinator believes.
+//! True places of the parts of a cell, whatever its coordinator has.
 //!
-//! A part is where it was until all stations that are to move it or to work on it have really done what they were told; then
-//! it is where it was to go. Where nobody is told, it is as the records say. Whoever plays can move parts by hand, as faults
-//! and people do. Sensors and the operator look here; the coordinator never does.
+//! A part is where it was until all stations that are to move it or to work on it have really done their orders; then it is
+//! where it was to go. Without orders it follows the records. The caller can move parts by hand, as faults and people do.
+//! Sensors and the operator look here; the coordinator never does.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,18 +11,18 @@ use linewright_coordinator_cell::{
     ActivityStep, CellTable, FiringId, ModeId, OrderKey, PartId, Record, ResourceId, TaskOutcome, TaskReply,
 };
 
-/// Where the parts really are.
+/// True places of the parts.
 #[derive(Clone, Debug, Default)]
 pub struct PartTruth {
     /// Of each part that is in the cell.
     at: BTreeMap<PartId, ResourceId>,
-    /// What has really been done with each part, in order, also of those that have left.
+    /// Work really done on each part, in order, also of those that have left.
     pub done: BTreeMap<PartId, Vec<ModeId>>,
     moves: BTreeMap<FiringId, PartMove>,
     firing_of: BTreeMap<OrderKey, FiringId>,
 }
 
-/// What is to be done with a part.
+/// Pending work on a part.
 #[derive(Clone, Debug)]
 struct PartMove {
     mode: ModeId,
@@ -36,12 +36,12 @@ struct PartMove {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InspectionResult {
     pub part: Whereabouts,
-    /// All stations have done what they were told.
+    /// All stations have done their orders.
     pub is_done: bool,
 }
 
 impl PartTruth {
-    /// Where a part is; none if it is not in the cell.
+    /// Place of a part; none if it is not in the cell.
     pub fn at(&self, part: PartId) -> Option<ResourceId> {
         self.at.get(&part).copied()
     }
@@ -64,7 +64,7 @@ impl PartTruth {
         }
     }
 
-    /// Completes by hand what an activity has left undone.
+    /// Completes by hand an activity that was left undone.
     pub fn finish(&mut self, table: &CellTable, firing: FiringId) {
         self.go_on(table, firing);
     }
@@ -139,7 +139,7 @@ impl PartTruth {
     fn go(&mut self, table: &CellTable, mode: ModeId, part: Option<PartId>) {
         let Some(part) = part else { return };
         self.done.entry(part).or_default().push(mode);
-        // What nobody takes part in moves a part within the resource that has it.
+        // A mode without resources moves a part within the resource that has it.
         let to = table.handling().mode(mode).to;
         if to.is_some() || table.part_out(mode).is_none() {
             self.put(part, to);

@@ -10,7 +10,7 @@ use linewright_canopen::{BusOutbox, Frame, Manager, ManagerError};
 use linewright_line::{Device, Line, Tick};
 use linewright_plant::Rack;
 
-/// About what a classic CAN frame takes at 1 Mbit/s, with its turn to wait for.
+/// Approximate time of a classic CAN frame at 1 Mbit/s, with its arbitration.
 const FRAME_TIME: Duration = Duration::from_micros(150);
 
 /// Error frames of the kernel: its interface is off the bus, and has restarted.
@@ -33,12 +33,12 @@ pub(crate) struct SimulatedBus {
     to_manager: VecDeque<(Tick, Frame)>,
     /// The manager's interface is off the bus.
     is_off: bool,
-    /// When devices or mechanisms, and the manager, have something to do next.
+    /// Time of the next event of devices or mechanisms, and of the manager.
     rack_due: Tick,
     manager_due: Tick,
 }
 
-/// What was played on a bus.
+/// Actions on a bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Played {
     /// Something of the devices or of the mechanisms behind them.
@@ -98,14 +98,14 @@ impl SimulatedBus {
         Played::Devices
     }
 
-    /// Lets the manager do what is due.
+    /// Lets the manager do its work that is due.
     pub(super) fn poll(&mut self, now: Tick) {
         if self.manager_due <= now {
             self.ask(|manager, out| manager.poll(now, out));
         }
     }
 
-    /// Asks the manager for something.
+    /// Calls the manager.
     pub(super) fn ask(&mut self, does: impl FnOnce(&mut Manager, &mut BusOutbox)) {
         if let Some(manager) = &mut self.manager {
             does(manager, &mut self.outbox);
@@ -134,7 +134,7 @@ impl SimulatedBus {
         }
     }
 
-    /// Puts on the wire what either side has to send.
+    /// Puts the frames of both sides on the wire.
     pub(super) fn send(&mut self, now: Tick) {
         self.outbox.events.clear();
         let arrives = now + FRAME_TIME;
@@ -143,14 +143,14 @@ impl SimulatedBus {
         self.to_devices.extend(self.outbox.frames.drain(..).filter(|_| !is_off).map(|frame| (arrives, frame)));
     }
 
-    /// When something is due.
+    /// Time of the next event.
     pub(super) fn deadline(&self) -> Tick {
         let first = |on_way: &VecDeque<(Tick, Frame)>| on_way.front().map_or(Tick::NEVER, |(arrives, _)| *arrives);
         first(&self.to_devices).min(first(&self.to_manager)).min(self.rack_due).min(self.manager_due)
     }
 }
 
-/// Takes the first of what is on its way, if it has arrived.
+/// Takes the first frame on its way, if it has arrived.
 fn due(on_way: &mut VecDeque<(Tick, Frame)>, now: Tick) -> Option<Frame> {
     if on_way.front().is_some_and(|(arrives, _)| *arrives <= now) {
         return on_way.pop_front().map(|(_, frame)| frame);

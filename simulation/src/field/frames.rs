@@ -14,7 +14,7 @@ use super::bus::{Played, SimulatedBus};
 pub(crate) struct SeenInputs {
     pub(crate) bits: u128,
     pub(crate) valid: bool,
-    /// How often devices have been lost.
+    /// Number of losses of devices.
     pub(crate) losses: u64,
 }
 
@@ -89,19 +89,19 @@ impl SimulatedBuses {
         self.buses.iter().find(|bus| bus.reader == node).map_or(Tick::NEVER, SimulatedBus::deadline)
     }
 
-    /// Plays one thing that is due on the bus that a node reads; gives what it was.
+    /// Plays one event that is due on the bus that a node reads; returns it.
     pub(crate) fn play(&mut self, now: Tick, node: usize) -> Played {
         self.read_by(node).map_or(Played::Nothing, |bus| bus.play(now))
     }
 
-    /// Lets the manager of a node's bus do what is due.
+    /// Lets the manager of a node's bus do its work that is due.
     pub(crate) fn poll(&mut self, now: Tick, node: usize) {
         if let Some(bus) = self.read_by(node) {
             bus.poll(now);
         }
     }
 
-    /// Puts on the wire what the manager of a node's bus has to send.
+    /// Puts the frames of the manager of a node's bus on the wire.
     pub(crate) fn send(&mut self, now: Tick, node: usize) {
         if let Some(bus) = self.read_by(node) {
             bus.send(now);
@@ -121,7 +121,7 @@ impl SimulatedBuses {
         self.bus_of(owner).ask(|manager, out| manager.set_outputs(now, owner, outputs, out));
     }
 
-    /// What is wrong with an owner's devices, in the manager's words; empty while there is no manager.
+    /// Faults of an owner's devices, in the manager's words; empty while there is no manager.
     pub(crate) fn trouble(&self, now: Tick, owner: Owner) -> Vec<String> {
         let manager = self.buses[self.of[self.number(owner)]].manager();
         manager.map(|manager| manager.trouble(now, owner).collect()).unwrap_or_default()

@@ -1,9 +1,9 @@
 //! The machine by process images that travel at once, through devices that may be lost.
 //!
-//! A lost device neither hears nor is heard. Its outputs stay as they were until its own heartbeat consumer turns them
-//! off, and at the same time its station learns that it is gone; until then the station sees the image as it was. When
-//! it comes back its outputs are off until its station asks for something else. That is what a CANopen device does
-//! (compare the full one in the plant crate), without the frames.
+//! A lost device neither receives nor sends. Its outputs stay as they were until its own heartbeat consumer turns them
+//! off, and at the same time its station receives the loss; until then the station sees the image as it was. When it
+//! comes back its outputs are off until its station sets others. A CANopen device behaves so (compare the full one in
+//! the plant crate), without the frames.
 
 use linewright_line::{Device, DeviceBus, InputId, Line, OpId, Owner, StationId, Tick};
 use linewright_plant::{MotionFault, Plant, PlantOptions};
@@ -12,12 +12,12 @@ struct ImageSlot {
     device: usize,
     inputs: u128,
     outputs: u128,
-    /// Why it is not heard: unplugged, or the node that reads its bus is down.
+    /// Reason why it is not received: unplugged, or the node that reads its bus is down.
     unplugged: bool,
     unread: bool,
-    /// When the loss is noticed on both sides.
+    /// Time at which the loss is detected on both sides.
     noticed: Tick,
-    /// That moment has come, and has been dealt with.
+    /// That moment has come, and has been handled.
     is_noticed: bool,
 }
 
@@ -36,13 +36,13 @@ impl ImageSlot {
 struct OwnedDevices {
     owner: Owner,
     slots: Vec<ImageSlot>,
-    /// Of lost devices: inputs as last seen, outputs as last heard.
+    /// Of lost devices: last inputs seen, last outputs received.
     frozen_inputs: u128,
     frozen_outputs: u128,
     lost_inputs: u128,
     lost_outputs: u128,
     asked: u128,
-    /// When what the owner asked for runs out, because the owner is down.
+    /// Time until which the owner's outputs stay, because the owner is down.
     runs_out: Tick,
 }
 
@@ -82,7 +82,7 @@ impl Images {
         self.owned.last().is_some_and(|owned| !owned.slots.is_empty())
     }
 
-    /// Lets time pass for everything, and notices what is to be noticed of owner `at`.
+    /// Lets time pass for everything, and detects losses and returns of owner `at`.
     pub(crate) fn poll(&mut self, now: Tick, at: usize) {
         self.plant.advance(now);
         let owned = &mut self.owned[at];
@@ -110,7 +110,7 @@ impl Images {
         if gone { (0, false) } else { (bits, true) }
     }
 
-    /// What an owner asks of its outputs from now on.
+    /// Sets the outputs that an owner requires from now on.
     pub(crate) fn ask(&mut self, now: Tick, at: usize, outputs: u128) {
         self.plant.advance(now);
         self.owned[at].asked = outputs;
@@ -123,7 +123,7 @@ impl Images {
         self.plant.set_outputs(now, owned.owner, outputs);
     }
 
-    /// When an owner's devices want to be polled next.
+    /// Time of the next poll of an owner's devices.
     pub(crate) fn deadline(&self, at: usize) -> Tick {
         let owned = &self.owned[at];
         let change = match owned.owner {
@@ -134,7 +134,7 @@ impl Images {
         noticed.fold(change, Tick::min).min(owned.runs_out)
     }
 
-    /// The owner's process has died: what it asked for stands until `until`.
+    /// The owner's process has died: its outputs stay until `until`.
     pub(crate) fn owner_down(&mut self, at: usize, until: Tick) {
         self.owned[at].runs_out = until;
     }
@@ -193,7 +193,7 @@ impl Images {
                 owned.frozen_inputs &= !slot.inputs;
                 owned.frozen_outputs &= !slot.outputs;
                 if slot.is_noticed {
-                    // It started over: what was asked for before is not put on again.
+                    // It started over: earlier outputs are not put on again.
                     owned.asked &= !slot.outputs;
                 }
             }

@@ -47,7 +47,7 @@ impl SimulatedField {
         self.plant_of(station).position(station, axis)
     }
 
-    /// How often drives both ways of one axis came on at once.
+    /// Number of times that drives both ways of one axis came on at once.
     pub(crate) fn alarms(&self) -> u64 {
         match self {
             SimulatedField::Images(images) => images.plant().alarms(),
@@ -71,7 +71,7 @@ impl SimulatedField {
         driven & actuators
     }
 
-    /// When what node `at` reads wants to be played next.
+    /// Time of the next event on what node `at` reads.
     pub(crate) fn deadline(&self, at: usize) -> Tick {
         match self {
             SimulatedField::Images(images) => images.deadline(at),
@@ -102,7 +102,7 @@ impl SimulatedField {
         }
     }
 
-    /// Holds an input of owner `at`, or lets go of it.
+    /// Holds an input of owner `at`, or releases it.
     pub(crate) fn force(&mut self, now: Tick, at: usize, input: InputId, value: Option<bool>) {
         match self {
             SimulatedField::Images(images) => images.force(now, at, input, value),

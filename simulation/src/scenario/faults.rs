@@ -3,10 +3,10 @@
 use linewright_plant::{CLEAR_WORD, MotionFault};
 use linewright_text::{Fields, KeyKind, KeyPresence, LocatedName, Property, Report, Shape};
 
-/// A fault, or the end of any, and of what.
+/// A fault, or the end of any, and its mechanism.
 pub(crate) type FaultOf = (Option<MotionFault>, LocatedName);
 
-/// All words, with what they stand for; none for the end of a fault.
+/// All words, with their faults; none for the end of a fault.
 pub(crate) fn words() -> impl Iterator<Item = (&'static str, Option<MotionFault>)> {
     MotionFault::ALL.into_iter().map(|fault| (fault.name(), Some(fault))).chain([(CLEAR_WORD, None)])
 }

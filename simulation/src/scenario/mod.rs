@@ -1,7 +1,7 @@
-//! A scenario as text: what people and bad luck do to a line, and what is expected of it.
+//! A scenario as text: actions of people and faults on a line, and the expected results.
 //!
 //! TOML, read like a line description: all problems at once, each with its place and advice, and the names of the line
-//! checked while reading. What comes out is a [`Script`], which knows no text.
+//! checked while reading. What comes out is a [`Script`], which has no text.
 
 pub(crate) mod faults;
 mod read;
@@ -15,13 +15,12 @@ use crate::script::Script;
 
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// What a person calls it.
     pub title: Option<String>,
-    /// How many cycles to run, where it says so.
+    /// Number of cycles to run, where given.
     pub cycles: Option<usize>,
     /// Start and auto are given first.
     pub starts: bool,
-    /// How far a motion's duration may deviate, as a fraction.
+    /// Largest deviation of a motion's duration, as a fraction.
     pub variation: f64,
     pub network: Network,
     /// The steps.

@@ -14,7 +14,7 @@ use crate::script::{Script, ScriptAction, ScriptStep};
 
 /// Steps in one scenario.
 const STEPS_MAX: usize = 10_000;
-/// Cycles that a scenario may ask for.
+/// Most cycles of a scenario.
 const CYCLES_MAX: i64 = 10_000_000;
 
 pub(super) fn scenario(line: &Line, text: &str, report: &mut Report) -> Option<Scenario> {
@@ -86,7 +86,7 @@ fn seconds(fields: &mut Fields<'_>, report: &mut Report, key: &'static str) -> O
     Some(fields.within(report, key, 0.0, 86_400.0)?.map(Duration::from_secs_f64))
 }
 
-/// What a step does, as far as it is found.
+/// Actions of a step, as far as they are found.
 struct Deeds {
     found: Vec<Located<ScriptAction>>,
 }

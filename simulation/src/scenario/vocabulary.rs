@@ -1,7 +1,7 @@
 //! The words of a scenario: operations, buttons, conditions, by the names of the line.
 //!
 //! An operation is `station: operation`, as in a description's arrows. A condition is one or more clauses joined by
-//! ` and `; a clause compares (`cycles >= 3`) or says what something is (`clamp_1 is incomplete`).
+//! ` and `; a clause compares (`cycles >= 3`) or states what something is (`clamp_1 is incomplete`).
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
@@ -224,7 +224,7 @@ fn mode(word: ScenarioWord<'_>, report: &mut Report) -> Option<ControlMode> {
     one_of(&ControlMode::ALL.map(|mode| (mode.name(), mode)), "mode", word, report)
 }
 
-/// A part of a part, whose place carries no quotes.
+/// A part of a part, with its place without quotes.
 fn within_trimmed<'a>(text: &str, at: &TextRange, part: &'a str) -> ScenarioWord<'a> {
     let trimmed = part.trim();
     if at.len() != text.len() {

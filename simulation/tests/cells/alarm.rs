@@ -1,5 +1,5 @@
-//! Somebody gives alarm of a machine while the robot is on its way to it: both stand at once, wherever that is, and stay
-//! there until they are led on by hand, whatever is lost on the way and whoever is killed.
+//! An alarm is given by hand of a machine while the robot is on its way to it: both stand at once, wherever that is, and
+//! stay there until they are led on by hand, whatever is lost on the way and whichever process is killed.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ const MILLIS: fn(u64) -> Duration = Duration::from_millis;
 /// The longest that a message takes here which is not delayed beyond that, there and back.
 const SLOW: u64 = 200;
 
-/// Where all axes are.
+/// Positions of all axes.
 fn positions(of: &Shipped, sim: &CellSim) -> String {
     let plant = sim.floor.as_ref().expect("real stations").plant();
     let all = of.line.station_ids().map(|id| plant.inputs(Owner::Station(id)));
@@ -67,7 +67,7 @@ fn run(of: &Shipped, options: CellSimOptions, after: Duration, kill: bool) {
         sim.run_on(&mut dispatcher, now);
         assert!(stations.iter().all(|&station| !drives(&sim, station)), "after {after:?} something moves on");
     }
-    // Until somebody is asked; then nothing of it moves, and nothing moves later.
+    // Until the alarm is raised; then nothing of it moves, and nothing moves later.
     while sim.state().exceptions().alarms().next().is_none() {
         now = now + MILLIS(10);
         sim.run_on(&mut dispatcher, now);
@@ -97,7 +97,7 @@ fn run(of: &Shipped, options: CellSimOptions, after: Duration, kill: bool) {
     };
     let floor = sim.floor.as_mut().expect("real stations");
     floor.mode(ControlMode::Manual);
-    // No order says any more into which slot the robot is to put the part: it drops it, and somebody puts it there.
+    // No order has any more into which slot the robot is to put the part: it drops it, and it is put there by hand.
     let dropped = usize::from(floor.plant().parts().any(|(_, at)| at.hand.is_some()));
     for &station in stations.iter().rev() {
         now = now.max(floor.lead(station, button));

@@ -1,5 +1,5 @@
-//! The time of an order is over at its station and at the coordinator at the same moment, and messages take as long as they
-//! like: whichever is first, it means the same, and nobody's answer is taken before all of it stands.
+//! The time of an order is over at its station and at the coordinator at the same moment, and messages take any time:
+//! whichever is first, it means the same, and no answer is taken before all of it stands.
 
 use std::time::Duration;
 
@@ -23,8 +23,8 @@ fn moves(of: &Shipped, sim: &CellSim, station: StationId) -> bool {
     has_order || floor.plant().outputs(Owner::Station(station)) & !numbers != 0
 }
 
-/// The loading whose grasp fails (seed 001, L229), with somebody who answers as soon as there is an alarm, and again until
-/// it is taken. Whether the robot's time was over first.
+/// The loading whose grasp fails (seed 001, L229), with an operator that answers as soon as there is an alarm, and again
+/// until the answer is taken. Whether the robot's time was over first.
 fn run(of: &Shipped, options: CellSimOptions, fast: Duration) -> bool {
     let seed = options.seed;
     let mut sim = of.sim(options, 0.0);
@@ -64,7 +64,7 @@ fn run(of: &Shipped, options: CellSimOptions, fast: Duration) -> bool {
         }
     }
     sim.run(&mut dispatcher, LONG);
-    // Nobody is even asked before.
+    // No alarm is even raised before.
     of.is_done(&sim);
     is_machined(of, &sim, [1, 0]);
     let answered =

@@ -1,4 +1,4 @@
-//! Cells that are queues of the textbook: what a study says of them is what theory says, within its own intervals.
+//! Cells that are queues of the textbook: the figures of a study agree with theory, within its own intervals.
 
 use linewright_simulation::cell::{
     CellScenario, CellStudy, Estimate, ReplicationFigures, ReplicationGoal, StudyOptions,
@@ -75,7 +75,7 @@ fn estimate(figures: &[ReplicationFigures], of: impl Fn(&ReplicationFigures) -> 
     Estimate::of(figures.iter().map(of), 0.99).expect("there are values")
 }
 
-/// An interval that holds the known value, and is narrow enough to say something.
+/// An interval that holds the known value, and is narrow enough.
 fn agrees(found: Estimate, known: f64, within: f64) {
     assert!(found.has(known), "{found:?}, by theory {known}");
     assert!(found.half_width.is_some_and(|half| half < known * within), "{found:?}, by theory {known}");

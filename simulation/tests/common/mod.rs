@@ -1,4 +1,4 @@
-//! What the tests share.
+//! Functions shared by the tests.
 #![allow(dead_code)]
 
 use linewright_line::{Line, OpId, StationId, TransferLine, parse};
@@ -26,7 +26,7 @@ pub fn play(text: &str) -> (LineSim, RunEnd) {
     play_with(text, logged())
 }
 
-/// What people do by a scenario's text.
+/// Actions of people by a scenario's text.
 pub fn script(line: &Line, text: &str) -> Script {
     Scenario::parse(line, "test.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).script
 }

@@ -1,4 +1,4 @@
-//! What a step costs: the transfer bar, ten reversible operations, in auto.
+//! Cost of a step: the transfer bar, ten reversible operations, in auto.
 //!
 //! `quiet` is a step in which nothing fires, which is nearly every step; `firing` is one in which an operation
 //! completes and the next one starts. Each without and with taking the input image first. For scale: dispatching one
@@ -64,7 +64,7 @@ fn firing_with_its_images_round_of_ten(bencher: Bencher) {
     bencher.counter(ItemsCount::new(10usize)).bench_local(|| bar.round());
 }
 
-/// The step alone: a controller that has just been told that its motion arrived.
+/// The step alone: a controller that has just received that its motion arrived.
 #[divan::bench(sample_size = 256)]
 fn firing(bencher: Bencher) {
     let bar = TransferBar::lifting();

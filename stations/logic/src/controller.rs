@@ -1,4 +1,4 @@
-//! The controller of one station: what it remembers, and what it is told. The step is in `step.rs`.
+//! The controller of one station: its state and its input. The step is in `step.rs`.
 //!
 //! Invariants, checked by the tests over all reachable states:
 //! * one token per concurrent branch, all in one step of the cycle;
@@ -22,17 +22,17 @@ use crate::rules::{OrderRules, Rules};
 use crate::slot::OrderSlot;
 use crate::views::PeerViews;
 
-/// What a controller is told.
+/// Input of a controller.
 #[derive(Clone, Copy, Debug)]
 pub enum StationInput<'a> {
     /// The station's input image, and whether its devices vouch for it.
     Inputs {
         /// Bit `i` is input `i` of the description.
         bits: u128,
-        /// False when a device is lost or has not yet spoken.
+        /// False when a device is lost or has not yet sent.
         valid: bool,
         /// The image is unknown from then on, unless a newer one arrives; [`Tick::NEVER`] where the source itself
-        /// tells when it is lost.
+        /// reports its loss.
         until: Tick,
         /// [`StationOutbox::number`] of the newest output image that was in force when it was taken; [`NO_DELAY`] where the
         /// image follows the outputs at once.
@@ -40,8 +40,8 @@ pub enum StationInput<'a> {
     },
     Order(ModeOrder),
     /// An emergency stop that is no newer order, given by this life of a coordinator: by another one than is followed, or
-    /// in a message that came late or twice. In force while it is heard, and until the coordinator that is followed has
-    /// ordered the emergency stop too and ended it.
+    /// in a message that came late or twice. In force while it is received, and until the coordinator that is followed
+    /// has ordered the emergency stop too and ended it.
     EmergencyStop(u64),
     /// Another coordinator gives orders beside the one that is followed, or no longer does.
     Contest(Option<RivalCoordinators>),
@@ -51,8 +51,8 @@ pub enum StationInput<'a> {
     View(StationId, &'a StationReport),
     /// The station's panel, by message.
     Panel(PanelCommand),
-    /// An operator's confirmation that the station stands where its switches say (see [`Controller::read_off`]), or was
-    /// stopped in this operation.
+    /// An operator's confirmation that the station stands where its switches measure it (see [`Controller::read_off`]),
+    /// or was stopped in this operation.
     Rejoin(Option<OpId>),
     /// An order for a task, or about one; for a station that works on order.
     Task(TaskCommand<'a>),
@@ -61,7 +61,7 @@ pub enum StationInput<'a> {
 /// An image that is never older than the outputs: from a bus of the station's own, or from a test.
 pub const NO_DELAY: u64 = u64::MAX;
 
-/// What a step gives.
+/// Output of a step.
 #[derive(Clone, Debug, Default)]
 pub struct StationOutbox {
     /// The output image: bit `i` is output `i` of the description.
@@ -70,9 +70,9 @@ pub struct StationOutbox {
     pub number: u64,
     /// The report differs from that of the step before: send it.
     pub changed: bool,
-    /// What happened, in order. The caller drains it.
+    /// Events, in order. The caller drains them.
     pub events: Vec<StationHappening>,
-    /// What is answered to orders, in order. The caller drains it; whatever of it gets lost, the report says as well.
+    /// Replies to orders, in order. The caller drains them; a reply that gets lost is in the report as well.
     pub replies: Vec<(OrderKey, TaskReply)>,
 }
 
@@ -83,7 +83,7 @@ pub struct Controller {
     pub(crate) program: Arc<Program>,
     pub(crate) rules: Rules,
     pub(crate) boot_id: u64,
-    /// How old a message or an image may become.
+    /// Age at which a message or an image is stale.
     pub(crate) stale: Duration,
     panel: Panel,
     pub(crate) now: Tick,
@@ -156,7 +156,7 @@ impl Controller {
         Ok(controller)
     }
 
-    /// The same controller with some rules switched off, for a checker that must be seen to miss them.
+    /// The same controller with some rules switched off, to show that a checker finds the effect.
     #[must_use]
     pub fn with_rules(mut self, rules: Rules) -> Self {
         self.rules = rules;
@@ -188,7 +188,7 @@ impl Controller {
         self.program.station
     }
 
-    /// The stations whose state it needs to hear.
+    /// The stations whose state it needs.
     pub fn peers(&self) -> &[StationId] {
         &self.program.peers
     }
@@ -198,7 +198,7 @@ impl Controller {
         self.commands.mode()
     }
 
-    /// The newest mode epoch it has heard.
+    /// The newest mode epoch it has received.
     pub fn mode_epoch(&self) -> u64 {
         self.commands.epoch()
     }
@@ -212,7 +212,7 @@ impl Controller {
         self.fired.as_slice()
     }
 
-    /// Takes what has arrived. Follow with [`Controller::step`].
+    /// Takes an arrival. Follow with [`Controller::step`].
     #[inline]
     pub fn handle(&mut self, now: Tick, input: StationInput<'_>) -> Handled {
         self.now = self.now.max(now);
@@ -307,7 +307,7 @@ impl Controller {
     }
 
     /// Switched on for the first time, the station claims to be at home. If the switch of the home operation does not
-    /// say so, the home operation is incomplete instead, and counts one less: a person brings it home.
+    /// measure so, the home operation is incomplete instead, and counts one less: a person brings it home.
     fn confirm_home(&mut self) {
         self.marking.unconfirmed = false;
         let home = self.program.home;
@@ -325,7 +325,7 @@ impl Controller {
         }
     }
 
-    /// How long ago the input image was taken, as far as this station can tell.
+    /// Age of the input image, as far as this station can measure it.
     pub(crate) fn image_age(&self) -> Duration {
         if self.image.until == Tick::NEVER {
             return Duration::ZERO;
@@ -337,7 +337,7 @@ impl Controller {
         self.events.push(StationHappening { cycle: self.counts.cycle, what });
     }
 
-    /// When to step again if nothing arrives before.
+    /// Time of the next step if nothing arrives before.
     pub fn next_deadline(&self) -> Option<Tick> {
         (self.due.deadline != Tick::NEVER).then_some(self.due.deadline)
     }
@@ -348,7 +348,8 @@ impl Controller {
         self.levels.before = self.levels.now;
     }
 
-    /// How often the station has come home since the line first stood at home together; on order nobody counts that.
+    /// Number of times that the station has come home since the line first stood at home together; not counted on
+    /// order.
     pub(crate) fn home_round(&self) -> i32 {
         if self.program.on_order.is_some() {
             0

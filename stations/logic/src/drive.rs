@@ -1,4 +1,4 @@
-//! What leaves the controller: the output image, the next deadline, the report.
+//! Output of the controller: the output image, the next deadline, the report.
 
 use linewright_line::net::ControlMode;
 
@@ -26,7 +26,8 @@ impl Controller {
         let number = self.output.number + 1;
         let mut begun = false;
         for index in 0..self.marking.count {
-            // A motion that a person lets go of and takes up again starts once more: what is not measured blocks it.
+            // A motion that a person releases and takes up again starts once more: positions that are not measured
+            // block it.
             let paused = self.marking.tokens[index];
             let place = self.place(&paused);
             let blocked = place.is_operating() && !paused.driven && self.violated(place, self.marking.path).is_some();
@@ -51,7 +52,8 @@ impl Controller {
             outputs |= table.lamp;
             self.image.watched |= table.complete | table.fault | table.rest | table.turns;
         }
-        // A motion that begins is a new image even if it drives what was driven before: inputs are asked for under it.
+        // A motion that begins is a new image even if the outputs are the same: inputs are needed that were taken under
+        // it.
         if begun || outputs != self.output.bits {
             self.output.bits = outputs;
             self.output.number = number;
@@ -67,7 +69,7 @@ impl Controller {
         report
     }
 
-    /// Writes the report of the present state, reusing what `report` has allocated.
+    /// Writes the report of the present state, reusing the memory of `report`.
     pub fn report_into(&self, report: &mut StationReport) {
         report.boot_id = self.boot_id;
         report.mode_epoch = self.commands.epoch();

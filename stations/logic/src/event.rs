@@ -1,11 +1,11 @@
-//! What happened in a step, as values: the node logs and publishes them, a test compares them.
+//! Events of a step, as values: the node logs and publishes them, a test compares them.
 
 use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, OpId, StationId, TaskId};
 
 use crate::order::{TaskFailure, TaskRefusal};
 
-/// Why a motion stopped before its end.
+/// Reason why a motion stopped before its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StopCause {
     /// Its fault input came on.
@@ -20,7 +20,7 @@ pub enum StopCause {
     Released,
     /// Emergency stop.
     EStop,
-    /// Whoever gave the order has said to stop.
+    /// By an order to stop.
     Ordered,
     /// The controller was restarted in the middle of it.
     Restart,
@@ -52,7 +52,7 @@ pub enum StopCause {
 }
 
 impl StopCause {
-    /// Whether it is a fault to the mode decision, or merely a stop the operator asked for.
+    /// Whether it is a fault to the mode decision, or merely a stop by the operator.
     pub const fn is_fault(self) -> bool {
         !matches!(self, StopCause::Released)
     }
@@ -80,7 +80,7 @@ pub enum HappeningKind {
     IndexDoubtful(OpId, InputId),
     /// All axes are measured where the chart has them again.
     PositionFound,
-    /// Agreement to take counts back was asked for, under this number.
+    /// Agreement to a withdrawal was asked for, under this number.
     Asked(u64),
     /// A station did not agree, because this operation of its own has started.
     NotAgreed {

@@ -1,4 +1,4 @@
-//! Why nothing happens: for every state in which the station waits, the conditions it waits for.
+//! Reasons why nothing happens: for every state in which the station waits, the conditions it waits for.
 //!
 //! Called when a state is published, never in the step; it reads the same tables the step reads, so it cannot give a
 //! reason the controller does not have. The texts are in `texts`.
@@ -15,7 +15,7 @@ use crate::texts::{PositionDoubt, RejoinAdvice, StationWait};
 use crate::views::Comparability;
 
 impl Controller {
-    /// What each branch of the station is doing, e.g. `advance clamp` or `undoing 1st lift (stopped)`.
+    /// Operation of each branch of the station, e.g. `advance clamp` or `undoing 1st lift (stopped)`.
     pub fn operation_text(&self, line: &Line) -> String {
         let parts: Vec<String> = self.marking().map(|place| place_text(line, self.program.station, place)).collect();
         parts.join(" + ")
@@ -40,7 +40,7 @@ impl Controller {
         parts.join("; ")
     }
 
-    /// What of its position is lost.
+    /// Loss of its position.
     fn loss(&self) -> Option<StopCause> {
         let (op, input) = self.position_lost()?;
         Some(match self.doubtful_index() {
@@ -49,7 +49,7 @@ impl Controller {
         })
     }
 
-    /// What the station waits for. Empty while something moves.
+    /// Conditions the station waits for. Empty while something moves.
     pub fn blocked_by(&self, line: &Line, now: Tick) -> Vec<String> {
         let mut reasons = Vec::new();
         if let Some((followed, other)) = self.commands.contested(now) {
@@ -262,7 +262,7 @@ impl Controller {
         self.explain_positions(line, step, StationPlace::operating, reasons);
     }
 
-    /// What the second barrier keeps from starting.
+    /// Motions that the second barrier blocks.
     fn explain_positions(&self, line: &Line, step: usize, moves: fn(OpId) -> StationPlace, reasons: &mut Vec<String>) {
         let ops = self.program.step_of.iter().enumerate().filter(|&(_, &at)| usize::from(at) == step);
         for op in ops.map(|(op, _)| OpId::at(op)) {

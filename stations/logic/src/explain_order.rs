@@ -1,4 +1,4 @@
-//! What a task-driven station waits for between two motions.
+//! Wait of a task-driven station between two motions.
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{InputId, Line, OperationModule, Owner};
@@ -7,8 +7,8 @@ use crate::controller::Controller;
 use crate::texts::StationWait;
 
 impl Controller {
-    /// Where a station on order stands between two motions: what it waits for. Gives false where it waits for what every
-    /// station waits for.
+    /// Where a station on order stands between two motions: what it waits for. False where its wait is one of every
+    /// station.
     pub(crate) fn explain_order(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) -> bool {
         let Some(tasks) = &self.program.on_order else { return false };
         let station = line.station(self.program.station);

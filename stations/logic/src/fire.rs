@@ -1,4 +1,4 @@
-//! What firing a transition does: the token, the counts, the cycle.
+//! Effect of firing a transition: the token, the counts, the cycle.
 //!
 //! This is the whole of the bookkeeping (compare seed 002 §5.3, which keeps one Boolean per operation):
 //!
@@ -152,12 +152,12 @@ impl Controller {
         }
     }
 
-    /// What an operation that starts now counts when it is done.
+    /// Count of an operation that starts now, when it is done.
     fn count_of_start(&self, op: OpId) -> i32 {
         if self.program.on_order.is_some() { self.counts.done[op.index()] + 1 } else { self.counts.cycle }
     }
 
-    /// On order: what has been done of a task when one of its operations is stopped.
+    /// On order: operations done of a task when one of its operations is stopped.
     pub(crate) fn done_in_task_before(&self, failed: OpId) -> u64 {
         self.program.on_order.as_ref().map_or(0, |tasks| {
             let first = tasks.task(tasks.task_of[failed.index()]).first;
@@ -230,9 +230,10 @@ impl Controller {
         self.note(HappeningKind::Completed(op, Block::Recovery));
     }
 
-    /// What the path skips counts as started until the station is home, so that nobody takes back what it waits for.
+    /// Operations that the path skips count as started until the station is home, so that no station takes back what
+    /// they wait for.
     fn claim_way_home(&mut self, failed: OpId) {
-        // Nobody builds on a station on order.
+        // No counts are compared with those of a station on order.
         if !self.rules.home_waits || !self.rules.redo_round || self.program.on_order.is_some() {
             return;
         }

@@ -8,8 +8,8 @@
 //! A founding order names the life of each station that it is meant for. One that arrives late, at a station that has been
 //! restarted since and stands at home by chance, founds nothing.
 //!
-//! The way back of a station without a generation: where its switches tell where it stands, [`Controller::rejoin`] puts the
-//! marking there; manual mode then leads it home under the second barrier; and the next founding takes it in.
+//! The way back of a station without a generation: where its switches measure where it stands, [`Controller::rejoin`] puts
+//! the marking there; manual mode then leads it home under the second barrier; and the next founding takes it in.
 
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, Tick};
@@ -96,8 +96,8 @@ impl Controller {
         self.marking.count = places.len();
     }
 
-    /// Where the switches say the station stands: the step whose operations are complete there. None where they fit no
-    /// place of the chart, or more than one.
+    /// Place of the station by its switches: the step whose operations are complete there. None where they fit no place
+    /// of the chart, or more than one.
     pub fn read_off(&self) -> Option<usize> {
         let mut steps = self.steps_read_off();
         let step = steps.next()?;
@@ -128,7 +128,7 @@ impl Controller {
         self.program.step_of.iter().enumerate().filter(of_step).map(|(op, _)| OpId::at(op))
     }
 
-    /// Puts the marking where the switches say the station stands, on an operator's confirmation; between two switches, into
+    /// Puts the marking where the switches measure the station, on an operator's confirmation; between two switches, into
     /// the operation that the operator names. For a station that goes round a cycle and has no generation, or whose axes are
     /// not where its chart has them. It has no generation from then on: its counts are compared again once it has been at
     /// home with the others.

@@ -1,4 +1,4 @@
-//! Why an input was ignored.
+//! Reasons why an input was ignored.
 
 /// The result of [`crate::Controller::handle`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub enum Handled {
     Ignored(Ignored),
 }
 
-/// Why an input does not apply.
+/// Reason why an input does not apply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ignored {
     /// A mode command with a lower epoch than the one in force.

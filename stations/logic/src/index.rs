@@ -1,8 +1,8 @@
 //! The index of an endless axis: it begins at the switch that it ends at.
 //!
 //! An ordinary motion ends at another switch than it began at. An index leaves its switch and comes on to it again at the next
-//! place, so it is complete when the switch went off and on again, and what the switch shows at a moment does not say
-//! whether the index of this cycle is done. What it has shown is followed while the index is under way, stopped or not:
+//! place, so it is complete when the switch went off and on again, and the switch's state at a moment does not show whether
+//! the index of this cycle is done. What it has shown is followed while the index is under way, stopped or not:
 //!
 //! ```text
 //!   begin ──▶ AtStart ──off──▶ Away ──on, believed──▶ Arrived: complete
@@ -14,10 +14,10 @@
 //!            watchdog, at any time ┘ └ off its place while it stands
 //! ```
 //!
-//! An arrival is believed that comes by driving, or by coasting shortly after it, in about the time of an index. It is in doubt
-//! unless what its switch has shown has one explanation.
+//! An arrival counts that comes by driving, or by coasting shortly after it, in about the time of an index. It is in doubt
+//! unless its switch's history has one explanation.
 //!
-//! A doubt is of the station, and is kept over a restart. It ends by a person who looks, and confirms with
+//! A doubt is of the station, and is kept over a restart. It ends by a person who looks and confirms with
 //! [`Controller::rejoin`]. Until then the station's position is lost, and nothing of it moves: from where the index began it
 //! would have to, and from the next place it must not.
 
@@ -61,8 +61,8 @@ impl Controller {
         }
         match next {
             Some(next) => {
-                // What was not seen from its beginning may be nearly done. Driven for less than an image may be old, its switch
-                // may as well have flickered at the edge.
+                // A motion not seen from its beginning may be nearly done. Driven for less than an image may be old, its switch
+                // may also have flickered at the edge.
                 if (token.progress, next) == (IndexProgress::Unseen, IndexProgress::Away) {
                     token.turned = credit;
                 }
@@ -72,7 +72,7 @@ impl Controller {
         }
     }
 
-    /// What this image makes of an index; none for a doubt. An image from before the motion says nothing about it.
+    /// Progress of an index by this image; none for a doubt. An image from before the motion has no effect.
     fn progress(&self, token: &Token) -> Option<IndexProgress> {
         let table = &self.program.places[usize::from(token.place)];
         let (valid, on) = (self.image.valid, self.image.bits & table.turns != 0);
@@ -92,7 +92,7 @@ impl Controller {
     /// Whether an index that is seen to arrive now has made its way by its drive, and one way only.
     fn is_believed(&self, token: &Token) -> bool {
         let least = self.program.places[usize::from(token.place)].least;
-        // It may coast for as long as an image may be old. What comes later was turned by something else, either way.
+        // It may coast for as long as an image may be old. A later turn has another cause, in either direction.
         let by_itself = token.driven || self.now <= token.last_driven + self.stale;
         let in_time = (least..=least * LEAST_TIMES_MAX).contains(&self.time_driven(token));
         !self.rules.timely || (by_itself && in_time)
@@ -119,7 +119,7 @@ impl Controller {
         }
     }
 
-    /// How long an index was driven, over all stops.
+    /// Time that an index was driven, over all stops.
     fn time_driven(&self, token: &Token) -> Duration {
         let table = &self.program.places[usize::from(token.place)];
         if !table.place.is_operating() {
@@ -135,8 +135,9 @@ impl Controller {
         self.marking.doubtful.map(|op| (op, input(op)))
     }
 
-    /// Why an index may not begin or go on: it is in doubt, or it is to begin where its switch is off, and would end at it
-    /// without a place between. Unlike an axis that was missed at one of two switches, it is led nowhere by that.
+    /// Reason why an index may not begin or go on: it is in doubt, or it is to begin where its switch is off, and would
+    /// end at it without a place between. Unlike for an axis that was missed at one of two switches, no motion clears
+    /// that.
     pub(crate) fn unsafe_index(&self, action: &CompiledTransition) -> Option<StopCause> {
         if let Some((op, input)) = self.doubtful_index() {
             return Some(StopCause::IndexDoubtful { op, input });

@@ -1,17 +1,17 @@
 //! The second barrier: measured positions.
 //!
-//! Counts keep two stations from starting together, as long as every memory is intact. Positions remember nothing. Two things
+//! Counts keep two stations from starting together, as long as every memory is intact. Positions need no memory. Two things
 //! are measured here, and held in auto, hand and manual mode and on recovery paths alike:
 //!
 //! * **Clearances.** For each conflict of the description a motion starts and goes on only while the other station is measured
-//!   outside its state of the conflict: the limit switches that say so ([`Line::clearance`]) are on in the other's image, as its
-//!   report carries it. A motion outside this station's own state of the conflict may instead rely on this station's own
-//!   switches. What is not heard, not valid or too old is not measured, and blocks.
+//!   outside its state of the conflict: the limit switches that prove it ([`Line::clearance`]) are on in the other's image, as
+//!   its report carries it. A motion outside this station's own state of the conflict may instead rely on this station's own
+//!   switches. An image that is not received, not valid or too old measures nothing, and blocks.
 //! * **Rests.** An axis that stands still by the chart is measured there ([`Station::rest_inputs`]). While one is not, nothing
 //!   new starts in auto and hand, and nothing that relies on the axis starts in manual: its position is lost.
 //!
-//! Two tasks of stations on order are kept apart by orders: the one is not ordered while the other is under way.
-//! Where switches tell of a task, the other station looks at them all the same; where none do, there is no second barrier.
+//! Two tasks of stations on order are kept apart by orders: the one is not ordered while the other is under way. Where
+//! switches measure a task, the other station checks them all the same; where none do, there is no second barrier.
 //!
 //! What this does not exclude by itself: two stations that start within the time a report takes see each other outside still.
 //! Both are stopped when the reports arrive. Against that stand the counts.
@@ -76,20 +76,20 @@ impl Controller {
         }
     }
 
-    /// Whether the chart says where its axes stand.
+    /// Whether its axes stand by the chart.
     fn is_placed(&self) -> bool {
         !self.marking.unconfirmed && self.marking.placed && self.position_lost().is_none()
     }
 
-    /// Whether this station may leave its state although the other is in the way: in manual mode, while the other stands and
-    /// is heard to. Both are where they must not be together then; to lead one of them out is the only way back, and the
-    /// person who holds the button sees both.
+    /// Whether this station may leave its state although the other is in the way: in manual mode, while the other is
+    /// received and stands. Both are where they must not be together then; to lead one of them out is the only way back, and
+    /// the person who holds the button sees both.
     fn stands(&self, guard: &PositionGuard) -> bool {
         let peer = usize::from(guard.peer);
         self.commands.mode() == ControlMode::Manual && self.views.stands(peer, self.now)
     }
 
-    /// Why a guard does not hold.
+    /// Reason why a guard does not hold.
     pub(crate) fn interlock(&self, guard: &PositionGuard) -> StopCause {
         let view = &self.views.peers[usize::from(guard.peer)];
         let station = view.station;
@@ -126,7 +126,7 @@ impl Controller {
         first_missing(table.place.op, table.rest & !self.image.bits)
     }
 
-    /// Why the motions that a transition starts may not start; none where they may, or where it starts none.
+    /// Reason why the motions that a transition starts may not start; none where they may, or where it starts none.
     pub(crate) fn unsafe_start(&self, action: &CompiledTransition, mode: ControlMode) -> Option<StopCause> {
         if !self.rules.positions {
             return None;
@@ -157,12 +157,12 @@ impl Controller {
         lost.map(|(op, input)| StopCause::PositionLost { op, input })
     }
 
-    /// Why a motion under way may not go on.
+    /// Reason why a motion under way may not go on.
     pub(crate) fn unsafe_motion(&self, index: usize) -> Option<StopCause> {
         let token = &self.marking.tokens[index];
-        // What is measured not to be clear stops the motion. What is not measured any more keeps the next one from starting: the
-        // mode decision has the line finish what runs, and a cut that is broken off for a lost message would spoil the part.
-        // A motion that leads out, in manual mode, may have started only because the other station stood: it stops as soon as
+        // A measurement that is not clear stops the motion. A missing measurement keeps the next one from starting: the mode
+        // decision has the line finish what runs, and a cut that is broken off for a lost message would spoil the part. A
+        // motion that leads out, in manual mode, may have started only because the other station stood: it stops as soon as
         // that is not known.
         if let Some((guard, leaves)) = self.violated_leaving(self.place(token), self.marking.path) {
             let cause = self.interlock(&guard);

@@ -1,4 +1,4 @@
-//! What a station says of its orders, and what it keeps of them: shapes only. What they do is in `slot.rs`.
+//! Report of a station on its orders, and its record of them: shapes only. Their handling is in `slot.rs`.
 //!
 //! Orders themselves, and replies to them, are those of `linewright-orders`.
 
@@ -8,18 +8,18 @@ pub use linewright_orders::{
     EPOCH_AHEAD_MAX, OrderKey, RESULTS_MAX, TaskCommand, TaskFailure, TaskOrder, TaskOutcome, TaskRefusal, TaskReply,
 };
 
-/// What a station says of its orders: everything, each time.
+/// Report of a station on its orders: everything, each time.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TaskOrderReport {
-    /// A number it drew when its memory began: as long as it is the same, it knows every order it has had.
+    /// A number it drew when its memory began: as long as it is the same, it has every order it was sent.
     pub memory: u64,
-    /// The newest epoch in which it was told anything; 0 if it never was.
+    /// The newest epoch of an order it received; 0 if there was none.
     pub epoch: u64,
     /// The order it is doing, or going back from.
     pub slot: Option<SlotReport>,
-    /// How the orders before have ended, those it still knows, the newest last.
+    /// Outcomes of the orders before, as far as it keeps them, the newest last.
     pub results: Vec<(OrderKey, TaskOutcome)>,
-    /// The orders it has refused for good, those it still knows, the newest last.
+    /// The orders it has refused for good, as far as it keeps them, the newest last.
     pub refused: Vec<(OrderKey, TaskRefusal)>,
     /// The rest it stands at; none while it moves and between rests.
     pub rest: Option<RestId>,
@@ -35,19 +35,19 @@ pub struct SlotReport {
     pub is_securing: bool,
 }
 
-/// What a station keeps of its orders.
+/// Record of a station of its orders.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OrderMemory {
     /// See [`TaskOrderReport::memory`].
     pub memory: u64,
-    /// The newest epoch it was told anything in.
+    /// The newest epoch of an order it received.
     pub epoch: u64,
     /// The newest order of that epoch that it has taken on or refused for good; 0 for none.
     pub last: u64,
     /// The order it is doing, unless it is known how it has ended.
     pub slot: Option<OrderKey>,
-    /// What it says to those before, the newest last.
+    /// Its replies to those before, the newest last.
     pub results: Vec<(OrderKey, TaskReply)>,
-    /// The order that it was told to leave last, once it had ended or was given up: told again, it does not move.
+    /// The last order that it was ordered to leave, once it had ended or was given up: a repetition does not move it.
     pub secured: Option<OrderKey>,
 }

@@ -24,7 +24,7 @@ pub struct Founding {
 /// The coordinator's order of the mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModeOrder {
-    /// Which life of the coordinator gives it.
+    /// Boot id of the coordinator that gives it.
     pub boot_id: u64,
     /// Grows with every change of mode; an older one is refused.
     pub epoch: u64,
@@ -38,7 +38,7 @@ pub struct ModeOrder {
     pub manual_all: bool,
     /// Hand-mode buttons held, a bit each.
     pub buttons: u32,
-    /// The order holds for this long after it was heard.
+    /// The order holds for this long after its arrival.
     pub lease: Duration,
     /// A generation is founded: a station at home counts anew.
     pub found: Option<Founding>,
@@ -69,7 +69,7 @@ impl ModeOrder {
 pub struct RivalCoordinators {
     /// Boot ids of the one that is followed and of the other one.
     pub lives: (u64, u64),
-    /// Until then, if the other one is not heard again.
+    /// Until then, if the other one is not received again.
     pub until: Tick,
 }
 
@@ -87,11 +87,11 @@ pub enum PanelCommand {
 /// A button held by message: it counts while it is refreshed.
 ///
 /// A refresh that comes late finds the motion stopped. It must not start it again, however long the silence was: the finger
-/// may never have left the button. Only a release that was heard makes the next message a new press.
+/// may never have left the button. Only a release that was received makes the next message a new press.
 #[derive(Clone, Copy, Debug, Default)]
 struct HeldButton {
     until: Tick,
-    /// Ran out while it was held, and not heard released since.
+    /// Ran out while it was held, and no release received since.
     unreleased: bool,
 }
 
@@ -110,14 +110,14 @@ impl HeldButton {
 #[derive(Clone, Copy, Debug, Default)]
 struct EmergencyStopInForce {
     /// Life and epoch in which the coordinator that is followed has ordered it. Only a later epoch of that life ends it:
-    /// no other coordinator is known to have heard of it.
+    /// another coordinator may not have received it.
     ordered: Option<(u64, u64)>,
-    /// Heard last from these lives of coordinators that were not followed; it counts as still given until then, or until such a
-    /// life is the one that is followed: then what it has ordered since counts.
+    /// Last received from these lives of coordinators that were not followed; it counts as still given until then, or until
+    /// such a life is the one that is followed: then its orders since count.
     others: [(u64, Tick); OTHERS_MAX],
 }
 
-/// So many coordinators beside the one that is followed are kept apart; of more the latest are.
+/// Coordinators kept apart beside the one that is followed; of more the latest are.
 const OTHERS_MAX: usize = 3;
 
 impl EmergencyStopInForce {
@@ -167,7 +167,7 @@ impl Commands {
         }
     }
 
-    /// Takes an order unless it is older than the one in force. A new coordinator's epochs start above all it heard,
+    /// Takes an order unless it is older than the one in force. A new coordinator's epochs start above all it received,
     /// so the epoch alone decides. An emergency stop is obeyed in any epoch; one that is not followed lasts for `term`.
     pub(crate) fn order(&mut self, now: Tick, order: ModeOrder, term: Duration) -> Result<(), Ignored> {
         let is_stop = order.mode == ControlMode::EStop;
@@ -178,7 +178,7 @@ impl Commands {
             self.stop(now, order.boot_id, term);
             return Ok(());
         }
-        // What another coordinator holds down was not pressed now.
+        // A button that another coordinator holds down was not pressed now.
         if self.order.is_some_and(|current| order.boot_id != current.boot_id) {
             self.disarm(bit::HELD);
         }
@@ -280,7 +280,7 @@ impl Commands {
                     order.mode
                 }
             }
-            // The lease has run out, no coordinator was ever heard, or two are: finish what runs, start nothing.
+            // The lease has run out, no coordinator was ever received, or two are: finish what runs, start nothing.
             Some(_) | None => ControlMode::StandBy,
         }
     }
@@ -290,7 +290,7 @@ impl Commands {
         self.order.and_then(|order| order.master_stop).is_some_and(|stop| round >= stop)
     }
 
-    /// Brings mode and levels up to `now`; gives the word of command levels.
+    /// Brings mode and levels up to `now`; returns the bits of command levels.
     pub(crate) fn refresh(&mut self, now: Tick) -> u128 {
         let mode = self.granted(now);
         let live = self.is_live(now);
@@ -314,7 +314,7 @@ impl Commands {
         if live {
             self.armed |= !raw;
         }
-        // Held together the two mean neither, and letting go of one is no command to the other.
+        // Held together the two mean neither, and the release of one is no command to the other.
         if advance && retract {
             self.disarm(bit::PANEL);
         }
@@ -337,7 +337,7 @@ impl Commands {
         out.extend([self.armed & (bit::PANEL | bit::HELD)].map(|bits| bits as i64));
     }
 
-    /// When something in here runs out, if nothing is heard until then.
+    /// Time of the next expiry in here, if nothing is received until then.
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
         let contest = self.contest.map_or(Tick::ZERO, |contest| contest.until);
         [self.order_until, contest, self.advance.until, self.retract.until]

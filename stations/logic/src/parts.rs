@@ -1,4 +1,4 @@
-//! What a controller remembers, in parts.
+//! State of a controller, in parts.
 
 use std::time::Duration;
 
@@ -9,8 +9,8 @@ use crate::event::StopCause;
 use crate::peer_set::PeerSet;
 use crate::report::WithdrawalRequest;
 
-/// Transitions looked at in one step before the next image is asked for. An operation that completes leads on to the
-/// next at once; a longer chain means a description with operations that take no time.
+/// Transitions tried in one step before the next image is needed. An operation that completes leads on to the next at
+/// once; a longer chain means a description with operations that take no time.
 pub(crate) const PASSES_MAX: usize = 4;
 
 /// The source of the command that keeps a motion going.
@@ -39,9 +39,9 @@ pub(crate) struct Token {
     pub driven: bool,
     /// While driven: when the watchdog runs out.
     pub deadline: Tick,
-    /// While not driven: what is left of the watchdog.
+    /// While not driven: rest of the watchdog.
     pub remaining: Duration,
-    /// Of an index, what its switch has shown since it began, also while it is stopped.
+    /// Of an index, the history of its switch since it began, also while it is stopped.
     pub progress: IndexProgress,
     /// Of an index, how long it was driven before it was stopped last.
     pub turned: Duration,
@@ -49,8 +49,8 @@ pub(crate) struct Token {
     pub last_driven: Tick,
 }
 
-/// What the switch of an index has shown since the index began. Where it begins and where it ends the switch is on, so what
-/// it shows at a moment says too little.
+/// Progress of an index by its switch since it began. The switch is on both where it begins and where it ends, so its state
+/// at a moment is not enough.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum IndexProgress {
     /// It was not seen all the time: after a restart, or after the devices were lost where it had begun.
@@ -63,7 +63,7 @@ pub(crate) enum IndexProgress {
     Arrived,
 }
 
-/// Where the station stands.
+/// Marking of the station.
 #[derive(Clone, Debug)]
 pub(crate) struct StationMarking {
     /// The first `count` are in use.
@@ -167,7 +167,7 @@ pub(crate) struct StationOutput {
     pub number: u64,
 }
 
-/// What the next step has to do.
+/// Work of the next step.
 #[derive(Clone, Debug)]
 pub(crate) struct Due {
     /// The output image is to be worked out again.

@@ -1,25 +1,25 @@
-//! What must be measured for a motion, compiled from the conflicts of the line (see [`crate::PositionGuard`]).
+//! Measurements required for a motion, compiled from the conflicts of the line (see [`crate::PositionGuard`]).
 
 use linewright_line::net::Block;
 use linewright_line::{Line, OpId, StateSpan, Station, StationId};
 
-/// What must be measured for a motion to start and to go on, for one conflict.
+/// Measurements required for a motion to start and to go on, for one conflict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PositionGuard {
     /// The conflict, as an index into the line's.
     pub conflict: u16,
     /// The other station, as an index into the program's peers.
     pub peer: u16,
-    /// Its inputs that are all on while it is outside its state. 0 where no switches measure that: the counts alone
-    /// tell, so they must be of one generation.
+    /// Its inputs that are all on while it is outside its state. 0 where no switches measure that: then there are the
+    /// counts alone, which must be of one generation.
     pub clear: u128,
-    /// Where the motion lies to this station's own state.
+    /// Place of the motion relative to this station's own state.
     pub own: OwnSide,
     /// By a motion of this block of the operation this station leaves its state.
     pub(crate) leaves: Option<Block>,
 }
 
-/// Where a motion lies to this station's own state of a conflict.
+/// Place of a motion relative to this station's own state of a conflict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OwnSide {
     Inside,
@@ -29,14 +29,14 @@ pub enum OwnSide {
     OutsideByChart,
 }
 
-/// What a station knows about one conflict at a moment.
+/// Knowledge of a station about one conflict at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PositionsKnown {
     /// Its own image; none where its devices do not vouch for it.
     pub own: Option<u128>,
-    /// The chart says where its axes stand.
+    /// Its axes stand by the chart.
     pub is_placed: bool,
-    /// The other station's image; none where it is not heard, not valid, or too old.
+    /// The other station's image; none where it is not received, not valid, or too old.
     pub other: Option<u128>,
     /// Both stations' counts may be compared.
     pub counts: bool,
@@ -59,9 +59,9 @@ impl PositionGuard {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Interlocks {
     guards: Vec<PositionGuard>,
-    /// For each operation, where its guards lie.
+    /// Range of the guards of each operation.
     of_operation: Vec<(u16, u16)>,
-    /// For each recovery path, where those of all its motions lie.
+    /// Range of those of all motions of each recovery path.
     of_path: Vec<(u16, u16)>,
     /// Own inputs that another station's guards read: a change of one is reported at once.
     pub read_by_others: u128,
@@ -93,7 +93,7 @@ impl Interlocks {
             let own_clear = line.clearance(own).ok();
             interlocks.read_by_others |= own_clear.unwrap_or(0);
             let clear = line.clearance(other).ok();
-            // No counts keep tasks apart: where no switches tell of the other one, there is nothing to look at.
+            // No counts keep tasks apart: where no switches measure the other one, there is nothing to check.
             if clear.is_none() && described.is_task_driven() {
                 continue;
             }

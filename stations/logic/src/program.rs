@@ -54,7 +54,7 @@ pub(crate) mod bit {
     }
 }
 
-/// What a row asks of the causal arrows.
+/// Condition of a row on the causal arrows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Causal {
     /// Nothing.
@@ -84,11 +84,11 @@ pub(crate) struct ConditionRow {
     pub withdraws: bool,
 }
 
-/// What a place does and watches.
+/// Outputs and watched inputs of a place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaceTable {
     pub place: StationPlace,
-    /// Where its rows lie, for each mode.
+    /// Range of its rows, for each mode.
     pub rows: [(u16, u16); 6],
     /// The actuator, while operating.
     pub actuator: u128,
@@ -98,11 +98,11 @@ pub(crate) struct PlaceTable {
     pub complete: u128,
     /// The fault input, while operating.
     pub fault: u128,
-    /// How long the motion may take.
+    /// Time limit of the motion.
     pub watchdog: Duration,
     /// The switch of an index, while it is under way: operating or stopped. 0 elsewhere.
     pub turns: u128,
-    /// An index that is complete after less than this is not believed.
+    /// An index that is complete after less than this is in doubt.
     pub least: Duration,
     /// The switches that are on while this place is marked: the axes that stand still there.
     pub rest: u128,
@@ -130,26 +130,26 @@ pub(crate) struct CompiledTransition {
     pub to: Vec<u16>,
 }
 
-/// How far apart the cycles of neighbours may be, for each station of the line: a pair of arrows, one of lag 0 and one of
-/// lag 1, lets the one be a cycle ahead, and operations listed before the arrow's end may have begun another. `check` finds a
+/// Largest distance of the cycles of neighbours, for each station of the line: a pair of arrows, one of lag 0 and one of lag
+/// 1, lets the one be a cycle ahead, and operations listed before the arrow's end may have begun another. `check` finds a
 /// line whose arrows allow more.
 const CYCLES_APART_MAX: i32 = 2;
 
-/// Why a controller cannot be set up.
+/// Reason why a controller cannot be set up.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CompileError {
     /// More irreversible operations than a station's word of variables has room for.
     TooManyPaths {
         station: String,
         has: usize,
-        /// How many there may be.
+        /// Largest number.
         most: usize,
     },
     /// More stations that it exchanges counts or positions with than a set of peers has room for.
     TooManyPeers { station: String, has: usize },
     /// The snapshot to start from is not one of this station's: the description has changed, or the file is damaged.
     SnapshotDoesNotFit {
-        /// What does not fit.
+        /// Contradiction.
         why: &'static str,
     },
 }
@@ -182,17 +182,18 @@ pub struct Program {
     place_of: Vec<[u16; 7]>,
     /// The hand-mode buttons that mean anything to this station.
     pub(crate) buttons: u128,
-    /// What must be measured for its motions.
+    /// Measurements required for its motions.
     pub(crate) interlocks: Interlocks,
     /// All switches of its axes.
     pub(crate) switches: u128,
-    /// For each step, what of them is on when it is complete; none where a place has no switch, or several.
+    /// For each step, which of them are on when it is complete; none where a place has no switch, or several.
     pub(crate) measured_after: Vec<Option<u128>>,
-    /// For each operation, what of them is on while its axis is on its way; none as above, for the other axes.
+    /// For each operation, which of them are on while its axis is on its way; none for the other axes.
     pub(crate) measured_within: Vec<Option<u128>>,
-    /// How many cycles ahead a peer can be on a checked line; counts further ahead are treated as unknown.
+    /// Largest number of cycles that a peer can be ahead on a checked line; counts further ahead are treated as
+    /// unknown.
     pub(crate) ahead_max: i32,
-    /// What only a station on order has.
+    /// Tasks, of a station on order only.
     pub(crate) on_order: Option<StationTasks>,
 }
 
@@ -272,7 +273,7 @@ impl Program {
         self.station
     }
 
-    /// The stations whose state this one needs to hear: those with an arrow to or from it, or a conflict with it.
+    /// The stations whose state this one needs: those with an arrow to or from it, or a conflict with it.
     pub fn peers(&self) -> &[StationId] {
         &self.peers
     }
@@ -458,7 +459,7 @@ pub(crate) fn path_index(paths: &[OpId], op: OpId) -> usize {
 fn way_home(line: &Line, station: StationId, failed: OpId) -> Vec<(u8, i32)> {
     let described = line.station(station);
     if described.is_task_driven() {
-        // It has no arrows, and nobody builds on what it skips.
+        // It has no arrows, and what it skips has no dependents.
         return Vec::new();
     }
     let (count, home, failed) = (described.steps.len(), described.step_of(described.home), described.step_of(failed));

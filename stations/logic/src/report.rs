@@ -1,4 +1,4 @@
-//! A station's whole state, as it tells it to others and as it keeps it for itself.
+//! A station's whole state, as it publishes it and as it keeps it.
 //!
 //! The whole state goes out each time, never a difference: a lost message then costs one period and nothing else.
 
@@ -12,9 +12,9 @@ use crate::order::{OrderMemory, TaskOrderReport};
 /// A station's state for others to read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StationReport {
-    /// Which life of the station this is: different after every start.
+    /// Boot id of the station: different after every start.
     pub boot_id: u64,
-    /// The newest mode epoch it has heard; hearing it is acknowledging it.
+    /// The newest mode epoch it has received, and so acknowledged.
     pub mode_epoch: u64,
     /// The mode it acts on.
     pub mode: Option<ControlMode>,
@@ -38,11 +38,11 @@ pub struct StationReport {
     pub stopped: bool,
     /// Its selector stands at station-manual.
     pub selector_manual: bool,
-    /// Its devices are heard and operational.
+    /// Its devices are received and operational.
     pub devices_valid: bool,
-    /// Its input image, whose limit switches say where its mechanisms stand. It means nothing without valid devices.
+    /// Its input image, whose limit switches measure its mechanisms. It means nothing without valid devices.
     pub measured: u128,
-    /// How old that image was when this was reported.
+    /// Age of that image at the time of the report.
     pub measured_age: Duration,
     /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.
     pub position_lost: Option<(OpId, InputId)>,
@@ -70,7 +70,7 @@ pub struct WithdrawalRequest {
 pub struct WithdrawalAnswer {
     /// Station that made the request.
     pub to: StationId,
-    /// In which life.
+    /// Its boot id.
     pub boot_id: u64,
     /// The number of the request.
     pub number: u64,
@@ -78,14 +78,14 @@ pub struct WithdrawalAnswer {
     pub in_the_way: Option<OpId>,
 }
 
-/// What a station keeps so that it can be restarted where it was.
+/// Record from which a station is restarted where it was.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StationSnapshot {
     pub marking: Vec<StationPlace>,
     /// The generation of the counts; 0 for none. The node restores 0 when the record was written before the last start of the
     /// host, as it may be older than what was reported.
     pub generation: u64,
-    /// The marking says where the mechanisms stand. The node restores false with a generation of 0 for the same reason.
+    /// The marking is where the mechanisms stand. The node restores false with a generation of 0 for the same reason.
     pub placed: bool,
     pub cycle: i32,
     /// Counts of completion, per operation.
@@ -98,15 +98,15 @@ pub struct StationSnapshot {
     pub doubtful: Option<OpId>,
     /// The next number for a request.
     pub next_request: u64,
-    /// What it was told, if it works on order.
+    /// Its task orders, if it works on order.
     pub order: Option<OrderMemory>,
 }
 
-/// How a controller comes up.
+/// Start of a controller.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Restore {
     /// For the first time: at home, if the devices confirm it.
     Fresh,
-    /// From what it kept.
+    /// From a snapshot.
     From(StationSnapshot),
 }

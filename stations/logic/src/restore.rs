@@ -1,7 +1,7 @@
-//! Coming up again where the station was, from what it kept.
+//! Restart of a station where it was, from its record.
 //!
 //! A snapshot comes from outside: from a file that may belong to an older description. Everything that indexes or
-//! counts is checked once here, so that nothing after it needs to ask.
+//! counts is checked once here, so that nothing after it needs to.
 
 use linewright_line::net::Block;
 
@@ -39,7 +39,7 @@ impl Controller {
         Ok(())
     }
 
-    /// What keeps a snapshot from being one of this station's.
+    /// Reason why a snapshot is not one of this station's.
     fn check(&self, snapshot: &StationSnapshot) -> Result<(), &'static str> {
         let operations = self.counts.done.len();
         if snapshot.done.len() != operations || snapshot.started.len() != operations {
@@ -79,8 +79,8 @@ impl Controller {
         Ok(())
     }
 
-    /// What to keep so that [`Restore::From`] brings the station up where it is now. Keep it before the outputs and
-    /// the report of the same step leave, so that nobody knows more of this station than it will remember.
+    /// Record from which [`Restore::From`] brings the station up where it is now. Keep it before the outputs and the
+    /// report of the same step leave, so that no state is sent that the record lacks.
     pub fn snapshot(&self) -> StationSnapshot {
         StationSnapshot {
             marking: self.marking().collect(),

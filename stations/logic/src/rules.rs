@@ -1,9 +1,9 @@
 //! The rules that make counts safe, each with a switch.
 //!
-//! They exist for the checker: an explorer that finds nothing wrong is worth believing only if it finds a collision
-//! as soon as one rule is off. A controller runs with all of them; nothing in a description can turn one off.
+//! They exist for the checker: an explorer without findings is credible only if it finds a collision as soon as one
+//! rule is off. A controller runs with all of them; nothing in a description can turn one off.
 
-/// Which rules hold. The default is all of them, and the only choice for a machine.
+/// Rules in force. The default is all of them, and the only choice for a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
     /// Internal variables are counted. Off: one Boolean per operation, on while it is done in its station's present
@@ -26,18 +26,18 @@ pub struct Rules {
     pub generations: bool,
     /// Measured positions are the second barrier (see `interlock`). Off: counts alone.
     pub positions: bool,
-    /// Arrows are observed. Off, the second barrier stands alone: what an arrow waits for is not waited for, and a count is
-    /// taken back without asking.
+    /// Arrows are observed. Off, the second barrier stands alone: arrows are not waited for, and a count is taken back
+    /// without agreement.
     pub arrows: bool,
-    /// An index that is complete in less than half its time is not believed. Off: for whoever keeps the clock still.
+    /// An index that is complete in less than half its time is in doubt. Off: for callers that keep the clock still.
     pub timely: bool,
 }
 
 impl Rules {
-    /// The counts by themselves, within one generation: the first barrier without what keeps it from lost memories.
+    /// The counts by themselves, within one generation: the first barrier without its protection from lost memories.
     pub const COUNTS: Rules = Rules { generations: false, positions: false, timely: false, ..Rules::ALL };
 
-    /// All rules in force; what a machine has.
+    /// All rules in force, as in a machine.
     pub const ALL: Rules = Rules {
         counted: true,
         withdraw_first: true,
@@ -52,7 +52,7 @@ impl Rules {
     };
 }
 
-/// Which rules of orders hold, of a station on order. As with [`Rules`].
+/// Rules of orders in force, of a station on order. As with [`Rules`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OrderRules {
     /// An order whose time is over has not ended before the station stands. Off: it ends at once, and the station goes back.
@@ -63,7 +63,7 @@ pub struct OrderRules {
     pub does_once: bool,
     /// An order that is meant for another memory is refused. Off: it is done.
     pub own_memory: bool,
-    /// Told to stop it stands at once, and copies of a message to go back move nothing later. Off: it goes back.
+    /// Ordered to stop it stands at once, and copies of a message to go back move nothing later. Off: it goes back.
     pub stops_at_once: bool,
 }
 

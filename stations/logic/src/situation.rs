@@ -1,9 +1,8 @@
-//! What decides everything a controller will do, as a list of numbers: for a checker that must know when it has been
-//! in a state before.
+//! Everything that decides a controller's future, as a list of numbers: by this a checker recognises a state.
 //!
-//! Counts are relative to an origin the caller chooses; of a request's number only matters whether it is the one its
-//! writer has open, and of a life whether it is the present one. They grow for ever while the situation repeats. Moments in time are left out: a checker keeps
-//! the clock still, and lets things expire by telling the controller so.
+//! Counts are relative to an origin the caller chooses; of a request's number only matters whether it is the one its writer has
+//! open, and of a life whether it is the present one. They grow for ever while the situation repeats. Moments in time are left
+//! out: a checker keeps the clock still, and lets things expire by input to the controller.
 
 use linewright_line::net::MotionStage;
 use linewright_line::{OpId, StationId};
@@ -11,7 +10,7 @@ use linewright_line::{OpId, StationId};
 use crate::controller::Controller;
 use crate::report::{WithdrawalAnswer, WithdrawalRequest};
 
-/// What a situation is relative to, for one writer of requests.
+/// Origin of a situation, for one writer of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RequestWriter {
     /// Its present life.
@@ -20,7 +19,7 @@ pub struct RequestWriter {
     pub open: Option<u64>,
 }
 
-/// What a controller holds of one other station.
+/// A controller's view of one other station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PeerSituation<'a> {
     /// The cycle in which each operation was last completed.
@@ -37,7 +36,7 @@ pub struct PeerSituation<'a> {
 }
 
 impl Controller {
-    /// What it holds of another station; `None` if it does not listen to it.
+    /// View of another station; `None` if it does not read that one.
     pub fn held(&self, station: StationId) -> Option<PeerSituation<'_>> {
         let view = self.views.peers.iter().find(|view| view.station == station)?;
         Some(PeerSituation {
@@ -78,7 +77,7 @@ impl Controller {
             let moves = place.place.is_operating();
             let flags = match place.place.stage {
                 MotionStage::Operating => [token.left_start, token.driven, token.awaits_image],
-                // Only whether its switch counts when it goes on; the cause of the stop is not asked where nothing sticks.
+                // Only whether its switch counts when it goes on; the cause of the stop is left out where nothing sticks.
                 MotionStage::Incomplete => [token.left_start || token.awaits_image, false, false],
                 MotionStage::Completed => [false; 3],
             };
@@ -93,7 +92,7 @@ impl Controller {
         out.extend([-1, cycle, self.marking.path.map_or(-1, |op| i64::from(op.0))]);
         match &self.orders {
             None => out.extend(self.counts.done.iter().chain(&self.counts.started).map(|&count| relative(count))),
-            // Nobody builds on its counts, and each goes its own way for ever.
+            // Its counts are not compared, and each goes its own way for ever.
             Some(orders) => {
                 out.extend(
                     self.counts
@@ -141,7 +140,7 @@ impl Controller {
             out.extend(read.map(|cause| relative(view.done[cause.from.index()])));
             match view.request {
                 None => out.push(-1),
-                // An answer to a request that is no longer open is worth nothing; that it was made still blocks.
+                // An answer to a request that is no longer open has no value; that it was made still blocks.
                 Some(request) if writer.open != Some(request.number) => out.extend([-2, request.ops as i64]),
                 Some(request) => {
                     let in_the_way = view.answer.and_then(|a| a.in_the_way);

@@ -1,28 +1,27 @@
-//! A station's orders: what it makes of what it is told.
+//! A station's orders: their course from arrival to end.
 //!
 //! ```text
 //!            taken on                       its last operation is complete
 //!   no order ────────▶ running ────────────────────────────────────────────▶ done
-//!                       │   │ a fault, another mode, a restart, told to stop
+//!                       │   │ a fault, another mode, a restart, ordered to stop
 //!                       │   └──────────────────────────────────────────────▶ failed: stands where it is
 //!                       │ its time is over ┐
-//!                       │ told to secure   ├─▶ securing ──it stands: where the task began, or as far as it goes──▶ failed
+//!                       │ ordered to secure├─▶ securing ──it stands: where the task began, or as far as it goes──▶ failed
 //!                       └──────────────────┘                                                   by itself
 //! ```
 //!
-//! An order that is given up has not ended before the station stands: until then it is in the slot, and no result says
-//! otherwise. Both ways to give it up mean the same: it fails with the code of the inputs that it waited for, if it did;
-//! else because its time was over, or because it was told to leave it. One that a fault has ended may be told to secure
-//! once; it is in the slot again until it stands, and copies of that message start nothing later. What it is to do when it
-//! is told to stop is in `stop`.
+//! An order that is given up has not ended before the station stands: until then it is in the slot, and in no result. Both
+//! ways to give it up mean the same: it fails with the code of the inputs that it waited for, if it did; else because its
+//! time was over, or because it was ordered to leave it. One that a fault has ended may be ordered to secure once; it is
+//! in the slot again until it stands, and copies of that message start nothing later. An order to stop is in `stop`.
 //!
-//! What it refuses for good it remembers: a copy of the message that comes late, when the reason has gone, is refused all
-//! the same. What it refuses for now it forgets. All that it remembers is in its snapshot, which is kept before anything is
-//! driven or told. A station that comes up has ended whatever it was doing: its outputs went off, and a person should look.
-//! One that comes up without its memory draws a new number for it, and orders say which memory they are meant for.
+//! A final refusal it keeps: a copy of the message that comes late, when the reason has gone, is refused all the same. A
+//! refusal for now is not kept. All that it keeps is in its snapshot, which is written before anything is driven or sent. A
+//! station that comes up has ended its order: its outputs went off, and a person should look. One that comes up without its
+//! memory draws a new number for it, and orders name the memory they are meant for.
 //!
-//! The message to leave an order says neither that nor who sends it. So it ends nothing but the order that it names, and is
-//! no word of a later life of the coordinator.
+//! The message to leave an order names neither memory nor sender. So it ends nothing but the order that it names, and is no
+//! sign of a later life of the coordinator.
 
 mod report;
 mod stop;
@@ -50,10 +49,10 @@ pub(crate) struct OrderSlot {
     last: u64,
     slot: Option<ActiveOrder>,
     results: Vec<(OrderKey, TaskReply)>,
-    /// The ended order that it has been told to secure.
+    /// The ended order that it has been ordered to secure.
     secured: Option<OrderKey>,
     pub rules: OrderRules,
-    /// What has been answered since the last step.
+    /// Replies since the last step.
     pub replies: Vec<(OrderKey, TaskReply)>,
 }
 
@@ -74,7 +73,7 @@ enum SlotPhase {
     Running,
     /// On its way back; the order ends where that ends.
     Securing {
-        /// Why it was given up; none if it was told to leave it and waited for nothing.
+        /// Reason why it was given up; none if it was ordered to leave it and waited for nothing.
         failure: Option<TaskFailure>,
     },
     /// On its way back from an order that had ended before.
@@ -87,7 +86,7 @@ const fn ahead_of(epoch: u64) -> u64 {
 }
 
 impl OrderSlot {
-    /// Of a station that has never been told anything.
+    /// Of a station that has never had an order.
     pub fn new(memory: u64) -> Self {
         OrderSlot { memory, ..OrderSlot::default() }
     }
@@ -113,7 +112,7 @@ impl OrderSlot {
         }
     }
 
-    /// The last order has failed: the station may be told to go back from it.
+    /// The last order has failed: the station may be ordered back from it.
     fn last_has_failed(&self) -> Option<OrderKey> {
         self.results.last().and_then(|(key, reply)| match reply {
             TaskReply::Ended(TaskOutcome::Failed(_)) => Some(*key),
@@ -121,7 +120,7 @@ impl OrderSlot {
         })
     }
 
-    /// What decides what the station will do, as numbers (see [`Controller::situation`]).
+    /// Everything here that decides the station's future, as numbers (see [`Controller::situation`]).
     pub fn situation(&self, out: &mut Vec<i64>) {
         let failed = self.last_has_failed();
         out.push(i64::from(failed.is_some()) + i64::from(failed.is_some() && failed == self.secured));
@@ -139,7 +138,7 @@ impl OrderSlot {
         }
     }
 
-    /// What to keep.
+    /// Record to keep.
     pub fn memory(&self) -> OrderMemory {
         let open = self.slot.filter(|slot| slot.phase != SlotPhase::Returning);
         let left = open.filter(|slot| slot.phase != SlotPhase::Running).map(|slot| slot.key);
@@ -153,7 +152,7 @@ impl OrderSlot {
         }
     }
 
-    /// What a station that comes up makes of what it kept.
+    /// State of a station that comes up, from its record.
     pub fn restored(kept: OrderMemory) -> Self {
         let mut orders = OrderSlot {
             memory: kept.memory,
@@ -273,7 +272,7 @@ impl Controller {
     }
 
     fn secure(&mut self, key: OrderKey) -> TaskReply {
-        // Where people move the station, nothing is told to move by itself later.
+        // Where people move the station, nothing is ordered to move by itself later.
         let by_itself = match self.commands.granted(self.now) {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
@@ -301,7 +300,7 @@ impl Controller {
             if let Some(refusal) = orders.too_old(key) {
                 return TaskReply::Refused(refusal);
             }
-            // Not heard of yet, and not to be done when it is.
+            // Not received yet, and not to be done when it is.
             if orders.epoch == key.epoch {
                 orders.last = key.id;
             }
@@ -328,7 +327,7 @@ impl Controller {
         }
     }
 
-    /// What the orders make true of the word of condition variables. Nothing goes back without devices.
+    /// Bits of the condition variables that follow from the orders. Nothing goes back without devices.
     pub(crate) fn order_bits(&self) -> u128 {
         match self.slot() {
             Some(ActiveOrder { phase: SlotPhase::Running, task, .. }) => task_bit(task),
@@ -354,7 +353,7 @@ impl Controller {
         self.slot().map_or(0, |slot| slot.image)
     }
 
-    /// When the time of the order is over.
+    /// End of the time of the order.
     pub(crate) fn order_limit(&self) -> Tick {
         self.slot().filter(|slot| slot.phase == SlotPhase::Running).map_or(Tick::NEVER, |slot| slot.limit)
     }
@@ -445,12 +444,12 @@ impl Controller {
         if place.is_operating() || (self.rest().is_none() && self.goes_back_from(place)) {
             return;
         }
-        // At the first operation's beginning the token goes on to the rest; that is no way.
+        // At the first operation's beginning the token goes on to the rest; that is no motion.
         let left = if self.rest().is_some() { TaskFailure::Cancelled } else { TaskFailure::Held };
         self.conclude(TaskOutcome::Failed(given_up.unwrap_or(left)));
     }
 
-    /// At a rest there is nothing to go back from, wherever a person leads it to before it is told to.
+    /// At a rest there is nothing to go back from, wherever a person leads it to before it is ordered to.
     fn rests(&mut self) {
         let failed = self.orders.as_ref().and_then(|orders| orders.last_has_failed().filter(|_| self.rest().is_some()));
         if let (Some(key), Some(orders)) = (failed, &mut self.orders) {

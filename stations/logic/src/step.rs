@@ -32,12 +32,12 @@ impl Controller {
         self.play(out);
     }
 
-    /// When it was stepped or told something last.
+    /// Time of the last step or input.
     pub fn stepped(&self) -> Tick {
         self.now
     }
 
-    /// The coordinator's life whose order it took last; 0 for none.
+    /// Boot id of the coordinator whose order it took last; 0 for none.
     pub fn followed(&self) -> u64 {
         self.commands.followed()
     }
@@ -100,7 +100,7 @@ impl Controller {
         }
     }
 
-    /// Works out what depends on time or on what was handled: mode, levels, the outputs' holders, deadlines.
+    /// Computes what depends on time or on input: mode, levels, the outputs' holders, deadlines.
     fn refresh(&mut self) {
         if self.image.valid && self.now >= self.image.until {
             self.take_image(0, false);
@@ -126,7 +126,7 @@ impl Controller {
         self.order_in_mode(mode);
         self.due.report = true;
         for token in &mut self.marking.tokens[..self.marking.count] {
-            // Auto takes over what a hand-mode button has started, for the operator has asked for it; hand mode takes
+            // Auto takes over what a hand-mode button has started, for the operator has commanded it; hand mode takes
             // over what auto has left running, and drives it when its button is held.
             match (mode, token.run) {
                 (ControlMode::Auto, RunCommand::Hand) => token.run = RunCommand::Auto,
@@ -162,7 +162,7 @@ impl Controller {
             }
             WithdrawalState::NotAgreed => {
                 self.due.report = true;
-                // A refused command is to be given again: held on, it would ask again with every message.
+                // A refused command is to be given again: held on, it would repeat the request with every message.
                 self.commands.disarm(pending.hold);
                 self.levels.now &= !pending.hold;
                 self.levels.before &= !pending.hold;
@@ -241,7 +241,7 @@ impl Controller {
         let token = &mut self.marking.tokens[index];
         let table = &self.program.places[token.place as usize];
         let on = self.image.bits & table.complete != 0;
-        // An image from before this motion says nothing about it, neither that its switch was off nor that it is on.
+        // An image from before this motion proves nothing about it, neither that its switch was off nor that it is on.
         let own = self.image.under == NO_DELAY || (token.driven_since != 0 && self.image.under >= token.driven_since);
         if own {
             token.left_start |= !on || (token.awaits_image && token.driven);
@@ -283,7 +283,7 @@ impl Controller {
         self.missing(step) == 0 && self.views.all_hold(causes, mode, self.cycle_of_start(step), self.now)
     }
 
-    /// What a recovery path skips is waited for as if it were done, each step in the cycle it would be done in.
+    /// Whether the arrows into the steps that a recovery path skips hold, each in the cycle it would be done in.
     fn way_home_is_free(&self, path: u8, mode: ControlMode) -> bool {
         self.program.ways_home[path as usize].iter().all(|&(step, ahead)| {
             let causes = &self.program.causes[step as usize];
@@ -337,7 +337,7 @@ impl Controller {
         None
     }
 
-    /// Fires the transitions of these rows, or asks for the agreement they need. Neighbours that go back together are
+    /// Fires the transitions of these rows, or requests the agreement they need. Neighbours that go back together are
     /// one request: none of them moves before all may.
     fn act(&mut self, rows: &[u16], mode: ControlMode) -> bool {
         let asks = self.rules.ask && self.rules.arrows;
@@ -402,7 +402,7 @@ impl Controller {
         }
     }
 
-    /// A press moved nothing. Say so if it was meant for this station.
+    /// Reports that a press moved nothing, if it was meant for this station.
     #[cold]
     fn refuse(&mut self, edges: u128) {
         let pressed = bit::levels(edges);

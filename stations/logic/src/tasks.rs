@@ -1,4 +1,4 @@
-//! A station's tasks, compiled: what only a station on order has besides the tables of every station.
+//! A station's tasks, compiled: tables of a station on order beside those of every station.
 
 use std::time::Duration;
 

@@ -1,12 +1,11 @@
-//! What this station knows of the others, and what it may conclude.
+//! This station's views of the others, and its conclusions.
 //!
 //! A view is the newest report of another station, with an age. A view that is too old is *unknown*, and unknown
 //! blocks every condition that reads it, negated or not. In normal operation counts only grow, so a late view can
 //! delay a start but never allow a wrong one. The dangerous direction is a count going back; two rules meet it here:
 //!
 //! * While a view shows an open request to take back the count of an operation, that count is read as already taken
-//!   back. So nothing new is started on it — whether or not this station has agreed, and whatever a restart made it
-//!   forget.
+//!   back. So nothing new is started on it — whether or not this station has agreed, and whatever it lost in a restart.
 //! * A request is agreed to only if every operation of ours that builds on the count has not started in that cycle,
 //!   or has been undone. The answer is worked out once for each request number and then stands.
 
@@ -20,7 +19,7 @@ use crate::program::{IncomingArrow as Cause, Program};
 use crate::report::{StationReport, WithdrawalAnswer, WithdrawalRequest};
 use crate::rules::Rules;
 
-/// The newest that was heard of one other station.
+/// The newest state received of one other station.
 #[derive(Clone, Debug)]
 pub(crate) struct PeerView {
     pub station: StationId,
@@ -59,11 +58,11 @@ pub(crate) struct PeerViews {
     pub rules: Rules,
 }
 
-/// Why a peer's counts may be compared, or not.
+/// Whether a peer's counts may be compared, with the reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Comparability {
     Comparable,
-    /// Not heard, or not for too long.
+    /// Not received, or too long ago.
     NotHeard,
     /// This station or the peer has no generation, or they have different ones.
     OtherGeneration,
@@ -127,7 +126,7 @@ impl PeerViews {
         view.position_lost = report.position_lost.is_some();
         view.stopped = report.stopped;
         view.measured = report.measured;
-        // The image was some time old when it was sent; how long the message took is not known, and counts as nothing.
+        // The image was some time old when it was sent; the time of the message is unknown, and counts as 0.
         let left = self.stale.saturating_sub(report.measured_age);
         view.measured_until = if report.devices_valid { now + left } else { Tick::ZERO };
         let comparable = !self.rules.generations || (report.generation == self.generation && self.generation != 0);
@@ -233,7 +232,7 @@ impl PeerViews {
         !self.rules.arrows || causes.iter().all(|cause| !cause.modes[mode as usize] || known(cause))
     }
 
-    /// When the next view becomes unknown.
+    /// Time at which the next view becomes unknown.
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
         let ends = self.peers.iter().flat_map(|v| [v.known_until, v.measured_until]);
         ends.filter(|&t| t > now).min().unwrap_or(Tick::NEVER)

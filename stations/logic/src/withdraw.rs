@@ -1,9 +1,9 @@
 //! Taking a count back: only by agreement, and before the motion starts.
 //!
-//! A command that would take counts back does not fire at once. It opens a request under a fresh number, and fires
-//! when every station with an arrow from one of the operations has agreed to *that* number — provided its button is
-//! still held, the mode is the same and the token has not moved. The count goes back in the same step in which the
-//! recovery motion starts, so nobody can start on it while the mechanism is already moving back.
+//! A command that would take counts back does not fire at once. It opens a request under a fresh number, and fires when
+//! every station with an arrow from one of the operations has agreed to *that* number — provided its button is still
+//! held, the mode is the same and the token has not moved. The count goes back in the same step in which the recovery
+//! motion starts, so no station can start on it while the mechanism is already moving back.
 //!
 //! Numbers are kept across restarts and never used twice: with reused numbers a stale agreement to a request that
 //! was given up could be taken for an agreement to a later one.
@@ -29,8 +29,8 @@ pub(crate) enum WithdrawalState {
 }
 
 impl Controller {
-    /// The peers that could build on one of these operations. A peer of another generation builds on none of them; where the
-    /// second barrier stands between the two, it is not asked.
+    /// The peers that could start after one of these operations. A peer of another generation compares with none of them;
+    /// where the second barrier stands between the two, it is not asked.
     pub(crate) fn dependents(&self, ops: u64, mode: ControlMode) -> PeerSet {
         let built_on = self.program.dependents.iter().enumerate().filter(|&(op, _)| ops & (1 << op) != 0);
         let all = built_on.fold(PeerSet::EMPTY, |all, (_, &peers)| all | peers);
@@ -66,7 +66,7 @@ impl Controller {
         self.note(HappeningKind::Asked(number));
     }
 
-    /// Where the open request stands. A refusal closes it and says who is in the way.
+    /// State of the open request. A refusal closes it and names the station in the way.
     pub(crate) fn standing(&mut self, pending: &PendingWithdrawal, levels: u128, mode: ControlMode) -> WithdrawalState {
         if mode != pending.mode || levels & pending.hold != pending.hold || !self.image.valid {
             return WithdrawalState::GivenUp;

@@ -1,22 +1,22 @@
 //! The cause of a loss of devices, put where people look: the fault, what the station waits for, its events.
 //!
-//! The controller knows that its devices cannot be trusted; which one and why is known to whoever manages them.
+//! The controller has only that its devices are invalid; which one and why comes from their manager.
 
 use linewright_msgs::{cut, fitting};
 use linewright_node_line::devices::TROUBLE_BYTES_MAX;
 use linewright_station_logic::{DEVICES_INVALID, HappeningKind, StationHappening, StopCause};
 
-/// What is known of the devices' trouble.
+/// Texts of the devices' faults.
 #[derive(Debug, Default)]
 pub struct DeviceTexts {
-    /// What is wrong now; empty if nothing is known to be.
+    /// Present faults; empty if none is known.
     now: String,
-    /// What was wrong first when they were last lost: the cause, before what came of it.
+    /// First fault when they were last lost: the cause, before its consequences.
     first: String,
 }
 
 impl DeviceTexts {
-    /// Takes what the devices' manager says, or anybody on its topic: no more of it than there is room for.
+    /// Takes the text of the devices' manager, or any text on its topic: no more of it than there is room for.
     pub fn trouble(&mut self, text: &str) {
         self.now = cut(text.to_owned(), TROUBLE_BYTES_MAX);
         if self.first.is_empty() {
@@ -24,8 +24,8 @@ impl DeviceTexts {
         }
     }
 
-    /// Completes a state's fault and reasons. `valid`: the devices are. The fault fits a message afterwards: it says the
-    /// cause once per stopped operation, and a state that does not fit reaches nobody.
+    /// Completes a state's fault and reasons. `valid`: the devices are. The fault fits a message afterwards: it has the
+    /// cause once per stopped operation, and a state that does not fit is not sent.
     pub fn complete(&mut self, valid: bool, fault: &mut String, blocked_by: &mut [String]) {
         let lost = StopCause::Devices.text();
         if fault.contains(lost) {

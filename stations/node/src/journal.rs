@@ -1,7 +1,7 @@
 //! The station's snapshot as a journal record.
 //!
-//! Text, so that a person can read what a station remembers (`strings`). A record that does not fit the description —
-//! another line, an edited one — gives no snapshot but the reason; the station then comes up without memory, and without a
+//! Text, so that a person can read a station's memory (`strings`). A record that does not fit the description — another
+//! line, an edited one — gives no snapshot but the reason; the station then comes up without memory, and without a
 //! generation.
 
 use linewright_line::net::StationPlace;
@@ -13,31 +13,28 @@ use linewright_station_logic::{
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Why a record cannot be used.
+/// Reason why a record cannot be used.
 #[derive(Debug, Error)]
 pub enum RecordError {
     /// Not a record at all.
     #[error("the journal of {station} cannot be read: {error}")]
     Unreadable {
-        /// The station.
         station: String,
-        /// What is wrong.
+        /// Error in it.
         error: serde_json::Error,
     },
     /// It belongs to another description.
     #[error("the journal of {station} belongs to another description ({what})")]
     OtherDescription {
-        /// The station.
         station: String,
-        /// What differs.
+        /// Difference.
         what: &'static str,
     },
-    /// What it says cannot be.
+    /// Its contents contradict each other.
     #[error("the journal of {station} cannot be used: {error}")]
     Contradicts {
-        /// The station.
         station: String,
-        /// What is wrong.
+        /// Error in it.
         error: CompileError,
     },
 }
@@ -59,13 +56,13 @@ struct StationRecord {
     /// The generation of the counts; 0 for none.
     #[serde(default)]
     generation: u64,
-    /// The marking says where the mechanisms stand.
+    /// The marking is where the mechanisms stand.
     #[serde(default)]
     placed: bool,
-    /// Which start of the host it was written in.
+    /// Start of the host that it was written in.
     #[serde(default)]
     host: String,
-    /// Stations on order alone have it, so that the records of all others are what they were before there were any.
+    /// Stations on order alone have it, so that the records of all others have their old form.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     order: Option<OrderRecord>,
 }
@@ -83,7 +80,7 @@ struct OrderRecord {
     secured: Option<(u64, u64)>,
 }
 
-/// Why an order was refused for good, in the words of the record.
+/// Reason why an order was refused for good, in the words of the record.
 const REFUSALS: [(&str, TaskRefusal); 5] = [
     ("late", TaskRefusal::Late),
     ("not-there", TaskRefusal::NotThere),
@@ -117,7 +114,7 @@ impl OrderRecord {
     }
 }
 
-/// What a station remembers to have said; none for what it does not remember.
+/// The word for a reply that a station remembers; none for others.
 fn word(reply: TaskReply) -> Option<String> {
     match reply {
         TaskReply::Ended(TaskOutcome::Done) => Some("done".to_owned()),
@@ -137,7 +134,7 @@ fn reply(word: &str) -> Option<TaskReply> {
         return Some(TaskReply::Refused(*refusal));
     }
     match TaskFailure::from_code(word.parse().ok()?) {
-        // It never wrote that.
+        // No station writes that.
         TaskFailure::Other(_) => None,
         failure => Some(TaskReply::Ended(TaskOutcome::Failed(failure))),
     }
@@ -216,7 +213,7 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
         placed: is_newest && record.placed,
         order,
     };
-    // What the controller refuses must not keep the node from starting.
+    // A record that the controller refuses must not keep the node from starting.
     Controller::new(line, station, 1, Restore::From(snapshot.clone()))
         .map_err(|error| RecordError::Contradicts { station: name(), error })?;
     Ok(snapshot)
@@ -245,7 +242,7 @@ mod tests {
 
     fn snapshot(line: &Line) -> StationSnapshot {
         let mut controller = Controller::new(line, StationId(0), 7, Restore::Fresh).expect("it compiles");
-        // Not in auto: refused for now, which is not kept; the one that is told to be left is.
+        // Not in auto: refused for now, which is not kept; the order to be left is.
         let order = TaskOrder {
             key: OrderKey { epoch: 2, id: 5 },
             memory: 7,
@@ -300,7 +297,7 @@ mod tests {
         assert_eq!(from_record(&line, StationId(0), &without, "host").expect("its own record").doubtful, None);
         kept.doubtful = Some(OpId(0));
         let with = to_record(&line, StationId(0), &kept, "host");
-        // Also where it is not the newest record: it is looked at once too often.
+        // Also where it is not the newest record: one needless inspection.
         for host in ["host", "another start"] {
             assert_eq!(from_record(&line, StationId(0), &with, host).expect("its own record").doubtful, Some(OpId(0)));
         }
@@ -329,7 +326,7 @@ mod tests {
             (read.generation, read.placed)
         };
         assert_eq!([read("this start"), read("another start"), read("")], [(9, true), (0, false), (0, false)]);
-        // One written before there were generations.
+        // A record from before there were generations.
         let old = r#"{"station":"feeder","operations":["push","pull back"],"marking":[[1,3]],"cycle":0,"done":[0,0],"started":[0,0],"path":null,"next_request":1}"#;
         assert_eq!(from_record(&line, StationId(0), old.as_bytes(), "this start").expect("it fits").generation, 0);
     }

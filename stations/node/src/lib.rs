@@ -1,8 +1,8 @@
 //! One station's ROS 2 node: a thin shell around [`linewright_station_logic::Controller`].
 //!
 //! It turns messages, images and timers into the controller's inputs, and the controller's outbox into a journal
-//! record, an output image, a report and events — in that order, so that nobody ever knows more of this station than
-//! it would remember after being killed. It decides nothing.
+//! record, an output image, a report and events — in that order, so that no state is sent that the station would have
+//! lost after being killed. It decides nothing.
 
 mod device_texts;
 mod journal;

@@ -22,7 +22,7 @@ use crate::device_texts::DeviceTexts;
 use crate::journal::from_record;
 use crate::topics::{StationInbound, StationPublishers, open};
 
-/// Why a station's node cannot run, or had to end.
+/// Reason why a station's node cannot run, or had to end.
 #[derive(Debug, Error)]
 pub enum StationNodeError {
     /// The station does not compile.
@@ -40,9 +40,8 @@ pub enum StationNodeError {
     /// The station's own bus is gone, or another manager's.
     #[error("station {station}: {error}")]
     BusLost {
-        /// The station.
         station: String,
-        /// Which, and what to do.
+        /// The loss, and what to do.
         error: BusLost,
     },
     /// The journal cannot be used.
@@ -51,30 +50,30 @@ pub enum StationNodeError {
     /// A subscription has ended; the middleware has failed.
     #[error("{station}: the middleware has failed; see the log")]
     Middleware {
-        /// The station.
+        /// Its name.
         station: String,
     },
 }
 
-/// What a station's node needs.
+/// Options of a station's node.
 pub struct StationOptions {
     /// The checked description.
     pub line: Line,
-    /// Which station to be.
+    /// The station.
     pub station: StationId,
-    /// Where the journal is kept; `None`: nothing is remembered.
+    /// Directory of the journal; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
-    /// Where a bus of the station's own is found.
+    /// Options of a bus of the station's own.
     pub bus: linewright_fieldbus::BusOptions,
     /// The process's clock.
     pub clock: Clock,
 }
 
-/// Runs the station until `stop` turns true, then lets go of its outputs.
+/// Runs the station until `stop` turns true, then switches its outputs off.
 ///
 /// # Errors
-/// When it cannot start, or when the middleware or the journal fails under it. It lets go of its outputs on every way out;
-/// where it has none left, the devices watch the heartbeat of whoever drives them, and the gateway the age of the image.
+/// When it cannot start, or when the middleware or the journal fails under it. It switches its outputs off on every way
+/// out; where none is left, the devices watch the heartbeat of their manager, and the gateway the age of the image.
 pub async fn run(
     options: StationOptions,
     participant: &Participant,
@@ -104,7 +103,7 @@ async fn next_asked(devices: &mut Option<Devices>) -> DeviceServiceRequest {
     }
 }
 
-/// So many messages are taken between two steps, so that no flood of them keeps the bus waiting.
+/// Most messages taken between two steps, so that no flood of them keeps the bus waiting.
 const TAKEN_AT_ONCE: usize = 64;
 
 pub(crate) struct StationLoop {
@@ -113,17 +112,17 @@ pub(crate) struct StationLoop {
     pub(crate) name: String,
     pub(crate) clock: Clock,
     pub(crate) shell: StationShell,
-    /// What there is to do, in this order.
+    /// Effects to be performed, in this order.
     effects: Vec<StationEffect>,
     /// The buses of its own devices; `None` behind the gateway.
     pub(crate) buses: Option<Joined>,
-    /// What ROS 2 sees of the devices on them.
+    /// The devices on them, for ROS 2.
     devices: Option<Devices>,
     trouble: Option<DeviceDiagnosticsTopic>,
     words: DeviceTexts,
     pub(crate) journal: Option<JournalWriter>,
     pub(crate) waiting: Waiting<StationInbound>,
-    /// Which start of the host this is.
+    /// Identity of this start of the host.
     pub(crate) host: String,
     says: StationPublishers,
     pub(crate) from: mpsc::Receiver<StationInbound>,
@@ -135,7 +134,7 @@ pub(crate) struct StationLoop {
     _node: linewright_node_shell::RosNode,
 }
 
-/// An end that nobody has planned lets go of the outputs as well.
+/// An unplanned end switches the outputs off as well.
 impl Drop for StationLoop {
     fn drop(&mut self) {
         self.end();
@@ -343,7 +342,7 @@ impl StationLoop {
         }
     }
 
-    /// What is wrong with the devices on its own bus, if it has one.
+    /// Publishes the faults of the devices on its own bus, if it has one.
     fn tell_trouble(&mut self, now: Tick) {
         if let (Some(trouble), Some(buses)) = (&mut self.trouble, &self.buses) {
             trouble.act(now, buses);
@@ -357,10 +356,10 @@ impl StationLoop {
         }
     }
 
-    /// Performs what follows from what has arrived and from the time.
+    /// Performs the effects of arrivals and of the time.
     ///
     /// # Errors
-    /// When the journal cannot be written. A station restarted without its journal would tell a past state: better to
+    /// When the journal cannot be written. A station restarted without its journal would report a past state: better to
     /// end now, with the outputs off.
     async fn act(&mut self) -> Result<(), StationNodeError> {
         let now = self.clock.now();
@@ -464,7 +463,7 @@ impl StationLoop {
         }
     }
 
-    /// Lets go of the outputs, on the own bus or by way of the gateway.
+    /// Switches the outputs off, on the own bus or by way of the gateway.
     fn end(&mut self) {
         if std::mem::replace(&mut self.has_ended, true) {
             return;
@@ -478,7 +477,7 @@ impl StationLoop {
     }
 }
 
-/// Which start of the host this is, as the kernel numbers it; empty where it cannot be read, which matches no record.
+/// Identity of this start of the host, from the kernel; empty where it cannot be read, which matches no record.
 fn host_start() -> String {
     let id = std::fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     id.trim().to_owned()

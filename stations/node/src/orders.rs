@@ -1,9 +1,9 @@
-//! What a station on order hears and says of its orders over ROS 2.
+//! ROS 2 interface of a station on order.
 //!
 //! Orders come as goals of the action `~/run_task`; one order may come by any number of goals, and each of them ends as the
-//! order does. Who no longer wants it cancels a goal, or says so on `~/secure`, where it can be stopped as well. All that is known of orders goes out on
-//! `~/order`, whole each time: whoever gives orders reads the ends there, and need not wait for any single answer. Nothing is
-//! decided here; what becomes of an order is the controller's affair.
+//! order does. It is left by cancelling a goal, or by `~/secure`, where it can be stopped as well. The state of all orders goes
+//! out on `~/order`, whole each time: a coordinator reads the ends there, and need not wait for any single answer. Nothing is
+//! decided here; that is the controller's affair.
 
 use std::time::Duration;
 
@@ -30,7 +30,7 @@ pub enum OrderInbound {
     Run(TaskOrder),
     /// To leave an order be.
     Secure(OrderKey),
-    /// To stop at once what is done of an order.
+    /// To stop the motions of an order at once.
     Stop(OrderKey),
 }
 
@@ -56,7 +56,7 @@ pub struct TaskOrderTopics {
     owner: ActionOwner<RunTask>,
     state: Publisher<OrderState>,
     goals: Vec<OngoingGoal>,
-    /// How far the order was that was last told of.
+    /// Progress of the order that was last published.
     told: Option<(OrderKey, RunTaskFeedback)>,
     report: StationReport,
     message: OrderState,
@@ -81,7 +81,7 @@ impl TaskOrderTopics {
         Ok(TaskOrderTopics { owner, state, goals: Vec::new(), told: None, report: StationReport::default(), message })
     }
 
-    /// What the controller is told when somebody asks.
+    /// The controller's input from a goal request.
     pub fn asked(&mut self, asked: GoalRequest<RunTaskGoal>) -> Option<OrderInbound> {
         match asked {
             GoalRequest::Goal(goal, wanted) => {
@@ -98,14 +98,14 @@ impl TaskOrderTopics {
         }
     }
 
-    /// What the controller is told when an order is to be left, or stopped.
+    /// The controller's input from an order to leave an order, or to stop.
     pub fn secure(&mut self, key: OrderKey, stop: bool) -> OrderInbound {
-        // Said from the next state on, which is made after the controller has taken it in.
+        // In effect from the next state on, which is made after the controller has taken it in.
         (self.message.secured_epoch, self.message.secured_id) = (key.epoch, key.id);
         if stop { OrderInbound::Stop(key) } else { OrderInbound::Secure(key) }
     }
 
-    /// Says what has become of orders, once it is remembered. The whole state goes out when it is `due`.
+    /// Publishes the progress of orders, once it is recorded. The whole state goes out when it is `due`.
     pub fn tell(
         &mut self,
         line: &Line,
@@ -133,7 +133,7 @@ impl TaskOrderTopics {
         self.report = report;
     }
 
-    /// Goals end as the report says, and hear how far their order is.
+    /// Goals end as in the report, with feedback on the progress of their order.
     fn follow(&mut self, line: &Line, controller: &Controller, orders: &TaskOrderReport) {
         if !self.goals.is_empty() {
             orders.results.iter().for_each(|&(key, outcome)| self.end(key, outcome));
@@ -156,7 +156,7 @@ impl TaskOrderTopics {
             let (end, code) = end_of(outcome);
             OrderEnd { epoch: key.epoch, id: key.id, end, code }
         });
-        // A station remembers no more than the message has room for.
+        // A station keeps no more than the message has room for.
         message.ended = Bounded::new(ended.collect()).unwrap_or_default();
         let refused = orders.refused.iter().map(|&(key, refusal)| {
             let code = refusal.code();
@@ -193,7 +193,7 @@ impl TaskOrderTopics {
             }
             let ended = match result.end {
                 RunTaskResult::END_DONE => GoalEnd::Succeeded,
-                // With whatever code: it was left because somebody asked for that.
+                // With any code: it was left on request.
                 _ if live.is_cancelled => GoalEnd::Canceled,
                 _ => GoalEnd::Aborted,
             };
@@ -245,7 +245,7 @@ fn feedback(line: &Line, controller: &Controller, slot: &SlotReport) -> RunTaskF
     }
 }
 
-/// How an order has ended, as messages say it.
+/// Outcome of an order, as in messages.
 const fn end_of(outcome: TaskOutcome) -> (u8, u16) {
     match outcome {
         TaskOutcome::Done => (RunTaskResult::END_DONE, 0),

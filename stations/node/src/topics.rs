@@ -1,4 +1,4 @@
-//! What a station says and hears over ROS 2.
+//! ROS 2 topics and services of a station.
 
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, StationState, Text};
@@ -17,18 +17,18 @@ pub enum StationInbound {
     State(Box<StationState>),
     /// The station's input image, through the coordinator's gateway.
     Inputs(ProcessImage),
-    /// What is wrong with the devices, from whoever manages them.
+    /// Faults of the devices, from their manager.
     Trouble(String),
     /// The panel's selector: `auto` or `manual`.
     Selector(String),
     /// An operator confirms where the station stands: the name of the operation it was stopped in, or nothing where its
-    /// switches tell.
+    /// switches measure that.
     Rejoin(String),
     /// The panel's advance.
     Advance(bool),
     /// The panel's return.
     Retract(bool),
-    /// Somebody orders a task, or no longer wants it.
+    /// A task is ordered, or cancelled.
     Goal(GoalRequest<RunTaskGoal>),
     /// An order is to be left; with true, the station is to stop at once.
     Secure(OrderKey, bool),
@@ -44,7 +44,7 @@ pub struct StationPublishers {
     pub orders: Option<TaskOrderTopics>,
 }
 
-/// Enough for a burst of every station's state while the node is busy; what does not fit waits in the middleware.
+/// Enough for a burst of every station's state while the node is busy; the rest waits in the middleware.
 const QUEUE: usize = 256;
 
 /// Opens every topic of a station.

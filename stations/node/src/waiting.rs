@@ -1,4 +1,4 @@
-//! What arrives while a record is being written, which takes as long as a disk takes.
+//! Arrivals while a record is being written, which takes as long as a disk takes.
 //!
 //! It waits: what follows the record was decided without it. An emergency stop alone turns the outputs off at once.
 
@@ -12,8 +12,8 @@ use crate::node::{StationLoop, StationNodeError, next_news};
 use crate::topics::StationInbound;
 
 impl StationLoop {
-    /// Writes down what the shell knows. An emergency stop that arrives meanwhile turns the outputs off at once, and so does a
-    /// record that takes longer than what was heard is known for.
+    /// Writes the shell's record. An emergency stop that arrives meanwhile turns the outputs off at once, and so does a record
+    /// that takes longer than received state is valid.
     pub(crate) async fn remember(&mut self) -> Result<(), StationNodeError> {
         let Some(journal) = &mut self.journal else { return Ok(()) };
         journal.begin(to_record(&self.line, self.station, &self.shell.snapshot(), &self.host));

@@ -1,4 +1,4 @@
-//! What arrives at a station, and what follows from it.
+//! Arrivals at a station, and their effects.
 
 use linewright_line::{OpId, StationId};
 use linewright_station_logic::{
@@ -8,7 +8,7 @@ use linewright_station_logic::{
 /// A station's input image as the gateway sends it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputsMessage {
-    /// Which life of the gateway.
+    /// Boot id of the gateway.
     pub boot_id: u64,
     /// Its number in that life.
     pub sequence: u64,
@@ -48,12 +48,13 @@ pub enum StationArrival<'a> {
         bits: u128,
         /// The bus's manager vouches for the bits.
         valid: bool,
-        /// How often devices have been lost.
+        /// Number of losses of devices.
         losses: u64,
     },
     /// The panel, by message.
     Panel(PanelCommand),
-    /// An operator's confirmation that the station stands where its switches say, or was stopped in this operation.
+    /// An operator's confirmation that the station stands where its switches measure it, or was stopped in this
+    /// operation.
     Rejoin(Option<OpId>),
     /// An order for a task, or about one.
     Task(TaskCommand<'a>),
@@ -70,32 +71,31 @@ pub struct Driven {
     pub number: u64,
     /// [`InputsMessage::lives`] of the image it was decided on.
     pub lives: u64,
-    /// The newest mode epoch that was heard when it was decided.
+    /// The newest mode epoch received when it was decided.
     pub mode_epoch: u64,
 }
 
-/// What is to be done. Effects are performed in the order in which they are given; if one fails, those after it are not
-/// performed.
+/// Effects are performed in the order in which they are given; if one fails, those after it are not performed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StationEffect {
     /// Write down [`crate::StationShell::snapshot`].
     Remember,
     /// Put out this image, on the own bus or by way of the gateway.
     Drive(Driven),
-    /// Send the controller's report to everybody, as message number `sequence`.
+    /// Send the controller's report to all readers, as message number `sequence`.
     Tell {
         /// Its number in this life of the station.
         sequence: u64,
     },
     /// Answer an order for a task.
     Reply(OrderKey, TaskReply),
-    /// Tell what has happened.
+    /// Publish an event.
     Happened(StationHappening),
-    /// Log what was ignored and why: the 1st, 2nd, 4th, 8th … time.
+    /// Log the input ignored and the reason: the 1st, 2nd, 4th, 8th … time.
     Ignored {
-        /// How much has been ignored so far.
+        /// Number of inputs ignored so far.
         count: u64,
-        /// Why the last of it was.
+        /// Reason for the last of them.
         why: String,
     },
 }

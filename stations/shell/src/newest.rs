@@ -1,10 +1,10 @@
-//! Which of two whole-state messages is the newer one.
+//! Decision which of two whole-state messages is the newer one.
 //!
 //! A writer numbers its messages and marks them with a boot id that is new with every start of its process. Sequence
 //! numbers alone would make a restarted writer (starting from 1) look old, and the last messages of its dead
 //! predecessor, still on their way, look new. So: within a boot the greater sequence is newer. Another boot id is
-//! believed only once the present one has been silent for its term: boot ids have no order, so of two that are heard at
-//! once either may be the older. The price is that a restarted writer is recognised one term after its predecessor's
+//! accepted only once the present one has been silent for its term: boot ids have no order, so of two that are received
+//! at once either may be the older. The price is that a restarted writer is recognised one term after its predecessor's
 //! last message; until then its readers rely on a state that they would still hold if it had only become silent.
 //!
 //! A boot id that was replaced comes back after the same silence, and on its second message only, some time after the
@@ -22,18 +22,18 @@ const RETIRED_MAX: usize = 8;
 /// The newest message of one writer, by (boot id, sequence).
 #[derive(Debug, Clone)]
 pub struct NewestBySequence {
-    /// Silence of the present life after which another one is believed.
+    /// Silence of the present life after which another one is accepted.
     term: Duration,
     current: Option<(u64, u64)>,
-    /// When the newest message was heard.
+    /// Arrival of the newest message.
     heard: Tick,
     retired: Vec<u64>,
-    /// What was heard last of what one message alone does not prove alive, while no newer one is heard.
+    /// The last message that does not alone prove its life alive, while no newer one is received.
     returning: Option<(u64, u64, Tick)>,
 }
 
 impl NewestBySequence {
-    /// Nothing heard yet. `term` is the age at which a message of this writer is unknown.
+    /// Nothing received yet. `term` is the age at which a message of this writer is unknown.
     pub fn new(term: Duration) -> Self {
         NewestBySequence { term, current: None, heard: Tick::ZERO, retired: Vec::new(), returning: None }
     }
@@ -48,7 +48,7 @@ impl NewestBySequence {
             Some((boot, _)) if boot == boot_id || self.retired.contains(&boot_id) => {
                 let apart = self.term / 8;
                 let first = self.returning.filter(|&(boot, before, _)| boot == boot_id && before < sequence);
-                // The first of what came close together is the one to compare with.
+                // The first of messages that came close together is the one to compare with.
                 if first.is_some_and(|(_, _, at)| now < at + apart) {
                     return false;
                 }
@@ -70,7 +70,7 @@ impl NewestBySequence {
         self.current
     }
 
-    /// When the newest message was heard.
+    /// Arrival of the newest message.
     pub fn heard(&self) -> Tick {
         self.heard
     }
@@ -132,9 +132,9 @@ mod tests {
 
     #[test]
     fn the_last_message_of_a_short_life_does_not_deafen_its_readers() {
-        // Life 2 was never heard while it lived; its last message overtakes nothing.
+        // Life 2 was never received while it lived; its last message overtakes nothing.
         judged(&[(0, 1, 500, NEWEST), (300, 3, 1, NEWEST), (301, 2, 1, OLD), (350, 3, 2, NEWEST)]);
-        // The same while life 3 is cut off: it is heard again one term later.
+        // The same while life 3 is cut off: it is received again one term later.
         let cut_off = [(0, 3, 1, NEWEST), (300, 2, 9, NEWEST), (310, 3, 7, OLD), (550, 3, 8, OLD)];
         judged(&[&cut_off[..], &[(600, 3, 9, NEWEST), (601, 3, 10, NEWEST)]].concat());
     }
@@ -149,7 +149,7 @@ mod tests {
             // One message alone may be a late one, however often it comes.
             (300, 7, 11, OLD),
             (301, 7, 11, OLD),
-            // What waited somewhere arrives at once.
+            // Messages that waited somewhere arrive at once.
             (302, 7, 12, OLD),
             (303, 7, 13, OLD),
             (350, 7, 12, NEWEST),

@@ -8,7 +8,8 @@ use std::time::Duration;
 
 use linewright_line::Tick;
 
-/// Other lives kept at once. One that goes on is enough; the room is for those that are heard once between its messages.
+/// Other lives kept at once. One that goes on is enough; the room is for those that are received once between its
+/// messages.
 const LIVES_MAX: usize = 64;
 
 /// Another life that is there.
@@ -16,7 +17,7 @@ const LIVES_MAX: usize = 64;
 pub struct RivalLife {
     /// Its boot id.
     pub life: u64,
-    /// The newest sequence heard of it.
+    /// Its newest sequence received.
     pub sequence: u64,
     /// It counts as there until then.
     pub until: Tick,
@@ -29,7 +30,7 @@ struct RivalRecord {
     is_there: bool,
 }
 
-/// The lives that are heard beside the one that is followed.
+/// The lives that are received beside the one that is followed.
 #[derive(Clone, Debug)]
 pub struct Rivals {
     period: Duration,
@@ -38,12 +39,12 @@ pub struct Rivals {
 }
 
 impl Rivals {
-    /// Nothing heard yet. Writers repeat themselves every `period`; `term` is the age at which a message is unknown.
+    /// Nothing received yet. Writers repeat themselves every `period`; `term` is the age at which a message is unknown.
     pub fn new(period: Duration, term: Duration) -> Self {
         Rivals { period, term, others: Vec::new() }
     }
 
-    /// Takes a message of another life than the followed one, which was heard last at `followed`.
+    /// Takes a message of another life than the followed one, which was last received at `followed`.
     pub fn hear(&mut self, now: Tick, (life, sequence): (u64, u64), followed: Tick) {
         self.others.retain(|other| now < other.rival.until);
         let until = now + self.term;
@@ -56,7 +57,7 @@ impl Rivals {
             Some(_) => {}
             None if life != 0 => {
                 if !has_room {
-                    // Lives heard once must not keep out one that goes on.
+                    // Lives received once must not keep out one that goes on.
                     let oldest = self.others.iter().enumerate().filter(|(_, other)| !other.is_there);
                     match oldest.min_by_key(|(_, other)| other.since).map(|(at, _)| at) {
                         Some(at) => drop(self.others.remove(at)),
@@ -100,11 +101,11 @@ mod tests {
         late.hear(ms(1000), (2, 7), ms(990));
         late.hear(ms(1100), (2, 7), ms(1090));
         assert_eq!(late.there(ms(1100)), None);
-        // What comes at once comes from one buffer.
+        // Messages that come at once come from one buffer.
         late.hear(ms(1300), (3, 7), ms(1290));
         late.hear(ms(1301), (3, 8), ms(1301));
         assert_eq!(late.there(ms(1301)), None);
-        // A successor speaks while the life before has just fallen silent.
+        // A successor sends while the life before has just fallen silent.
         let mut successor = rivals();
         for at in [1000, 1050, 1100] {
             successor.hear(ms(at), (4, at), ms(990));
@@ -120,7 +121,7 @@ mod tests {
         }
         assert_eq!(beside.there(ms(1299)), Some(RivalLife { life: 2, sequence: 1050, until: ms(1300) }));
         assert_eq!(beside.there(ms(1300)), None);
-        // After the silence it has to be heard twice again.
+        // After the silence it has to be received twice again.
         beside.hear(ms(1400), (2, 1400), ms(1400));
         assert_eq!(beside.there(ms(1400)), None);
     }

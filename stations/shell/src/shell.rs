@@ -1,9 +1,9 @@
 //! The station's shell: arrivals in, effects out.
 //!
-//! Order of effects: record, outputs, state, answers, events. So nobody knows more of a station than it would remember
-//! after being killed. What switches outputs off goes first, because a slow disk must not delay it. That is safe: a record
-//! that still shows an operation as running restores it as stopped. After a record that took longer than a period nothing
-//! is switched on by what was decided before it: the station decides again.
+//! Order of effects: record, outputs, state, answers, events. So no state is sent that the station would have lost after
+//! being killed. What switches outputs off goes first, because a slow disk must not delay it. That is safe: a record that
+//! still shows an operation as running restores it as stopped. After a record that took longer than a period nothing is
+//! switched on by what was decided before it: the station decides again.
 
 use std::fmt::Display;
 use std::time::Duration;
@@ -19,7 +19,7 @@ use crate::effect::{Driven, InputsMessage, StationArrival, StationEffect};
 use crate::newest::NewestBySequence;
 use crate::rivals::Rivals;
 
-/// No line changes its mode so often while one reader does not hear of it: an order whose epoch is further ahead of those
+/// No line changes its mode so often while one reader does not receive it: an order whose epoch is further ahead of those
 /// that were followed is no coordinator's.
 pub const EPOCH_JUMP_MAX: u64 = 1 << 20;
 
@@ -49,18 +49,18 @@ pub struct StationShell {
     before: Option<(u128, u64)>,
     /// Everything was turned off while a record was being written.
     is_interrupted: bool,
-    /// When it was decided last.
+    /// Time of the last decision.
     acted: Tick,
     state_sequence: u64,
     image_sequence: u64,
     refresh: Duration,
     refresh_due: Tick,
     stale: Duration,
-    /// The longest lease that the description knows.
+    /// The longest lease of the description.
     lease: Duration,
-    /// It asked to be called by then.
+    /// Time of the next call that it has requested.
     expected: Tick,
-    /// What arrives before may have waited while the process stood still: its age is unknown.
+    /// Arrivals before this may have waited while the process stood still: their age is unknown.
     doubts_until: Tick,
     ignored: u64,
 }
@@ -101,7 +101,7 @@ impl StationShell {
         })
     }
 
-    /// The same without repetitions, for a simulation whose links repeat by themselves what was sent last.
+    /// The same without repetitions, for a simulation whose links repeat the last message by themselves.
     #[must_use]
     pub fn without_refresh(mut self) -> Self {
         self.refresh_due = Tick::NEVER;
@@ -120,12 +120,12 @@ impl StationShell {
         &self.controller
     }
 
-    /// Which life of the station this is.
+    /// Boot id of the station.
     pub fn boot_id(&self) -> u64 {
         self.boot_id
     }
 
-    /// What to write down when [`StationEffect::Remember`] asks for it.
+    /// Record for [`StationEffect::Remember`].
     pub fn snapshot(&self) -> StationSnapshot {
         self.controller.snapshot()
     }
@@ -135,7 +135,7 @@ impl StationShell {
         self.inputs
     }
 
-    /// Takes what has arrived. Follow with [`StationShell::act`], once everything that waits has been taken.
+    /// Takes an arrival. Follow with [`StationShell::act`], once everything that waits has been taken.
     pub fn handle(&mut self, now: Tick, arrival: StationArrival<'_>, effects: &mut Vec<StationEffect>) {
         self.notice_gap(now);
         let is_doubtful = now < self.doubts_until;
@@ -195,8 +195,8 @@ impl StationShell {
         handled
     }
 
-    /// Orders of two coordinators in turn are no order: nothing starts while both are heard. An emergency stop counts as
-    /// none here; it is obeyed from either.
+    /// Orders of two coordinators in turn are no order: nothing starts while both are received. An emergency stop counts
+    /// as none here; it is obeyed from either.
     fn look_for_rivals(&mut self, now: Tick, sequence: u64, order: &ModeOrder, is_doubtful: bool) {
         let Some((followed, _)) = self.orders.current() else { return };
         if order.boot_id == followed {
@@ -213,8 +213,8 @@ impl StationShell {
     }
 
     fn take_order(&mut self, now: Tick, sequence: u64, order: ModeOrder, is_doubtful: bool) -> Handled {
-        // A station that has followed nobody yet has nothing to compare with. It follows whatever epoch the line has come to,
-        // so that a line comes back from an epoch that was forged when its stations are restarted.
+        // A station that has followed no coordinator yet has nothing to compare with. It follows whatever epoch the line has
+        // come to, so that a line comes back from an epoch that was forged when its stations are restarted.
         let followed = self.controller.mode_epoch();
         let jumps = followed != 0 && order.epoch > followed.saturating_add(EPOCH_JUMP_MAX);
         if jumps || order.lease > self.lease {
@@ -257,8 +257,9 @@ impl StationShell {
         self.is_changed |= std::mem::take(&mut self.outbox.changed);
     }
 
-    /// The process was stopped, or the machine stood still: what was heard before is too old. Views and images are so by
-    /// their age; the controller has to see that before anything newer hides it. The lease is longer than that, and ends.
+    /// The process was stopped, or the machine stood still: what was received before is too old. Views and images are so
+    /// by their age; the controller has to see that before anything newer hides it. The lease is longer than that, and
+    /// ends.
     fn notice_gap(&mut self, now: Tick) {
         if self.expected == Tick::NEVER || now <= self.expected + self.stale {
             return;
@@ -269,7 +270,7 @@ impl StationShell {
         self.step_between(now);
     }
 
-    /// Plays the controller one step further and gives what follows.
+    /// Plays the controller one step further and returns the effects.
     pub fn act(&mut self, now: Tick, effects: &mut Vec<StationEffect>) {
         self.notice_gap(now);
         self.controller.step(now, &mut self.outbox);
@@ -318,7 +319,8 @@ impl StationShell {
         effects.push(StationEffect::Drive(Driven { sequence, bits, number, lives, mode_epoch }));
     }
 
-    /// Of what was driven before only what stays on, under the number it had: the motion that begins is not driven yet.
+    /// Leaves on only those outputs of before that stay on, under their number: the motion that begins is not driven
+    /// yet.
     fn switch_off(&mut self, effects: &mut Vec<StationEffect>) {
         let (bits, number) = self.image;
         let staying = bits & self.outbox.outputs;
@@ -327,9 +329,9 @@ impl StationShell {
         }
     }
 
-    /// The record that [`StationEffect::Remember`] asked for is written. False if that took longer than a period: outputs
-    /// that follow in the same effects are not put out, as they were decided on what is old now. All else that follows is
-    /// performed, and [`StationShell::act`] is due at once.
+    /// The record of [`StationEffect::Remember`] is written. False if that took longer than a period: outputs that follow
+    /// in the same effects are not put out, as they were decided on what is old now. All else that follows is performed,
+    /// and [`StationShell::act`] is due at once.
     pub fn remembered(&mut self, now: Tick) -> bool {
         let is_late = std::mem::take(&mut self.is_interrupted) || now > self.acted + self.refresh;
         if is_late {
@@ -342,9 +344,9 @@ impl StationShell {
         !is_late
     }
 
-    /// The image for when an emergency stop arrives while a record is being written, or the record takes longer than what was
-    /// heard is known for: everything off. The order itself is handled after the record, and nothing that was decided before
-    /// it is put out ([`StationShell::remembered`]).
+    /// The image for when an emergency stop arrives while a record is being written, or the record takes longer than received
+    /// state is valid: everything off. The order itself is handled after the record, and nothing that was decided before it
+    /// is put out ([`StationShell::remembered`]).
     pub fn interrupt(&mut self) -> Driven {
         self.is_interrupted = true;
         self.before = None;
@@ -364,7 +366,7 @@ impl StationShell {
         Driven { sequence: self.image_sequence, bits: 0, number, lives: self.lives, mode_epoch }
     }
 
-    /// When to act again if nothing arrives before.
+    /// Time of the next call if nothing arrives before.
     pub fn next_deadline(&self) -> Tick {
         self.controller.next_deadline().unwrap_or(Tick::NEVER).min(self.refresh_due)
     }

@@ -1,5 +1,5 @@
-//! Who may give orders, and in which epochs. Two coordinators at once: nothing moves while both are heard, and the station
-//! says why.
+//! Sources and epochs of orders. Two coordinators at once: nothing moves while both are received, and the station reports
+//! why.
 
 use std::time::Duration;
 
@@ -81,7 +81,7 @@ fn the_emergency_stop_of_either_is_obeyed_while_both_give_orders() {
     }
 }
 
-/// The followed one is killed, and its successor speaks at once.
+/// The followed one is killed, and its successor sends at once.
 #[test]
 fn a_successor_is_no_second_coordinator() {
     let mut rig = Rig::new();

@@ -70,7 +70,7 @@ fn it_stays_in_force_while_another_coordinator_gives_it() {
     assert_eq!(rig.mode(), Manual);
 }
 
-/// A successor that has never heard of the stop has higher epochs by chance, or because its journal is of another time.
+/// A successor that has never received the stop has higher epochs by chance, or because its journal is of another time.
 #[test]
 fn a_successor_that_does_not_know_of_it_ends_nothing() {
     let mut rig = Rig::new();
@@ -98,7 +98,7 @@ fn everything_is_off_at_the_end_whatever_the_reason() {
     assert!(rig.driven().is_none_or(|image| image.sequence > off.sequence && image.number != off.number));
 }
 
-/// It gives the stop while its predecessor is still believed, then it is followed and ends it.
+/// It gives the stop while its predecessor is still followed, then it is followed and ends it.
 #[test]
 fn a_successor_that_gave_it_before_it_was_followed_ends_it() {
     let mut rig = Rig::new();

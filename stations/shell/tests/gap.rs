@@ -8,7 +8,7 @@ use linewright_station_shell::StationArrival;
 
 use crate::rig::Rig;
 
-/// What waited for it meanwhile says nothing of the present, however new it looks.
+/// Messages that waited for it meanwhile prove nothing about the present, however new they look.
 #[test]
 fn what_was_heard_before_a_gap_and_what_waited_in_it_is_unknown() {
     let mut rig = Rig::new();
@@ -26,7 +26,7 @@ fn what_was_heard_before_a_gap_and_what_waited_in_it_is_unknown() {
     let incomplete = rig.shell.controller().marking().any(|place| place.is_incomplete());
     assert!(incomplete, "the motion was stopped");
 
-    // One period later everything that lives has been heard anew.
+    // One period later all that live have been received anew.
     rig.pass(rig.timing().refresh);
     rig.refresh(5, Manual);
     rig.inputs(false);

@@ -1,4 +1,4 @@
-//! What is written down before what is put out, and that before what is told.
+//! Order of effects: records before outputs, and those before messages.
 
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{HappeningKind, PanelCommand};
@@ -84,7 +84,7 @@ fn after_a_slow_record_nothing_is_switched_on_by_what_was_decided_before_it() {
         assert!(rig.shell.next_deadline() <= rig.now, "it is to act at once");
         rig.effects.clear();
         rig.act();
-        // Within the age of what was heard the motion begins by what holds now; after it, by nothing.
+        // Within the age of received state the motion begins by what holds now; after it, by nothing.
         assert_eq!(rig.kinds().contains(&"on"), begins, "{late:?}: {:?}", rig.kinds());
         assert!(rig.kinds().iter().any(|kind| ["on", "off"].contains(kind)), "the image is given again");
     }

@@ -37,7 +37,7 @@ impl Rig {
         };
         let peers = line.station_ids().filter(|&id| id != station).map(peer).collect();
         let shell = StationShell::new(&line, station, LIFE, Restore::Fresh).expect("it compiles");
-        // Its peers were never at home with it, and say nothing of where they stand.
+        // Its peers were never at home with it, and do not report where they stand.
         let shell = shell.with_rules(Rules::COUNTS);
         let mut rig = Rig {
             line,
@@ -56,7 +56,7 @@ impl Rig {
         rig
     }
 
-    /// The station is started again without its memory; it has followed nobody yet.
+    /// The station is started again without its memory; it has followed no coordinator yet.
     pub fn restart(&mut self) {
         let shell = StationShell::new(&self.line, self.station, LIFE + 1, Restore::Fresh).expect("it compiles");
         self.shell = shell.with_rules(Rules::COUNTS);
@@ -118,7 +118,7 @@ impl Rig {
         }
     }
 
-    /// What drives a motion among these outputs.
+    /// Outputs among these that drive a motion.
     pub fn motion(&self, bits: u128) -> u128 {
         let operations = &self.line.station(self.station).operations;
         let actuators = operations.iter().fold(0, |bits, operation| {
@@ -139,7 +139,7 @@ impl Rig {
         })
     }
 
-    /// Everybody repeats what they say, and the panel's button stays down.
+    /// All messages are repeated, and the panel's button stays down.
     pub fn refresh(&mut self, epoch: u64, mode: ControlMode) {
         self.order(FOLLOWED, epoch, mode);
         for (station, report) in std::mem::take(&mut self.peers) {
@@ -168,7 +168,7 @@ impl Rig {
         self.effects.clear();
     }
 
-    /// The kinds of the effects, in order, without what is only told.
+    /// The kinds of the effects, in order, without messages.
     pub fn kinds(&self) -> Vec<&'static str> {
         let kind = |effect: &StationEffect| match effect {
             StationEffect::Remember => Some("remember"),

@@ -1,4 +1,4 @@
-//! Numbers by chance that are the same for the same seed, whatever library is there: what is measured is made of them.
+//! Random numbers that are the same for the same seed, whatever library is there: measured cells are made of them.
 
 /// A linear congruence.
 pub struct Dice(pub u64);

@@ -1,8 +1,8 @@
 //! A cell of any size, as text: bays of machines around a store, each with a robot, and parts that go on to the next bay.
 //!
 //! The first machine of a bay is its way out: it is loaded from the store of its bay and unloaded into that of the next one.
-//! So a part knows where it goes, nothing goes round for ever, and all bays are one cell. Stores have room for all parts, so
-//! it never gets stuck. The same size gives the same text.
+//! So a part has one way, nothing goes round for ever, and all bays are one cell. Stores have room for all parts, so it
+//! never gets stuck. The same size gives the same text.
 
 use std::fmt::Write as _;
 

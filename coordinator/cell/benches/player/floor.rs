@@ -1,4 +1,4 @@
-//! A life of the coordinator with stations that do what they are told, at once, right, and in the nominal time.
+//! A life of the coordinator with stations that obey at once, without faults, and in the nominal time.
 //!
 //! A message takes no time; an order is taken on and then done. Nothing is written to a disk.
 
@@ -21,13 +21,13 @@ pub struct Floor {
     working: BinaryHeap<Reverse<(Tick, StationId, OrderKey)>>,
     replies: Vec<(StationId, OrderKey, TaskReply)>,
     out: PlayerOutbox,
-    /// How many activities have started or happened.
+    /// Number of activities that have started or happened.
     pub firings: u64,
-    /// How many questions with something to start were answered.
+    /// Number of questions with something to start that were answered.
     pub decisions: u64,
-    /// How many records were written.
+    /// Number of records written.
     pub records: u64,
-    /// What has started, one number for all of it and its order.
+    /// Hash of all starts in their order.
     pub trace: u64,
 }
 
@@ -36,7 +36,7 @@ pub fn traced(trace: u64, at: Tick, mode: ModeId) -> u64 {
     (trace.rotate_left(5) ^ at.as_micros() ^ u64::from(mode.0)).wrapping_mul(0x517C_C1B7_2722_0A95)
 }
 
-/// How long a mode takes.
+/// Time of a mode.
 pub fn time(table: &CellTable, mode: ModeId) -> Duration {
     match table.activity(mode).kind {
         ActivityTiming::Immediate => Duration::ZERO,
@@ -87,7 +87,7 @@ impl Floor {
         self.take();
     }
 
-    /// Does what is said, and counts what is written.
+    /// Obeys messages, and counts records.
     fn take(&mut self) {
         let (player, table) = (&self.player, self.player.state().table());
         for record in self.out.records.drain(..) {
@@ -118,7 +118,7 @@ impl Floor {
         assert!(self.out.events.is_empty(), "{:?}", self.out.events);
     }
 
-    /// Whole states of all stations, which say nothing new; how many.
+    /// Sends whole states of all stations, without news; their number.
     pub fn hear_all(&mut self, dispatcher: &mut dyn Dispatcher) -> usize {
         let stations = self.player.state().table().handling().stations.len();
         let mut heard = TaskReport { memory: 1, epoch: 1, ..TaskReport::default() };

@@ -1,5 +1,5 @@
-//! What a firing of the token player costs: with and without decisions, beside a player that looks at every mode, and from
-//! 10 to 1,000 resources. Then what a state takes in memory.
+//! Cost of a firing of the token player: with and without decisions, beside a player that looks at every mode, and from 10
+//! to 1,000 resources. Then the memory of a state.
 //!
 //! `cargo bench -p linewright-coordinator-cell --bench player [FIRINGS [RESOURCES]...]`. A firing is an activity from its
 //! start to its end, with the orders of its stations, the records, and the stations played here; so many are one sample.
@@ -74,7 +74,7 @@ struct Line {
     nanos: Vec<f64>,
 }
 
-/// For each firing: how many input arcs were looked at to know what is enabled, and how often memory was asked for.
+/// For each firing: number of input arcs looked at for enabling, and of allocations.
 #[derive(Default)]
 struct Counted {
     looks: f64,
@@ -89,7 +89,7 @@ enum Played {
 impl Line {
     /// Played until all parts have entered and moved on a little.
     fn new(name: impl Into<String>, table: &Arc<CellTable>, dispatcher: Box<dyn Dispatcher>, firings: u64) -> Line {
-        // Whoever gets them in does not matter.
+        // The dispatcher that gets them in does not matter.
         let mut floor = Floor::new(table, &mut First);
         let parts = floor.player.state().parts().len() as u64;
         floor.play(&mut First, 2 * parts);
@@ -126,7 +126,7 @@ impl Line {
         self.nanos.push(took.as_nanos() as f64 / (self.count() - before) as f64);
     }
 
-    /// What one more sample takes for each firing, beside time; nothing of the peer.
+    /// Cost of one more sample for each firing, beside time; nothing of the peer.
     fn counted(&mut self) -> Counted {
         let firings = self.firings;
         let Played::Floor(floor, dispatcher) = &mut self.played else { return Counted::default() };
@@ -230,7 +230,7 @@ fn growth(firings: u64, sizes: &[usize]) {
     }
 }
 
-/// What it takes to hear a station that says nothing new.
+/// Cost of a station's report without news.
 fn hearing(floor: &mut Floor) -> f64 {
     let began = Instant::now();
     let stations = floor.hear_all(&mut First);

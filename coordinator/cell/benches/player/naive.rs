@@ -1,7 +1,7 @@
-//! The peer: a player that finds out anew after each firing what is enabled, by looking at every mode.
+//! The peer: a player that searches all modes for the enabled ones after each firing.
 //!
-//! It does far less than the real one: tokens are counted and no parts are told apart, nobody is told anything, nothing is
-//! written down, and what it starts is the first enabled mode.
+//! It does far less than the real one: tokens are counted and no parts are distinguished, nothing is sent or written down,
+//! and it starts the first enabled mode.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -1,4 +1,4 @@
-//! What no schedule can beat: bounds from the ways of parts and from what they compete for.
+//! Lower bounds of every schedule, from the ways of parts and from what they compete for.
 //!
 //! Of every kind of token that comes back by itself (capacities, carriers) it is known how many there are, since parts that
 //! hold some give them back: marking, parts and activities in progress always add up to the same number, a P-invariant with
@@ -29,7 +29,7 @@ struct SharedResource {
     cell: CellId,
     /// For each cell of parts how many each part on it holds.
     held: Vec<u64>,
-    /// For each cell of parts how much token time lies before a part on it at least.
+    /// For each cell of parts the least token time before a part on it.
     ahead: Vec<Duration>,
 }
 
@@ -52,7 +52,7 @@ impl SimulationBasis {
         SimulationBasis { bounds: Arc::new(CostBounds::new(&table)), table: Arc::new(table) }
     }
 
-    /// What is played.
+    /// Table that is played.
     pub fn table(&self) -> &Arc<CellTable> {
         &self.table
     }
@@ -63,7 +63,7 @@ impl SimulationBasis {
     }
 }
 
-/// What no way on from here can beat.
+/// Lower bound of every continuation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in super::super) struct CostBound {
     pub tardiness: u64,
@@ -130,7 +130,7 @@ impl SharedResource {
         before + weight_of(table.takes(mode), self.cell)
     }
 
-    /// For how long these tokens are needed at least from now on.
+    /// Least time for which these tokens are needed from now on.
     fn need(&self, simulation: &ForwardSimulation, desk: &DispatchConfiguration) -> Duration {
         let (state, table) = (simulation.state(), simulation.state().table());
         let mut has = state.marking().count(self.cell);
@@ -162,7 +162,7 @@ impl SharedResource {
             });
             need += one.min().unwrap_or_default().saturating_mul(order.missing());
         }
-        // Where none is left nothing can be said of how long it takes.
+        // Where none is left there is no bound on the time it takes.
         u32::try_from(has).ok().filter(|&has| has > 0).map_or(Duration::ZERO, |has| need / has)
     }
 }
@@ -176,12 +176,12 @@ impl CostBounds {
         CostBounds { shared: tokens.filter_map(|cell| SharedResource::new(table, cell)).collect() }
     }
 
-    /// How much time has to pass at least until nothing is left to be done.
+    /// Least time until nothing is left to be done.
     pub fn need(&self, simulation: &ForwardSimulation, desk: &DispatchConfiguration) -> Duration {
         self.shared.iter().map(|shared| shared.need(simulation, desk)).max().unwrap_or_default()
     }
 
-    /// What no way on from here can beat, in the measures of [`super::Score`].
+    /// Lower bound of every continuation, in the measures of [`super::Score`].
     pub fn bound(&self, simulation: &ForwardSimulation, desk: &DispatchConfiguration) -> CostBound {
         let (state, table, ways) = (simulation.state(), simulation.state().table(), desk.rules.ways());
         let micros = |span: Duration| u64::try_from(span.as_micros()).unwrap_or(u64::MAX);
@@ -234,7 +234,7 @@ pub(in super::super) fn entering(
     work.min().unwrap_or_default()
 }
 
-/// How often a part's tardiness counts.
+/// Weight of a part's tardiness.
 pub(in super::super) fn weight(job: &PartPriority) -> u64 {
     1 + u64::try_from(job.priority).unwrap_or(0)
 }

@@ -1,9 +1,9 @@
 //! Forward simulation of a cell.
 //!
-//! It begins as the real one is, and goes on as if every activity took its nominal time and every station did what it is
-//! told. An activity that already takes longer than that is believed to take as long again as it is late: so what hangs is
-//! waited for less and less, without anybody having to say when to give it up. A failed one stays failed and keeps what it
-//! has: a machine that is down is one that never comes back, as far as can be seen.
+//! It begins as the real one is, and goes on as if every activity took its nominal time and every station did its orders.
+//! An activity that already takes longer than that is assumed to take as long again as it is late: so what hangs is waited
+//! for less and less, without a limit to be set. A failed one stays failed and keeps what it has: a machine that is down
+//! is assumed never to come back.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,16 +24,16 @@ use super::rollout_policy::RolloutPolicy;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimulatedActivity {
     pub mode: ModeId,
-    /// With which part; a new one has the number that it would have.
+    /// Its part; a new one has the number that it would have.
     pub part: Option<PartId>,
     pub from: Tick,
-    /// When it ends; none if that was not played any more, or it has failed.
+    /// End; none if that was not played any more, or it has failed.
     pub to: Option<Tick>,
     /// It was in progress when the simulation began.
     pub was_running: bool,
 }
 
-/// Why playing has ended.
+/// Reason why playing has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// Nothing is in progress, and nothing will start: either all is done, or nothing can be.
@@ -98,27 +98,28 @@ impl ForwardSimulation {
         self.began
     }
 
-    /// How far time has gone.
+    /// Time reached.
     pub fn now(&self) -> Tick {
         self.now
     }
 
-    /// All that was started, in that order, after what was in progress before.
+    /// All starts, in their order, after the activities in progress before.
     pub fn acts(&self) -> &[SimulatedActivity] {
         &self.acts
     }
 
-    /// The parts that have left: what was known of each, and when.
+    /// The parts that have left: due date and priority of each, and time.
     pub(in super::super) fn left(&self) -> &[(PartPriority, Tick)] {
         &self.left
     }
 
-    /// How many activities were started or have happened.
+    /// Number of activities that were started or have happened.
     pub fn firings(&self) -> usize {
         self.firings
     }
 
-    /// How many activities had been started, those in progress before among them, after the first question was answered.
+    /// Number of activities that had been started, those in progress before among them, after the first question was
+    /// answered.
     pub(super) fn first(&self) -> Option<usize> {
         self.first
     }
@@ -140,7 +141,7 @@ impl ForwardSimulation {
         policy.note(&record);
     }
 
-    /// Ends what is due, and lets happen what happens by itself; false if that was more than allowed.
+    /// Ends activities that are due, and fires modes that happen by themselves; false if those were more than allowed.
     pub(in super::super) fn settle(&mut self, policy: &mut (impl RolloutPolicy + ?Sized), most: usize) -> bool {
         loop {
             while let Some(&(_, firing)) = self.state.due.first().filter(|(due, _)| *due <= self.now) {
@@ -159,7 +160,7 @@ impl ForwardSimulation {
         }
     }
 
-    /// What could start now.
+    /// Modes that could start now.
     pub(in super::super) fn candidates(&self) -> (Vec<Candidate>, Vec<ConflictGroup>) {
         pose(&self.state, self.state.enabling.decided().iter().copied())
     }
@@ -180,7 +181,7 @@ impl ForwardSimulation {
         self.write(RecordKind::Started { firing, mode, part, orders: Vec::new() }, policy);
     }
 
-    /// When something ends next.
+    /// Time of the next end.
     pub(in super::super) fn next_end(&self) -> Option<Tick> {
         self.state.due.first().map(|&(due, _)| due)
     }

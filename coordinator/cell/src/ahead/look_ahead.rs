@@ -1,4 +1,4 @@
-//! The dispatcher that tries out what comes of a decision before it makes it.
+//! The dispatcher that simulates decisions before it makes one.
 //!
 //! For each group of candidates that compete, the first of them by the rules are tried, waiting for what happens next, and
 //! doing without a way where there are others: each is simulated, with the rules deciding all that follows, until the
@@ -35,14 +35,14 @@ use super::score::Score;
 /// Default number of firings simulated for a question.
 pub const EFFORT: usize = 4000;
 
-/// So many candidates of a group are tried.
+/// Candidates tried of a group.
 const TRIED: usize = 8;
 
 #[derive(Clone, Debug)]
 pub struct LookAhead {
-    /// The rules, and what is on order.
+    /// The rules, and the production orders.
     pub desk: DispatchConfiguration,
-    /// How far ahead; zero for not at all.
+    /// Time looked ahead; zero for not at all.
     pub horizon: Duration,
     /// Most firings simulated for a question.
     pub effort: usize,
@@ -55,7 +55,7 @@ pub struct LookAhead {
 /// A future that was tried.
 struct EvaluatedDecision {
     score: Score,
-    /// What starts in it at this question.
+    /// Starts in it at this question.
     first: Vec<PlannedStart>,
     all: VecDeque<PlannedStart>,
 }
@@ -75,12 +75,12 @@ impl LookAhead {
         &self.basis
     }
 
-    /// How many questions had to be decided before everything was tried.
+    /// Number of questions that had to be decided before everything was tried.
     pub fn worn(&self) -> u64 {
         self.worn
     }
 
-    /// Whether it is not to be asked what comes of it.
+    /// Whether the rules alone decide.
     fn is_bound(&self, question: &Question<'_>) -> bool {
         let rules = &self.desk.rules;
         let timetable = &rules.timetable;
@@ -116,7 +116,7 @@ impl LookAhead {
         Some(EvaluatedDecision { score, first: all[..first].to_vec(), all: all.into() })
     }
 
-    /// What else could be decided than what the rules say.
+    /// Alternatives to the decision by rules.
     fn choices(&self, question: &Question<'_>, usual: &DispatchDecision) -> Vec<PolicyChoice> {
         let preference = self.desk.rules.preference(question);
         let mut choices = Vec::new();
@@ -176,7 +176,7 @@ impl LookAhead {
         DispatchDecision { held: held.collect(), start }
     }
 
-    /// When the first part will have waited too long, if nothing moves.
+    /// Time at which the first part will have waited too long, if nothing moves.
     fn pressed_at(&self, now: Tick, state: &PlayerState) -> Option<Tick> {
         let patience = self.desk.rules.fairness.patience?;
         let inside = state.waiting().map(|part| part.since);
@@ -184,7 +184,7 @@ impl LookAhead {
         inside.chain(outside).map(|since| since + patience).filter(|&at| at > now && at != Tick::NEVER).min()
     }
 
-    /// What was started is not to be started again.
+    /// Removes a start that was made.
     fn started(&mut self, mode: ModeId, part: Option<PartId>) {
         let part = part.filter(|_| self.basis.table().part_in(mode).is_some());
         let at = self.best.iter().position(|of| (of.mode, of.part) == (mode, part));

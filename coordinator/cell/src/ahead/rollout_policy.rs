@@ -14,7 +14,7 @@ use super::super::record::Record;
 
 /// A dispatcher within a forward simulation.
 pub trait RolloutPolicy: Dispatcher {
-    /// What it knows of parts and orders.
+    /// Its data on parts and orders.
     fn desk(&self) -> &DispatchConfiguration;
 }
 
@@ -31,7 +31,7 @@ pub enum PolicyChoice {
     Start(ModeId, Option<PartId>),
     /// None of these starts at this moment.
     Wait(BTreeSet<ModeId>, Tick),
-    /// This never starts: what it would be for goes another way, or waits for one.
+    /// This never starts: its part goes another way, or waits for one.
     Without(ModeId),
 }
 
@@ -50,7 +50,7 @@ impl DeviatingPolicy {
 }
 
 impl DeviatingPolicy {
-    /// What the rules say where some modes cannot start.
+    /// Decision by rules where some modes cannot start.
     fn decide_without(&mut self, question: &Question<'_>, is_out: impl Fn(ModeId) -> bool) -> DispatchDecision {
         let modes = question.candidates.iter().map(|candidate| candidate.mode);
         let (candidates, groups) = pose(question.state, modes.filter(|&mode| !is_out(mode)));
@@ -102,13 +102,13 @@ pub struct PlannedStart {
     /// Not before.
     pub at: Tick,
     pub mode: ModeId,
-    /// With which part; none for one that enters, or that takes none.
+    /// Its part; none for one that enters, or that takes none.
     pub part: Option<PartId>,
 }
 
 /// A plan, one start after the other, each not before its time and not before the one ahead of it; and then the rules. In a
-/// cell that has gone as planned so far it does exactly what was planned; in another one as much later as it must be. If it
-/// comes to stand still, what is left of it is forgotten.
+/// cell that has gone as planned so far it starts as planned; in another one as much later as it must. If the cell comes to
+/// stand still, the rest of the plan is dropped.
 #[derive(Clone, Debug)]
 pub struct PlanPolicy {
     desk: DispatchConfiguration,

@@ -18,23 +18,23 @@ use super::super::state::PartPlace;
 use super::bounds::{SimulationBasis, entering, is_last, weight};
 use super::forward_simulation::{Ending, ForwardSimulation};
 
-/// What has come of a future; the smaller one is better. Only scores of futures that began at the same moment are compared.
+/// Result of a future; the smaller one is better. Only scores of futures that began at the same moment are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Score {
     /// By how many microseconds parts are late in all, each counted 1 + priority times.
     pub tardiness: u64,
-    /// How many microseconds of work nothing can be done about any more.
+    /// Work that cannot be done any more, in µs.
     pub stuck: u64,
-    /// When all is finished, in microseconds from the beginning.
+    /// Time from the beginning until all is finished, in µs.
     pub makespan: u64,
-    /// How many microseconds of work are left.
+    /// Work that is left, in µs.
     pub work: u64,
     /// After how many microseconds parts are finished, in all.
     pub flow: u64,
 }
 
 impl Score {
-    /// Of what was played until it ended so.
+    /// Score of a simulation that ended so.
     pub fn of(
         simulation: &ForwardSimulation,
         desk: &DispatchConfiguration,
@@ -72,7 +72,7 @@ impl Score {
         score
     }
 
-    /// By how much this one is better than another.
+    /// Advantage of this one over another.
     pub fn gain(&self, worse: &Score) -> Gain {
         let by = |ours: u64, theirs: u64| Duration::from_micros(theirs.saturating_sub(ours));
         if self.tardiness != worse.tardiness {
@@ -91,7 +91,7 @@ impl Score {
     }
 }
 
-/// So much later than it could be is what never comes.
+/// Lateness of what never comes.
 const LONG: Duration = Duration::from_secs(1_000_000_000);
 
 fn micros(span: Duration) -> u64 {

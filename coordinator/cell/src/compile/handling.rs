@@ -1,4 +1,4 @@
-//! What a description says for the case that something fails, by the modes and resources of the table.
+//! Recovery rules of a description, by the modes and resources of the table.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::exception::{
 };
 use crate::{CellId, CellTable, ModeId, ResourceId};
 
-/// What is known of a cell beside its table.
+/// Recovery policy of a cell.
 pub(super) fn handling(
     cell: &Cell,
     net: &CellNet,
@@ -66,7 +66,7 @@ struct BuiltPolicy<'a> {
     supply: Supply<'a>,
     /// Of each cell.
     meanings: Vec<PlaceMeaning>,
-    /// The cells of each resource, and those of none: nobody looks for some among all.
+    /// The cells of each resource, and those of none, so that none are searched for among all.
     cells: BTreeMap<Option<Of>, Vec<CellId>>,
 }
 
@@ -119,8 +119,8 @@ impl<'a> BuiltPolicy<'a> {
         all.filter(|(_, rule)| rule.activities.contains(&id)).map(|(at, _)| at).collect()
     }
 
-    /// What is left when the part of a mode is no more: whoever had it or was to have it has room again, and another may
-    /// come in its place. None where parts that leave come again by themselves: they could not.
+    /// Tokens left when the part of a mode is no more: the place where it was or was to go has room again, and another
+    /// may come. None where parts that leave come again by themselves: they could not.
     fn gone(&self, mode: ModeId, activity: &Activity, stage: linewright_cell::StageId) -> Option<Vec<(CellId, u32)>> {
         let source = activity.used(Role::Source).and_then(|part| part.of);
         let is_part = |cell: CellId| matches!(self.table.kind(cell), crate::CellKind::Parts(_));

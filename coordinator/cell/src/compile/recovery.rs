@@ -1,4 +1,4 @@
-//! The net with what fails: error places, and the ways out of them (seed 000 §5.3, L3045-3129).
+//! The net with failures: error places, and the ways out of them (seed 000 §5.3, L3045-3129).
 //!
 //! ```text
 //!                     ┌────────────── end ──────────────▶ what the activity gives
@@ -10,10 +10,10 @@
 //! ```
 //!
 //! `X.busy` is the source's pa, `X.failed` its pe, and `X.idle` its ~pe: it holds one token for each that may be in progress,
-//! which the start takes and whatever ends the activity gives back. Diagnosis is all that is done until somebody is asked, or
-//! a rule says that nobody need be. The recoveries are the answers that the description's rules allow, and those of the player
-//! where they allow none; what they put where is what closing an activity does to the player's marking. Redo puts tokens
-//! back as backward does: that the same then starts again before anything else is decided, a marking does not say.
+//! which the start takes and every end of the activity gives back. Until an operator's answer, or a rule that needs none,
+//! there is only diagnosis. The recoveries are the answers that the description's rules allow, and those of the player where
+//! they allow none; they move tokens as closing an activity does in the player's marking. Redo puts tokens back as backward
+//! does: the marking does not show that the same then starts again before anything else is decided.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -23,25 +23,25 @@ use linewright_nets::{Net, NetBuilder, NetError, PlaceId, TransitionId};
 use crate::exception::{FailureMatch, RecoveryPolicy, Strategy, Whereabouts};
 use crate::{ActivityTiming, CellTable, ModeId, TokenDemand};
 
-/// A cell's net with what fails.
+/// A cell's net with failures.
 #[derive(Clone, Debug)]
 pub struct RecoveryNet {
-    /// The cells of the table, in their order, then the places of what is in progress.
+    /// The cells of the table, in their order, then the places of activities in progress.
     pub net: Net,
-    /// What can fail.
+    /// Modes that can fail.
     pub errors: Vec<ErrorPart>,
 }
 
-/// What a mode has in it beside its start and its end.
+/// Nodes of a mode beside its start and its end.
 #[derive(Clone, Debug)]
 pub struct ErrorPart {
     pub mode: ModeId,
     /// It is in progress.
     pub busy: PlaceId,
     pub failed: PlaceId,
-    /// It is known what has failed, and somebody is asked.
+    /// The failure is diagnosed, and an operator's answer is awaited.
     pub asked: PlaceId,
-    /// The carrier has the part, and somebody is asked again.
+    /// The carrier has the part, and another answer is awaited.
     pub carried: Option<PlaceId>,
     /// The ways out of `asked`.
     pub recoveries: Vec<Recovery>,
@@ -53,16 +53,16 @@ pub struct ErrorPart {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recovery {
     pub transition: TransitionId,
-    /// Where the part is then.
+    /// Place of the part then.
     pub part: Whereabouts,
-    /// How it goes on.
+    /// Strategy that follows.
     pub then: Strategy,
 }
 
-/// Where a part is said to be, and how to go on.
+/// Answered place of a part, and strategy.
 type RecoveryChoice = (Whereabouts, Strategy);
 
-/// What can be answered where no rule says anything else.
+/// Answers where no rule has others.
 const USUAL: [RecoveryChoice; 3] = [
     (Whereabouts::From, Strategy::Backward),
     (Whereabouts::To, Strategy::Forward),
@@ -112,7 +112,7 @@ struct RecoveryNetBuilder<'t> {
     net: NetBuilder,
 }
 
-/// The net of what is played, with what fails.
+/// The net of the table, with failures.
 ///
 /// # Errors
 /// When it is too large for a net.
@@ -149,7 +149,7 @@ impl RecoveryNetBuilder<'_> {
         tokens.iter().for_each(|&(cell, weight)| _ = self.net.output(t, PlaceId(cell.0), weight));
     }
 
-    /// A transition from one place of what is in progress to another.
+    /// A transition from one place of an activity in progress to another.
     fn step(&mut self, name: String, from: PlaceId, to: PlaceId) -> TransitionId {
         let t = self.net.transition(name);
         self.net.input(t, from, 1);

@@ -1,4 +1,4 @@
-//! What a report has to know of a described cell beside its records.
+//! Data of a described cell that a report needs beside its records.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use linewright_cell::{ActivityKind, Cell, Role};
 use super::CompiledCell;
 use crate::tracking::{ModeEntry, PartFlow, ReportMetadata, ResourceEntry};
 
-/// What a report has to know of a cell beside its records.
+/// Data of a cell that a report needs beside its records.
 pub fn sheet(cell: &Cell, made: &CompiledCell) -> ReportMetadata {
     let resource = |resource: &linewright_cell::Resource| ResourceEntry {
         name: resource.name.as_str().into(),
@@ -35,7 +35,7 @@ fn entry(cell: &Cell, made: &CompiledCell, t: linewright_nets::TransitionId) -> 
         nominal: Duration::ZERO,
         passing: PartFlow::Inside,
     };
-    // A shift in a buffer is nobody's work.
+    // A shift in a buffer is not work of a resource.
     let Some((activity, of)) = made.net.move_of(cell, made.long.mode(t)) else { return entry };
     let index = |part: linewright_cell::Use| part.of.map(|id| id.index());
     let in_role = |role| activity.used(role).and_then(index);

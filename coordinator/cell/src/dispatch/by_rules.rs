@@ -1,13 +1,13 @@
 //! The dispatcher with rules: all that could start stands in one line, and is started as long as there are tokens.
 //!
-//! The line is ordered by who waits too long ([`super::urgency`]), then parts inside before parts outside, then by the
-//! chain of rules, then by who has waited longest, part and mode. Whoever comes to the front starts unless somebody before
-//! has taken what it needs. In a group of candidates that compete this leaves nobody who could still start; candidates of
-//! different groups never take anything from each other, so one line for all of them is as good as one for each.
-//! Structural conflicts and those of the moment (seed 000, L2777-2782, L2849) are both conflicts for tokens here.
+//! The line is sorted by urgency ([`super::urgency`]), then parts inside before parts outside, then by the chain of rules,
+//! then by the longest wait, part and mode. The first in the line starts unless one before it has taken what it needs. In
+//! a group of candidates that compete none is left that could still start; candidates of different groups never take
+//! anything from each other, so one line for all of them is as good as one for each. Structural conflicts and those of the
+//! moment (seed 000, L2777-2782, L2849) are both conflicts for tokens here.
 //!
-//! A rule says who is first, never that nobody is: only [`DispatchRule::Schedule`] holds something back, until its window opens,
-//! and an urgent part's reservation does.
+//! A rule orders candidates and holds none back: only [`DispatchRule::Schedule`] does, until its window opens, and an urgent
+//! part's reservation.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -30,16 +30,16 @@ use super::rule::RuleInputs;
 use super::urgency::{Fairness, Urgent, pursue, urgent};
 use super::ways::ShortestRoutes;
 
-/// Decides by rules. It remembers nothing from one question to the next: the same question has the same answer.
+/// Decides by rules. It keeps nothing from one question to the next: the same question has the same answer.
 #[derive(Clone, Debug)]
 pub struct RuleDispatcher {
-    /// The first decides, what it leaves equal the next does. Where there are none, who has waited longest is first.
+    /// The first decides, what it leaves equal the next does. Where there are none, the longest wait is first.
     pub rules: Vec<DispatchRule>,
-    /// What is done against waiting for ever.
+    /// Measures against waiting for ever.
     pub fairness: Fairness,
-    /// What is known of parts.
+    /// Due dates and priorities of parts.
     pub jobs: PartPriorities,
-    /// What has been planned. It counts only with [`DispatchRule::Schedule`].
+    /// Planned starts. They count only with [`DispatchRule::Schedule`].
     pub timetable: Timetable,
     ways: Arc<ShortestRoutes>,
 }
@@ -56,7 +56,7 @@ impl RuleDispatcher {
         }
     }
 
-    /// What lies before parts, by the table.
+    /// Shortest routes of parts, by the table.
     pub fn ways(&self) -> &ShortestRoutes {
         &self.ways
     }
@@ -96,7 +96,7 @@ impl RuleDispatcher {
             let outside = (!question.takes_part(of)).then_some(None);
             for part in question.parts(of).map(Some).chain(outside) {
                 let helps = helps.take();
-                // Whoever makes way for another does not wait for a window. Nobody enters to make way.
+                // What makes way for another does not wait for a window. Nothing enters to make way.
                 let counts = |(reason, _): &(HoldReason, _)| helps.is_none() || *reason == HoldReason::NotOrdered;
                 if let Some(holds) = facts.holds(part, mode).filter(counts) {
                     let first = asleep.entry(candidate).or_insert(holds);
@@ -130,7 +130,7 @@ struct QueueEntry {
     measures: Vec<Measure>,
 }
 
-/// What comes before all rules, the first first.
+/// Rank before all rules, the first first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Rank {
     /// It makes way for the first that has waited too long; none if that is outside.
@@ -149,19 +149,19 @@ impl QueueEntry {
         self.rank.cmp(&other.rank).then_with(by_rules).then_with(|| key(self).cmp(&key(other)))
     }
 
-    /// The first rule that tells two apart.
+    /// The first rule that distinguishes the two.
     fn by_rules(&self, other: &QueueEntry) -> Option<(usize, Ordering)> {
         let pairs = self.measures.iter().zip(&other.measures).map(|(ours, theirs)| ours.compare(theirs));
         pairs.enumerate().find(|&(_, order)| order != Ordering::Equal)
     }
 
-    /// Why it comes before another.
+    /// Reason why it comes before another.
     fn deciding_rule(&self, other: &QueueEntry) -> DecidingRule {
         if self.rank != other.rank {
             return match self.rank {
                 Rank::Helper(part) => DecidingRule::Helps { part },
                 Rank::Urgent(..) => DecidingRule::Waited,
-                // Outside is before nobody.
+                // Outside is before none.
                 Rank::Inside | Rank::Outside => DecidingRule::Inside,
             };
         }
@@ -195,14 +195,14 @@ impl Dispatcher for RuleDispatcher {
 static NO_TIMETABLE: Timetable = Timetable::EMPTY;
 
 impl Urgent {
-    /// Whom it is about, a part or a mode outside, and where that stands in the line.
+    /// Part, or mode outside, and its place in the line.
     fn rank(&self) -> ((Option<PartId>, Option<ModeId>), Rank) {
         let outside = self.part.is_none().then(|| self.options.first().copied()).flatten();
         ((self.part, outside), Rank::Urgent(self.since, self.part.is_none(), self.part))
     }
 }
 
-/// What has been given away so far, and to whom, as positions in the line.
+/// Tokens given away so far, and the takers' positions in the line.
 #[derive(Default)]
 struct RuleTaken {
     tokens: BTreeMap<CellId, (u64, usize)>,
@@ -243,7 +243,7 @@ impl QueueScan<'_> {
                     self.take(at, entry);
                     answer.start.push(Start { candidate: entry.candidate, part: entry.part });
                 }
-                // It holds for all parts; it is said with the best of them.
+                // It holds for all parts; it is given with the best of them.
                 Some(reason) => _ = reasons[entry.candidate].get_or_insert(reason),
             }
         }
@@ -256,7 +256,7 @@ impl QueueScan<'_> {
         answer
     }
 
-    /// Why a mode cannot start with any part any more.
+    /// Reason why a mode cannot start with any part any more.
     fn in_the_way(&self, entry: &QueueEntry) -> Option<HoldReason> {
         let (state, table) = (self.question.state, self.question.state.table());
         let lane = table.part_in(entry.mode).and_then(|cell| self.taken.ordered.get(&cell));

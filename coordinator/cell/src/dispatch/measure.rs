@@ -22,7 +22,7 @@ pub struct Measure {
 }
 
 impl Measure {
-    /// Which of two by the same rule comes first.
+    /// Order of two measures by the same rule.
     pub fn compare(&self, other: &Measure) -> Ordering {
         // 64 times 64 bits fit.
         let [ours, theirs] = [(self, other), (other, self)].map(|(a, b)| i128::from(a.value) * i128::from(b.over));

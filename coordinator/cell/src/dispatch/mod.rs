@@ -1,16 +1,16 @@
-//! The dispatcher: answers what the player asks, by rules, so that no part waits for ever, with its reasons.
+//! The dispatcher: answers the player's questions, by rules, so that no part waits for ever, with its reasons.
 //!
 //! # Map
-//! - [`DispatchRule`], [`Measure`]: the rules and what they measure; [`PartPriorities`], [`Timetable`]: what they have to know of parts.
+//! - [`DispatchRule`], [`Measure`]: the rules and what they measure; [`PartPriorities`], [`Timetable`]: their data on parts.
 //! - [`RuleDispatcher`]: the dispatcher.
 //! - [`Fairness`]: urgency, reservation and inheritance, with the argument in the head of `urgency.rs`.
 //! - [`ShortestRoutes`]: remaining work and processing times, from the table.
 //! - [`Reasons`], [`why_not`], [`why_out`]: what was held and why, what a part waits for, and why a resource is out of service, in
 //!   sentences.
 //!
-//! A dispatcher chooses among what the player has found possible, and the player looks at the answer: nothing here can
-//! make a cell do what its net forbids. What rules measure is a matter of the whole question, so a dispatcher that tries
-//! out what comes next can ask the same rules about a simulated state.
+//! A dispatcher chooses among what the player has found possible, and the player checks the answer: nothing here can
+//! make a cell do what its net forbids. Rules measure a whole question, so a dispatcher that simulates can apply the
+//! same rules to a simulated state.
 
 mod by_rules;
 mod measure;

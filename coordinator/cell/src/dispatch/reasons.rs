@@ -1,4 +1,4 @@
-//! For each mode why it was last held, from the records.
+//! The last reason for which each mode was held, from the records.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use super::super::ids::ModeId;
 use super::super::reason::HoldReason;
 use super::super::record::{Record, RecordKind};
 
-/// For each mode why it was last held, if it has not started since. It follows from the records.
+/// The last reason for which each mode was held, if it has not started since. It follows from the records.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reasons {
     last: BTreeMap<ModeId, (Tick, HoldReason)>,
@@ -36,7 +36,7 @@ impl Reasons {
         }
     }
 
-    /// When a mode was last held, and why.
+    /// Time and reason of the last hold of a mode.
     pub fn of(&self, mode: ModeId) -> Option<(Tick, &HoldReason)> {
         self.last.get(&mode).map(|(at, reason)| (*at, reason))
     }

@@ -1,11 +1,11 @@
 //! The rules, and what they measure.
 //!
 //! A rule gives each candidate and part a [`Measure`]; the smaller one comes first. Rules stand in a chain: what the
-//! first leaves equal the next decides. What all leave equal is decided by who has waited longest, then by the part's
-//! number, then by the mode's: so every decision has one answer. Measures are whole numbers, compared exactly.
+//! first leaves equal the next decides. What all leave equal is decided by the longest wait, then by the part's number,
+//! then by the mode's: so every decision has one answer. Measures are whole numbers, compared exactly.
 //!
-//! Of a part the net knows where it is and since when. When it is due, how much it matters, and what has been planned
-//! for it stands beside it in [`PartPriorities`] and [`Timetable`], which are filled from the production orders.
+//! The net has a part's place and time of arrival. Due date, priority and planned start stand beside it in
+//! [`PartPriorities`] and [`Timetable`], which are filled from the production orders.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -20,7 +20,7 @@ use super::measure::Measure;
 use super::priorities::{PartPriorities, PartPriority, Timetable};
 use super::ways::{ShortestRoutes, time};
 
-/// What rules look at.
+/// Input of rules.
 #[derive(Clone, Copy)]
 pub(super) struct RuleInputs<'a> {
     pub(super) now: Tick,
@@ -31,7 +31,7 @@ pub(super) struct RuleInputs<'a> {
 }
 
 impl RuleInputs<'_> {
-    /// Why something is held whatever the others do, and until when, if that is known.
+    /// Reason why something is held whatever the others do, and until when, if that is certain.
     pub(super) fn holds(&self, part: Option<PartId>, mode: ModeId) -> Option<(HoldReason, Option<Tick>)> {
         if part.is_none() && self.state.table().part_out(mode).is_some() {
             let admission = self.jobs.admission.as_ref();
@@ -42,7 +42,7 @@ impl RuleInputs<'_> {
         self.timetable.holds(self.now, part, mode)
     }
 
-    /// Since when a part, or the next that a mode lets enter, waits.
+    /// Time since which a part, or the next that a mode lets enter, waits.
     pub(super) fn since(&self, part: Option<PartId>, mode: ModeId) -> Option<Tick> {
         match part {
             Some(part) => self.state.part(part).map(|part| part.since),
@@ -57,7 +57,7 @@ impl RuleInputs<'_> {
         }
     }
 
-    /// The work that remains, from where the part is now and on the shortest way, whichever mode is asked about.
+    /// The work that remains, from where the part is now and on the shortest way, whatever the mode.
     fn work(&self, mode: ModeId) -> Duration {
         let table = self.state.table();
         match (table.part_in(mode), table.part_out(mode)) {

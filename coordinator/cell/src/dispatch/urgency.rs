@@ -1,23 +1,23 @@
-//! No part waits for ever: what is done for the part that has waited longest, once it has waited too long.
+//! No part waits for ever: precedence and reservations of a part that has waited too long.
 //!
 //! No rule but first come, first served is fair. With any other one a part can wait as long as better ones come, and even
 //! the fair one starves a part that needs two things which others take in turns. So a part that has been where it is for
 //! longer than the *patience* is **urgent**, and
 //! 1. urgent parts come before all others, the one that has waited longest first (then the smaller number);
 //! 2. **reservation**: if the first of them cannot start, and all it lacks will come back from activities in progress, then
-//!    what it needs is kept, and nobody else starts with it: capacities and parts at once, and what always comes back by
+//!    what it needs is kept, and no other starts with it: capacities and parts at once, and what always comes back by
 //!    itself (robots) as soon as nothing else is lacking, so that robots work on as long as they can;
 //! 3. **inheritance**: if something it lacks does *not* come back from what is in progress (the store is full, a machine is
-//!    to be unloaded or cleaned), what would bring it back is wanted in its place, and so on: a *chain* of modes down to a
+//!    to be unloaded or cleaned), what would bring it back is pursued in its place, and so on: a *chain* of modes down to a
 //!    *helper* that can start, or will. The helper starts before all others (1) or has what it needs kept (2). Of the rest of
 //!    the chain, the capacities that are there are kept as well.
 //!
-//! # Why nobody waits for ever
+//! # Why no part waits for ever
 //! Assume that the cell can always go on (that it has no deadlock is checked beforehand), that plans end, that an activity
 //! in progress ends or fails within its limit, and that a mode needs, beside its part and robots, one capacity: the place
-//! its part goes to. Let *u* be the first urgent part. It stays the first until it moves, since whoever moves has waited for
-//! no time at all.
-//! - *u can start.* Then it does, now: it is the first of all, and modes are only asked about when they have all they need.
+//! its part goes to. Let *u* be the first urgent part. It stays the first until it moves, since a part that moves has waited
+//! for no time at all.
+//! - *u can start.* Then it does, now: it is the first of all, and only modes that have all they need are candidates.
 //! - *u lacks what comes back.* Capacities and parts arrive within the limits of what is in progress, and stay, since they
 //!   are kept. Then only robots are lacking; each comes back within the limits of what is in progress, and stays. So after
 //!   at most twice that time u starts. Where there are several such ways, only one of a smaller number replaces the one that
@@ -35,8 +35,8 @@
 //!
 //! This is an argument for cells of that kind, not a proof for every net: where a mode needs two capacities at once (the
 //! top of a stack and a place elsewhere), what is kept for the chain is meant to serve as well, but two modes of one chain
-//! may need the same one. A cell that gives its *newest* part first is not fair by itself: what lies beneath has no way
-//! before what lies upon it, and others may be put on top. Where nothing would help (a machine waits for a person), a part
+//! may need the same one. A cell that gives its *newest* part first is not fair by itself: a part beneath has no way
+//! before the part upon it, and others may be put on top. Where no mode would help (a machine waits for a person), a part
 //! has no chain: it is passed over and keeps nothing from others, and the next urgent part is the first.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -51,14 +51,14 @@ use super::super::state::PartPlace;
 use super::rule::RuleInputs;
 use super::ways::ShortestRoutes;
 
-/// What is done against waiting for ever.
+/// Measures against waiting for ever.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fairness {
     /// Waiting time after which a part is urgent. `None`: parts never become urgent.
     pub patience: Option<Duration>,
-    /// What an urgent part needs is kept for it. Without this, parts can wait for ever.
+    /// Tokens that an urgent part needs are kept for it. Without this, parts can wait for ever.
     pub reserves: bool,
-    /// What is in the way of an urgent part is wanted in its place. Without this, parts can wait for ever.
+    /// Modes that clear the way of an urgent part are pursued in its place. Without this, parts can wait for ever.
     pub inherits: bool,
 }
 
@@ -68,7 +68,7 @@ impl Fairness {
         Fairness { patience: Some(patience), reserves: true, inherits: true }
     }
 
-    /// As the rules have it, whoever waits.
+    /// By the rules alone, whatever waits.
     pub const OFF: Fairness = Fairness { patience: None, reserves: false, inherits: false };
 }
 
@@ -77,22 +77,22 @@ impl Fairness {
 pub(super) struct Urgent {
     pub(super) since: Tick,
     pub(super) part: Option<PartId>,
-    /// What it could do next, if it had what it takes.
+    /// Modes that it could start next, if their tokens were there.
     pub(super) options: Vec<ModeId>,
 }
 
-/// How an urgent part gets on.
+/// Progress of an urgent part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct UrgencyProgress {
     /// Urgent part; `None`: one outside.
     pub(super) part: Option<PartId>,
-    /// From what it will do down to the helper.
+    /// Modes from that of the part down to the helper.
     chain: Vec<ModeId>,
     /// The helper can start now.
     is_ready: bool,
 }
 
-/// What stands between a mode and its start.
+/// Obstacle between a mode and its start.
 enum UrgencyStatus {
     /// It can start now.
     Ready,
@@ -100,7 +100,7 @@ enum UrgencyStatus {
     Pending,
     /// These do not.
     Lacks(Vec<CellId>),
-    /// It cannot start for a reason that nobody here can do anything about.
+    /// It cannot start for a reason that no decision here changes.
     Stuck,
 }
 
@@ -125,12 +125,12 @@ pub(super) fn urgent(facts: &RuleInputs<'_>, patience: Duration) -> Vec<Urgent> 
         urgent.options.retain(|&mode| facts.holds(part, mode).is_none());
     }
     all.retain(|urgent| !urgent.options.is_empty());
-    // Who is outside comes after who is inside.
+    // Parts outside come after parts inside.
     all.sort_unstable_by_key(|urgent| (urgent.since, urgent.part.is_none(), urgent.part, urgent.options[0]));
     all
 }
 
-/// What is done for the first of them that anything can be done for; nothing if it can start itself.
+/// Measures for the first of them that has any; nothing if it can start itself.
 pub(super) fn pursue(
     question: &Question<'_>,
     ways: &ShortestRoutes,
@@ -160,12 +160,12 @@ pub(super) fn pursue(
 }
 
 impl UrgencyProgress {
-    /// What is to start before all others, if it can; and what else is kept for in any case.
+    /// Mode that starts before all others, if it can; tokens are kept for others in any case.
     pub(super) fn helper(&self) -> Option<ModeId> {
         self.chain.last().copied().filter(|_| self.is_ready)
     }
 
-    /// What is to be kept, and for which mode.
+    /// Tokens to be kept, and for which mode.
     pub(super) fn claims(&self, question: &Question<'_>, ways: &ShortestRoutes) -> BTreeMap<CellId, (u64, ModeId)> {
         let mut claims = BTreeMap::new();
         let (last, table) = (self.chain.len() - 1, question.state.table());
@@ -185,12 +185,12 @@ impl UrgencyProgress {
     }
 }
 
-/// A search from what is wanted down to what can be done.
+/// A search from a mode down to one that can start.
 struct UrgencySearch<'a> {
     question: &'a Question<'a>,
     ways: &'a ShortestRoutes,
     fairness: Fairness,
-    /// What activities in progress will give.
+    /// Tokens that activities in progress will give.
     returning: BTreeMap<CellId, u64>,
     /// Modes in progress that will end.
     running: BTreeSet<ModeId>,
@@ -207,7 +207,7 @@ impl<'a> UrgencySearch<'a> {
                         *returning.entry(cell).or_insert(0) += u64::from(weight);
                     }
                 }
-                // What it holds comes back when somebody has looked.
+                // Its tokens come back after an operator's answer.
                 ActivityPhase::Failed(_) => (),
             }
         }
@@ -247,7 +247,7 @@ impl<'a> UrgencySearch<'a> {
         for (&mode, cells) in &lacks {
             cells.iter().for_each(|&cell| lackers.entry(cell).or_default().push(mode));
         }
-        // Who brings a cell back, first what can start and then what will.
+        // Modes that bring a cell back, first those that can start and then those that will.
         let mut by: BTreeMap<CellId, ModeId> = BTreeMap::new();
         first.sort_unstable_by_key(|&mode| (!self.is_candidate(mode), mode));
         let mut layer = first;
@@ -293,7 +293,7 @@ impl<'a> UrgencySearch<'a> {
         chain
     }
 
-    /// All that could matter: the modes wanted, those that bring back what they lack, and so on.
+    /// Search scope: the modes pursued, those that bring back what they lack, and so on.
     fn relevant(&self, options: &[ModeId]) -> SearchScope {
         let (mut first, mut lacks) = (Vec::new(), BTreeMap::new());
         let mut seen: BTreeSet<ModeId> = options.iter().copied().collect();
@@ -313,10 +313,10 @@ impl<'a> UrgencySearch<'a> {
     }
 }
 
-/// What a search has to look at.
+/// Scope of a search.
 struct SearchScope {
-    /// What can start, or will.
+    /// Modes that can start, or will.
     first: Vec<ModeId>,
-    /// What cannot, and what it lacks that does not come back.
+    /// Modes that cannot, and what they lack that does not come back.
     lacks: BTreeMap<ModeId, Vec<CellId>>,
 }

@@ -1,7 +1,7 @@
-//! What lies before a part, and where tokens come back from: worked out once from the table.
+//! Remaining ways of parts, and where tokens come back from: computed once from the table.
 //!
-//! A part goes from cell to cell, each mode that moves it is a step that takes its time, so what is still to be done is a
-//! shortest way. Other tokens are left out of that: it is what the plan asks for, not what waiting for a robot adds.
+//! A part goes from cell to cell, each mode that moves it is a step that takes its time, so the rest of its way is a
+//! shortest path. Other tokens are left out: it is the time by the plan, without waits for a robot.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -51,16 +51,16 @@ impl ShortestRoutes {
         }
     }
 
-    /// How long a part on a cell needs at least until it leaves or nothing more is to be done with it, by nominal times;
-    /// zero where it never comes to an end.
+    /// Least time of a part on a cell until it leaves or nothing more is to be done with it, by nominal times; zero
+    /// where it never comes to an end.
     pub fn remaining(&self, cell: CellId) -> Duration {
         self.remaining[cell.index()]
     }
 
-    /// How long a mode takes, and all that follows from it without a further decision about others: what needs nothing but
-    /// the part; and, if the mode keeps something that it does not give back itself, also what needs other things for its
-    /// own time only. So it is loading, which takes the machine's place, and what the machine then does, or the human with
-    /// his attention; not the unloading, which gives the place back. This is the processing time of a decision.
+    /// Time of a mode, and of all that follows from it without a further decision about others: what needs nothing but the
+    /// part; and, if the mode keeps something that it does not give back itself, also what needs other things for its own
+    /// time only. So it is loading, which takes the machine's place, and what the machine then does, or the human's
+    /// attention; not the unloading, which gives the place back. This is the processing time of a decision.
     pub fn run(&self, mode: ModeId) -> Duration {
         self.run[mode.index()]
     }
@@ -81,7 +81,7 @@ fn others(tokens: &[TokenDemand], part: Option<CellId>) -> BTreeSet<TokenDemand>
     tokens.iter().copied().filter(|&(cell, _)| Some(cell) != part).collect()
 }
 
-/// How long a mode takes by itself.
+/// Time of a mode by itself.
 pub(in super::super) fn time(table: &CellTable, mode: ModeId) -> Duration {
     match table.activity(mode).kind {
         ActivityTiming::Immediate => Duration::ZERO,

@@ -1,8 +1,8 @@
-//! Why a part does not go on: what it could do next, and for each of these what it lacks and who has that; and why a resource
-//! is out of service. The texts are in `texts`.
+//! Reason why a part does not go on: its next modes, the tokens they lack, and the holders of those; and why a resource is
+//! out of service. The texts are in `texts`.
 //!
-//! Who has a token is said only where the net says it: the activity in progress that will give it back, or the modes that
-//! would if they happened, with the parts that wait for them.
+//! The holder of a token is given only where it follows from the net: the activity in progress that will give it back, or
+//! the modes that would if they happened, with the parts that wait for them.
 
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ use crate::texts::{CellWait, TokenOwner, called, reason};
 /// At most so many are named where many would do.
 const NAMED_MAX: usize = 3;
 
-/// Why a part is where it is, in sentences; the first says where that is.
+/// Reason why a part is where it is, in sentences; the first names its place.
 pub fn why_not(
     ways: &ShortestRoutes,
     reasons: &Reasons,
@@ -59,7 +59,7 @@ fn seconds(span: Duration) -> f64 {
     tenths(span.as_secs_f64())
 }
 
-/// Where a cell of the net is, as people say it where that is known.
+/// Place of a cell of the net, in an operator's terms where there are some.
 fn place(table: &CellTable, cell: CellId) -> String {
     let handling = table.handling();
     match handling.resources.iter().find(|resource| resource.has.contains(&cell)) {
@@ -104,7 +104,7 @@ fn option(
     }
 }
 
-/// Why a resource is not counted on, if it is not, and the alarm that asks about it, in sentences.
+/// Reason why a resource is not counted on, if it is not, and its alarm, in sentences.
 pub fn why_out(state: &PlayerState, now: Tick, resource: ResourceId) -> Vec<String> {
     let mut lines = vec![format!("{}.", left_out(state, now, resource))];
     let asks = state.exceptions().alarms().find(|alarm| alarm.about == AlarmSubject::Resource(resource));
@@ -112,7 +112,7 @@ pub fn why_out(state: &PlayerState, now: Tick, resource: ResourceId) -> Vec<Stri
     lines
 }
 
-/// Where what a cell lacks is.
+/// Holder of the token that a cell lacks.
 fn owner(ways: &ShortestRoutes, state: &PlayerState, now: Tick, cell: CellId) -> String {
     let table = state.table();
     let name = table.cell_name(cell);
@@ -132,7 +132,7 @@ fn owner(ways: &ShortestRoutes, state: &PlayerState, now: Tick, cell: CellId) ->
     }
 }
 
-/// Why a resource is not counted on.
+/// Reason why a resource is not counted on.
 fn left_out(state: &PlayerState, now: Tick, resource: ResourceId) -> String {
     let name = state.table().handling().resource_name(resource);
     let Some(down) = state.exceptions().is_down(resource) else {

@@ -1,4 +1,4 @@
-//! What people say: answers to alarms, alarms of their own, what is down and what is up again.
+//! Operators' input: answers to alarms, alarms of their own, resources down and up again.
 
 use linewright_line::Tick;
 
@@ -12,7 +12,7 @@ use super::request::{AlarmAnswerRefusal, Presence, ResourceRequest};
 use crate::texts::alarm;
 
 impl Coordination {
-    /// Takes an answer, unless stations say that it cannot be.
+    /// Takes an answer, unless the stations' states contradict it.
     pub(in super::super) fn answer(&mut self, now: Tick, alarm: AlarmId, word: &str, out: &mut PlayerOutbox) {
         match self.answered(now, alarm, word, out) {
             Ok(()) => (),
@@ -40,7 +40,7 @@ impl Coordination {
         }
     }
 
-    /// What the words mean that can be answered to an alarm of an activity.
+    /// Meaning of the words that are permitted answers to an alarm of an activity.
     pub fn rulings(&self, alarm: AlarmId) -> Vec<RecoveryDecision> {
         let Some(said) = self.state.exceptions().alarm(alarm) else { return Vec::new() };
         let failed = match said.about {
@@ -69,7 +69,7 @@ impl Coordination {
         if let Some(station) = self.moving(now, firing) {
             return Err(AlarmAnswerRefusal::Moves(station));
         }
-        // Somebody who carries and works may have another part.
+        // A resource that carries and works may have another part.
         let carrier = handling.mode(firing.mode).carrier;
         let carrier = carrier.filter(|&of| !self.has_parts(of) && !self.is_in_use(of, Some(id)));
         let sensed = carrier.and_then(|id| Some((id, handling.resource(id).filter(|of| of.is_sensed)?.station?)));
@@ -85,7 +85,7 @@ impl Coordination {
         }
     }
 
-    /// Takes an alarm that a person gives of a resource: it is left out, and what it is doing has failed and is stopped.
+    /// Takes an alarm given by hand of a resource: it is left out, and its activities have failed and are stopped.
     pub(in super::super) fn alarmed(&mut self, now: Tick, resource: ResourceId, text: &str, out: &mut PlayerOutbox) {
         if self.state.table().handling().resource(resource).is_none() {
             let why = AlarmAnswerRefusal::NoSuchResource;
@@ -103,7 +103,7 @@ impl Coordination {
         }
     }
 
-    /// Leaves a resource out, or counts on it again. What it is doing it finishes.
+    /// Leaves a resource out, or counts on it again. It finishes its activities.
     pub(in super::super) fn set_resource(&mut self, now: Tick, resource: ResourceId, up: bool, out: &mut PlayerOutbox) {
         let (to, done) = if up {
             (ResourceRequest::Up(resource), self.try_up(now, resource, out))

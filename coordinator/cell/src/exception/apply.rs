@@ -1,4 +1,4 @@
-//! What the records of exceptions do to a state. Like those of [`super::super::apply`]: looked at first, then done.
+//! Effect of the records of exceptions on a state. As in [`super::super::apply`], they are checked first, then applied.
 
 use linewright_line::Tick;
 
@@ -12,12 +12,12 @@ use super::fact::{AlarmSubject, ExceptionStep, RecoveryDecision, Strategy, Where
 type ExceptionFitResult = Result<(), String>;
 
 impl PlayerState {
-    /// What is remembered of exceptions.
+    /// The exceptions of this state.
     pub fn exceptions(&self) -> &Exceptions {
         &self.exceptions
     }
 
-    /// Does what a step of an exception says.
+    /// Applies a step of an exception.
     pub(in super::super) fn exception(&mut self, step: &ExceptionStep, at: Tick) -> ExceptionFitResult {
         match step {
             ExceptionStep::Secured { firing, key, standing } => {
@@ -77,7 +77,7 @@ impl PlayerState {
         self.exceptions.open.insert(firing, trouble);
     }
 
-    /// An activity has started, or has ended: what counts as trying it again.
+    /// Updates the repetitions when an activity has started or ended.
     pub(in super::super) fn moves_on(&mut self, mode: ModeId, part: Option<PartId>, ends: bool) {
         if self.exceptions.retries.is_empty() {
             return;
@@ -94,7 +94,7 @@ impl PlayerState {
         (mode, part.filter(|_| self.table.part_in(mode).is_some()))
     }
 
-    /// Whether a mode needs what is down.
+    /// A resource that is down and that a mode needs.
     pub(in super::super) fn needs_down(&self, mode: ModeId) -> Option<ResourceId> {
         if self.exceptions.down.is_empty() {
             return None;
@@ -103,7 +103,7 @@ impl PlayerState {
         handled.resources().find(|resource| self.exceptions.down.contains_key(resource))
     }
 
-    /// No mode is enabled that needs what is down.
+    /// Disables the modes that need a resource that is down.
     pub(in super::super) fn block_down(&mut self) {
         let table = self.table.clone();
         for mode in table.modes() {
@@ -112,7 +112,7 @@ impl PlayerState {
         }
     }
 
-    /// The orders of a failed activity whose stations have to come to rest, and are not known to have.
+    /// The orders of a failed activity whose stations have to come to rest, and have not certainly.
     pub(super) fn owed<'a>(&'a self, firing: &'a OngoingActivity) -> impl Iterator<Item = &'a OngoingOrder> {
         let owes = |order: &&OngoingOrder| match order.state {
             OrderProgress::Ended => false,
@@ -183,7 +183,7 @@ impl PlayerState {
             }
             AlarmSubject::Resource(resource) => {
                 self.known(resource)?;
-                // What was said of it before is not true any more.
+                // The earlier alarm about it no longer holds.
                 self.exceptions.alarms.retain(|_, earlier| earlier.about != alarm.about);
             }
         }
@@ -192,7 +192,7 @@ impl PlayerState {
         Ok(())
     }
 
-    /// Alarm can be given of what is left out already.
+    /// An alarm can be given of a resource that is left out already.
     fn down(&mut self, resource: ResourceId, new: OutOfService) -> ExceptionFitResult {
         self.known(resource)?;
         let before = self.exceptions.down.get(&resource);
@@ -270,7 +270,7 @@ impl PlayerState {
         Ok(())
     }
 
-    /// The one part that rests at a resource, and a mode that would take it and says what is left without it.
+    /// The one part that rests at a resource, and a mode that would take it and has what is left without it.
     pub(super) fn resting(&self, resource: ResourceId) -> Option<(ModeId, PartId)> {
         let has = &self.table.handling().resource(resource)?.has;
         let mut parts = has.iter().flat_map(|&cell| self.marking.parts(cell).map(move |part| (cell, part)));
@@ -279,8 +279,8 @@ impl PlayerState {
         modes.find(|&mode| self.left_without(mode, cell).is_some()).map(|mode| (mode, part))
     }
 
-    /// What there is more of when the part is no more that a mode would take from a cell, and the mode has not begun: what it
-    /// gives back then, but for what it would have taken.
+    /// Tokens left when the part that a mode would take from a cell is no more, and the mode has not begun: what it gives
+    /// back then, but for what it would have taken.
     fn left_without(&self, mode: ModeId, cell: CellId) -> Option<Vec<TokenDemand>> {
         let mut left =
             self.table.handling().mode(mode).gone.clone().filter(|_| self.table.part_in(mode) == Some(cell))?;

@@ -1,4 +1,4 @@
-//! What is remembered of exceptions: which are open and where they are, what is down, what is to be done once more.
+//! State of exceptions: which are open and where they are, what is down, what is to be repeated.
 //!
 //! All of it follows from the records, like the rest of the state.
 
@@ -20,7 +20,7 @@ pub struct Exceptions {
     pub(super) retries: BTreeMap<(ModeId, Option<PartId>), Retry>,
     /// The stations in emergency stop, and because of which activity each went into it first.
     pub(super) stopped: BTreeMap<StationId, FiringId>,
-    /// Orders that stations were told to stop and may not have, of activities that are over: the latest of each.
+    /// Orders whose stations were ordered to stop and may not have, of activities that are over: the latest of each.
     pub(super) unstopped: BTreeMap<StationId, OrderKey>,
     pub(super) last_alarm: u64,
     pub(super) scrapped: u64,
@@ -32,7 +32,7 @@ pub struct FailedActivity {
     /// Time of entry into this state.
     #[serde(with = "serial::micros")]
     pub since: Tick,
-    /// How the stations stand that had to be told to come to rest, those that are known.
+    /// Standing of the stations that had to come to rest, where it is certain.
     pub standing: Vec<(OrderKey, SecuredState)>,
     /// The stations that went into emergency stop because of it. Those that were reset since do not do so again.
     #[serde(default)]
@@ -41,7 +41,7 @@ pub struct FailedActivity {
     pub stage: ExceptionStage,
 }
 
-/// Where a failed activity is.
+/// Stage of a failed activity.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ExceptionStage {
@@ -49,7 +49,7 @@ pub enum ExceptionStage {
     Securing,
     /// An alarm waits for its answer.
     Waiting(AlarmId),
-    /// What was answered is being compared with what sensors say.
+    /// The answer is being compared with the sensors.
     Restoring {
         ruling: RecoveryDecision,
         /// Time at which the answer was accepted.
@@ -68,7 +68,7 @@ pub struct Alarm {
     #[serde(with = "serial::micros")]
     pub since: Tick,
     pub about: AlarmSubject,
-    /// Instruction, as ISA-18.2 asks: what, where, consequence, action.
+    /// Instruction as in ISA-18.2: what, where, consequence, action.
     pub text: String,
     pub words: Vec<String>,
 }
@@ -87,7 +87,7 @@ pub struct OutOfService {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Retry {
-    /// How often it was begun once more, or is to be.
+    /// Number of repetitions begun, or due.
     pub times: u32,
     /// It has not started again yet.
     pub is_due: bool,
@@ -122,7 +122,7 @@ impl Exceptions {
         self.down.iter().map(|(&id, down)| (id, down))
     }
 
-    /// Why a resource is left out, if it is.
+    /// Reason why a resource is left out, if it is.
     pub fn is_down(&self, resource: ResourceId) -> Option<&OutOfService> {
         self.down.get(&resource)
     }
@@ -137,17 +137,17 @@ impl Exceptions {
         self.stopped.contains_key(&station)
     }
 
-    /// How many parts are no more.
+    /// Number of parts scrapped.
     pub fn scrapped(&self) -> u64 {
         self.scrapped
     }
 
-    /// How often a mode was done once more with a part since that came to where it is.
+    /// Number of repetitions of a mode with a part since that came to where it is.
     pub fn times(&self, mode: ModeId, part: Option<PartId>) -> u32 {
         self.retries.get(&(mode, part)).map_or(0, |retry| retry.times)
     }
 
-    /// What is to be done once more and has not started yet.
+    /// Repetitions that are due and have not started yet.
     pub(in super::super) fn due_again(&self) -> impl Iterator<Item = (ModeId, Option<PartId>)> + '_ {
         self.retries.iter().filter(|(_, retry)| retry.is_due).map(|(&of, _)| of)
     }

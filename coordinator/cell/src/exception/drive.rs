@@ -1,4 +1,4 @@
-//! How the player drives exceptions on: from what was heard to the next record of each.
+//! Drives exceptions on: from received reports to the next record of each.
 
 use linewright_line::{StationId, Tick};
 
@@ -16,13 +16,13 @@ use super::policy::{PermittedAnswer, usual};
 use super::request::{Presence, StationUnavailable};
 use crate::texts::alarm;
 
-/// What sensors say to an answer.
+/// Result of comparing sensors with an answer.
 enum SensorVerdict {
-    /// What was heard is older than the answer.
+    /// The reports are older than the answer.
     Wait,
     /// Something else.
     Differs(Vec<SensorMismatch>),
-    /// The same, as far as they say anything: of these they do not.
+    /// Agreement, but for these, whose sensors give nothing.
     Agrees(Vec<ResourceId>),
 }
 
@@ -31,7 +31,7 @@ impl Coordination {
         self.write(now, RecordKind::Exception(step), out);
     }
 
-    /// What follows of a station's state beside what it says of its orders.
+    /// Effects of a station's state beside its reports on orders.
     pub(in super::super) fn watch_station(
         &mut self,
         now: Tick,
@@ -45,7 +45,7 @@ impl Coordination {
         let moved = self.moves(now, station);
         self.watch.hear(now, station, heard);
         if is_first || moved != self.moves(now, station) || could != self.can_work(now, station) {
-            // No record says that something can start now that could not.
+            // No record shows that something can start now that could not.
             self.reconsider();
         }
         match heard.slot {
@@ -65,21 +65,21 @@ impl Coordination {
         self.state.order(key).is_some_and(|(firing, _)| firing.phase == ActivityPhase::Running)
     }
 
-    /// Whether a station was heard to be at an order of something that has failed, or of nothing. It has to stand before
-    /// anything is concluded from where things are, and before it is given another one.
+    /// Whether a station has reported to be at an order of something that has failed, or of nothing. It has to stand
+    /// before anything is concluded from where things are, and before it is given another one.
     pub(in super::super) fn moves(&self, now: Tick, station: StationId) -> bool {
         let heard =
             self.watch.fresh(station, now, self.state.table().handling().stale).filter(|heard| self.counts(heard));
         heard.and_then(|heard| heard.slot).is_some_and(|key| !self.is_waited_for(key))
     }
 
-    /// Whether what is in a station's slot is what it does, also where a result says that this has ended.
+    /// Whether the order in a station's slot counts as in progress, also where a result reports its end.
     pub(super) fn counts(&self, heard: &TaskReport) -> bool {
         let has_ended = |key| heard.results.iter().any(|(of, _)| Some(*of) == key);
         self.rules.stands_first && (self.rules.slot_counts || !has_ended(heard.slot))
     }
 
-    /// The first station of an activity, of its orders or of who takes part, that has to stand and moves.
+    /// The first station of an activity, of its orders or of its resources, that has to stand and moves.
     pub(super) fn moving(&self, now: Tick, firing: &OngoingActivity) -> Option<StationId> {
         let handling = self.state.table().handling();
         let ordered = firing.orders.iter().map(|order| order.station);
@@ -87,7 +87,7 @@ impl Coordination {
         ordered.chain(part).find(|&station| self.moves(now, station))
     }
 
-    /// Fails the orders of stations that were not heard for too long.
+    /// Fails the orders of stations that were not received for too long.
     pub(in super::super) fn miss(&mut self, now: Tick, out: &mut PlayerOutbox) {
         while self.watch.missed_from.is_none_or(|at| at <= now) {
             match self.first_to_miss() {
@@ -136,7 +136,7 @@ impl Coordination {
         self.compare_anew(now, out);
     }
 
-    /// When there is something to do about exceptions if nothing is heard before.
+    /// Time at which exceptions need a step without an arrival.
     pub(in super::super) fn next_of_exceptions(&self) -> Option<Tick> {
         let (secure, refresh) = (self.state.table().handling().secure, self.state.table().refresh());
         let limit = self.state.exceptions().open().filter_map(|(_, trouble)| match &trouble.stage {
@@ -155,7 +155,7 @@ impl Coordination {
         limit.chain(again).chain(missed).min()
     }
 
-    /// What can be answered for a failed activity.
+    /// Permitted answers for a failed activity.
     pub(super) fn answers(&self, firing: &OngoingActivity, cause: ActivityFailure) -> Vec<PermittedAnswer> {
         let handling = self.state.table().handling();
         let (rule, handled) = (handling.rule(firing.mode, cause), handling.mode(firing.mode));
@@ -181,7 +181,7 @@ impl Coordination {
             Some(SecuredState::Held | SecuredState::Unknown) => false,
             Some(SecuredState::AtRest) | None => true,
         };
-        // What was heard of all is what matters: one that has come up anew may stand anywhere.
+        // The last reports of all count: a station that has come up anew may stand anywhere.
         let all_at_rest = firing
             .orders
             .iter()
@@ -220,7 +220,7 @@ impl Coordination {
         self.except(now, ExceptionStep::Alarmed { alarm, about, text, words }, out);
     }
 
-    /// Compares what was answered with what sensors say, and closes the activity if they agree.
+    /// Compares the answer with the sensors, and closes the activity if they agree.
     fn restored(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
         let Some(trouble) = self.state.exceptions().trouble(id) else { return };
         let ExceptionStage::Restoring { ruling, since } = &trouble.stage else { return };
@@ -265,7 +265,7 @@ impl Coordination {
         answers.into_iter().filter(|answer| gone || answer.ruling.part != Whereabouts::Gone).collect()
     }
 
-    /// What goes down when an activity is closed: what the answer says, and whoever cannot work.
+    /// Resources that go down when an activity is closed: those of the answer, and those that cannot work.
     fn left_out(
         &self,
         now: Tick,
@@ -292,7 +292,7 @@ impl Coordination {
         down
     }
 
-    /// Whether another activity in progress has to do with a resource: then nobody can say how many parts there should be.
+    /// Whether another activity in progress has to do with a resource: then the number of its parts is uncertain.
     pub(super) fn is_in_use(&self, resource: ResourceId, but: Option<FiringId>) -> bool {
         let handling = self.state.table().handling();
         let mut others = self.state.firings().filter(|firing| Some(firing.id) != but);
@@ -305,8 +305,8 @@ impl Coordination {
         has.iter().any(|&cell| self.state.marking().count(cell) > 0)
     }
 
-    /// What the sensor of a resource should say of the marking; none if parts are in it of which it may see one or not: in a
-    /// `fifo-buffer` they come to the end by themselves, at an unknown time.
+    /// Expected value of the sensor of a resource, by the marking; none if parts are in it of which it may see one or not:
+    /// in a `fifo-buffer` they come to the end by themselves, at an unknown time.
     fn expected(&self, resource: ResourceId) -> Option<bool> {
         let of = self.state.table().handling().resource(resource)?;
         let has = |cells: &[CellId]| cells.iter().any(|&cell| self.state.marking().count(cell) > 0);
@@ -365,14 +365,15 @@ impl Coordination {
         }
     }
 
-    /// What the sensor of a resource last said, if it has one.
+    /// Last value of the sensor of a resource, if it has one.
     pub(super) fn presence(&self, id: ResourceId) -> Presence {
         let sensed = self.state.table().handling().resource(id).filter(|of| of.is_sensed);
         let seen = sensed.and_then(|of| of.station).and_then(|station| self.watch.seen(station));
         seen.map_or(Presence::Unknown, |seen| seen.heard.presence)
     }
 
-    /// What the sensor of a resource says of a model in which nothing is under way; none if it agrees or does not say.
+    /// Difference between the sensor of a resource and a model in which nothing is under way; none if they agree or the
+    /// sensor has no value.
     pub(super) fn difference(&self, id: ResourceId) -> Option<SensorMismatch> {
         let model = self.expected(id)?;
         match self.presence(id) {
@@ -382,7 +383,8 @@ impl Coordination {
         }
     }
 
-    /// Compares model and plant of what has not been in this life, as soon as it is known and nothing is under way there.
+    /// Compares model and plant of resources not compared in this life, as soon as the plant is known and nothing is
+    /// under way there.
     fn compare_anew(&mut self, now: Tick, out: &mut PlayerOutbox) {
         let all: Vec<(ResourceId, Tick)> = self.watch.uncompared.iter().map(|(&id, &from)| (id, from)).collect();
         for (id, from) in all {
@@ -403,7 +405,7 @@ impl Coordination {
         }
     }
 
-    /// A sensor says otherwise than the model: the resource is left out until somebody has put that right.
+    /// A sensor contradicts the model: the resource is left out until an operator has put that right.
     pub(super) fn mismatch(&mut self, now: Tick, found: SensorMismatch, out: &mut PlayerOutbox) {
         let resource = found.resource;
         self.except(now, ExceptionStep::Mismatch { about: AlarmSubject::Resource(resource), found: vec![found] }, out);
@@ -417,7 +419,7 @@ impl Coordination {
         self.except(now, ExceptionStep::Alarmed { alarm, about: AlarmSubject::Resource(resource), text, words }, out);
     }
 
-    /// Starts what is to be done once more, before anybody is asked what else is to start.
+    /// Starts repetitions that are due, before the dispatcher is asked.
     pub(in super::super) fn again(&mut self, now: Tick, room: &mut usize, out: &mut PlayerOutbox) -> bool {
         let due: Vec<(ModeId, Option<PartId>)> = self.state.exceptions().due_again().collect();
         let mut any = false;

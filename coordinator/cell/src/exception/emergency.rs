@@ -1,10 +1,10 @@
-//! Emergency stop of single stations, when a rule says so (seed 001 §5.2, L206: "the exception module can send emergency
+//! Emergency stop of single stations, by a rule (seed 001 §5.2, L206: "the exception module can send emergency
 //! stoppage orders to the controllers").
 //!
 //! A rule names stations that go into emergency stop as soon as its failure is known: their outputs go off whatever they are
-//! doing, for this activity or for another, which then fails by that. The others stay in their mode. The player only says
-//! which stations; the mode decision orders it of them as it orders the mode (`Coordinator::stop_alone`), over and
-//! over, so that a station that is started again is told again. What they were doing they are told to stop as well.
+//! doing, for this activity or for another, which then fails by that. The others stay in their mode. The player only names
+//! the stations; the mode decision orders it as it orders the mode (`Coordinator::stop_alone`), over and over, so that a
+//! station that is started again gets it again. Their task orders are stopped as well.
 //!
 //! Each is a record, and lasts until an operator resets that station: no change of mode ends it, no restart, and no answer.
 //! Reset it follows the line's mode again. It is put right then like any other that stands half-way. Its resource is left out
@@ -65,8 +65,8 @@ impl Coordination {
         }
         match self.watch.fresh(station, now, self.state.table().handling().stale) {
             None => Some(AlarmAnswerRefusal::NotHeard(station)),
-            // It has not heard of the stop, or an activity that it works for has not failed yet: the station would be told to go
-            // back, and would do so once it is reset.
+            // It has not received the stop, or an activity that it works for has not failed yet: the station would be ordered
+            // back, and would go once it is reset.
             Some(heard) => {
                 (heard.slot.is_some() || self.is_working(station)).then_some(AlarmAnswerRefusal::Moves(station))
             }
@@ -78,7 +78,7 @@ impl Coordination {
         running.any(|firing| firing.orders.iter().any(|order| order.station == station))
     }
 
-    /// Why a station could not be told anything.
+    /// Reason why a station could not be given an order.
     pub(in super::super) fn objection(&self, now: Tick, station: StationId) -> Option<AlarmAnswerRefusal> {
         if self.state.exceptions().is_stopped(station) {
             return Some(AlarmAnswerRefusal::EmergencyStop(station));
@@ -86,7 +86,7 @@ impl Coordination {
         self.watch.objection(station, now, self.state.table().handling().stale)
     }
 
-    /// Whether a station that was heard in this life can be told something.
+    /// Whether a station that was received in this life can be given an order.
     pub(in super::super) fn can_work(&self, now: Tick, station: StationId) -> bool {
         self.objection(now, station).is_none()
     }

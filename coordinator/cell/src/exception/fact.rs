@@ -1,4 +1,4 @@
-//! What is written down of an exception.
+//! Records of an exception.
 
 use linewright_line::StationId;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ pub enum ExceptionStep {
     Secured {
         firing: FiringId,
         key: OrderKey,
-        /// How its station stands.
+        /// Standing of its station.
         standing: SecuredState,
     },
     /// An alarm is raised.
@@ -24,20 +24,20 @@ pub enum ExceptionStep {
         text: String,
         words: Vec<String>,
     },
-    /// It was said what is true, and how to go on.
+    /// An operator or a rule has given the true places, and the strategy.
     Answered {
-        /// Of which activity.
+        /// Its activity.
         firing: FiringId,
         ruling: RecoveryDecision,
         /// Source of the answer: operator, rule or sensor.
         by: AnsweredBy,
     },
-    /// The carrier has the part and somebody has to bring it on: what it was to give is not given yet.
+    /// The carrier has the part and an operator has to bring it on: the activity's tokens are not given yet.
     Carried {
-        /// Of which activity.
+        /// Its activity.
         firing: FiringId,
     },
-    /// An activity is over: tokens and part are where the ruling says.
+    /// An activity is over: tokens and part are where the ruling puts them.
     Closed {
         firing: FiringId,
         /// Net mode of the closed activity.
@@ -45,18 +45,18 @@ pub enum ExceptionStep {
         /// The part it had.
         part: Option<PartId>,
         ruling: RecoveryDecision,
-        /// Resources of which no sensor says whether it is so.
+        /// Resources without a sensor that confirms it.
         unchecked: Vec<ResourceId>,
     },
-    /// Sensors say otherwise.
+    /// Sensors contradict.
     Mismatch {
-        /// Where this was found.
+        /// Subject of the finding.
         about: AlarmSubject,
-        /// What they say.
+        /// Their contradictions.
         found: Vec<SensorMismatch>,
     },
-    /// A part that rested at a resource is no more. Of a mode that would take it from there: what that gives back if its part
-    /// is no more is given back.
+    /// A part that rested at a resource is no more. The tokens of a mode that would take it from there are given back as for
+    /// a lost part.
     Missing {
         /// Resource where the part was.
         resource: ResourceId,
@@ -65,7 +65,7 @@ pub enum ExceptionStep {
     },
     /// A station goes into emergency stop, and stays in it until it is reset.
     Stopped {
-        /// The failed activity whose rule says so.
+        /// The failed activity with the rule.
         firing: FiringId,
         #[serde(with = "serial::station")]
         station: StationId,
@@ -80,12 +80,12 @@ pub enum ExceptionStep {
     /// A resource is there again.
     Up {
         resource: ResourceId,
-        /// No sensor says whether what it should have is there.
+        /// No sensor confirms that its part is there.
         unchecked: bool,
     },
 }
 
-/// What an alarm or a difference is about.
+/// Subject of an alarm or a difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum AlarmSubject {
@@ -95,42 +95,42 @@ pub enum AlarmSubject {
     Resource(ResourceId),
 }
 
-/// How a station stands when it was told to leave an order.
+/// Standing of a station after the order to leave an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum SecuredState {
     AtRest,
     /// Between rests, from where it does not go on by itself.
     Held,
-    /// It was not heard to have come to rest in time.
+    /// It has not reported to have come to rest in time.
     Unknown,
 }
 
-/// Where a part is, and how to go on.
+/// Place of a part, and strategy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecoveryDecision {
     /// The word that was answered.
     pub word: String,
     pub part: Whereabouts,
-    /// How to go on.
+    /// Strategy that follows.
     pub then: Strategy,
 }
 
-/// Where a part is after a failure.
+/// Place of a part after a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Whereabouts {
     /// At the resource it came from.
     From,
-    /// Where it was to go.
+    /// Its destination.
     To,
     Carrier,
     /// Nowhere any more.
     Gone,
 }
 
-/// How to go on after a failure. The source names the three (seed 000, L3101-3104); what they mean here is ours.
+/// Continuation after a failure. The source names the three (seed 000, L3101-3104); their meaning here is ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
@@ -152,7 +152,7 @@ pub enum AnsweredBy {
     Operator,
 }
 
-/// A sensor that says otherwise.
+/// A sensor that contradicts the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorMismatch {
@@ -160,11 +160,11 @@ pub struct SensorMismatch {
     pub resource: ResourceId,
     /// Whether there should be a part.
     pub model: bool,
-    /// Whether it says that there is one.
+    /// Whether the sensor sees a part.
     pub plant: bool,
 }
 
-/// Why a resource is left out.
+/// Reason why a resource is left out.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OutOfServiceReason {
@@ -175,14 +175,14 @@ pub enum OutOfServiceReason {
     },
     /// Alarm given by an operator: nothing that it takes part in may move by itself.
     Alarm {
-        /// Why; empty if that was not said.
+        /// Reason; empty if none was given.
         text: String,
     },
-    /// The rule by which an activity was closed says so.
+    /// By the rule by which an activity was closed.
     Rule(FiringId),
     /// Its station could not come to rest, or could not work, when an activity was closed.
     Station(FiringId),
-    /// Its sensor says otherwise than the model.
+    /// Its sensor contradicts the model.
     Mismatch,
     /// Its station went into emergency stop when this activity failed.
     EmergencyStop(FiringId),

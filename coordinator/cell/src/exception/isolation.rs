@@ -1,4 +1,4 @@
-//! Which stations are left out of the mode decision of the line.
+//! Stations that are left out of the mode decision of the line.
 //!
 //! In a line without a cell a fault in auto is the line's: all stand by. In a cell it is an exception of the order in which
 //! it happens, and the others work on. So the stations of what has failed, and those of what is down, are *isolated* until
@@ -11,7 +11,7 @@ use linewright_line::StationId;
 use super::super::player::Coordination;
 use super::super::state::PlayerState;
 
-/// The stations whose trouble is not the line's.
+/// The stations whose faults are not the line's.
 pub fn isolated(state: &PlayerState) -> BTreeSet<StationId> {
     let handling = state.table().handling();
     let failed = state.exceptions().open().filter_map(|(id, _)| state.firing(id));
@@ -21,7 +21,7 @@ pub fn isolated(state: &PlayerState) -> BTreeSet<StationId> {
 }
 
 impl Coordination {
-    /// The stations that stand between two rests, at no order, as last heard. Nothing is ordered of them before a person
+    /// The stations that stand between two rests, at no order, as last received. They are given no order before a person
     /// has led them to a rest.
     pub fn held_stations(&self) -> impl Iterator<Item = StationId> + '_ {
         self.watch.held()

@@ -1,4 +1,4 @@
-//! Exceptions to be written down in the place of the records that led to them.
+//! Form of exceptions in a snapshot.
 
 use linewright_line::StationId;
 use serde::{Deserialize, Serialize};
@@ -26,7 +26,7 @@ pub struct SavedExceptions {
 }
 
 impl Exceptions {
-    /// What they consist of.
+    /// Their parts, to be written down.
     pub(in super::super) fn kept(&self) -> SavedExceptions {
         SavedExceptions {
             open: self.open.iter().map(|(&firing, trouble)| (firing, trouble.clone())).collect(),
@@ -45,7 +45,7 @@ impl PlayerState {
     /// Takes exceptions over into a state that has everything else, and has none yet.
     ///
     /// # Errors
-    /// Why they are none of this state.
+    /// Reason why they are none of this state.
     pub(in super::super) fn with_exceptions(mut self, of: SavedExceptions) -> Result<Self, String> {
         if of.last_alarm >= NUMBER_MAX || of.scrapped >= NUMBER_MAX {
             return Err("counter out of range".to_owned());

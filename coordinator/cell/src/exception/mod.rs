@@ -1,4 +1,4 @@
-//! What becomes of an activity that has failed: secured, told, asked, put right (seed 001 §5.2, L203-206, and §6, L229).
+//! Course of an activity that has failed: secured, alarmed, answered, restored (seed 001 §5.2, L203-206, and §6, L229).
 //!
 //! ```text
 //!  Raised ──▶ securing ──all stations at rest, held, or not heard for long──▶ waiting for an answer to alarm n
@@ -10,18 +10,18 @@
 //!               waiting for an answer to another alarm ◀── they differ: Mismatch
 //! ```
 //!
-//! Every arrow is a [`super::RecordKind::Exception`], so that a crash anywhere goes on where it was: securing is told again and
-//! changes nothing, an alarm keeps its number, and the marking is restored by one record. Closing puts tokens and part to
-//! where the answer says they are: where they were, where they were to go, or nowhere. Nothing else changes a marking:
-//! sensors can contradict an answer, and then it is said so and asked again; they never correct the model by themselves.
+//! Every arrow is a [`super::RecordKind::Exception`], so that a crash anywhere goes on where it was: securing is ordered again
+//! and changes nothing, an alarm keeps its number, and the marking is restored by one record. Closing puts tokens and part to
+//! where they are by the answer: where they were, where they were to go, or nowhere. Nothing else changes a marking: sensors
+//! can contradict an answer, which gives another alarm; they never correct the model by themselves.
 //!
 //! Securing takes stations back to where their orders began. Where alarm was given of a resource it stops them where they are.
 //!
-//! A resource can be *down* beside that: by hand, by what a rule says, or since its station could not come to rest. Its
-//! tokens stay where they are, so nothing can get lost by it, and no mode is enabled that needs it; whatever else a plan
-//! allows is. Somebody has to say that it is up again, and it is only if its station can work and its sensor agrees.
+//! A resource can be *down* beside that: by hand, by a rule, or since its station could not come to rest. Its tokens
+//! stay where they are, so nothing can get lost by it, and no mode is enabled that needs it; all else that a plan allows
+//! is. An operator puts it back, which is refused unless its station can work and its sensor agrees.
 //!
-//! [`RecoveryPolicy`] is what a description says of all this, and [`Exceptions`] what is remembered of it.
+//! [`RecoveryPolicy`] is the part of a description about all this, and [`Exceptions`] the state of it.
 
 mod answer;
 mod apply;

@@ -1,7 +1,7 @@
-//! What is known of a cell for the case that something fails: who takes part in a mode, what to do, and what to say.
+//! Recovery policy of a cell: the resources of a mode, what to do, and texts for operators.
 //!
-//! Plain data beside the table, for whoever describes a cell to fill. A cell of which nothing is known has failed
-//! activities secured, told and asked about all the same, by the mode's name and with the usual answers.
+//! Plain data beside the table, filled from the description of a cell. In a cell without any, failed activities are
+//! secured and alarmed all the same, by the mode's name and with the usual answers.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,20 +12,20 @@ use super::super::ids::{CellId, ModeId, ResourceId, TokenDemand};
 use super::super::record::{ActivityFailure, OrderFailure, TaskRefusal};
 use super::fact::{RecoveryDecision, Strategy, Whereabouts};
 
-/// What is known of a cell for the case that something fails.
+/// Recovery policy of a cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecoveryPolicy {
     /// The resources, in the order of their numbers.
     pub resources: Vec<ResourcePolicy>,
-    /// By mode, in the order of the table; modes beyond the end have nobody and nothing.
+    /// By mode, in the order of the table; modes beyond the end have nothing.
     pub modes: Vec<ModeHandling>,
-    /// What to do; the first of a mode's that fits counts.
+    /// Recovery rules; the first of a mode's that fits counts.
     pub rules: Vec<RecoveryRule>,
-    /// Stations, by what people call them.
+    /// Stations, by operators' names.
     pub stations: Vec<(StationId, Arc<str>)>,
-    /// A station that has an order and was not heard for so long is lost; none if it never is.
+    /// A station with an order is lost after this time without a report; none if it never is.
     pub stale: Option<Duration>,
-    /// After so long a station is not waited for that was told to come to rest.
+    /// Longest wait for a station that was ordered to come to rest.
     pub secure: Duration,
 }
 
@@ -34,7 +34,7 @@ pub struct RecoveryPolicy {
 pub struct ResourcePolicy {
     pub name: Arc<str>,
     pub station: Option<StationId>,
-    /// That station says whether a part is there ([`super::super::TaskReport::presence`]).
+    /// That station reports whether a part is there ([`super::super::TaskReport::presence`]).
     pub is_sensed: bool,
     /// The cells on which the parts are that it has.
     pub has: Vec<CellId>,
@@ -42,10 +42,10 @@ pub struct ResourcePolicy {
     pub sees: Vec<CellId>,
 }
 
-/// What is known of a mode.
+/// Recovery data of a mode.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ModeHandling {
-    /// The activity, by what people call it; empty for the mode's own name.
+    /// The activity, by its operators' name; empty for the mode's own name.
     pub activity: Arc<str>,
     pub part_type: Arc<str>,
     /// Holder of the part before; a worker holds it before and afterwards.
@@ -55,20 +55,20 @@ pub struct ModeHandling {
     pub carrier: Option<ResourceId>,
     /// The rules that are about it, as positions.
     pub rules: Vec<usize>,
-    /// What is given back if its part is no more; none if it cannot be said.
+    /// Tokens given back if its part is no more; none if they are uncertain.
     pub gone: Option<Vec<TokenDemand>>,
 }
 
 /// Recovery rule of one kind of failure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecoveryRule {
-    /// In which case.
+    /// Failures that it is for.
     pub code: FailureMatch,
-    /// What people are told, with names in braces.
+    /// Text for operators, with names in braces.
     pub tell: Arc<str>,
-    /// How often the same may be done once more with one part.
+    /// Most repetitions of the same with one part.
     pub retries: u32,
-    /// Applied without asking as long as all stations are at rest.
+    /// Applied without an answer as long as all stations are at rest.
     pub is_automatic: bool,
     /// These stations go into emergency stop.
     pub stops: Vec<StationId>,
@@ -81,13 +81,13 @@ pub struct RecoveryRule {
 pub struct PermittedAnswer {
     /// The word, where the part is, how to go on.
     pub ruling: RecoveryDecision,
-    /// What is left out then: these, and of the activity's own whoever has this part in it.
+    /// Resources left out then: these, and the activity's own that hold this part.
     pub down: Vec<ResourceId>,
-    /// As whom: from, to, carrier.
+    /// Their roles: from, to, carrier.
     pub down_as: Vec<Whereabouts>,
 }
 
-/// Which failures a rule is about, as descriptions write it.
+/// Failures that a rule is for, as descriptions write it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FailureMatch {
     /// All.
@@ -110,7 +110,7 @@ impl Default for RecoveryPolicy {
 }
 
 impl RecoveryPolicy {
-    /// What is known of a mode.
+    /// Recovery data of a mode.
     pub fn mode(&self, mode: ModeId) -> &ModeHandling {
         self.modes.get(mode.index()).unwrap_or(&NOTHING)
     }
@@ -130,7 +130,7 @@ impl RecoveryPolicy {
         self.resource_ids().find(|id| self.resources[id.index()].name.as_ref() == name)
     }
 
-    /// What people call a resource.
+    /// Operators' name of a resource.
     pub fn resource_name(&self, id: ResourceId) -> &str {
         self.resource(id).map_or("?", |resource| &resource.name)
     }
@@ -140,14 +140,14 @@ impl RecoveryPolicy {
         self.stations.iter().any(|(id, _)| *id == station)
     }
 
-    /// What people call a station.
+    /// Operators' name of a station.
     pub fn station_name(&self, station: StationId) -> String {
         let known = self.stations.iter().find(|(id, _)| *id == station);
         known.map_or_else(|| format!("station {}", station.0), |(_, name)| name.to_string())
     }
 
     /// The rule for a failure of a mode: the first that fits. One of the station's own code goes before one of time-outs,
-    /// which fits as well where the code says what a station waited for until its time was over.
+    /// which fits as well where the code gives what a station waited for until its time was over.
     pub(crate) fn rule(&self, mode: ModeId, cause: ActivityFailure) -> Option<&RecoveryRule> {
         let word = word(cause);
         let rules = || self.mode(mode).rules.iter().filter_map(|&at| self.rules.get(at));
@@ -217,7 +217,7 @@ pub(super) fn word(cause: ActivityFailure) -> String {
     }
 }
 
-/// What can be answered where nothing is described.
+/// Permitted answers where none are described.
 pub(super) fn usual() -> [PermittedAnswer; 3] {
     [
         ("as-before", Whereabouts::From, Strategy::Backward),

@@ -4,7 +4,7 @@ use linewright_line::StationId;
 
 use super::super::ids::{AlarmId, ResourceId};
 
-/// Whether a part is there, as a sensor says.
+/// Presence of a part, by a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Presence {
     /// Not known: no sensor, or its image is not valid.
@@ -16,7 +16,7 @@ pub enum Presence {
     Off,
 }
 
-/// Why a station could not do anything now. The mode of the line is none of these.
+/// Reason why a station could do nothing now. The mode of the line is none of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StationUnavailable {
     /// Its devices are not there.
@@ -27,7 +27,7 @@ pub enum StationUnavailable {
     ByHand,
 }
 
-/// What a person has asked for.
+/// Request of an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResourceRequest {
     /// To take an answer.
@@ -42,7 +42,7 @@ pub enum ResourceRequest {
     Reset(StationId),
 }
 
-/// Why it was not done.
+/// Reason of its refusal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AlarmAnswerRefusal {
     /// There is no such alarm, or not any more.
@@ -51,7 +51,7 @@ pub enum AlarmAnswerRefusal {
     NoSuchWord,
     /// There is no such resource.
     NoSuchResource,
-    /// It is as it was asked to be already.
+    /// It is already as requested.
     AlreadySo,
     /// A station is still at it.
     Moves(StationId),

@@ -1,9 +1,9 @@
-//! Bringing the stations of a failed activity to rest: what they are told, and how it is known that they stand.
+//! Bringing the stations of a failed activity to rest: their orders, and the evidence that they stand.
 //!
 //! Usually a station goes back to where its order began, as far as that goes by itself. Where a person has given alarm of a
-//! resource nothing goes back: whoever gives alarm sees that something is wrong, and the way back may be as wrong as the way
-//! on. All stations of its activities are told to stop, also those that are on their way back from another failure. That
-//! follows from the resource's being left out for an alarm, which is a record; so a life that begins afterwards says the same.
+//! resource nothing goes back: something is wrong there, and the way back may be as wrong as the way on. All stations of its
+//! activities are ordered to stop, also those that are on their way back from another failure. That follows from the
+//! resource's being left out for an alarm, which is a record; so a later life does the same.
 
 use linewright_line::{StationId, Tick};
 
@@ -16,7 +16,7 @@ use super::book::ExceptionStage;
 use super::fact::{ExceptionStep, SecuredState};
 use super::watch::SecureRequest;
 
-/// That a station is to leave an order.
+/// Request that a station leave an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SecureOrderRequest {
     pub station: StationId,
@@ -62,7 +62,7 @@ impl PlayerState {
 }
 
 impl Coordination {
-    /// The stations that have to be told to leave an order, or to stop.
+    /// The stations that have to be ordered to leave an order, or to stop.
     pub(super) fn to_secure(&self) -> Vec<SecureOrderRequest> {
         if self.is_superseded() {
             return Vec::new();
@@ -74,7 +74,7 @@ impl Coordination {
         for (id, _) in open.filter(|(_, trouble)| trouble.stage == ExceptionStage::Securing) {
             let Some(firing) = self.state.firing(id) else { continue };
             for order in self.state.owed(firing) {
-                // Keys reach a station rising: an older order that it has not heard would be too old for it.
+                // Keys reach a station rising: an older order that it has not received would be too old for it.
                 let older = self.state.unheard.get(&order.station).and_then(|keys| keys.first());
                 if older.is_none_or(|&older| order.key < older) {
                     all.push((order.station, order.key));
@@ -87,13 +87,13 @@ impl Coordination {
         all.into_iter().map(|(station, key)| SecureOrderRequest { station, key, stop: stops(station, key) }).collect()
     }
 
-    /// When a station was told this, if it was.
+    /// The last such order to a station, if there was one.
     pub(super) fn told(&self, leave: SecureOrderRequest) -> Option<SecureRequest> {
-        // Told to go back it has not been told to stop.
+        // An order to go back is none to stop.
         self.watch.told.get(&leave.key).copied().filter(|told| told.stop || !leave.stop)
     }
 
-    /// Tells them, again and again until they have.
+    /// Sends these orders, again and again until they are obeyed.
     pub(in super::super) fn send_secure(&mut self, now: Tick, out: &mut PlayerOutbox) {
         let all = self.to_secure();
         if all.is_empty() && self.watch.told.is_empty() {
@@ -111,7 +111,7 @@ impl Coordination {
         }
     }
 
-    /// How a station stands that was told to leave an order; none as long as that is not known.
+    /// Standing of a station that was ordered to leave an order; none as long as it is uncertain.
     fn standing(&self, station: StationId, key: OrderKey) -> Option<SecuredState> {
         if !self.rules.stands_first {
             return Some(SecuredState::AtRest);
@@ -119,7 +119,7 @@ impl Coordination {
         let is_at_it = |heard: &TaskReport| heard.slot == Some(key) && self.counts(heard);
         let seen = self.watch.seen(station).filter(|seen| !is_at_it(&seen.heard))?;
         let answered = self.watch.told.get(&key).and_then(|told| told.answered);
-        // Before it was told it may not have begun to go back.
+        // Before the order it may not have begun to go back.
         let has_left = answered.is_some_and(|(at, is_at_it)| !is_at_it && at <= seen.at);
         let has_ended = seen.heard.results.iter().any(|(of, _)| *of == key);
         match (has_left, has_ended, seen.heard.is_held) {
@@ -129,7 +129,7 @@ impl Coordination {
         }
     }
 
-    /// Writes down who has come to rest; asks when all have.
+    /// Records the stations that have come to rest; raises the alarm when all have.
     pub(super) fn secured(&mut self, now: Tick, id: FiringId, out: &mut PlayerOutbox) {
         let Some(trouble) = self.state.exceptions().trouble(id).filter(|of| of.stage == ExceptionStage::Securing)
         else {

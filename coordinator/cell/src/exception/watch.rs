@@ -1,4 +1,4 @@
-//! What was heard of stations in this life: what is believed of them, and since when. None of it is remembered.
+//! Reports of stations in this life: which of them count, and since when. None of it outlives a restart.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -10,7 +10,7 @@ use super::super::orders::{TaskReply, TaskReport};
 use super::super::state::PlayerState;
 use super::request::{AlarmAnswerRefusal, Presence};
 
-/// What was last heard of a station.
+/// Last report of a station.
 #[derive(Clone, Debug)]
 pub(super) struct LastReport {
     /// Time of arrival.
@@ -19,34 +19,34 @@ pub(super) struct LastReport {
     pub heard: TaskReport,
 }
 
-/// What was told to leave an order.
+/// The last order to leave an order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecureRequest {
     pub at: Tick,
     /// And to stop at once.
     pub stop: bool,
-    /// When it has answered, and whether it is still at it.
+    /// Time of its answer, and whether it is still at it.
     pub answered: Option<(Tick, bool)>,
 }
 
-/// What was heard of stations in this life.
+/// Reports of stations in this life.
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct StationMonitor {
     began: Tick,
     seen: BTreeMap<StationId, LastReport>,
-    /// Until then no station is missed that an order is waited for from; none if that has to be found out. Whoever is heard
-    /// is missed later, and what ends is not waited for: only what starts can make it sooner.
+    /// Until then no station with an order is missed; none if that has to be computed. A report makes it later, and so does
+    /// an end: only a start can make it sooner.
     pub(super) missed_from: Option<Tick>,
     pub(super) told: BTreeMap<OrderKey, SecureRequest>,
     /// Stations at an order that no activity waits for.
     pub(super) strays: BTreeSet<StationId>,
-    /// Resources of which model and plant have not been compared in this life, and from when on what is heard counts.
+    /// Resources of which model and plant have not been compared in this life, and the time from which reports count.
     pub(super) uncompared: BTreeMap<ResourceId, Tick>,
 }
 
 impl StationMonitor {
-    /// Of a life that begins. What a life before has left is compared with the plant, also by one that knows of none: its log
-    /// may be lost, and the parts still be there. Then nothing can be under way, so what is heard counts at once.
+    /// Of a life that begins. What a life before has left is compared with the plant, also by one without records: its log
+    /// may be lost, and the parts still be there. Then nothing can be under way, so reports count at once.
     pub fn new(state: &PlayerState, now: Tick) -> Self {
         let handling = state.table().handling();
         let from = if state.epoch() == 0 { now } else { now + state.table().grace() };
@@ -55,14 +55,14 @@ impl StationMonitor {
         StationMonitor { began: now, uncompared, ..StationMonitor::default() }
     }
 
-    /// Takes what a station says of itself.
+    /// Takes a station's report.
     pub fn hear(&mut self, now: Tick, station: StationId, heard: &TaskReport) {
         let seen = self.seen.entry(station).or_insert_with(|| LastReport { at: now, heard: TaskReport::default() });
         seen.at = now;
         seen.heard.clone_from(heard);
     }
 
-    /// Takes what a station says when it was told to leave an order.
+    /// Takes a station's answer to the order to leave an order.
     pub fn answered(&mut self, now: Tick, key: OrderKey, reply: TaskReply) {
         let is_at_it = match reply {
             TaskReply::Running => true,
@@ -71,7 +71,7 @@ impl StationMonitor {
         self.told.get_mut(&key).into_iter().for_each(|told| told.answered = Some((now, is_at_it)));
     }
 
-    /// It was heard that an order is done.
+    /// A report that an order is done.
     pub fn done(&mut self, station: StationId, key: OrderKey) {
         if let Some(seen) = self.seen.get_mut(&station).filter(|seen| seen.heard.slot == Some(key)) {
             seen.heard.slot = None;
@@ -84,23 +84,23 @@ impl StationMonitor {
         self.seen.iter().filter(|(_, seen)| seen.heard.is_held).map(|(&station, _)| station)
     }
 
-    /// What was last heard of a station.
+    /// Last report of a station.
     pub(super) fn seen(&self, station: StationId) -> Option<&LastReport> {
         self.seen.get(&station)
     }
 
-    /// When a station was last heard; when this life began if it was not.
+    /// Time of a station's last report; beginning of this life if there was none.
     pub(super) fn last(&self, station: StationId) -> Tick {
         self.seen.get(&station).map_or(self.began, |seen| seen.at)
     }
 
-    /// What was heard of a station, unless that is too long ago.
+    /// A station's report, unless it is too old.
     pub(super) fn fresh(&self, station: StationId, now: Tick, stale: Option<Duration>) -> Option<&TaskReport> {
         let seen = self.seen.get(&station).filter(|seen| stale.is_none_or(|stale| seen.at + stale > now));
         seen.map(|seen| &seen.heard)
     }
 
-    /// Why a station could not be told anything.
+    /// Reason why a station could not be given an order.
     pub(super) fn objection(
         &self,
         station: StationId,
@@ -114,7 +114,7 @@ impl StationMonitor {
         heard.unable.map(|unable| AlarmAnswerRefusal::CannotWork(station, unable))
     }
 
-    /// Whether a resource has still to be compared, and can be, or may be when its station is heard.
+    /// Whether a resource has still to be compared, and can be, or may be when its station reports.
     pub fn is_to_be_compared(&self, state: &PlayerState, resource: ResourceId) -> bool {
         let station = |id: ResourceId| state.table().handling().resource(id)?.station;
         let knows = |station| self.seen.get(&station).is_none_or(|seen| seen.heard.presence != Presence::Unknown);

@@ -6,14 +6,14 @@ use thiserror::Error;
 use super::super::ids::{PartId, ProductionId};
 use super::request::ProductionOrderRequest;
 
-/// What people change. To be written down before anybody is told.
+/// Operators' changes. To be written down before any reply.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ProductionChange {
     /// A request is an order now.
     Accepted {
         id: ProductionId,
-        /// What was asked for.
+        /// As requested.
         request: ProductionOrderRequest,
     },
     /// Nothing more of it enters.
@@ -36,12 +36,12 @@ impl ProductionChange {
     }
 }
 
-/// Why an order is not cancelled or withdrawn.
+/// Reason why an order is not cancelled or withdrawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProductionRefusal {
     /// No production order has this name.
     Unknown {
-        /// What was asked about.
+        /// Name in the request.
         name: String,
         hint: Option<String>,
     },
@@ -50,7 +50,7 @@ pub enum ProductionRefusal {
     /// It can only be cancelled.
     Begun {
         name: String,
-        /// How many of its parts have entered, those that were lost among them.
+        /// Number of its parts that have entered, lost ones among them.
         entered: u32,
     },
     /// Others would wait for ever.
@@ -61,7 +61,7 @@ pub enum ProductionRefusal {
     },
 }
 
-/// A change that cannot be what has happened to these orders.
+/// A change that does not fit these orders.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("a change of production orders does not fit: {0}")]
 pub struct ProductionMisfit(pub String);

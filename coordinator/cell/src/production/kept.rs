@@ -1,6 +1,6 @@
-//! Production orders as they are written down in a snapshot, and read again.
+//! Form of production orders in a snapshot.
 //!
-//! What the table knows is not written down. On the way in everything is checked against the table and against itself: what
+//! What is in the table is not written down. On the way in everything is checked against the table and against itself: what
 //! has passed is what records have made, or could have.
 
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub(in super::super) struct SavedProduction {
 }
 
 impl Production {
-    /// What is to be written down of it.
+    /// The part of it that is written down.
     pub(in super::super) fn kept(&self) -> SavedProduction {
         SavedProduction {
             orders: self.orders.values().cloned().collect(),

@@ -1,8 +1,8 @@
-//! All production orders of a cell: a fold over what people change and what the cell's records say.
+//! All production orders of a cell: a fold over operators' changes and the cell's records.
 //!
 //! Which order a part that enters counts to is not decided when it enters but follows: the first in turn of those of its
-//! product that are released. So a record of entering says enough, and a dispatcher that tries out what comes next can let
-//! simulated parts enter as well.
+//! product that are released. So a record of entering is enough, and a dispatcher that simulates can let simulated parts
+//! enter as well.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use super::change::{ProductionChange, ProductionMisfit, ProductionRefusal};
 use super::order::{ProductionOrder, ProductionStatus};
 use super::request::{ORDERS_MAX, ProductionOrderRequest, RequestProblem, find_circle, in_order};
 
-/// So many orders that are over are remembered, beside those that others wait for.
+/// Orders kept that are over, beside those that others wait for.
 const KEPT: usize = 1000;
 
 /// The production orders of a cell.
@@ -34,7 +34,7 @@ pub struct Production {
     /// Activities in progress that take a part out.
     pub(super) leaving: BTreeMap<FiringId, PartId>,
     pub(super) last: u64,
-    /// Those that are over are not forgotten.
+    /// Orders that are over are kept.
     keeps_all: bool,
 }
 
@@ -52,7 +52,7 @@ impl Production {
         }
     }
 
-    /// The same from what a report knows of the cell. No order is ever forgotten.
+    /// The same from the data of a report. All orders are kept.
     pub fn of_sheet(sheet: &ReportMetadata) -> Self {
         let modes = || (0..).map(ModeId).zip(&sheet.modes);
         let passing = |passing| move |(_, entry): &(ModeId, &ModeEntry)| entry.passing == passing;
@@ -86,15 +86,16 @@ impl Production {
         self.orders.values().find(|order| order.request.key == key)
     }
 
-    /// Which order a part counts to; none if it has left, or was not ordered.
+    /// Order that a part counts to; none if it has left, or was not ordered.
     pub fn order_of(&self, part: PartId) -> Option<&ProductionOrder> {
         self.order(*self.of_part.get(&part)?)
     }
 
-    /// What makes orders of these requests, all of them or none. Those that are orders already change nothing.
+    /// The change that makes orders of these requests, all of them or none. Those that are orders already change
+    /// nothing.
     ///
     /// # Errors
-    /// All that is wrong with any of them.
+    /// All errors of any of them.
     pub fn submit(&self, requests: &[ProductionOrderRequest]) -> Result<Vec<ProductionChange>, Vec<RequestProblem>> {
         let mut wrongs = Vec::new();
         let mut new: Vec<&ProductionOrderRequest> = Vec::new();
@@ -147,10 +148,10 @@ impl Production {
         Ok(ids.zip(in_order(&new)).map(|(id, request)| ProductionChange::Accepted { id, request }).collect())
     }
 
-    /// What cancels an order: nothing more of it enters.
+    /// The change that cancels an order: nothing more of it enters.
     ///
     /// # Errors
-    /// Why not.
+    /// Reason why not.
     pub fn cancel(&self, name: &str) -> Result<ProductionChange, ProductionRefusal> {
         let order = self.open(name)?;
         if order.cancelled.is_some() {
@@ -159,10 +160,10 @@ impl Production {
         Ok(ProductionChange::Cancelled(order.id))
     }
 
-    /// What withdraws an order, as long as nothing of it has entered.
+    /// The change that withdraws an order, as long as nothing of it has entered.
     ///
     /// # Errors
-    /// Why not.
+    /// Reason why not.
     pub fn withdraw(&self, name: &str) -> Result<ProductionChange, ProductionRefusal> {
         let order = self.open(name)?;
         if order.begun.is_some() || order.cancelled.is_some() {
@@ -186,7 +187,7 @@ impl Production {
         self.orders.values().find(|order| order.ended.is_none() && order.after.contains(&id))
     }
 
-    /// Does what a change says, or nothing of it.
+    /// Applies a change, or nothing of it.
     fn apply(&mut self, at: Tick, change: &ProductionChange) -> Result<(), ProductionMisfit> {
         match change {
             ProductionChange::Accepted { id, request } => self.accept(at, *id, request),
@@ -242,7 +243,7 @@ impl Production {
         Ok(())
     }
 
-    /// Forgets the oldest of those that are over and that no other order waits for.
+    /// Drops the oldest of those that are over and that no other order waits for.
     fn forget(&mut self) {
         if self.keeps_all {
             return;
@@ -265,8 +266,8 @@ impl Production {
         }
     }
 
-    /// Takes a record of the cell, and says whether it changes anything. It takes time for what it touches, and for finding
-    /// who is in turn when a part enters.
+    /// Takes a record of the cell, and returns whether it changes anything. It takes time for what it touches, and for
+    /// finding the order in turn when a part enters.
     ///
     /// # Errors
     /// A change that does not fit; nothing has changed then.
@@ -303,7 +304,7 @@ impl Production {
         })
     }
 
-    /// Of what failed, one that has not come in counts as little as one that is no more.
+    /// Of a failure, a part that has not come in counts as little as one that is no more.
     fn put_right(&mut self, step: &ExceptionStep, at: Tick) -> bool {
         if let ExceptionStep::Missing { part, .. } = step {
             return self.apply(at, &ProductionChange::Lost(*part)).is_ok();
@@ -339,7 +340,7 @@ impl Production {
         true
     }
 
-    /// Where an order is at a time.
+    /// Status of an order at a time.
     pub fn status(&self, order: &ProductionOrder, now: Tick) -> ProductionStatus {
         if order.withdrawn {
             return ProductionStatus::Withdrawn;
@@ -362,12 +363,12 @@ impl Production {
         }
     }
 
-    /// When an order was over; the beginning for one that is not remembered any more.
+    /// End of an order; the beginning for one that is not kept any more.
     fn end_of(&self, id: ProductionId) -> Option<Tick> {
         self.orders.get(&id).map_or(Some(Tick::ZERO), |order| order.ended)
     }
 
-    /// Since when parts of an order may enter, or from when on; none as long as that is not known.
+    /// Time from which parts of an order may enter; none as long as it is unknown.
     fn open_from(&self, order: &ProductionOrder) -> Option<Tick> {
         let from = order.request.release.unwrap_or(Tick::ZERO).max(order.accepted);
         order.after.iter().try_fold(from, |from, &id| Some(from.max(self.end_of(id)?)))
@@ -378,7 +379,7 @@ impl Production {
         self.orders.values().filter(|order| order.ended.is_none() && order.missing() > 0)
     }
 
-    /// To which order the next part of a product counts that enters at a time.
+    /// Order that the next part of a product counts to if it enters at a time.
     fn in_turn(&self, product: usize, at: Tick) -> Option<&ProductionOrder> {
         let may = self.missing().filter(|order| order.product == product);
         may.filter(|order| self.open_from(order).is_some_and(|from| from <= at)).min_by_key(|order| order.turn())
@@ -389,7 +390,7 @@ impl Production {
         self.enters.iter().filter(move |(_, of)| **of == product).map(|(&mode, _)| mode)
     }
 
-    /// What a dispatcher has to know at a time: of parts inside, and of those that may enter.
+    /// Data for a dispatcher at a time: of parts inside, and of those that may enter.
     pub fn jobs(&self, now: Tick) -> PartPriorities {
         let mut jobs = PartPriorities::default();
         let of = |(&part, id): (&PartId, &ProductionId)| Some((part, self.orders.get(id)?.job()));
@@ -420,7 +421,7 @@ impl Production {
         jobs
     }
 
-    /// When what a dispatcher has to know changes by time alone, after `now`.
+    /// Next time after `now` at which the data for a dispatcher change by time alone.
     pub(in super::super) fn next_release(&self, now: Tick) -> Option<Tick> {
         self.missing().filter_map(|order| self.open_from(order)).filter(|&from| from > now).min()
     }

@@ -1,12 +1,12 @@
 //! Production orders: what is to be made, how many, from when, until when, and after what.
 //!
 //! # Map
-//! - [`ProductionOrderRequest`]: a request; [`RequestProblem`]: what is wrong with it, all of it at once.
+//! - [`ProductionOrderRequest`]: a request; [`RequestProblem`]: its errors, all at once.
 //! - [`ProductionOrder`], [`ProductionStatus`]: an order that was accepted, and where it is.
-//! - [`Production`]: all of them, a fold over the records of the cell: those that say what people have changed
-//!   ([`ProductionChange`]), and those that say what has entered and what has left. It is part of the cell's state. A dispatcher has
-//!   one of its own, since it also decides in forward simulations.
-//! - [`DispatchConfiguration`]: the dispatcher with rules, who lets in what is on order and knows when each part is due.
+//! - [`Production`]: all of them, a fold over the records of the cell: those of operators' changes ([`ProductionChange`]), and
+//!   those of parts that have entered or left. It is part of the cell's state. A dispatcher has one of its own, since it also
+//!   decides in forward simulations.
+//! - [`DispatchConfiguration`]: the dispatcher with rules; it lets in parts on order and has their due dates.
 //!
 //! ```text
 //!  waiting ──released, and all before it are over──▶ released ──its first part enters──▶ in work ──its last leaves──▶ done
@@ -16,7 +16,7 @@
 //!  withdrawn                                        withdrawn             cancelled (at any time before it is done)
 //! ```
 //! *Withdrawn* orders are as if they had never been. Of a *cancelled* one nothing more enters; parts that are inside are
-//! finished as surplus, and it is over when the last of them has left. Nothing here knows how products are made.
+//! finished as surplus, and it is over when the last of them has left. Nothing here depends on how products are made.
 
 mod change;
 mod configuration;

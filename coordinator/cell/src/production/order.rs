@@ -1,7 +1,7 @@
-//! One production order: what has become of it so far.
+//! One production order and its progress.
 //!
 //! Counts and moments, no decisions. A part counts from its entering on, and is done when it has left; lateness is that of
-//! the last one, as it is for whoever waits for the whole order.
+//! the last one, as for a customer of the whole order.
 
 use linewright_line::Tick;
 use serde::{Deserialize, Serialize};
@@ -16,46 +16,45 @@ use super::request::ProductionOrderRequest;
 #[serde(deny_unknown_fields)]
 pub struct ProductionOrder {
     pub id: ProductionId,
-    /// What was asked for.
     pub request: ProductionOrderRequest,
     /// Its product, as an index.
     pub product: usize,
     pub after: Vec<ProductionId>,
-    /// When it was accepted.
+    /// Time of acceptance.
     #[serde(with = "serial::micros")]
     pub accepted: Tick,
-    /// How many parts are inside or have left, without those that are lost.
+    /// Number of parts inside or left, without those that are lost.
     pub entered: u32,
-    /// How many have left.
+    /// Number of parts that have left.
     pub done: u32,
-    /// How many of those that have left came too late to be wanted: it had been cancelled.
+    /// Of those, the number that left after the order had been cancelled.
     pub surplus: u32,
-    /// How many were lost; others have entered, or will, in their place.
+    /// Number of parts lost; others have entered, or will, in their place.
     pub lost: u32,
-    /// When its first part entered.
+    /// Time at which its first part entered.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub begun: Option<Tick>,
-    /// When the last one did that has entered so far.
+    /// Time at which its last part so far entered.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub newest: Option<Tick>,
-    /// When it was cancelled.
+    /// Time of cancellation.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub cancelled: Option<Tick>,
     /// It was withdrawn.
     pub withdrawn: bool,
-    /// When it was over: the last part has left, or it was withdrawn.
+    /// End: the last part has left, or it was withdrawn.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub ended: Option<Tick>,
 }
 
-/// Where an order is.
+/// Status of an order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ProductionStatus {
     /// Nothing of it may enter yet.
     Waiting {
-        /// What it is after and is not over.
+        /// Orders that it is after and that are not over.
         on: Vec<ProductionId>,
-        /// Until when it is not released, if that is to come.
+        /// Time until which it is not released, if that is to come.
         until: Option<Tick>,
     },
     /// Its parts may enter.
@@ -73,7 +72,7 @@ pub enum ProductionStatus {
     /// Nothing more enters.
     Cancelled {
         at: Tick,
-        /// How many parts are still inside.
+        /// Number of parts still inside.
         inside: u32,
     },
     /// As if it had never been.
@@ -106,13 +105,13 @@ impl ProductionOrder {
         }
     }
 
-    /// How many parts have still to enter.
+    /// Number of parts that have still to enter.
     pub fn missing(&self) -> u32 {
         let closed = self.withdrawn || self.cancelled.is_some();
         if closed { 0 } else { self.request.quantity.saturating_sub(self.entered) }
     }
 
-    /// How many parts are inside.
+    /// Number of parts inside.
     pub fn inside(&self) -> u32 {
         self.entered.saturating_sub(self.done)
     }
@@ -125,7 +124,7 @@ impl ProductionOrder {
         Some(micros(ended).saturating_sub(micros(due)))
     }
 
-    /// What rules have to know of its parts. Those of a cancelled one do not matter any more.
+    /// Due date and priority of its parts. Those of a cancelled one do not matter any more.
     pub fn job(&self) -> PartPriority {
         match self.cancelled {
             Some(_) => PartPriority::default(),
@@ -133,8 +132,8 @@ impl ProductionOrder {
         }
     }
 
-    /// Of two orders of one product, the one whose parts enter first has the smaller of these: what matters most, then what
-    /// is due first, then what was accepted first.
+    /// Of two orders of one product, the one whose parts enter first has the smaller key: highest priority, then earliest
+    /// due date, then first accepted.
     pub(super) fn turn(&self) -> impl Ord + use<> {
         (std::cmp::Reverse(self.request.priority), self.request.due.unwrap_or(Tick::NEVER), self.id)
     }

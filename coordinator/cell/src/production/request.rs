@@ -1,7 +1,7 @@
 //! A request for a production order, and its validation.
 //!
 //! Requests come in batches, so that some of a batch can be after others of it. A batch is accepted whole or not at all, and
-//! whoever has made five mistakes is told of five. Names are people's: any text of one line.
+//! all errors are reported at once. Names are operators': any text of one line.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,25 +23,25 @@ pub struct ProductionOrderRequest {
     /// Drawn by the requester. The same request twice is one order.
     #[serde(with = "serial::key")]
     pub key: u128,
-    /// What people call it. Of orders that are not over each has a name of its own.
+    /// Operators' name of it. Of orders that are not over each has a name of its own.
     pub name: String,
-    /// What is to be made.
+    /// Product to be made.
     pub product: String,
-    /// How many, from 1 to [`QUANTITY_MAX`].
+    /// Number of parts, from 1 to [`QUANTITY_MAX`].
     pub quantity: u32,
     /// Nothing of it enters before this; none for at once.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub release: Option<Tick>,
-    /// When all of it is to be finished; none if it does not matter.
+    /// Due date of all of it; none if it does not matter.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub due: Option<Tick>,
-    /// How much it matters; more comes first.
+    /// Priority; more comes first.
     pub priority: i32,
     /// The orders that have to be over before anything of it enters, by name.
     pub after: Vec<String>,
 }
 
-/// What is wrong with a request.
+/// Error in a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RequestProblem {
     /// Not usable as a name.
@@ -59,39 +59,38 @@ pub enum RequestProblem {
     /// Nothing of that name is made here.
     Product {
         name: String,
-        /// What it asks for.
+        /// Product requested.
         product: String,
         hint: Option<String>,
     },
     /// None, or too many.
     Quantity {
         name: String,
-        /// How many it asks for.
+        /// Quantity requested.
         quantity: u32,
     },
     /// It could not be in time.
     DueBeforeRelease {
         name: String,
-        /// When it is due.
+        /// Due date.
         due: Tick,
-        /// When it is released.
         release: Tick,
     },
-    /// It waits for what is not there.
+    /// It waits for an order that does not exist.
     NoSuchOrder { name: String, after: String, hint: Option<String> },
-    /// It waits for what was withdrawn.
+    /// It waits for an order that was withdrawn.
     AfterWithdrawn { name: String, after: String },
     /// Each waits for the next, and the last for the first.
     Circle(Vec<String>),
     /// More than are kept.
     TooMany {
-        /// How many there would be.
+        /// Number of orders there would be.
         open: usize,
     },
 }
 
 impl ProductionOrderRequest {
-    /// What is wrong with it whatever else there is.
+    /// Errors in the request itself.
     pub(super) fn validate<'a>(&self, products: impl Iterator<Item = &'a str> + Clone) -> Vec<RequestProblem> {
         let (mut wrongs, name) = (Vec::new(), || self.name.clone());
         let letters = self.name.chars().count();

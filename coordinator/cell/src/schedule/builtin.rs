@@ -53,7 +53,7 @@ struct ScheduleSearchState<'a> {
     best: Option<Best>,
     /// Firings left.
     left: usize,
-    /// How many the last future took.
+    /// Number that the last future took.
     took: usize,
 }
 
@@ -79,7 +79,7 @@ impl ScheduleSearchState<'_> {
     }
 }
 
-/// A desk that no timetable tells anything.
+/// A configuration without influence of a timetable.
 fn free(desk: &DispatchConfiguration) -> DispatchConfiguration {
     let mut desk = desk.clone();
     desk.rules.timetable = Timetable::EMPTY;
@@ -134,7 +134,7 @@ impl Scheduler for RolloutScheduler {
 }
 
 impl RolloutScheduler {
-    /// Tries futures near the best one, as many as what is left allows.
+    /// Tries futures near the best one, as many as the rest of the limit allows.
     fn sample(&self, making: &mut ScheduleSearchState<'_>, desk: &DispatchConfiguration) {
         let (table, mut chance) = (making.situation.basis.table(), Xorshift::new());
         let took = making.took.max(1);
@@ -152,7 +152,7 @@ impl RolloutScheduler {
         }
     }
 
-    /// Plays on looking ahead, as far as half of what is left allows.
+    /// Plays on looking ahead, as far as half of the rest of the limit allows.
     fn look(&self, making: &mut ScheduleSearchState<'_>, desk: &DispatchConfiguration) {
         let (budget, took) = (making.left / 2, making.took.max(1));
         // As many questions as firings at most; for each a few futures that become shorter and shorter.

@@ -9,7 +9,7 @@
 //! - [`PlanActualBar`]: plan against actual, for a Gantt chart.
 //!
 //! A schedule is made by playing the table that is run, so it never plans what the net forbids; and it is only ever advice:
-//! the dispatcher asks for it, the player looks at what the dispatcher says.
+//! the dispatcher requests it, the player checks the dispatcher's answer.
 
 mod builtin;
 mod randomised_rollouts;
@@ -29,7 +29,7 @@ use super::ahead::SimulationBasis;
 use super::production::DispatchConfiguration;
 use super::state::PlayerState;
 
-/// What there is to be planned.
+/// Planning problem.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanningSituation<'a> {
     pub now: Tick,
@@ -38,12 +38,13 @@ pub struct PlanningSituation<'a> {
     /// Rules and production orders.
     pub desk: &'a DispatchConfiguration,
     pub basis: &'a SimulationBasis,
-    /// What was planned before, and what has become of it.
+    /// The plan before, and its progress.
     pub previous: Option<&'a Schedule>,
 }
 
-/// Makes schedules. Others than [`RolloutScheduler`] may know more of a cell; what they make is followed in the same way.
+/// Makes schedules. Others than [`RolloutScheduler`] may use more of a cell; their schedules are followed in the same
+/// way.
 pub trait Scheduler {
-    /// A schedule for what is inside and on order. It has to come to an end within a bound that does not depend on time.
+    /// A schedule for parts inside and on order. It has to come to an end within a bound that does not depend on time.
     fn plan(&mut self, situation: &PlanningSituation<'_>) -> Schedule;
 }

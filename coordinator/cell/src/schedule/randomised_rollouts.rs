@@ -1,4 +1,4 @@
-//! Futures by chance: a plan is followed for a while, and then the rules decide, now and then overruled.
+//! Random futures: a plan is followed for a while, and then the rules decide, now and then overruled.
 //!
 //! Where there is too much to look through all of it, trying many futures near the best that is known finds better ones, and
 //! can be stopped at any time. Chance is a number that is drawn from the one before: the same cell has the same schedule.
@@ -11,7 +11,7 @@ use super::super::production::DispatchConfiguration;
 use super::super::question::{DispatchDecision, Dispatcher, Question};
 use super::super::record::Record;
 
-/// Once in so many questions something else is decided than the rules say.
+/// One in so many questions is decided against the rules.
 const OVERRULED: usize = 8;
 
 /// Numbers that look as if they were drawn (xorshift64*, Vigna 2016).
@@ -38,7 +38,7 @@ impl Xorshift {
 pub(super) struct RandomPolicy {
     follow: PlanPolicy,
     chance: Xorshift,
-    /// So many questions belong to the plan.
+    /// Number of questions that belong to the plan.
     plan: usize,
 }
 
@@ -65,7 +65,7 @@ impl RandomPolicy {
 impl Dispatcher for RandomPolicy {
     fn decide(&mut self, question: &Question<'_>) -> DispatchDecision {
         if self.plan > 0 {
-            // It ends when as many have started as there were, or when it stands still and forgets the rest.
+            // It ends when as many have started as there were, or when it stands still and drops the rest.
             let answer = self.follow.decide(question);
             self.plan = self.plan.saturating_sub(answer.start.len());
             return answer;

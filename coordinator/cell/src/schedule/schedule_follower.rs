@@ -1,10 +1,10 @@
 //! The dispatcher that has schedules made, follows them, and has them revised when reality deviates.
 //!
-//! Where `schedule` is among the rules, it sees to it before each question that there is a schedule which holds; its windows
-//! are what the rules then follow. A schedule does not hold any more when production orders change, something fails or is
-//! put right, something else has started than was planned, or something is later than its float and the tolerance allow.
-//! It is made anew at most once for a question. Where `schedule` is no rule, it looks ahead if that is asked for, and else
-//! goes by the rules.
+//! Where `schedule` is among the rules, it ensures before each question that there is a schedule which holds; the rules then
+//! follow its windows. A schedule does not hold any more when production orders change, something fails or is put right,
+//! something else has started than was planned, or something is later than its float and the tolerance allow. It is made
+//! anew at most once for a question. Where `schedule` is no rule, it looks ahead if that is configured, and else goes by the
+//! rules.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -21,9 +21,9 @@ use super::slots::{PlanActualBar, Schedule};
 use super::timetable::RevisionReason;
 use super::{PlanningSituation, Scheduler};
 
-/// So many activities of schedules that were revised are remembered.
+/// Activities kept of schedules that were revised.
 const BARS_MAX: usize = 10_000;
-/// So many revisions are remembered.
+/// Revisions kept.
 const REVISIONS_MAX: usize = 100;
 
 /// A schedule was made anew.
@@ -35,9 +35,9 @@ pub struct Revision {
 
 /// Has schedules made and follows them.
 pub struct ScheduleFollower {
-    /// What decides where nothing is planned, with the rules and production orders.
+    /// Decides where nothing is planned, with the rules and production orders.
     pub look: LookAhead,
-    /// How far from its window something may start, and how much later than its float allows before the schedule is revised.
+    /// Largest distance of a start from its window, and lateness beyond its float before the schedule is revised.
     pub tolerance: Duration,
     scheduler: Box<dyn Scheduler + Send>,
     schedule: Option<Schedule>,
@@ -66,17 +66,17 @@ impl ScheduleFollower {
         self.schedule.as_ref()
     }
 
-    /// When and why schedules were made, the newest last.
+    /// Times and reasons of schedules, the newest last.
     pub fn revisions(&self) -> impl ExactSizeIterator<Item = &Revision> {
         self.revisions.iter()
     }
 
-    /// Something has been put right that no record says: it is planned anew before the next question.
+    /// Something has been put right without a record: it is planned anew before the next question.
     pub fn restored(&mut self) {
         self.pending = Some(RevisionReason::Restored);
     }
 
-    /// Plan against actual, what is over first.
+    /// Plan against actual, activities that are over first.
     pub fn bars(&self) -> impl Iterator<Item = PlanActualBar> + '_ {
         self.past.iter().copied().chain(self.schedule.iter().flat_map(Schedule::bars))
     }

@@ -31,7 +31,7 @@ pub(super) struct Best {
     pub acts: Vec<SimulatedActivity>,
 }
 
-/// Key of a node: equal for simulations that differ only in the time and in what has left.
+/// Key of a node: equal for simulations that differ only in the time and in parts that have left.
 type SearchKey = Vec<u64>;
 
 pub(super) struct ScheduleSearch {
@@ -46,9 +46,9 @@ pub(super) struct ScheduleSearch {
 struct SearchNode {
     simulation: ForwardSimulation,
     desk: DispatchConfiguration,
-    /// What is still to be tried, the last first; none is to wait.
+    /// Options still to be tried, the last first; none is to wait.
     options: Vec<Option<(ModeId, Start)>>,
-    /// When something happens next.
+    /// Time of the next event.
     next: Option<Tick>,
 }
 
@@ -149,7 +149,7 @@ impl ScheduleSearch {
     }
 }
 
-/// What could start, in the order of preference; of equal parts one.
+/// Possible starts, in the order of preference; of equal parts one.
 fn options(simulation: &ForwardSimulation, desk: &mut DispatchConfiguration) -> Vec<(ModeId, Start)> {
     let (candidates, groups) = simulation.candidates();
     if candidates.is_empty() {
@@ -168,8 +168,8 @@ fn options(simulation: &ForwardSimulation, desk: &mut DispatchConfiguration) -> 
     distinct.map(|start| (candidates[start.candidate].mode, *start)).collect()
 }
 
-/// Whether it cannot be wrong to start something as soon as it can: it takes nothing but its part, which nothing else takes,
-/// and no later start of it is better for another.
+/// Whether a start as soon as possible is never worse: it takes nothing but its part, which nothing else takes, and no
+/// later start of it is better for another.
 fn is_free(table: &CellTable, mode: ModeId) -> bool {
     let ([(cell, 1)], Some(from)) = (table.takes(mode), table.part_in(mode)) else { return false };
     *cell == from && table.consumers(from).len() == 1

@@ -1,9 +1,9 @@
-//! A schedule: what starts when, and what has become of it.
+//! A schedule: planned starts, and their progress.
 //!
-//! Parts that have not entered have no number yet that could be relied on; so a schedule numbers parts by itself, and says
-//! of each which one it is as soon as it enters. Each slot has a *window*: from its planned start to the latest one that
-//! moves nothing else in the schedule (its free float). What was first promised stays with a slot through all revisions, so
-//! that plan and actual can be compared.
+//! Parts that have not entered have no number yet that could be relied on; so a schedule numbers parts by itself, and maps
+//! each to its part as soon as it enters. Each slot has a *window*: from its planned start to the latest one that moves
+//! nothing else in the schedule (its free float). The first promise stays with a slot through all revisions, so that plan
+//! and actual can be compared.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -22,19 +22,19 @@ use super::super::table::CellTable;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScheduleSlot {
     pub mode: ModeId,
-    /// With which part, as the schedule numbers them; none for what takes none.
+    /// Its part, as the schedule numbers them; none for a mode that takes none.
     pub part: Option<usize>,
-    /// When it is to start.
+    /// Planned start.
     pub from: Tick,
-    /// When it is to end.
+    /// Planned end.
     pub to: Tick,
-    /// By how much it can start later without moving anything else.
+    /// Time that it can start later without moving anything else.
     pub float: Duration,
-    /// What was planned for it at first; none if it was not planned when it started.
+    /// First plan for it; none if it was not planned when it started.
     pub promised: Option<(Tick, Tick)>,
-    /// When it has started.
+    /// Actual start.
     pub began: Option<Tick>,
-    /// When it has ended.
+    /// Actual end.
     pub ended: Option<Tick>,
     pub failed: bool,
     firing: Option<FiringId>,
@@ -44,36 +44,36 @@ pub struct ScheduleSlot {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlanActualBar {
     pub mode: ModeId,
-    /// With which part; none if it takes none, or has not entered.
+    /// Its part; none if it takes none, or has not entered.
     pub part: Option<PartId>,
-    /// What was planned at first; none if it was never planned.
+    /// First plan; none if it was never planned.
     pub promised: Option<(Tick, Tick)>,
-    /// What was planned last.
+    /// Last plan.
     pub planned: Option<(Tick, Tick)>,
-    /// When it started, if it has, and ended, if it has.
+    /// Actual start and end, as far as they have happened.
     pub actual: Option<(Tick, Option<Tick>)>,
     pub failed: bool,
 }
 
-/// What is to start when.
+/// Planned starts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Schedule {
-    /// When it was made.
+    /// Time at which it was made.
     pub made: Tick,
-    /// What comes of it, if all takes its nominal time.
+    /// Its result, if all takes its nominal time.
     pub score: Score,
-    /// Nothing is less late, and of what is as late nothing is finished earlier.
+    /// No schedule is less late, and none as late is finished earlier.
     pub proved: bool,
     /// In the order in which they start; those that were in progress come first.
     slots: Vec<ScheduleSlot>,
-    /// Which parts they are; none for those that have not entered.
+    /// Their parts; none for those that have not entered.
     parts: Vec<Option<PartId>>,
     /// Of each part its slots that have not started.
     open: Vec<VecDeque<usize>>,
     /// Of each mode that takes no part its slots that have not started, and those of parts that have not entered.
     entering: BTreeMap<ModeId, VecDeque<usize>>,
     running: BTreeMap<FiringId, usize>,
-    /// What has started that was not planned.
+    /// Starts that were not planned.
     strays: Vec<usize>,
 }
 
@@ -118,7 +118,7 @@ impl Schedule {
         new
     }
 
-    /// By how much each slot can slip before something that takes what it gives is in its way.
+    /// Time that each slot can slip before something that takes what it gives is in its way.
     fn floats(&mut self, table: &CellTable) {
         let mut taken: BTreeMap<CellId, Vec<Tick>> = BTreeMap::new();
         for slot in self.slots.iter().filter(|slot| slot.began.is_none()) {
@@ -140,7 +140,7 @@ impl Schedule {
         &self.slots
     }
 
-    /// Which part a slot is about, once it has entered.
+    /// Part of a slot, once it has entered.
     pub fn part_of(&self, slot: &ScheduleSlot) -> Option<PartId> {
         self.parts[slot.part?]
     }
@@ -150,24 +150,24 @@ impl Schedule {
         self.open.iter().all(VecDeque::is_empty) && self.entering.values().all(VecDeque::is_empty)
     }
 
-    /// What has started that was not planned.
+    /// Starts that were not planned.
     pub fn strays(&self) -> impl Iterator<Item = &ScheduleSlot> {
         self.strays.iter().map(|&at| &self.slots[at])
     }
 
-    /// What a part is to do next.
+    /// Next start of a part.
     pub fn next_of(&self, part: PartId) -> Option<&ScheduleSlot> {
         let at = self.parts.iter().position(|known| *known == Some(part))?;
         self.open[at].front().map(|&slot| &self.slots[slot])
     }
 
-    /// What each part inside is to do next.
+    /// Next start of each part inside.
     pub(super) fn next_of_parts(&self) -> impl Iterator<Item = (PartId, &ScheduleSlot)> {
         let pairs = self.parts.iter().zip(&self.open);
         pairs.filter_map(|(part, open)| Some(((*part)?, &self.slots[*open.front()?])))
     }
 
-    /// What is to enter next by each mode, or to happen without a part.
+    /// Next entry by each mode, or next start without a part.
     pub(super) fn next_entering(&self) -> impl Iterator<Item = (ModeId, &ScheduleSlot)> {
         self.entering.iter().filter_map(|(&mode, slots)| Some((mode, &self.slots[*slots.front()?])))
     }
@@ -176,7 +176,7 @@ impl Schedule {
         self.running.values().map(|&at| &self.slots[at])
     }
 
-    /// Takes a record: what was planned has started, or ended.
+    /// Takes a record: a planned start, or an end, has happened.
     pub fn note(&mut self, table: &CellTable, record: &Record) {
         match record.fact.activity_step() {
             Some(ActivityStep::Started { firing, mode, part, orders: _ }) => {
@@ -243,7 +243,7 @@ impl Schedule {
         at
     }
 
-    /// What is left to be started, in its order, for a cell as it is: parts that have not entered get the numbers that they
+    /// Starts that are left, in their order, for a cell as it is: parts that have not entered get the numbers that they
     /// will have.
     pub(super) fn rest(&self, state: &PlayerState) -> VecDeque<PlannedStart> {
         let table = state.table();
@@ -262,7 +262,7 @@ impl Schedule {
         rest
     }
 
-    /// Takes over what was promised, and keeps the times of what would move by no more than a tolerance.
+    /// Takes over promises, and keeps the times of slots that would move by no more than a tolerance.
     pub(super) fn keep(&mut self, previous: &Schedule, tolerance: Duration) {
         let mut before: BTreeMap<(Option<PartId>, ModeId), VecDeque<&ScheduleSlot>> = BTreeMap::new();
         for slot in &previous.slots {
@@ -303,7 +303,7 @@ impl Schedule {
 }
 
 impl ScheduleSlot {
-    /// When it is to start: from its planned start to the latest that moves nothing else.
+    /// Window of its start: from its planned start to the latest that moves nothing else.
     pub fn window(&self) -> Window {
         Window { from: self.from, until: self.from + self.float }
     }

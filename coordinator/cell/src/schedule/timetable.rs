@@ -13,25 +13,25 @@ use super::super::ids::{FiringId, ModeId, PartId, ResourceId};
 use super::super::state::{PartPlace, PlayerState};
 use super::slots::{Schedule, ScheduleSlot};
 
-/// Why a schedule is made anew.
+/// Reason why a schedule is made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RevisionReason {
     /// There was none.
     First,
     /// Production orders have changed.
     Orders,
-    /// An activity has failed; what it holds does not come back by itself.
+    /// An activity has failed; its tokens do not come back by themselves.
     Failed(FiringId),
     /// A resource is not to be counted on.
     Down(ResourceId),
-    /// What had failed goes on again, or something has been put right by hand.
+    /// A failed activity goes on again, or something has been put right by hand.
     Restored,
     /// Something starts, or ends, later than it may.
     Late {
         mode: ModeId,
-        /// With which part; none if it has not entered, or takes none.
+        /// Its part; none if it has not entered, or takes none.
         part: Option<PartId>,
-        /// By how much, beyond its window and the tolerance.
+        /// Deviation beyond its window and the tolerance.
         by: Duration,
     },
     /// All that was planned has started, and there is more to do.
@@ -41,7 +41,7 @@ pub enum RevisionReason {
 }
 
 impl Schedule {
-    /// What the rule `schedule` follows.
+    /// Planned starts for the rule `schedule`.
     pub fn timetable(
         &self,
         state: &PlayerState,
@@ -78,7 +78,7 @@ impl Schedule {
         timetable
     }
 
-    /// Why the schedule does not hold any more, if it does not.
+    /// Reason why the schedule does not hold any more, if it does not.
     pub fn deviation(&self, now: Tick, tolerance: Duration) -> Option<RevisionReason> {
         if let Some(stray) = self.strays().next() {
             return Some(RevisionReason::Stray(stray.mode, self.part_of(stray)));
@@ -88,12 +88,12 @@ impl Schedule {
         Some(RevisionReason::Late { mode: slot.mode, part: self.part_of(slot), by: now.since(limit) })
     }
 
-    /// When the schedule does not hold any more, if nothing happens before.
+    /// Time until which the schedule holds, if nothing happens before.
     pub fn holds_until(&self, tolerance: Duration) -> Option<Tick> {
         self.limits(tolerance).map(|(limit, _)| limit).min()
     }
 
-    /// Until when what is to start next has to start, and what is in progress has to end.
+    /// Latest starts of what is to start next, and latest ends of what is in progress.
     fn limits(&self, tolerance: Duration) -> impl Iterator<Item = (Tick, &ScheduleSlot)> {
         let starts = self.next_of_parts().map(|(_, slot)| slot).chain(self.next_entering().map(|(_, slot)| slot));
         let starts = starts.map(move |slot| (slot.from + slot.float + tolerance, slot));

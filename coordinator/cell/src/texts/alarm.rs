@@ -24,7 +24,7 @@ pub(crate) fn alarm(state: &PlayerState, firing: &OngoingActivity, cause: Activi
     AlarmText::WithFacts { tell: &tell, facts: &facts(state, firing, cause, now) }.text()
 }
 
-/// What is known: `load M1: m1: time limit exceeded, after 26 s; robot: at rest, m1: at rest`.
+/// Facts: `load M1: m1: time limit exceeded, after 26 s; robot: at rest, m1: at rest`.
 fn facts(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
     let handling = state.table().handling();
     let failed_after = state.exceptions().trouble(firing.id).map_or(now, |trouble| trouble.since).since(firing.began);
@@ -61,7 +61,7 @@ fn facts(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, 
     text
 }
 
-/// How a station of a failed activity stands.
+/// Standing of a station of a failed activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StationStanding {
     /// In an emergency stop of its own.
@@ -94,7 +94,7 @@ impl StationStanding {
     }
 }
 
-/// Why an activity failed, with the names of the description.
+/// Reason why an activity failed, with the names of the description.
 fn cause_of(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure) -> String {
     let handling = state.table().handling();
     let (station, resource) = match cause {
@@ -157,7 +157,7 @@ fn difference(handling: &RecoveryPolicy, found: &SensorMismatch) -> String {
 pub enum AlarmText<'a> {
     /// An activity failed, and its rule has no text.
     Failed { activity: &'a str, part: Option<PartId> },
-    /// What to do, and the facts.
+    /// Instruction, and the facts.
     WithFacts { tell: &'a str, facts: &'a str },
     /// The facts of a failed activity; how its stations stand follows.
     Facts { activity: &'a str, cause: &'a str, seconds: f64 },

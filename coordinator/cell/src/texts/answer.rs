@@ -1,4 +1,4 @@
-//! Why an operator's answer or request about a resource is not accepted.
+//! Reasons why an operator's answer or request about a resource is not accepted.
 
 use linewright_line::{Line, StationId};
 

@@ -1,7 +1,7 @@
 //! Decisions as sentences, with the names of the table.
 //!
-//! What was started before what, and why, stands with what was held; so the sentence about a start is made from the
-//! reasons of those it was started before.
+//! The reason of a start stands with the modes that were held; so the sentence about a start is made from the reasons
+//! of those.
 
 use std::fmt::{self, Write as _};
 use std::time::Duration;
@@ -46,7 +46,7 @@ fn whom(part: Option<PartId>) -> String {
     part.map_or_else(|| "a part outside".to_owned(), |part| part.to_string())
 }
 
-/// Why the other comes first.
+/// Reason why the other comes first.
 fn ground(by: &DecidingRule) -> String {
     match by {
         DecidingRule::Waited => "waited longer than patience_s".to_owned(),
@@ -59,7 +59,7 @@ fn ground(by: &DecidingRule) -> String {
     }
 }
 
-/// What is better about a forecast.
+/// Advantage in a forecast.
 fn leads(gain: &Gain) -> String {
     let s = |span: &Duration| tenths(span.as_secs_f64());
     match gain {
@@ -71,7 +71,7 @@ fn leads(gain: &Gain) -> String {
     }
 }
 
-/// Why something was held.
+/// Reason why something was held.
 pub fn reason(table: &CellTable, reason: &HoldReason) -> String {
     match reason {
         HoldReason::LostTo(LostDecision { to, with, own: _, by }) => {
@@ -174,7 +174,7 @@ impl fmt::Display for BadAnswer {
 impl std::error::Error for BadAnswer {}
 
 impl RevisionReason {
-    /// Why a schedule is made anew, with the names of the table.
+    /// Reason why a schedule is made anew, with the names of the table.
     pub fn text(&self, table: &CellTable) -> String {
         match self {
             RevisionReason::First => "no schedule yet".to_owned(),

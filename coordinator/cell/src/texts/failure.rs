@@ -1,4 +1,4 @@
-//! Why orders and activities failed.
+//! Reasons why orders and activities failed.
 
 use std::fmt;
 

@@ -1,8 +1,8 @@
 //! The texts of a cell for operators, logs and reports. All of them are here, one file for each kind of text, but for what
 //! is wrong with a log or a plan, which stands where it is found.
 //!
-//! A text says what happened, where, and what to do where that is not plain. Activities, parts and resources have the names
-//! of the description. `tests/texts.rs` keeps a list of all of them.
+//! A text gives the event, the place, and what to do where that is not plain. Activities, parts and resources have the
+//! names of the description. `tests/texts.rs` keeps a list of all of them.
 
 pub mod alarm;
 mod answer;

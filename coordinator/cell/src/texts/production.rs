@@ -1,4 +1,4 @@
-//! What is wrong with a request about production orders.
+//! Errors in requests about production orders.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! Why resources are out of service.
+//! Reasons why resources are out of service.
 
 use crate::exception::OutOfServiceReason;
 

@@ -1,4 +1,4 @@
-//! Why a part does not go on, and where the tokens it lacks are.
+//! Reasons why a part does not go on, and places of the tokens it lacks.
 
 use linewright_line::StationId;
 
@@ -6,7 +6,7 @@ use crate::exception::{AlarmAnswerRefusal, ExceptionStage, ResourceRequest};
 use crate::ids::{AlarmId, PartId};
 use crate::table::CellTable;
 
-/// Why a part, or an activity with it, does not go on; with the names that the text contains.
+/// Reason why a part, or an activity with it, does not go on; with the names that the text contains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CellWait<'a> {
     /// There is no such part.
@@ -56,7 +56,7 @@ impl CellWait<'_> {
     }
 }
 
-/// Where tokens are that something needs.
+/// Place of tokens that something needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TokenOwner<'a> {
     /// With activities in progress.
@@ -82,7 +82,7 @@ impl TokenOwner<'_> {
     }
 }
 
-/// What an activity in progress still takes.
+/// Remainder of an activity in progress.
 pub(crate) fn remaining(activity: &str, seconds: f64) -> String {
     if seconds > 0.0 { format!("{activity}, {seconds} s left") } else { format!("{activity}, longer than planned") }
 }
@@ -100,7 +100,7 @@ pub(crate) fn unready(table: &CellTable, why: AlarmAnswerRefusal) -> String {
     }
 }
 
-/// What a failed activity waits for: the next step of its recovery.
+/// The wait of a failed activity: the next step of its recovery.
 pub fn recovery(stage: Option<&ExceptionStage>) -> String {
     match stage {
         Some(ExceptionStage::Securing) => "its stations to come to rest".to_owned(),

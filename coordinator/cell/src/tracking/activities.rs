@@ -1,4 +1,4 @@
-//! What has been done, activity by activity: for charts, tables, and whoever wants to add something else up.
+//! Activities of the past, one by one: for charts, tables, and other sums.
 
 use std::collections::BTreeMap;
 
@@ -12,22 +12,22 @@ pub struct FinishedActivity {
     /// Number of the activity.
     pub firing: FiringId,
     pub mode: ModeId,
-    /// With which part; none if it takes none.
+    /// Its part; none if it takes none.
     pub part: Option<PartId>,
-    /// When it started.
+    /// Start.
     pub began: Tick,
-    /// When it failed, if it did, and why.
+    /// Failure with its time and reason, if there was one.
     pub failed: Option<ActivityFailed>,
-    /// When it ended; none while it is in progress, or waits for whoever knows what is true.
+    /// End; none while it is in progress, or waits for an operator's answer.
     pub ended: Option<Tick>,
 }
 
-/// That an activity has failed.
+/// Failure of an activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ActivityFailed {
     /// Time of the event, in µs of the caller's clock.
     pub at: Tick,
-    /// Why, in words.
+    /// Reason, in words.
     pub cause: String,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  of a resource:   busy ─┬─ an activity that it takes part in is in progress, and none of them has failed
-//!                   down ─┴─ one of them has failed, and nobody has said yet what is true; or it is left out
+//!                   down ─┴─ one of them has failed, and its alarm is not answered yet; or it is left out
 //!  of a part:       worked on, moved, or waiting: from its entering to its leaving it is one of the three
 //! ```
 
@@ -20,7 +20,7 @@ use super::report::{Causes, CellSummary, ResourceReport};
 use super::spread::Spread;
 use super::{ModeEntry, PartFlow, ReportMetadata, ResourceEntry};
 
-/// What has happened so far.
+/// Report so far.
 #[derive(Clone, Debug)]
 pub struct Tracking {
     sheet: ReportMetadata,
@@ -46,7 +46,7 @@ struct OpenActivity {
     failed: Option<(Tick, String)>,
 }
 
-/// What a resource has done.
+/// Sums of a resource.
 #[derive(Clone, Debug, Default)]
 struct ResourceTally {
     /// Activities in progress that have not failed, and those that have.
@@ -55,17 +55,16 @@ struct ResourceTally {
     busy: Duration,
     down: Duration,
     causes: Causes,
-    /// Why it is left out, if it is.
+    /// Reason why it is left out, if it is.
     out: Option<String>,
     /// Of those in progress that have not failed, those that it works or carries in.
     working: u32,
     work: Duration,
-    /// How much of its room is taken, for how long how much was, and how much was at most.
+    /// Positions taken, their integral over time, and their maximum.
     taken: u32,
     room: Duration,
     most: u32,
-    /// Of what was worked on here and has ended: how long it should have taken, at most as long as it did, and how long
-    /// it did.
+    /// Of work here that has ended: the nominal time, at most the actual one, and the actual one.
     nominal: Duration,
     actual: Duration,
     worked: u64,
@@ -75,19 +74,19 @@ struct ResourceTally {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartHistory {
     pub part: PartId,
-    /// What it is to become, as a position in [`ReportMetadata::products`]; none if nobody knows.
+    /// Its product, as a position in [`ReportMetadata::products`]; none if unknown.
     pub product: Option<usize>,
     pub entered: Tick,
-    /// When it left; none while it is inside.
+    /// Time at which it left; none while it is inside.
     pub left: Option<Tick>,
-    /// How long it was worked on, of what is over.
+    /// Time worked on, of activities that are over.
     pub worked: Duration,
-    /// How long it was moved, of what is over.
+    /// Time moved, of activities that are over.
     pub moved: Duration,
 }
 
 impl PartHistory {
-    /// How long it was inside, and of that neither worked on nor moved; none while it is inside.
+    /// Time inside, and of that neither worked on nor moved; none while it is inside.
     pub fn lead_and_wait(&self) -> Option<(Duration, Duration)> {
         let lead = self.left?.since(self.entered);
         Some((lead, lead.saturating_sub(self.worked + self.moved)))
@@ -100,7 +99,7 @@ impl Tracking {
         Self::since(sheet, Tick::ZERO)
     }
 
-    /// The same, and nothing before a moment will count. It has to be told of that as well.
+    /// The same, without counting anything before a moment. Earlier records are needed as well.
     pub fn since(sheet: ReportMetadata, from: Tick) -> Self {
         let resources = vec![ResourceTally::default(); sheet.resources.len()];
         let production = Production::of_sheet(&sheet);
@@ -159,7 +158,7 @@ impl Tracking {
         }
     }
 
-    /// What there is to report until `now`, which no record is later than.
+    /// Report until `now`, which no record is later than.
     pub fn report(&self, now: Tick) -> CellSummary {
         let mut until = self.clone();
         until.pass(now);
@@ -213,12 +212,12 @@ impl Tracking {
         &self.production
     }
 
-    /// What is known of the cell.
+    /// Data of the cell.
     pub fn sheet(&self) -> &ReportMetadata {
         &self.sheet
     }
 
-    /// Time goes by: whoever is busy was busy, whoever is down was down.
+    /// Time passes: what is busy was busy, what is down was down.
     fn pass(&mut self, now: Tick) {
         self.began.get_or_insert(now);
         let gone = now.since(self.now.max(self.from));
@@ -246,7 +245,7 @@ impl Tracking {
         }
     }
 
-    /// Whoever works or carries does so in more activities, or in fewer.
+    /// The worker or carrier of a mode takes part in more activities, or in fewer.
     fn works(&mut self, mode: ModeId, change: impl Fn(u32) -> u32) {
         let Some(entry) = self.sheet.modes.get(mode.index()) else { return };
         for resource in [entry.worker, entry.carrier].into_iter().flatten() {
@@ -282,7 +281,7 @@ impl Tracking {
         });
     }
 
-    /// An activity that has failed is over, or somebody is left out.
+    /// A failed activity is over, or a resource is left out.
     fn excepts(&mut self, step: &ExceptionStep, at: Tick) {
         match step {
             ExceptionStep::Closed { firing, mode, part, ruling, unchecked: _ } => match ruling.part {
@@ -336,7 +335,7 @@ impl Tracking {
         }
     }
 
-    /// Nobody is busy with an activity any more, nor down by it.
+    /// Its resources are not busy with an activity any more, nor down by it.
     fn stops(&mut self, firing: FiringId, at: Tick) -> Option<OpenActivity> {
         let open = self.open.remove(&firing)?;
         let (from, counts) = (self.from, at >= self.from);

@@ -1,10 +1,10 @@
-//! What a cell has done: a fold over its records, for reports.
+//! History of a cell: a fold over its records, for reports.
 //!
-//! Records say what has happened, so everything a report wants follows from them: who was busy for how long and who was
-//! down for what cause, how long parts were worked on and how long they waited. Nothing is written down for the sake of a
-//! report, and a report made after a restart says the same. What records do not say is in the [`ReportMetadata`]: which resources
-//! an activity takes, and how long it should take. A report may be about a span of time: what lay before is folded as well,
-//! since what was going on at its beginning follows from that, but not counted.
+//! Everything in a report follows from the records: how long resources were busy, or down and for what cause, how long parts
+//! were worked on and how long they waited. Nothing is written down for the sake of a report, and a report made after a restart
+//! is the same. What is not in records is in the [`ReportMetadata`]: which resources an activity takes, and how long it should
+//! take. A report may be about a span of time: what lay before is folded as well, since what was going on at its beginning
+//! follows from that, but not counted.
 //!
 //! Memory: a few words for each part that has left (for the percentiles) and for each that is inside. Times are those of
 //! the records; the clock is the caller's.
@@ -27,13 +27,13 @@ use serde::{Deserialize, Serialize};
 
 use super::ids::ModeId;
 
-/// What a report has to know of a cell beside its records. It is written down beside them, so that a report needs no
+/// Data of a cell that a report needs beside its records. It is written down beside them, so that a report needs no
 /// description.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReportMetadata {
     pub resources: Vec<ResourceEntry>,
-    /// What is made, by what people call it.
+    /// Operators' names of the products.
     pub products: Vec<String>,
     /// The modes, in the order of the table.
     pub modes: Vec<ModeEntry>,
@@ -43,21 +43,21 @@ pub struct ReportMetadata {
 #[serde(deny_unknown_fields)]
 pub struct ResourceEntry {
     pub name: String,
-    /// What it is: a machine, a robot, a store.
+    /// Its kind: a machine, a robot, a store.
     pub prototype: String,
-    /// How many parts it holds, or carries at a time.
+    /// Most parts that it holds, or carries at a time.
     pub capacity: u32,
 }
 
-/// What one mode is.
+/// Data of one mode.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModeEntry {
-    /// The mode, by what the net calls it.
+    /// The mode, by its name in the net.
     pub name: String,
-    /// The activity, by what people call it.
+    /// The activity, by its operators' name.
     pub activity: String,
-    /// What its part is to become, as a position in [`ReportMetadata::products`]; none if there is no part.
+    /// Product of its part, as a position in [`ReportMetadata::products`]; none if there is no part.
     pub product: Option<usize>,
     /// Resources of the activity, as positions in [`ReportMetadata::resources`].
     pub resources: Vec<usize>,
@@ -69,13 +69,13 @@ pub struct ModeEntry {
     pub source: Option<usize>,
     /// The one that holds it afterwards; its room is taken from the start on.
     pub target: Option<usize>,
-    /// How long it should take.
+    /// Nominal time.
     pub nominal: Duration,
     /// Whether its part enters the cell or leaves it.
     pub passing: PartFlow,
 }
 
-/// Where a part goes.
+/// Destination of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PartFlow {
@@ -88,7 +88,7 @@ pub enum PartFlow {
 }
 
 impl ReportMetadata {
-    /// What a mode is; none for one that there is not.
+    /// Data of a mode; none for one that does not exist.
     pub fn entry(&self, mode: ModeId) -> Option<&ModeEntry> {
         self.modes.get(mode.index())
     }

@@ -1,4 +1,4 @@
-//! What is reported of production orders: how many were done, and how late.
+//! Report of production orders: how many were done, and how late.
 
 use std::fmt;
 use std::time::Duration;
@@ -23,7 +23,7 @@ pub struct OrdersReport {
     pub due: usize,
     /// And how many of these were not late.
     pub in_time: usize,
-    /// By how much those that were late were.
+    /// Lateness of those that were late.
     pub late: Spread,
 }
 

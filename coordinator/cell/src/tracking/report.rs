@@ -1,4 +1,4 @@
-//! What is reported of a cell, as numbers and as text.
+//! Report of a cell, as numbers and as text.
 //!
 //! Availability, performance and quality as factors of OEE (ISO 22400-2), each from 0 to 1: the part of the time in which a
 //! resource was not down; how long its work should have taken beside how long it took; the part of what left that was good.
@@ -21,7 +21,7 @@ impl Causes {
         self.count(cause, 1, down);
     }
 
-    /// For longer. What has begun before anything counted is once.
+    /// More time down by a cause. One that began before anything counted counts once.
     pub(super) fn go_on(&mut self, cause: &str, down: Duration) {
         self.count(cause, 0, down);
     }
@@ -45,31 +45,31 @@ impl Causes {
 pub struct ResourceReport {
     pub name: String,
     pub prototype: String,
-    /// How many parts it holds, or carries at a time.
+    /// Most parts that it holds, or carries at a time.
     pub capacity: u32,
-    /// How long it worked or carried, what it did at once added up.
+    /// Time worked or carried, simultaneous activities added up.
     pub work: Duration,
-    /// How much of its room was taken in the mean, by parts that were there or on their way.
+    /// Mean number of positions taken, by parts that were there or on their way.
     pub taken: f64,
     pub most: u32,
-    /// How long it took part in activities, none of which had failed.
+    /// Time in activities, none of which had failed.
     pub busy: Duration,
-    /// How long one of them had failed.
+    /// Time with a failed one.
     pub down: Duration,
     /// Down time by cause, in µs.
     pub causes: Causes,
-    /// How many parts it has worked on.
+    /// Number of parts it has worked on.
     pub worked: u64,
-    /// How long that should have taken, each part at most as long as it took.
+    /// Nominal time of that, each part at most as long as it took.
     pub nominal: Duration,
-    /// How long it took.
+    /// Actual time of that.
     pub actual: Duration,
 }
 
-/// A cell, from its first record on, or from the moment from which it was asked for.
+/// A cell, from its first record on, or from the beginning of the report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellSummary {
-    /// How long it was observed.
+    /// Time observed.
     pub observed: Duration,
     /// Each resource.
     pub resources: Vec<ResourceReport>,
@@ -81,15 +81,15 @@ pub struct CellSummary {
     pub lost: u64,
     /// Activities that have failed.
     pub failures: u64,
-    /// What was on order.
+    /// Production orders.
     pub orders: OrdersReport,
     /// Of the parts that have left: from entering to leaving.
     pub lead: Spread,
     /// Of these: how long each was worked on.
     pub worked: Spread,
-    /// How long each was moved, entering and leaving included.
+    /// Time each was moved, entering and leaving included.
     pub moved: Spread,
-    /// How long each waited.
+    /// Time each waited.
     pub waited: Spread,
 }
 
@@ -104,7 +104,7 @@ impl ResourceReport {
         share(self.busy, observed)
     }
 
-    /// How much it worked or carried, of what it could.
+    /// Share of its capacity that it worked or carried.
     pub fn load(&self, observed: Duration) -> Option<f64> {
         share(self.work, observed * self.capacity.max(1))
     }
@@ -114,7 +114,7 @@ impl ResourceReport {
         share(observed.saturating_sub(self.down), observed)
     }
 
-    /// How long its work should have taken beside how long it took; nothing if it has worked on nothing.
+    /// Nominal time of its work beside the actual; nothing if it has worked on nothing.
     pub fn performance(&self) -> Option<f64> {
         share(self.nominal, self.actual)
     }
@@ -131,16 +131,16 @@ impl CellSummary {
 /// Overall equipment effectiveness: the product of the three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effectiveness {
-    /// The part of the time in which those who work were not down.
+    /// Share of the time in which the resources that work were not down.
     pub availability: f64,
-    /// How long their work should have taken beside how long it took.
+    /// Nominal time of their work beside the actual.
     pub performance: f64,
-    /// The part of what left, or was lost on the way, that was good.
+    /// Share of the parts that left, or were lost on the way, that was good.
     pub quality: f64,
 }
 
 impl Effectiveness {
-    /// What of the work that could have been done was done, and well.
+    /// Share of the possible work that was done, and well.
     pub fn product(&self) -> f64 {
         self.availability * self.performance * self.quality
     }

@@ -1,11 +1,11 @@
-//! How a set of times is spread.
+//! Spread of a set of times.
 
 use std::time::Duration;
 
-/// Least, most, and what so many of a hundred do not exceed (nearest rank: always one of the times themselves).
+/// Least, most, and percentiles (nearest rank: always one of the times themselves).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spread {
-    /// How many there are.
+    /// Number of values.
     pub count: usize,
     pub least: Duration,
     /// Half of them do not exceed it.

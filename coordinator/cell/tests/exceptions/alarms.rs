@@ -1,4 +1,4 @@
-//! Alarm given by hand: what the resource has to do with stops, and is put right like anything else that stands half-way.
+//! Alarm given by hand: stations of the resource stop, and are put right like others that stand half-way.
 
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest};
 use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OngoingActivity, PlayerInput, TaskOutcome};
@@ -45,7 +45,7 @@ fn an_alarm_stops_what_goes_back_from_another_failure() {
         bench.until_that(|bench| bench.steps().is_empty() && bench.firing("M1.process<A.new>").is_some_and(has_failed));
         let m1 = bench.resource("M1");
         if crash {
-            // The record of the alarm is written, and nothing was told yet.
+            // The record of the alarm is written, and nothing was sent yet.
             bench.sim.options.crash_at = vec![bench.sim.steps + 1];
         }
         bench.say(PlayerInput::Alarm { resource: m1, text: "" });
@@ -65,7 +65,8 @@ fn has_failed(firing: &OngoingActivity) -> bool {
     firing.phase != ActivityPhase::Running
 }
 
-/// What is left out already can have alarm given of it. It is once, and the time counts from the beginning.
+/// An alarm can be given of a resource that is left out already. It is given once, and the time counts from the
+/// beginning.
 #[test]
 fn alarm_can_be_given_of_what_is_left_out() {
     let mut bench = Bench::c1(&[1, 0]);

@@ -1,4 +1,4 @@
-//! A described cell, played, with what went wrong to be asked about.
+//! A described cell, played, with faults and answers.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use linewright_line::{StationId, Tick};
 use linewright_simulation::cell::{CellSim, CellSimOptions, StationSpeed as Takes};
 
 const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
-/// A station that has an order and was not heard for so long is lost.
+/// A station with an order is lost after this time without a report.
 pub const STALE: Duration = Duration::from_secs(3);
 /// So long stations have to come to rest.
 pub const SECURE: Duration = Duration::from_secs(10);
@@ -91,7 +91,7 @@ impl Bench {
         (part, before)
     }
 
-    /// A station is moved by hand no longer, and says so.
+    /// A station is moved by hand no longer, and reports that.
     pub fn works(&mut self, idle: &str) {
         self.at(idle).unable = None;
         self.seconds_later(2.0);
@@ -113,7 +113,7 @@ impl Bench {
         self.sim.say(&mut Fifo, &[what]);
     }
 
-    /// What is answered to the alarm that stands.
+    /// Answers the present alarm.
     pub fn answer(&mut self, word: &str) {
         let alarm = self.alarm().id;
         self.say(PlayerInput::Answer { alarm, word });
@@ -168,7 +168,7 @@ impl Bench {
         facts.filter_map(|fact| if let RecordKind::Exception(step) = fact { Some(step) } else { None }).collect()
     }
 
-    /// What was written since this was asked last.
+    /// Records since the last call.
     pub fn news(&mut self) -> Vec<RecordKind> {
         let facts = self.sim.log[self.seen..].iter().map(|record| record.fact.clone()).collect();
         self.seen = self.sim.log.len();

@@ -1,5 +1,5 @@
 //! The coordinator is killed at every record and every message of a course with exceptions, also where messages get lost or
-//! come twice: what is really done with each part is the same, and nobody is asked in vain.
+//! come twice: the work really done on each part is the same, and no alarm is raised in vain.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ fn play(table: &Arc<CellTable>, stations: usize, options: CellSimOptions) -> Cel
         let works = |sim: &CellSim| sim.state().firings().any(|of| table.mode_name(of.mode).starts_with("M3.process"));
         if !has_alarmed && works(&sim) {
             sim.say(&mut Fifo, &[PlayerInput::Alarm { resource: m3, text: "smoke" }]);
-            // Killed before it was written down, nobody has heard it; he looks whether anybody has.
+            // Killed before it was written down, it is lost; the operator checks that.
             has_alarmed = sim.state().exceptions().is_down(m3).is_some();
         }
         operator.look(&mut sim, &mut Fifo);
@@ -41,8 +41,8 @@ fn play(table: &Arc<CellTable>, stations: usize, options: CellSimOptions) -> Cel
     panic!("it does not come to an end: {:#?}", sim.log.iter().rev().take(40).collect::<Vec<_>>());
 }
 
-/// What has really been done with the parts that have left, however they are numbered. Which machine does a step that
-/// several can do depends on when.
+/// Work really done on the parts that have left, however they are numbered. Which machine does a step that several can
+/// do depends on when.
 fn done(sim: &CellSim) -> Vec<Vec<String>> {
     let name = |mode| sim.table.mode_name(mode).replace(['1', '2', '3'], "");
     let mut all: Vec<Vec<String>> =
@@ -58,7 +58,7 @@ fn assert_sound(sim: &CellSim, at: usize) {
     let keys: Vec<OrderKey> =
         sim.stations.iter().flat_map(|station| station.done.iter().map(|done| done.key)).collect();
     assert_eq!(keys.iter().collect::<BTreeSet<_>>().len(), keys.len(), "at {at}: an order was done twice");
-    // Every alarm was told once: after a restart the same number.
+    // Every alarm was raised once: after a restart the same number.
     let alarms = sim.log.iter().filter(|record| matches!(&record.fact, RecordKind::Exception(step) if is_alarm(step)));
     let last = exceptions.alarms().len();
     assert_eq!(last, 0, "at {at}: {:?}", alarms.collect::<Vec<_>>());
@@ -68,7 +68,7 @@ fn is_alarm(step: &linewright_coordinator_cell::exception::ExceptionStep) -> boo
     matches!(step, linewright_coordinator_cell::exception::ExceptionStep::Alarmed { .. })
 }
 
-/// In which stages of exceptions the second life began.
+/// Stages of exceptions in which the second life began.
 fn stages(table: &Arc<CellTable>, sim: &CellSim, of: &mut BTreeSet<&'static str>) {
     let begins = |fact: &RecordKind| matches!(fact, RecordKind::Epoch { epoch } if *epoch > 1);
     let Some(at) = sim.log.iter().position(|record| begins(&record.fact)) else { return };

@@ -1,4 +1,4 @@
-//! A rule that puts stations into emergency stop: at once, over restarts, until somebody resets them.
+//! A rule that puts stations into emergency stop: at once, over restarts, until they are reset.
 
 use linewright_coordinator_cell::exception::{
     AlarmAnswerRefusal, ExceptionStep, OutOfServiceReason, ResourceRequest, isolated,
@@ -110,7 +110,7 @@ fn a_station_of_another_activity_can_be_named() {
     assert!(bench.alarm().text.ends_with("m3: in emergency stop)"), "{}", bench.alarm().text);
 }
 
-/// One that is not heard, or that was heard at its order, is not reset: nobody knows whether it has stopped.
+/// One that is not received, or that was received at its order, is not reset: it may not have stopped.
 #[test]
 fn a_station_is_reset_when_it_is_known_to_stand() {
     let mut bench = stopping("\"m1\"");

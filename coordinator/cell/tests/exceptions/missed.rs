@@ -1,5 +1,5 @@
-//! When a station is missed: exactly when it was not heard for so long, whoever else is heard, and whenever it was told
-//! something. What the player remembers of it is a bound; here everything is worked out anew after each step.
+//! Time at which a station is missed: exactly when it was not received for so long, whatever other stations and orders
+//! do. The player keeps a bound of it; here everything is computed anew after each step.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -27,12 +27,12 @@ fn waited_for<'a>(state: &'a PlayerState, last: &'a [Tick]) -> impl Iterator<Ite
     open.map(|order| last[order.station.index()] + STALE)
 }
 
-/// How many orders were lost.
+/// Number of orders lost.
 fn play(seed: u64) -> usize {
     let mut dice = Random::new(seed);
     let (cell, table) = table(&workcell(), &[4, 4]);
     let mut last = vec![Tick::ZERO; cell.controllers.len()];
-    // How often each is heard: some hardly ever.
+    // Period of each station's reports: some hardly ever.
     let seldom: Vec<usize> = last.iter().map(|_| 2 + dice.below(40)).collect();
     let mut out = PlayerOutbox::default();
     let mut player = Coordination::begin(PlayerState::new(table), Tick::ZERO, 1, &mut out).expect("a first life");

@@ -1,5 +1,5 @@
-//! What becomes of what fails: in a cell in virtual time, with sensors that see where the parts really are, and somebody who
-//! looks and answers.
+//! Failures and their handling: in a cell in virtual time, with sensors that see where the parts really are, and a simulated
+//! operator.
 
 mod alarms;
 mod bench;

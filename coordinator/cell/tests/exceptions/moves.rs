@@ -1,4 +1,4 @@
-//! What still moves: nobody is asked about it, no answer is taken, and both clocks mean the same.
+//! A station that still moves: no alarm is raised about it, no answer is taken, and both clocks mean the same.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use super::bench::{Bench, workcell};
 
 const LOAD: &str = "load M1<A.new>";
 
-/// What a fault has ended may be gone back from: until that has ended too, nothing of it has come to rest.
+/// An order that a fault has ended may be gone back from: until that has ended too, nothing of it has come to rest.
 #[test]
 fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     let mut bench = Bench::c1(&[1, 0]);
@@ -50,7 +50,8 @@ fn while_a_station_goes_back_nobody_is_asked_and_no_answer_is_taken() {
     assert!(bench.firing(LOAD).is_some());
 }
 
-/// Its time was over at the coordinator first; the station says what it waited for, and a rule of its own code counts.
+/// Its time was over at the coordinator first; the station reports what it waited for, and a rule of its own code
+/// counts.
 #[test]
 fn what_a_station_waited_for_is_why_it_failed_whoever_was_first() {
     let text = workcell().replace("code = \"time-out\"", "code = \"22\"");
@@ -67,7 +68,7 @@ fn what_a_station_waited_for_is_why_it_failed_whoever_was_first() {
     }
 }
 
-/// Led away by hand it is heard, has its devices and no order, and cannot be given one.
+/// Led away by hand it is received, has its devices and no order, and cannot be given one.
 #[test]
 fn a_station_between_two_rests_is_named_by_whoever_waits_for_it() {
     let mut bench = Bench::c1(&[1, 0]);

@@ -1,4 +1,4 @@
-//! What each answer does to marking and parts, and what is asked where an answer cannot be.
+//! Effect of each answer on marking and parts, and alarms where an answer cannot be.
 
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ fn answering(others: &str) -> String {
 }
 
 impl Bench {
-    /// Robot and machine wait for each other until both have come to rest and somebody is told.
+    /// Robot and machine wait for each other until both have come to rest and an alarm is raised.
     pub fn load_fails(&mut self) -> OngoingActivity {
         self.at("robot").is_stuck = true;
         self.at("m1").is_stuck = true;
@@ -46,7 +46,7 @@ impl Bench {
         [at, at + 1].map(|end| PlayerState::replay(self.table.clone(), &self.sim.log[..end]).expect("it fits"))
     }
 
-    /// What an activity has changed from before its start until after its end: of each cell that changed its name.
+    /// Changes by an activity from before its start until after its end: of each cell that changed its name.
     pub fn changed(&self, firing: FiringId) -> Vec<(String, i64)> {
         let [before, _] = self.around(|fact| matches!(fact, RecordKind::Started { firing: of, .. } if *of == firing));
         let ends = |fact: &RecordKind| matches!(fact, RecordKind::Exception(ExceptionStep::Closed { firing: of, .. }) if *of == firing);
@@ -122,7 +122,7 @@ fn where_it_was_to_go_all_is_as_if_it_were_done() {
     bench.all_leave(1);
 }
 
-/// `gone`: the part is no more, whoever had it or was to have it has room, and another one comes in its place.
+/// `gone`: the part is no more, its place, old or new, has room, and another one comes instead.
 #[test]
 fn where_there_is_no_part_any_more_another_one_comes() {
     let mut bench = Bench::c1(&[1, 0]);
@@ -146,7 +146,7 @@ fn where_there_is_no_part_any_more_another_one_comes() {
     );
 }
 
-/// The same of something that is worked on.
+/// The same for a part that is worked on.
 #[test]
 fn a_part_that_breaks_while_it_is_worked_on_is_gone() {
     let mut bench = Bench::c1(&[2, 0]);
@@ -168,7 +168,8 @@ fn a_part_that_breaks_while_it_is_worked_on_is_gone() {
     assert_eq!((bench.state().parts().len(), bench.state().exceptions().scrapped()), (0, 1));
 }
 
-/// `carrier`: what it was to give is not given, and it is asked again. The word is refused unless its hand has the part.
+/// `carrier`: what it was to give is not given, and there is another alarm. The word is refused unless its hand has the
+/// part.
 #[test]
 fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     let mut bench = Bench::new(&answering("{ word = \"in-hand\", part = \"carrier\", then = \"forward\" },"), &[1, 0]);
@@ -192,7 +193,7 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
     assert_eq!(bench.alarm().text, "R holds part 1. Move it to M1 or back to ST, then answer which.");
     assert_eq!(bench.firing(LOAD).map(|firing| firing.id), Some(firing.id));
-    // Somebody brings it, and leaves the robot where it stands.
+    // An operator brings it, and leaves the robot where it stands.
     bench.sim.truth.put(PART, Some(bench.resource("M1")));
     bench.seconds_later(1.0);
     bench.answer("as-done");
@@ -245,7 +246,7 @@ fn while_m1_is_down_parts_go_over_m2() {
     assert_eq!(why_out(bench.state(), bench.sim.now, m1), ["M1 in service."]);
 }
 
-/// What needs nobody is done without, as often as the rule has it.
+/// What needs no person is done without, as often as the rule has it.
 #[test]
 fn an_automatic_rule_asks_when_its_retries_are_used_up() {
     let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
@@ -260,7 +261,7 @@ fn an_automatic_rule_asks_when_its_retries_are_used_up() {
         (vec![AnsweredBy::Rule; 2], &["in-machine".to_owned(), "scrap".to_owned()][..])
     );
     assert_eq!(bench.state().exceptions().times(firing.mode, firing.part), 2);
-    // A person is asked as well where a station is not at rest.
+    // An alarm is raised as well where a station is not at rest.
     let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 2\nautomatic = true"), &[1, 0]);
     bench.at("robot").holds = true;
     bench.load_fails();
@@ -308,7 +309,7 @@ fn where_no_sensor_says_anything_it_is_noted_that_nobody_has_looked() {
     assert_eq!(unchecked, [bench.resource("M1"), bench.resource("R")]);
 }
 
-/// Nobody waits for ever for a station that is not heard, and nobody counts on it when it is closed.
+/// A station that is not received is not waited for for ever, and it is out of service when the activity is closed.
 #[test]
 fn a_station_that_is_lost_is_told_of_and_left_out() {
     let mut bench = Bench::c1(&[1, 0]);
@@ -409,7 +410,8 @@ fn after_a_restart_a_part_too_many_is_found() {
     bench.all_leave(1);
 }
 
-/// A part that somebody has taken away is no more, if they say so and the sensor agrees; another is made in its place.
+/// A part that was taken away is no more, if the operator answers so and the sensor agrees; another is made in its
+/// place.
 #[test]
 fn a_part_that_is_missing_where_it_rested_can_be_given_up() {
     for (activity, idle, stage) in
@@ -440,7 +442,7 @@ fn a_part_that_is_missing_where_it_rested_can_be_given_up() {
     }
 }
 
-/// While the sensor sees it, a part is there whatever anybody says.
+/// While the sensor sees it, a part is there whatever the answer.
 #[test]
 fn a_part_that_a_sensor_sees_is_not_given_up() {
     let mut bench = Bench::c1(&[1, 0]);
@@ -455,7 +457,7 @@ fn a_part_that_a_sensor_sees_is_not_given_up() {
     bench.all_leave(1);
 }
 
-/// Whoever asks for what there is not is told so.
+/// A request about what does not exist is refused.
 #[test]
 fn what_there_is_not_cannot_be_answered() {
     let mut bench = Bench::c1(&[1, 0]);

@@ -1,11 +1,11 @@
-//! Rows, of which a sensor sees the end only; and a coordinator without its log, which knows of no part that is there.
+//! Rows, of which a sensor sees the end only; and a coordinator without its log, which has no part that is there.
 
 use linewright_coordinator_cell::exception::{ExceptionStep, OutOfServiceReason};
 use linewright_coordinator_cell::{PartId, Presence};
 
 use super::bench::Bench;
 
-/// What is clamped in a machine of which nothing is known is seen before anything is loaded upon it.
+/// A part clamped in a machine without a record is seen before another is loaded upon it.
 #[test]
 fn a_part_that_no_log_knows_of_keeps_its_machine_from_being_loaded() {
     let mut bench = Bench::c1(&[1, 0]);
@@ -14,7 +14,7 @@ fn a_part_that_no_log_knows_of_keeps_its_machine_from_being_loaded() {
     bench.until_that(|bench| bench.state().left() == 1);
     assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Mismatch)]);
     assert!(bench.alarm().text.contains("M1"), "{}", bench.alarm().text);
-    // Somebody takes it out.
+    // It is taken out.
     bench.sim.truth.put(PartId(99), None);
     bench.seconds_later(2.0);
     bench.answer("up");
@@ -51,8 +51,8 @@ fn a_part_at_the_end_of_a_row_that_no_log_knows_of_is_found() {
     bench.all_leave(1);
 }
 
-/// With parts behind, the end may be empty or not when one was fetched, and the sensor says nothing. With none behind it
-/// does: what is seen there has not been fetched.
+/// With parts behind, the end may be empty or not when one was fetched, and the sensor proves nothing. With none behind
+/// it does: a part seen there has not been fetched.
 #[test]
 fn the_end_of_a_row_is_compared_only_where_it_is_known() {
     for (parts, seen, differs) in [(3, true, false), (3, false, false), (1, false, false), (1, true, true)] {

@@ -1,4 +1,4 @@
-//! The exception of seed 001 §6 (L214-229), line by line, on the cell it is told of.
+//! The exception of seed 001 §6 (L214-229), line by line, on its cell.
 
 use linewright_coordinator_cell::exception::{
     AlarmSubject, AnsweredBy, ExceptionStep, RecoveryDecision, SecuredState, Strategy, Whereabouts,
@@ -64,7 +64,7 @@ fn the_robot_comes_without_the_part_and_the_load_is_tried_again_and_succeeds() {
          24 s; robot: at rest, m1: at rest)"
     );
     assert_eq!(alarm.words, ["in-store", "in-machine", "scrap"]);
-    // It stands until somebody answers; nothing else happens to the part meanwhile.
+    // It stands until there is an answer; nothing else happens to the part meanwhile.
     let later = bench.sim.now.as_secs_f64() + 600.0;
     bench.news();
     bench.until(later);
@@ -115,7 +115,7 @@ impl Bench {
         })
     }
 
-    /// What the records up to one make of the cell.
+    /// State of the cell by the records up to one.
     fn state_after(&self, fact: &RecordKind) -> linewright_coordinator_cell::PlayerState {
         let at = self.sim.log.iter().rposition(|record| record.fact == *fact).expect("it was written");
         linewright_coordinator_cell::PlayerState::replay(self.table.clone(), &self.sim.log[..=at]).expect("it fits")

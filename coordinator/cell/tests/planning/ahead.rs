@@ -1,5 +1,5 @@
-//! Looking ahead: never worse than its rules where the horizon covers the work, bounded, the same every time, and nobody
-//! waits for ever because of it.
+//! Looking ahead: never worse than its rules where the horizon covers the work, bounded, the same every time, and no
+//! part waits for ever because of it.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ fn desk(made: &Made, rules: &[DispatchRule], orders: &[(&str, u32, Option<u64>)]
     DispatchConfiguration::new(RuleDispatcher::new(&made.table, rules, DAY), made.ordered(orders))
 }
 
-/// What has come of a real run, by the same measures, from its log alone.
+/// Result of a real run, by the same measures, from its log alone.
 fn measured(made: &Made, shop: &Shop, due: impl Fn(&str) -> Option<u64>) -> (u64, u64) {
     let mut tardiness = 0;
     let mut product = std::collections::BTreeMap::new();
@@ -88,7 +88,7 @@ fn looking_ahead_over_all_of_it_is_never_worse_than_its_rules() {
     assert!(better >= 10, "better in {better} of 48");
 }
 
-/// What is simulated is what then happens, record for record, in a cell that is as it should be.
+/// A simulation and the run after it agree, record for record, in a cell without deviations.
 #[test]
 fn a_cell_goes_as_simulated() {
     for (text, orders) in [(ASSEMBLY, vec![("1", 3, None), ("3", 3, None)]), (C1, vec![("A", 5, None), ("B", 4, None)])]
@@ -152,7 +152,7 @@ fn the_same_questions_have_the_same_answers() {
     assert_eq!(run(), run());
 }
 
-/// One that counts how often the dispatcher beneath holds something because it looks worse.
+/// Counts how often the dispatcher beneath holds something because it looks worse.
 struct Counting {
     look: LookAhead,
     held: usize,
@@ -198,7 +198,7 @@ fn what_is_better_later_is_waited_for() {
     assert!(ahead.0 < by_rules.0 && counting.waits > 0, "{ahead:?} instead of {by_rules:?}");
 }
 
-/// It holds things back; and as soon as somebody has waited too long it does not.
+/// It holds things back; and as soon as a part has waited too long it does not.
 #[test]
 fn patience_goes_before_looking_ahead() {
     let made = Made::new(C1);
@@ -217,7 +217,7 @@ fn patience_goes_before_looking_ahead() {
     assert_eq!(held(Duration::ZERO), 0);
 }
 
-/// A dispatcher that others follow after is told every record, once, in order.
+/// A dispatcher that others follow after takes every record, once, in order.
 #[test]
 fn a_dispatcher_is_told_every_record() {
     struct Told(DispatchConfiguration, Vec<Record>);
@@ -236,7 +236,7 @@ fn a_dispatcher_is_told_every_record() {
     let mut shop = Shop::new(&made.table);
     // First come, first served lets in whatever comes; so not for long.
     shop.run(&mut told, Tick::from_millis(30_000));
-    // The life itself begins before anybody can be told.
+    // The life itself begins before any record is passed on.
     assert_eq!(shop.log[1..], told.1);
     assert!(told.1.len() > 20);
 }

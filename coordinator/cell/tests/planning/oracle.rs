@@ -1,15 +1,15 @@
 //! The shortest makespan of a timed net, by Dijkstra's algorithm over markings and what is left of activities in progress.
 //!
-//! It plays the long form of the coloured net itself, with nothing of the table, the player or its orders; and it knows
-//! nothing of bounds. A transition that takes time takes its tokens when it starts and gives them when it ends, and happens
-//! once at a time (seed 000, proposition 15, L2385).
+//! It plays the long form of the coloured net itself, with nothing of the table, the player or its orders; and without
+//! bounds. A transition that takes time takes its tokens when it starts and gives them when it ends, and happens once at a
+//! time (seed 000, proposition 15, L2385).
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
 use linewright_nets::Net;
 
-/// How many tokens are on each place, and what is in progress: transition and what is left of it, sorted.
+/// Number of tokens on each place, and activities in progress: transition and its remaining time, sorted.
 type Node = (Vec<u32>, Vec<(usize, u64)>);
 
 /// The shortest time in which `done` is so, in the unit of `times`; none if it never is. What has no time does not happen.

@@ -1,4 +1,4 @@
-//! Production orders: what is refused and why, who enters, what counts to which order, and how late it was.
+//! Production orders: refusals, entries, the order that a part counts to, and lateness.
 
 use std::time::Duration;
 
@@ -112,7 +112,7 @@ fn the_same_request_twice_is_one_order() {
     assert_eq!(production.orders().len(), 1);
 }
 
-/// The orders as they go through a cell: what is released enters, in turn, and nothing that nobody wants.
+/// The orders as they go through a cell: released parts enter, in turn, and none without an order.
 #[test]
 fn parts_enter_as_they_are_ordered_and_count_to_their_orders() {
     let (made, mut production) = book();
@@ -140,7 +140,7 @@ fn parts_enter_as_they_are_ordered_and_count_to_their_orders() {
     assert_eq!(status(desk.production().unwrap(), "order 1", at(10)), ProductionStatus::InWork { begun: at(0) });
     shop.run(&mut desk, at(400));
     assert_eq!((shop.state().left(), order(&desk, "order 1").done, order(&desk, "order 3").done), (3, 2, 1));
-    // Nothing else happens before the release, and it is not forgotten.
+    // Nothing else happens before the release, and it is not lost.
     shop.run(&mut desk, at(2000));
     assert_eq!((shop.state().left(), shop.state().parts().len()), (4, 0));
     let enters: Vec<_> = shop.starts().into_iter().filter(|(_, name, _)| name.starts_with("enter")).collect();
@@ -258,7 +258,7 @@ fn a_lost_part_is_replaced() {
     production.note(&lost).unwrap_err();
     assert!(production.note(&entering(2, 2)).unwrap());
     assert_eq!(production.order_of(PartId(2)).unwrap().id, ProductionId(1));
-    // One that nobody ordered counts to nothing.
+    // One without an order counts to nothing.
     assert!(!production.note(&entering(3, 3)).unwrap());
 }
 
@@ -282,7 +282,7 @@ fn changes_of_other_orders_do_not_fit() {
     }
 }
 
-/// The rules are told: who is due first is loaded first.
+/// The rules have the due dates: what is due first is loaded first.
 #[test]
 fn rules_know_due_dates_and_priorities_of_orders() {
     let made = Made::new(C1);

@@ -1,5 +1,4 @@
-//! Reality deviates: something is late, a machine is down, orders come and go; and what was planned is compared with what
-//! was.
+//! Reality deviates: something is late, a machine is down, orders come and go; and the plan is compared with what was.
 
 use std::time::Duration;
 
@@ -48,14 +47,14 @@ fn when_a_machine_is_down_its_work_is_planned_elsewhere() {
     assert!(whys(&follower).contains(&RevisionReason::Failed(failed[0].0)), "{:?}", whys(&follower));
     assert_eq!((shop.state().left(), shop.state().parts().len()), (5, 1));
     assert_eq!(on(&follower, "load M1<A.new>"), 0);
-    // After the revision nobody was sent to M1.
+    // After the revision no part was sent to M1.
     let down = shop.log.iter().find(|record| matches!(record.fact, RecordKind::Raised { .. })).unwrap().at;
     let late: Vec<_> = shop.starts().into_iter().filter(|&(at, ..)| at > down.as_micros() / 1000).collect();
     assert!(
         late.iter().all(|(_, name, _)| !name.contains(" M1"))
             && late.iter().any(|(_, name, _)| *name == "load M2<A.new>")
     );
-    // The chart says so: one bar has failed, and those behind it are elsewhere than promised.
+    // The chart shows it: one bar has failed, and those behind it are elsewhere than promised.
     let bars: Vec<_> = follower.bars().filter(|bar| bar.failed).collect();
     assert!(bars.iter().any(|bar| bar.mode == process && bar.actual.is_some()), "{bars:?}");
 }
@@ -86,7 +85,7 @@ fn when_something_is_late_what_follows_is_planned_anew() {
     let (late, instead, said) = on_m2(79);
     assert!(said[1].contains("later than tolerated, by less than 0.1 s"), "{said:?}");
     assert!((44..79).contains(&late.unwrap().as_secs()), "{late:?}");
-    // It is late again and again, and is believed to take as long again as it is late; M2 never becomes better by that.
+    // It is late again and again, and is assumed to take as long again as it is late; M2 never becomes better by that.
     assert!((3..8).contains(&said.len()) && (as_planned, instead) == (0, 0), "{said:?}");
 }
 
@@ -145,8 +144,8 @@ fn plan_and_actual_are_compared() {
     assert!(late > 0, "something was later than promised");
 }
 
-/// A dispatcher may think for long, so it is asked when something is new, and when it wants to be; not each time that a
-/// station says once more what it has said.
+/// A dispatcher may take long, so it is asked when something is new, and at its own time; not at each repeated report
+/// of a station.
 #[test]
 fn nobody_is_asked_twice_about_the_same() {
     struct Counting(ScheduleFollower, usize);

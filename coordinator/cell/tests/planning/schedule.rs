@@ -1,5 +1,5 @@
-//! Schedules: as short as an exact oracle says, followed to the letter where the cell is as it should be, within their windows
-//! where it is not, and never a reason for anybody to wait for ever.
+//! Schedules: as short as an exact oracle's, followed to the letter where the cell is as it should be, within their windows
+//! where it is not, and never a reason for a part to wait for ever.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -250,7 +250,7 @@ fn nothing_starts_before_its_window() {
     }
 }
 
-/// One that plans badly on purpose: whatever is asked, everything is planned for a day later.
+/// Plans badly on purpose: whatever the question, everything is planned for a day later.
 struct Procrastinator(RolloutScheduler);
 
 impl Scheduler for Procrastinator {
@@ -295,7 +295,7 @@ fn patience_goes_before_windows() {
     let mut shop = Shop::new(&made.table);
     shop.run(&mut follower, LONG);
     assert_eq!(shop.state().left(), 8);
-    // Nobody who had waited a minute was held by the schedule at any question.
+    // No part that had waited a minute was held by the schedule at any question.
     let (mut state, mut urgent) = (PlayerState::new(made.table.clone()), 0);
     for record in &shop.log {
         state.apply(record).unwrap();
@@ -345,7 +345,7 @@ fn when_all_that_was_planned_has_started_more_is_planned() {
     assert!(whys.len() > 3 && whys[1..].iter().all(|why| *why == RevisionReason::Over), "{whys:?}");
 }
 
-/// A large order enters part by part; that its last parts wait outside for hours makes nobody urgent.
+/// A large order enters part by part; the long wait of its last parts outside makes none urgent.
 #[test]
 fn an_order_that_goes_on_is_not_urgent() {
     let made = Made::new(C1);

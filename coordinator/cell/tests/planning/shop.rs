@@ -1,6 +1,6 @@
-//! A described cell that is really played, by the token player, with stations that take exactly as long as they are told.
+//! A described cell that is really played, by the token player, with stations that take exactly the times given.
 //!
-//! Real times can be others than those that the dispatcher believes in, since it plans by the description and not by this.
+//! Real times can differ from those of the dispatcher, since it plans by the description and not by this.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -58,7 +58,7 @@ impl Made {
     }
 }
 
-/// What is written down of a change.
+/// Record of a change.
 pub fn changed(at: Tick, change: ProductionChange) -> Record {
     Record { at, fact: RecordKind::Production { change } }
 }
@@ -80,9 +80,9 @@ pub struct Shop {
     pub player: Coordination,
     pub log: Vec<Record>,
     pub now: Tick,
-    /// How long orders of a mode really take, if not as long as they should.
+    /// Real time of orders of a mode, if not the nominal one.
     pub really: BTreeMap<ModeId, Duration>,
-    /// How often an order of a mode fails before it does not.
+    /// Failures of an order of a mode before it succeeds.
     pub fails: BTreeMap<ModeId, usize>,
     doing: BTreeMap<(Tick, OrderKey), (StationId, TaskOutcome)>,
 }
@@ -111,14 +111,14 @@ impl Shop {
         self.player.state()
     }
 
-    /// Another life of the coordinator, from what it knows. Stations go on.
+    /// Another life of the coordinator, from a state. Stations go on.
     pub fn restart(&mut self, state: PlayerState) {
         let (mut out, epoch) = (PlayerOutbox::default(), state.epoch() + 1);
         self.player = Coordination::begin(state, self.now, epoch, &mut out).unwrap();
         self.log.extend(out.records);
     }
 
-    /// Somebody changes what is on order.
+    /// A change of production orders.
     pub fn command(
         &mut self,
         command: ProductionCommand<'_>,
@@ -196,7 +196,7 @@ impl Shop {
         }
     }
 
-    /// When what was started, in milliseconds, with which part.
+    /// Times of all starts, in ms, with modes and parts.
     pub fn starts(&self) -> Vec<(u64, &str, Option<PartId>)> {
         let started = self.log.iter().filter_map(|record| match record.fact {
             RecordKind::Started { mode, part, .. } => {
@@ -207,7 +207,7 @@ impl Shop {
         started.collect()
     }
 
-    /// When the last activity has ended.
+    /// End of the last activity.
     pub fn makespan(&self) -> Tick {
         let ends = self.log.iter().filter(|record| matches!(record.fact, RecordKind::Ended { .. }));
         ends.map(|record| record.at).max().unwrap_or(Tick::ZERO)

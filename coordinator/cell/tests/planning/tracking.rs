@@ -159,7 +159,7 @@ fn busy_and_down_are_what_a_slow_recount_says() {
     }
 }
 
-/// Whoever is left out once is down once, whatever else happens meanwhile.
+/// A resource that is left out once is down once, whatever else happens meanwhile.
 #[test]
 fn a_resource_is_left_out_as_often_as_somebody_leaves_it_out() {
     let made = Made::new(C1);

@@ -1,7 +1,7 @@
 //! The coordinator is killed after every step of a run, and the production is the same.
 //!
 //! *The same* means: as many finished parts of each kind, everything where it belongs, and every task done as often with
-//! each part. Not at the same times, and not in the same order: while nobody coordinates, what runs goes on.
+//! each part. Not at the same times, and not in the same order: without a coordinator, what runs goes on.
 
 use std::collections::BTreeMap;
 
@@ -49,7 +49,7 @@ pub fn merged(waiting: [u32; 3]) -> Compiled {
     )
 }
 
-/// What was produced: the marking, and how often each station did what with each part.
+/// Result: the marking, and how often each station did what with each part.
 type Production = (Vec<u64>, BTreeMap<(usize, String, Option<PartId>), usize>);
 
 fn production(world: &World) -> Production {

@@ -66,7 +66,7 @@ fn random_net(dice: &mut Dice) -> ColouredNet {
     b.build().unwrap()
 }
 
-/// What a mode takes and gives in the long form, as the coloured net has it.
+/// Tokens that a mode takes and gives in the long form, by the coloured net.
 pub fn moves(it: &Compiled) -> Vec<[Vec<(usize, u32)>; 2]> {
     let of_mode = |t| {
         let mode = it.long.mode(t);

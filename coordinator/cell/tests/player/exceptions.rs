@@ -1,4 +1,4 @@
-//! Orders that are not done: the activity says so, and keeps what it has.
+//! Orders that are not done: the activity fails, and keeps its tokens.
 
 use linewright_coordinator_cell::{
     ActivityFailure, ActivityPhase, CellEvent, CellMessage, Coordination, Fifo, OrderFailure, OrderKey, OrderMessage,
@@ -14,7 +14,7 @@ use super::plans::Compiled;
 const ROBOT: StationId = StationId(0);
 const MACHINE: StationId = StationId(1);
 
-/// A cell whose robot and machine have just been told to load a part 1, by hand from here on.
+/// A cell whose robot and machine have just been ordered to load a part 1, by hand from here on.
 struct Bench {
     it: Compiled,
     player: Coordination,
@@ -125,7 +125,7 @@ fn an_unanswered_order_is_repeated_with_its_key_and_what_is_left_of_its_time() {
     assert_eq!(bench.keys_sent(), [key(2)]);
     assert_eq!(bench.sent()[0].order.limit.as_millis(), 59_800);
     assert_eq!(bench.player.sending(key(1)), None);
-    // Who is busy is asked again; who says no twice is not believed less.
+    // A busy station gets the order again; a second refusal counts like the first.
     for at in [250, 300] {
         bench.at(at, &[PlayerInput::Reply(MACHINE, key(2), TaskReply::Refused(TaskRefusal::Busy))]);
         assert_eq!(bench.sent(), []);
@@ -181,7 +181,7 @@ fn an_end_that_comes_at_the_last_moment_is_in_time() {
     assert!(bench.log.iter().any(|record| matches!(record.fact, RecordKind::Ended { .. })));
 }
 
-/// After a restart, first those are heard whose orders have ended meanwhile.
+/// After a restart, first the ends of orders in the meantime are received.
 #[test]
 fn no_limit_runs_out_in_the_first_second_after_a_restart() {
     let mut bench = Bench::new();
@@ -195,7 +195,7 @@ fn no_limit_runs_out_in_the_first_second_after_a_restart() {
     bench.assert_failed(ActivityFailure::Order { key: key(1), failure: OrderFailure::TimedOut });
 }
 
-/// A station with a new memory may have done what it was told or not: nobody sends it again.
+/// A station with a new memory may have done its order or not: it is not sent again.
 #[test]
 fn an_order_to_a_station_that_has_lost_its_memory_fails_and_is_never_sent_again() {
     for acknowledged in [false, true] {
@@ -235,7 +235,7 @@ fn a_lost_memory_is_noticed_whichever_of_its_records_were_written() {
     }
 }
 
-/// Until this life has heard a station, it sends it nothing: its memory has to be in a record first.
+/// Until this life has received a station, it sends it nothing: its memory has to be in a record first.
 #[test]
 fn a_restarted_coordinator_sends_what_nobody_has_answered_once_it_hears_the_station() {
     let mut bench = Bench::new();
@@ -253,7 +253,7 @@ fn a_restarted_coordinator_sends_what_nobody_has_answered_once_it_hears_the_stat
     assert_eq!((work.order.key, &*work.order.task), (OrderKey { epoch: 2, id: 3 }, "work"));
 }
 
-/// Somebody else coordinates already.
+/// There is another coordinator already.
 #[test]
 fn a_coordinator_that_hears_of_a_later_life_starts_and_sends_nothing_more() {
     let mut bench = Bench::new();

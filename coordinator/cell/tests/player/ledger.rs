@@ -1,4 +1,4 @@
-//! No part is lost and none is made twice, counted by a ledger that knows the net and the records and nothing else.
+//! No part is lost and none is made twice, counted by a ledger that uses the net and the records alone.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use super::workcell::{self, Workcell};
 use super::world::{World, options};
 use linewright_random::Random as Dice;
 
-/// Where the ledger thinks a part is.
+/// Place of a part by the ledger.
 #[derive(Clone, Debug, PartialEq)]
 enum Is {
     On(String),
@@ -46,7 +46,7 @@ impl<'a> Ledger<'a> {
         new
     }
 
-    /// Where a mode takes its part from, or puts it.
+    /// Place that a mode takes its part from, or puts it.
     fn place(&self, mode: ModeId, side: usize) -> Option<String> {
         let mode = self.it.net.mode_named(self.it.table.mode_name(mode)).unwrap();
         let moved = self.it.net.places().flat_map(|place| {

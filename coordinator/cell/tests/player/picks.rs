@@ -1,4 +1,4 @@
-//! Who goes first, and from which end of a store; how often at once; what is held, and until when.
+//! Order of parts, and ends of stores; number of starts at once; what is held, and until when.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -41,7 +41,7 @@ fn store(pick: PartPick, servers: u32) -> Compiled {
     )
 }
 
-/// Which parts were fetched when, in milliseconds.
+/// Parts fetched, with times in ms.
 fn fetched(it: &Compiled) -> Vec<(u64, u64)> {
     let mut out = PlayerOutbox::default();
     let mut player = Coordination::begin(PlayerState::new(it.table.clone()), Tick::ZERO, 1, &mut out).unwrap();
@@ -74,7 +74,7 @@ fn a_mode_happens_as_often_at_once_as_it_has_servers() {
     assert_eq!(fetched(&store(PartPick::Newest, 3)), [(10_000, 3), (10_000, 2), (10_000, 1)]);
 }
 
-/// What is said to an answer to the first question; to all others there is none.
+/// Errors of an answer to the first question; to all others there is none.
 fn judged(it: &Compiled, answer: impl Fn(&Question<'_>) -> DispatchDecision) -> Vec<BadAnswer> {
     struct With<F>(Option<F>);
     impl<F: Fn(&Question<'_>) -> DispatchDecision> Dispatcher for With<F> {
@@ -163,7 +163,7 @@ fn first_come_first_served_says_who_won() {
     assert_eq!(decided, Some(expected));
 }
 
-/// A dispatcher that holds everything until a time is asked again then, and the same reasons are written once.
+/// A dispatcher that holds everything until a time is asked again at that time, and the same reasons are written once.
 #[test]
 fn what_is_held_until_a_time_is_asked_about_again_then() {
     struct Later(u64);
@@ -192,7 +192,7 @@ fn what_is_held_until_a_time_is_asked_about_again_then() {
     assert_eq!((decided(&out), player.state().firings().len()), (2, 2));
 }
 
-/// A circle that takes no time does not hang the player: it says so, and goes on in the next step.
+/// A circle that takes no time does not hang the player: it reports it, and goes on in the next step.
 #[test]
 fn a_circle_that_takes_no_time_does_not_stop_the_rest() {
     let mut b = NetBuilder::new("circle");
@@ -212,7 +212,7 @@ fn a_circle_that_takes_no_time_does_not_stop_the_rest() {
     assert_eq!((player.state().sequence(), player.state().firings().len()), (10_003, 1));
 }
 
-/// How long an activity may take altogether, beside what its orders may.
+/// Time limit of an activity, beside those of its orders.
 #[test]
 fn an_activity_has_a_limit_of_its_own() {
     let limited = |limit: u64| {

@@ -18,7 +18,7 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// Compiles a net; `kind` says what the tokens of a cell are and `activity` what a mode is, both by name.
+    /// Compiles a net; `kind` is the kind of the tokens of a cell and `activity` the activity of a mode, both by name.
     pub fn new(net: ColouredNet, kind: impl Fn(&str) -> CellKind, activity: impl Fn(&str) -> PlayedActivity) -> Self {
         let long = unfold(&net, Colours::Reachable, 100_000).unwrap();
         let names = long.net();
@@ -52,18 +52,18 @@ impl Compiled {
 pub const TOKENS: CellKind = CellKind::Tokens;
 pub const PARTS: CellKind = CellKind::Parts(PartPick::Any);
 
-/// What happens by itself.
+/// An activity that happens by itself.
 pub fn immediate() -> PlayedActivity {
     PlayedActivity { name: "immediate".into(), kind: ActivityTiming::Immediate, servers: 1, orders: Vec::new() }
 }
 
-/// What is decided and takes so many milliseconds, without anybody.
+/// An activity that is decided and takes so many milliseconds, without stations.
 pub fn alone(millis: u64) -> PlayedActivity {
     let kind = ActivityTiming::Decided { time: Duration::from_millis(millis), limit: None };
     PlayedActivity { name: "alone".into(), kind, servers: 1, orders: Vec::new() }
 }
 
-/// What these stations do together, each of them in so many milliseconds at most.
+/// An activity of these stations together, each of them in so many milliseconds at most.
 pub fn ordered(task: &str, stations: &[u16], limit_ms: u64) -> PlayedActivity {
     let order = |&station: &u16| PlayedOrderTemplate {
         station: StationId(station),

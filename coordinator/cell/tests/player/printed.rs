@@ -1,7 +1,7 @@
 //! The flexible production cell of seed 000 (Figs. 17 and 18, L1428-1544), played: the states and moves that are printed.
 //!
-//! The net is that of the coloured nets' own tests, where it is said what is printed and what is rebuilt. Here t2 (robot 1
-//! loads), t4 (a part is worked on) and t6 (robot 1 unloads) are what stations do; t1 and t5 are decided and take no time,
+//! The net is that of the coloured nets' own tests, which mark what is printed and what is rebuilt. Here t2 (robot 1
+//! loads), t4 (a part is worked on) and t6 (robot 1 unloads) are done by stations; t1 and t5 are decided and take no time,
 //! t3 and t7 happen by themselves.
 
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ use linewright_nets::coloured::{Clause, ColouredBuilder, ColouredNet, Domain, Gu
 use super::plans::{Compiled, PARTS, TOKENS, alone, immediate, ordered};
 use super::world::World;
 
-/// What is different from the printed net.
+/// Differences from the printed net.
 #[derive(Clone, Default)]
 pub struct Variant {
     /// Parts of each kind that wait on p9.
@@ -198,7 +198,7 @@ fn loading_and_working_are_in_progress_together() {
     assert_eq!(out.sends.len(), 3);
 }
 
-/// What one record changes in the marking.
+/// Change of the marking by one record.
 fn difference(it: &Compiled, records: &[Record], which: usize) -> BTreeMap<String, i64> {
     let [before, after] =
         [which, which + 1].map(|count| PlayerState::replay(it.table.clone(), &records[..count]).unwrap());
@@ -252,7 +252,7 @@ fn nothing_starts_before_it_may() {
     player.step(Tick::ZERO, &[], &mut Fifo, &mut out);
     assert_eq!(player.state().firings().len(), 0);
     player.step(Tick::ZERO, &[PlayerInput::Starts(true)], &mut Fifo, &mut out);
-    // t1 needs nobody; t2 does, and nobody has been heard.
+    // t1 needs no station; t2 does, and none has been received.
     let started = out.records.iter().filter(|record| matches!(record.fact, RecordKind::Started { .. })).count();
     assert_eq!((started, player.state().firings().len()), (1, 0));
     assert_eq!(it.names(player.state().enabled()), ["t2<m1,r1,p1>"]);

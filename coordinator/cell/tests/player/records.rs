@@ -1,4 +1,4 @@
-//! Records are the whole truth: what is replayed is what was; what does not fit changes nothing.
+//! Records are complete: a replayed state is the state; a record that does not fit changes nothing.
 
 use linewright_coordinator_cell::{
     ActivityFailure, Coordination, Fifo, FiringId, ModeId, OrderFailure, OrderKey, PartId, PlayerOutbox, PlayerState,
@@ -49,7 +49,7 @@ fn every_prefix_of_the_records_replays_to_the_state_it_had() {
     assert!(world.log.len() > 100, "{}", world.log.len());
 }
 
-/// What any record can say, by chance; about half of the numbers exist.
+/// A random record; about half of the numbers exist.
 fn any_fact(dice: &mut Dice, state: &PlayerState) -> RecordKind {
     let firings: Vec<_> = state.firings().collect();
     let orders: Vec<_> = firings.iter().flat_map(|firing| &firing.orders).map(|order| order.key).collect();
@@ -75,7 +75,7 @@ fn any_fact(dice: &mut Dice, state: &PlayerState) -> RecordKind {
     }
 }
 
-/// Records of somebody else never panic; those that do not fit leave the state as it was.
+/// Foreign records never panic; those that do not fit leave the state as it was.
 #[test]
 fn records_that_do_not_fit_are_refused_and_change_nothing() {
     let mut dice = Dice::new(8);

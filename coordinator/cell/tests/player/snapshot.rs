@@ -1,4 +1,4 @@
-//! A snapshot stands for all records before it; written down and read again it is the same; made up it does no harm.
+//! A snapshot stands for all records before it; written and read again it is the same; a forged one does no harm.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -37,13 +37,13 @@ fn worlds() -> Vec<World> {
     worlds
 }
 
-/// As somebody else writes and reads it.
+/// Written and read by another program.
 fn again(snapshot: &CellSnapshot) -> CellSnapshot {
     let text = serde_json::to_string(snapshot).unwrap();
     serde_json::from_str(&text).unwrap()
 }
 
-/// All that is asked of a state. What lists of watchers look like inside is no part of it.
+/// All that can be read of a state. What lists of watchers look like inside is no part of it.
 fn assert_same(a: &PlayerState, b: &PlayerState) {
     assert_eq!(a.snapshot(), b.snapshot());
     assert_eq!((a.enabled(), a.marking().counts()), (b.enabled(), b.marking().counts()));
@@ -156,7 +156,7 @@ fn forged(text: &str, dice: &mut Dice) -> String {
     forged + rest
 }
 
-/// What is on disk has to be read by programs that come later. If this fails, the form has changed and needs another number.
+/// Records on disk have to be read by later programs. If this fails, the form has changed and needs another number.
 #[test]
 fn every_record_has_the_text_that_it_always_had() {
     let (key, mode, part) = (OrderKey { epoch: 2, id: 9 }, ModeId(4), Some(PartId(5)));

@@ -44,12 +44,12 @@ impl Workcell {
         self.robots + self.machines
     }
 
-    /// How many parts there are in all.
+    /// Number of parts in all.
     pub fn parts(&self) -> u32 {
         self.plans.iter().map(|(count, _)| count).sum()
     }
 
-    /// How many steps all of them have together.
+    /// Number of steps of all of them together.
     pub fn steps(&self) -> usize {
         self.plans.iter().map(|(count, steps)| *count as usize * steps.len()).sum()
     }
@@ -106,8 +106,8 @@ pub fn compiled(cell: &Workcell) -> Compiled {
     )
 }
 
-/// What was produced, whichever machine did it: the marking at the end, how many parts have left, and with each part what
-/// was done, in the order of the keys. A part keeps its number from entering to leaving.
+/// Result, whichever machine did it: the marking at the end, how many parts have left, and the work on each part, in the
+/// order of the keys. A part keeps its number from entering to leaving.
 pub fn production(world: &World) -> (Vec<u64>, u64, Vec<Vec<String>>) {
     let mut acts: BTreeMap<PartId, BTreeMap<OrderKey, String>> = BTreeMap::new();
     let mut keys = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! A cell in virtual time, with the names of what was compiled. Nobody may be told anything unexpected in it.
+//! A cell in virtual time, with the names of what was compiled. No unexpected message may be sent in it.
 
 use std::ops::{Deref, DerefMut};
 use std::time::Duration;

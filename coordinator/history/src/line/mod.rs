@@ -1,9 +1,9 @@
-//! What a line has done: a fold over its notes, for reports.
+//! History of a line: a fold over its notes, for reports.
 //!
 //! ```text
 //!  of the line:      producing ── in auto, motion enabled, nothing wrong
 //!                    stopped ──── by one cause, from leaving that until coming back to it
-//!                    unrecorded ─ no coordinator, or it could not write: until a note says how everything stands
+//!                    unrecorded ─ no coordinator, or it could not write: until a note of the whole situation
 //!  of a station, while the line produces:  busy (an operation in motion), waiting, or neither
 //! ```
 //!
@@ -36,7 +36,7 @@ pub enum StopKind {
     Starting,
     /// By an operator's command: home, stand-by, hand or manual, and nothing wrong.
     Operator,
-    /// A station is not heard, or has lost its devices.
+    /// A station is not received, or has lost its devices.
     NotHeard,
     /// A station has a fault.
     Alarm,
@@ -55,15 +55,15 @@ impl StopKind {
     }
 }
 
-/// Why a line stood.
+/// Cause of a stop of a line.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct LineStopCause {
     pub kind: StopKind,
-    /// Which station, and what; empty where the kind says all.
+    /// Station and reason; empty where the kind is enough.
     pub text: String,
 }
 
-/// How a line was at a moment.
+/// State of a line at a moment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LineState {
     Unrecorded,
@@ -95,7 +95,7 @@ pub struct LineMotion {
 /// A station stood and waited.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineWait {
-    /// What it waited for, without the numbers of cycles.
+    /// Reason, without the numbers of cycles.
     pub why: String,
     pub from: Tick,
     pub to: Tick,
@@ -109,16 +109,16 @@ pub struct LineCycle {
     pub took: Duration,
 }
 
-/// What was taken of one station.
+/// Notes taken of one station.
 #[derive(Clone, Debug, Default)]
 pub struct StationTrack {
     pub motions: Vec<LineMotion>,
     pub waits: Vec<LineWait>,
-    /// When faults have come.
+    /// Times of faults.
     pub faults: Vec<Tick>,
 }
 
-/// What is known of the line now.
+/// Present state of the line.
 #[derive(Clone, Debug, Default)]
 struct Known {
     mode: Option<(String, bool)>,
@@ -127,7 +127,7 @@ struct Known {
     without_devices: BTreeSet<u16>,
 }
 
-/// A line, as its notes tell it.
+/// A line, by its notes.
 #[derive(Clone, Debug)]
 pub struct LineTracking {
     about: LineAbout,
@@ -159,7 +159,7 @@ impl LineTracking {
         &self.stations
     }
 
-    /// How the line was, one after the other; the last until `to`.
+    /// States of the line, one after the other; the last until `to`.
     pub fn states(&self, to: Tick) -> impl Iterator<Item = (Stretch, &LineState)> {
         let last = ((self.now.0, to), &self.now.1);
         self.states
@@ -173,7 +173,7 @@ impl LineTracking {
         let (at, EventKind::Note(note)) = (event.at, &event.what) else { return };
         match note {
             Note::Began {} => {
-                // Whatever happened since the last note, nothing is known of it.
+                // The line since the last note is unknown.
                 self.change(self.last.unwrap_or(at), LineState::Unrecorded);
                 self.known = Known::default();
             }
@@ -237,7 +237,7 @@ impl LineTracking {
         if since < at && self.last.is_some() {
             self.states.push(((since, at), was));
         }
-        // What was otherwise for no time was not.
+        // A change that lasted no time is left out.
         if let Some(((from, until), state)) = self.states.last()
             && (*until, state) == (at, &self.now.1)
         {
@@ -246,7 +246,7 @@ impl LineTracking {
         }
     }
 
-    /// How the line is by what is known now, whatever it was before.
+    /// State of the line by the present notes, whatever it was before.
     fn state(&self) -> LineState {
         let Some((mode, starts)) = &self.known.mode else { return LineState::Unrecorded };
         let name = |station: &u16| {
@@ -280,7 +280,7 @@ fn put(set: &mut BTreeSet<u16>, station: u16, is_in: bool) {
     }
 }
 
-/// What was waited for, without the number of the cycle, which is another one each time.
+/// Reason of waiting, without the number of the cycle, which is another one each time.
 fn cause(why: &str) -> String {
     const CYCLE: &str = " (cycle ";
     let (mut text, mut rest) = (String::with_capacity(why.len()), why);

@@ -1,7 +1,7 @@
-//! What is reported of a line, as numbers.
+//! Report of a line, as numbers.
 //!
 //! Names and formulas are those of ISO 22400-2 (key performance indicators for manufacturing operations management). The work
-//! unit is the line, an item a cycle of it. A figure that needs what no note says is left out, with the reason.
+//! unit is the line, an item a cycle of it. A figure that needs what no note contains is left out, with the reason.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -16,12 +16,12 @@ use crate::MotionOutcome;
 /// In so many parts of the span a trend is shown.
 const TREND_PARTS_MAX: usize = 10;
 
-/// What a report needs and no note says.
+/// Parameters of a report that no note contains.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReportParameters {
     /// PBT, the planned busy time in the span: a shift calendar is nowhere recorded.
     pub planned_busy: Option<Duration>,
-    /// How many of the items were not good.
+    /// Items that were not good.
     pub rejected: Option<u64>,
 }
 
@@ -37,7 +37,7 @@ pub struct LineFigures {
     pub produced: u64,
     /// APT, actual production time.
     pub production: Duration,
-    /// ADET, actual unit delay time: stops that no operator has asked for.
+    /// ADET, actual unit delay time: stops that no operator has commanded.
     pub delay: Duration,
     /// APT / AUBT.
     pub utilization_efficiency: Figure,
@@ -83,7 +83,7 @@ pub struct LineStationReport {
     pub busy: Duration,
     /// By cause, the longest first.
     pub waits: Vec<WaitTotal>,
-    /// Neither: between two motions, or what is not over yet.
+    /// Neither: between two motions, or in one that is not over yet.
     pub other: Duration,
     /// Motions that were completed.
     pub motions: u64,
@@ -105,9 +105,9 @@ pub struct TrendPart {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineReport {
     pub span: Stretch,
-    /// How long it has produced: APT.
+    /// Time in production: APT.
     pub producing: Duration,
-    /// How long nothing is known of.
+    /// Time without a record.
     pub unrecorded: Duration,
     /// By cause, the longest first.
     pub stops: Vec<StopTotal>,
@@ -138,7 +138,7 @@ pub struct PlannedRow {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CycleChart {
     pub cycle: i32,
-    /// When its first operation began.
+    /// Start of its first operation.
     pub began: Tick,
     pub rows: Vec<PlannedRow>,
 }
@@ -153,7 +153,7 @@ fn share(part: Duration, whole: Duration, why: &str) -> Figure {
 }
 
 impl LineTracking {
-    /// What is reported of a span, which ends no later than what was taken.
+    /// Report of a span, which ends no later than the notes taken.
     pub fn report(&self, span: Stretch, asked: &ReportParameters) -> LineReport {
         let within = || self.states(span.1).filter_map(|(of, state)| Some((clipped(of, span)?, state)));
         let is = |wanted: &LineState| Spans::of(within().filter(|(_, state)| *state == wanted).map(|(of, _)| of));

@@ -12,7 +12,7 @@ pub type Stretch = (Tick, Tick);
 pub struct Spans(Vec<Stretch>);
 
 impl Spans {
-    /// Of these, in any order; what overlaps is joined, what is empty left out.
+    /// Of these, in any order; overlapping ones are joined, empty ones left out.
     pub fn of(stretches: impl IntoIterator<Item = Stretch>) -> Self {
         let mut all: Vec<Stretch> = stretches.into_iter().filter(|(from, to)| from < to).collect();
         all.sort_unstable();
@@ -35,7 +35,7 @@ impl Spans {
         self.0.iter().map(|(from, to)| to.since(*from)).sum()
     }
 
-    /// Takes out what of it lies in the others; how long that was.
+    /// Removes the intersection with the others; gives its duration.
     pub fn take(&mut self, others: &Spans) -> Duration {
         let (mut rest, mut taken) = (Vec::with_capacity(self.0.len()), Duration::ZERO);
         let mut others = others.0.as_slice();

@@ -126,7 +126,7 @@ fn what_the_log_has_forgotten_is_said_to_be_missing() {
     assert_eq!(crate::played::events(&path), events, "and nothing is missing twice");
 }
 
-/// Whoever removes the log begins anew, and nothing of what was is overwritten.
+/// After a removal of the log the database begins anew, and nothing before is overwritten.
 #[test]
 fn another_log_of_the_same_cell_is_refused_and_changes_nothing() {
     let of = c1();

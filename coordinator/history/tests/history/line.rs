@@ -1,4 +1,4 @@
-//! Notes of a line, and what a report makes of them: an example by hand, and that parts sum to the whole whatever the notes.
+//! Notes of a line, and reports of them: an example by hand, and that parts sum to the whole whatever the notes.
 
 use std::time::Duration;
 
@@ -54,7 +54,7 @@ fn example() -> Vec<(u64, Note)> {
         (1_000, mode("home", false)),
         (1_000, Note::Station { station: 1, lost: true }),
         (2_000, Note::Station { station: 1, lost: false }),
-        // 1 s not heard, then the operator's; the second until all have acknowledged is part of that stop.
+        // 1 s not received, then the operator's; the second until all have acknowledged is part of that stop.
         (4_000, mode("auto", false)),
         (5_000, mode("auto", true)),
         (8_000, motion(0, 0, 1, (5_000, 8_000), MotionOutcome::Done)),
@@ -104,7 +104,7 @@ fn an_example_by_hand() {
         report.stops.iter().map(|of| (of.cause.kind, of.cause.text.as_str(), of.times, of.total)).collect();
     let expected = [
         (StopKind::Alarm, "bar: lift: watchdog", 1, MS(7_000)),
-        // 2 to 5, and 33 to 35, when it was last heard of.
+        // 2 to 5, and 33 to 35, when it was last received.
         (StopKind::Operator, "", 2, MS(5_000)),
         (StopKind::EmergencyStop, "", 1, MS(3_000)),
         (StopKind::NotHeard, "clamp: no state received", 1, MS(1_000)),

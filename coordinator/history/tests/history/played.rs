@@ -1,4 +1,4 @@
-//! Cells that were played, and what a database says of them.
+//! Cells that were played, and their databases.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! What is written is what is read.
+//! Rows written are the rows read.
 
 use linewright_coordinator_cell::tracking::Activities;
 use linewright_coordinator_cell::{FiringId, RecordKind};
@@ -42,7 +42,7 @@ fn a_record_that_is_fed_twice_is_there_once_and_another_under_its_number_is_refu
     let mut history = History::open(&path, &of.about).unwrap();
     history.feed(1, &of.log).unwrap();
     assert_eq!(records(&path), of.log);
-    // One whose other log says something else: nothing of what comes with it is written.
+    // One whose other log differs: nothing of what comes with it is written.
     let mut other = of.log[9].clone();
     other.at = Tick::from_micros(other.at.as_micros() + 1);
     let batch = [of.log[8].clone(), other, of.log[10].clone()];
@@ -111,7 +111,7 @@ fn a_database_is_about_one_cell_and_one_description() {
     assert_eq!(HistoryReader::open(&path).unwrap().about(), &(&about).into());
 }
 
-/// The views are for people; they must say what the folds say.
+/// The views are for people; they must agree with the folds.
 #[test]
 fn whoever_asks_in_sql_is_told_the_same() {
     let of = played("workcell-c1", &[3, 3], 2, 6);

@@ -1,8 +1,8 @@
 //! Stations that are left out of the mode decision or in emergency stop by themselves; and the mode in words.
 //!
-//! In a cell the trouble of a station is an exception of its order. The station is then left out of the mode decision, or it
-//! is in emergency stop by itself, whatever the mode: which ones, the cell says again and again, and nothing here remembers it.
-//! A station leaves its emergency stop only by an epoch of its own, so that no order which is older than its reset can end it;
+//! In a cell a fault of a station is an exception of its order. The station is then left out of the mode decision, or it is in
+//! emergency stop by itself, whatever the mode: the cell names the stations again and again, and nothing here remembers them. A
+//! station leaves its emergency stop only by an epoch of its own, so that no order which is older than its reset can end it;
 //! until it has acknowledged that epoch, its report of an emergency stop is ignored.
 
 use linewright_line::StationId;
@@ -13,9 +13,9 @@ use crate::refusal::ModeRefusal;
 use crate::texts::ModeText;
 
 impl Coordinator {
-    /// Leaves these stations out, and no others: what is wrong with them is an exception of the cell they work in
-    /// (found by the cell), and the others work on. Only stations on order can be left out. Call it
-    /// whenever that changes, before [`Coordinator::step`]. `stations` is told as well whether a station is heard.
+    /// Leaves these stations out, and no others: their faults are exceptions of the cell they work in (found by the
+    /// cell), and the others work on. Only stations on order can be left out. Call it whenever that changes, before
+    /// [`Coordinator::step`]. The second argument of `stations`: the station is received.
     pub fn isolate(&mut self, stations: impl Fn(StationId, bool) -> bool) {
         for (id, station) in self.line.station_ids().zip(&mut self.stations) {
             let isolated = station.on_order && stations(id, self.now < station.known_until);
@@ -66,12 +66,12 @@ impl Coordinator {
         self.mode == ControlMode::EStop || self.stations.get(station.index()).is_some_and(|station| station.stopped)
     }
 
-    /// The epoch in which a station's emergency stop was entered or left last: what was decided before is not acted on after.
+    /// The epoch in which a station's emergency stop was entered or left last: earlier decisions are not acted on after it.
     pub fn stopped_until(&self, station: StationId) -> u64 {
         self.stopped_in.max(self.stations.get(station.index()).map_or(0, |station| station.reset_in))
     }
 
-    /// Whether somebody else has stopped a station: another coordinator, or one before that left no journal.
+    /// Whether a station is stopped by another coordinator, or by one before that left no journal.
     pub(super) fn is_stopped_by_another(&self, id: StationId, heard: StationView) -> bool {
         let station = &self.stations[id.index()];
         let knows_better = heard.mode_epoch >= self.released.max(station.reset_in);
@@ -87,12 +87,12 @@ impl Coordinator {
         self.counted().filter(|&(id, s)| waits(s) || !self.has_founded(id)).map(|(id, _)| id).collect()
     }
 
-    /// Whether a station is heard.
+    /// Whether a station is received.
     pub fn hears(&self, station: StationId) -> bool {
         self.stations.get(station.index()).is_some_and(|s| self.is_known(s))
     }
 
-    /// The text of the mode, with what keeps it.
+    /// The text of the mode, with the reasons that keep it.
     pub fn text(&self) -> String {
         let name = |id| self.line.station(id).name.as_str();
         let stations = || self.line.station_ids().zip(&self.stations);

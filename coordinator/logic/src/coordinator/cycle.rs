@@ -4,8 +4,8 @@
 //! the one before, as in the report of `linewright run`; if the line stood at home since, the time since motion was enabled
 //! there. Faults and stops on the way are part of it. Stations on order have no cycles and do not count.
 //!
-//! Times are those at which reports were heard. Where a beginning or an end may have passed unheard (after a start of the
-//! coordinator, or of a station that was stale) the cycle has no time, and nothing is said of it.
+//! Times are those of the arrival of reports. Where a beginning or an end may have passed unreported (after a start of
+//! the coordinator, or of a station that was stale) the cycle has no time, and is not published.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use super::{Coordinator, StationEntry};
 /// A cycle that all stations of the line have completed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CompletedCycle {
-    /// How often each station has come home since the line first started: the least of their rounds.
+    /// Number of times each station has come home since the line first started: the least of their rounds.
     pub number: i32,
     /// From the end of the cycle before, or from when motion was enabled at home.
     pub took: Duration,
@@ -27,7 +27,7 @@ pub struct CompletedCycle {
 pub(super) struct OpenCycle {
     /// Number of the last completed cycle, as of the last time all rounds were known.
     completed: i32,
-    /// When it began; `None` if that was not heard.
+    /// Beginning; `None` if that was not received.
     began: Option<Tick>,
 }
 

@@ -1,4 +1,4 @@
-//! What arrives at the mode decision, and what it gives.
+//! Input and output of the mode decision.
 
 use std::time::Duration;
 
@@ -9,14 +9,14 @@ use super::cycle::CompletedCycle;
 use crate::decision::ModeCommand;
 use crate::refusal::RefusedCommand;
 
-/// What the coordinator needs of a station's report.
+/// The part of a station's report that the coordinator uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StationView {
-    /// Which life of the station.
+    /// Boot id of the station.
     pub boot_id: u64,
-    /// The newest epoch it has heard.
+    /// The newest epoch it has received.
     pub mode_epoch: u64,
-    /// The coordinator's life whose order it took last; 0 for none.
+    /// Boot id of the coordinator whose order it took last; 0 for none.
     pub follows: u64,
     /// At its home place.
     pub at_home: bool,
@@ -28,7 +28,7 @@ pub struct StationView {
     pub incomplete: bool,
     /// Its selector stands at manual.
     pub selector_manual: bool,
-    /// Its devices are heard and operational.
+    /// Its devices are received and operational.
     pub devices_valid: bool,
     /// The generation its counts belong to; 0 for none.
     pub generation: u64,
@@ -54,16 +54,16 @@ pub enum ModeInput {
     Console {
         /// Bit `i` is input `i` of the console.
         bits: u128,
-        /// False when a device is lost or has not yet spoken.
+        /// False when a device is lost or has not yet sent.
         valid: bool,
     },
-    /// Hand-mode buttons held, by message, a bit each; replaces what was held before. Must be refreshed.
+    /// Hand-mode buttons held, by message, a bit each; replaces those held before. Must be refreshed.
     Buttons(u32),
-    /// The same, from a time that is not known: nothing of it counts, and what it holds is not released by it.
+    /// The same, from an unknown time: none of them counts, and those held are not released by it.
     LateButtons(u32),
     /// A newer report of a station.
     Station(StationId, StationView),
-    /// Another coordinator gives orders to this line: its boot id, and until when that counts if it is not heard again.
+    /// Another coordinator gives orders to this line: its boot id, and until when that counts without repetition.
     /// Nothing moves meanwhile.
     Rival(u64, Tick),
     /// Whether the journal can be written. While it cannot, the emergency stop is in force.
@@ -86,11 +86,11 @@ pub struct ModeGrant {
     pub manual_all: bool,
     /// Hand-mode buttons held.
     pub buttons: u32,
-    /// How long the order holds after it is heard.
+    /// Validity of the order after its arrival.
     pub lease: Duration,
 }
 
-/// What a step gives.
+/// Output of a step.
 #[derive(Clone, Debug, Default)]
 pub struct ModeOutbox {
     /// Send the order and the state now.

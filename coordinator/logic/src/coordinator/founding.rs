@@ -22,14 +22,14 @@ pub(super) struct OpenFounding {
 }
 
 impl Coordinator {
-    /// What is sent to a station while a generation is founded: the generation, and the boot id of the station it is for.
+    /// Message to a station while a generation is founded: the generation, and the boot id of the station it is for.
     pub fn founding(&self, station: StationId) -> Option<(u64, u64)> {
         let founding = self.founding.as_ref()?;
         let life = founding.lives.get(station.index()).copied()?;
         Some((founding.generation, life))
     }
 
-    /// The stations whose counts others build on, or that build on others'.
+    /// The stations whose counts others compare with, or that compare with others'.
     fn comparing(&self) -> impl Iterator<Item = (StationId, &StationView)> {
         let all = self.line.station_ids().zip(&self.stations);
         all.filter(|(_, station)| station.compares).map(|(id, station)| (id, &station.heard))
@@ -39,11 +39,11 @@ impl Coordinator {
     fn prevailing(&self) -> u64 {
         let count = |generation: u64| self.comparing().filter(|(_, heard)| heard.generation == generation).count();
         let generations = self.comparing().map(|(_, heard)| heard.generation).filter(|&generation| generation != 0);
-        // The greater number decides between equals, so that all who look at the same reports name the same station.
+        // The greater number decides between equals, so that equal reports give the same station.
         generations.max_by_key(|&generation| (count(generation), generation)).unwrap_or(0)
     }
 
-    /// Whether all stations that compare counts are of one generation, as far as they were heard.
+    /// Whether all stations that compare counts are of one generation, as far as they were received.
     pub(super) fn is_of_one_generation(&self) -> bool {
         let mut all = self.comparing();
         let Some((_, first)) = all.next() else { return true };
@@ -66,7 +66,7 @@ impl Coordinator {
     }
 
     /// Draws a generation if the line needs one and all stations stand at home, measured there. Called for a command that leads
-    /// towards motion: with it an operator confirms what the switches say. Gives whether one is founded.
+    /// towards motion: with it an operator confirms what the switches measure. True if one is founded.
     pub(super) fn found(&mut self) -> bool {
         let measured = self.comparing().all(|(_, heard)| heard.devices_valid && !heard.position_lost);
         if self.is_of_one_generation() || !measured || !self.is_counted_home() {

@@ -1,4 +1,4 @@
-//! What each command does in each mode, and why it is refused where it is.
+//! Effect of each command in each mode, and reasons of refusal.
 
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
@@ -18,7 +18,7 @@ impl Coordinator {
         }
     }
 
-    /// Obeys a command or says why not. Every pair of mode and command is decided here.
+    /// Obeys a command or gives the reasons against it. Every pair of mode and command is decided here.
     fn obey(&mut self, command: ModeCommand) -> Vec<ModeRefusal> {
         use ControlMode as M;
         use ModeCommand as C;
@@ -42,7 +42,7 @@ impl Coordinator {
             (M::Home, C::Stop) => vec![ModeRefusal::Already],
             (M::Home, C::Auto | C::Hand | C::Manual | C::Reset) => vec![ModeRefusal::WrongMode(vec![C::Start])],
             (M::StandBy, C::Start) => {
-                // Start in stand-by is the operator's word that a restarted station has been looked at.
+                // Start in stand-by confirms that an operator has looked at a restarted station.
                 let founds = self.found();
                 let reasons = self.acknowledge_restarts();
                 if founds { Vec::new() } else { reasons }
@@ -77,7 +77,7 @@ impl Coordinator {
             }
             (M::Auto, C::Stop) => {
                 if !self.stopping {
-                    // Of an epoch of its own, so that it is known who has heard it: a station at home may begin its next
+                    // Of an epoch of its own, so that stations acknowledge it: a station at home may begin its next
                     // round before it does. The mode stays, and goes on meanwhile.
                     self.epoch = self.epoch.saturating_add(1);
                     self.quiet = self.epoch;
@@ -149,7 +149,7 @@ impl Coordinator {
             reasons.push(ModeRefusal::ConsoleNeverHeard);
         }
         if reasons.is_empty() {
-            // Who has not acknowledged stand-by yet does so in a moment, and the mode follows then.
+            // A station that has not acknowledged stand-by yet does so in a moment, and the mode follows then.
             self.manual_all = true;
             self.decide(None);
         }

@@ -1,8 +1,8 @@
-//! The mode, with what keeps it.
+//! The mode, with the reasons that keep it.
 
 use linewright_line::net::ControlMode;
 
-/// What the text of the mode contains; stations by name.
+/// Contents of the text of the mode; stations by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ModeText<'a> {
     /// The emergency stop is reset; without meaning in other modes.
@@ -15,7 +15,7 @@ pub struct ModeText<'a> {
     pub without: Vec<&'a str>,
     /// Stations in an emergency stop of their own.
     pub stopped: Vec<&'a str>,
-    /// What prevents other modes.
+    /// Reasons against other modes.
     pub troubles: Vec<String>,
     /// The mode that ended by itself last, and why; until the next command.
     pub ended: Option<(ControlMode, Vec<String>)>,

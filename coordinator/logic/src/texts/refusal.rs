@@ -10,7 +10,7 @@ impl RefusedCommand {
         self.text_with(line, |_| String::new())
     }
 
-    /// The same, with the trouble of an owner's devices that are lost (empty where it is unknown).
+    /// The same, with the diagnostics of an owner's devices that are lost (empty where it is unknown).
     pub fn text_with(&self, line: &Line, trouble: impl Fn(Owner) -> String) -> String {
         let reason_text = |reason: &ModeRefusal| {
             let trouble = match reason {

@@ -1,4 +1,4 @@
-//! A coordinator and the stations it hears, as far as a table needs them.
+//! A coordinator and the stations it receives, as far as a table needs them.
 
 use std::time::Duration;
 
@@ -101,7 +101,7 @@ impl Bench {
         self.coordinator.mode()
     }
 
-    /// Every station reports, and acknowledges what it has heard.
+    /// Every station reports, and acknowledges what it has received.
     pub fn beat(&mut self) {
         for _ in 0..2 {
             for at in 0..self.heard.len() {
@@ -123,7 +123,7 @@ impl Bench {
         self.coordinator.step(self.now, &mut self.out);
     }
 
-    /// Time passes without a word from anybody.
+    /// Time passes without any message.
     pub fn wait(&mut self, time: Duration) {
         self.now = self.now + time;
         self.coordinator.step(self.now, &mut self.out);

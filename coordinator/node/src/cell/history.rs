@@ -1,9 +1,9 @@
-//! The database of a cell beside its log: what goes into the one after it is in the other.
+//! The database of a cell, fed with records after they are in its log.
 //!
-//! Whoever runs a cell writes a step's records into the log ([`super::CellLog::write`]), sends what is to be sent, and then
-//! tells the chronicle, which never waits. At the beginning of a life the two are compared, and what the database lacks is
-//! read from the log. A log forgets what its snapshot stands for, so one begins anew only when [`HistoryFeeder::has`] says that
-//! nothing is lost by it, or when there is no database any more.
+//! The thread of the cell writes a step's records into the log ([`super::CellLog::write`]), sends the messages, and then passes
+//! the records to the history, which never blocks. At the beginning of a life the two are compared, and what the database lacks
+//! is read from the log. A snapshot removes the records before it from the log, so a snapshot is written only when
+//! [`HistoryFeeder::has`] confirms that nothing is lost by it, or when there is no database any more.
 
 use std::path::{Path, PathBuf};
 
@@ -21,19 +21,19 @@ pub struct HistoryFeeder {
 }
 
 impl HistoryFeeder {
-    /// Begins a life: `state` is what the log at `log` says, which is the one that is written from here on.
+    /// Begins a life: `state` is that of the log at `log`, which is the one that is written from here on.
     pub fn begin(history: History, log: &Path, state: &PlayerState) -> Self {
         let source = LogRecords { path: log.to_owned() };
         HistoryFeeder { recorder: HistoryFeed::start(history, Box::new(source), state.sequence()) }
     }
 
-    /// Tells what a step has left, after it is in the log. `state` is what the step has led to.
+    /// Records of a step, after they are in the log. `state` is the state after the step.
     pub fn tell(&mut self, state: &PlayerState, out: &PlayerOutbox) {
         let first = state.sequence() + 1 - out.records.len() as u64;
         self.recorder.offer(first, &out.records);
     }
 
-    /// Tells what is no record.
+    /// Records an event that is no record of the log.
     pub fn note(&mut self, at: Tick, note: Note) {
         self.recorder.note(at, note);
     }
@@ -43,21 +43,22 @@ impl HistoryFeeder {
         self.recorder.newest() >= state.sequence()
     }
 
-    /// Why nothing more is written; none as long as it is. The cell goes on without.
+    /// Reason why nothing more is written; none while it is. The cell goes on without.
     pub fn failed(&self) -> Option<String> {
         self.recorder.failed()
     }
 
-    /// Returns when everything that was told is in the database.
+    /// Returns when everything that was passed is in the database.
     ///
     /// # Errors
-    /// Why it is not.
+    /// Reason why it is not.
     pub fn close(self) -> Result<History, HistoryError> {
         self.recorder.close()
     }
 }
 
-/// Opens the database beside the log in `dir`, or makes one. Where it cannot be used that is said, and the cell does without.
+/// Opens the database beside the log in `dir`, or makes one. Where it cannot be used that is logged, and the cell does
+/// without.
 pub(super) fn begin(
     dir: &Path,
     (cell, line, made): (&Cell, &Line, &CompiledCell),
@@ -80,7 +81,7 @@ pub(super) fn begin(
     }
 }
 
-/// The log on disk, read beside the one who writes it.
+/// The log on disk, read beside its writer.
 struct LogRecords {
     path: PathBuf,
 }
@@ -90,7 +91,7 @@ impl RecordSource for LogRecords {
         let mut number = 0;
         let read = RecordLog::read(&self.path, |entry| {
             match entry {
-                // Whoever writes it has looked at that.
+                // Checked by the writer of the log.
                 LogEntry::Identity(_) => (),
                 LogEntry::Snapshot(bytes) => {
                     let snapshot: CellSnapshot = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;

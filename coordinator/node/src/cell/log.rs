@@ -1,14 +1,14 @@
 //! The records of a cell in a log on disk.
 //!
-//! Each record is a line of JSON, so that a person can read what happened (`strings`); what it means is only known with the
-//! table it was written for, so the log begins with the cell's name and the table's digest, and is refused for another.
-//! After some thousand records a snapshot of the state takes their place. What comes back from the disk is believed only as
-//! far as it fits: every record is applied to the state in turn.
+//! Each record is a line of JSON, so that a person can read what happened (`strings`); its meaning depends on the table it
+//! was written for, so the log begins with the cell's name and the table's digest, and is refused for another. After some
+//! thousand records a snapshot of the state takes their place. What is read from the disk is checked: every record is
+//! applied to the state in turn.
 //!
 //! # When it is on the disk
-//! [`CellLog::write`] takes what a step of the player left. Records are written at once, which a killed process survives;
-//! if the step sends or replies anything, they and all before them are on the disk before that returns, which a power cut survives.
-//! What nobody was sent anything about may be lost by one: it is then heard, or decided, again.
+//! [`CellLog::write`] takes what a step of the player left. Records are written at once, which a killed process survives; if
+//! the step sends a message or reply, they and all before them are on the disk before that returns, which a power cut survives.
+//! Records that nothing was sent about may be lost by one: they are then received, or decided, again.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,10 +23,10 @@ const FORMAT: u32 = 1;
 /// After so many records a log begins anew, with a snapshot. A record has some hundred bytes.
 pub const RECORDS_MAX: u64 = 10_000;
 
-/// Why the log of a cell cannot be used.
+/// Reason why the log of a cell cannot be used.
 #[derive(Debug, Error)]
 pub enum CellLogError {
-    /// The log cannot, or says what does not fit.
+    /// Failure of the log, or contents that do not fit.
     #[error(transparent)]
     Log(#[from] LogError),
     /// It is about something else.
@@ -34,17 +34,17 @@ pub enum CellLogError {
     Other {
         /// The log.
         path: PathBuf,
-        /// What it is about.
+        /// Cell of the log found.
         is: String,
-        /// What it should be about.
+        /// Cell expected.
         expected: String,
     },
-    /// What is to be written has no text. No state is so.
+    /// The record cannot be written as text. No state is so.
     #[error("cannot write down what happened: {0}")]
     Text(#[from] serde_json::Error),
 }
 
-/// What a log is about.
+/// Identity of a log.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LogIdentity {
@@ -54,7 +54,7 @@ struct LogIdentity {
 }
 
 impl LogIdentity {
-    /// What is different in a log that has this one; none if nothing is.
+    /// Difference to a log with this identity; none if they are equal.
     fn difference(&self, expected: &LogIdentity) -> Option<(String, String)> {
         let of = |format: u32| format!("records in form {format}");
         if self.format != expected.format {
@@ -77,14 +77,14 @@ pub struct CellLog {
     records: u64,
 }
 
-/// A log, and what was in it.
+/// A log, and its contents.
 #[derive(Debug)]
 pub struct OpenedLog {
     /// To go on with.
     pub log: CellLog,
-    /// What it says.
+    /// State that the log leads to.
     pub state: PlayerState,
-    /// How many bytes at its end were torn, and cut off.
+    /// Bytes at its end that were torn, and cut off.
     pub cut: u64,
 }
 
@@ -121,7 +121,7 @@ impl CellLog {
         }
     }
 
-    /// Writes down what a step has left, before anything of it is sent or told.
+    /// Writes down the records of a step, before any message that follows from them is sent.
     ///
     /// # Errors
     /// When it cannot be written. Nothing of it may then be sent.
@@ -157,7 +157,7 @@ impl CellLog {
         self.records >= RECORDS_MAX
     }
 
-    /// Puts a snapshot in the place of all records. The state is what they say.
+    /// Puts a snapshot in the place of all records. `state` is the state they lead to.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -173,7 +173,7 @@ impl CellLog {
     }
 }
 
-/// What is on disk, or the beginning.
+/// State on disk, or the initial state.
 pub(super) fn known(
     dir: Option<&Path>,
     cell: &str,

@@ -1,6 +1,6 @@
-//! The coordinator of a flexible cell: the token player on a thread of its own, its log, and what it says and hears.
+//! The coordinator of a flexible cell: the token player on a thread of its own, its log, and its messages.
 //!
-//! What happens next is decided in [`linewright_coordinator_cell`]; here it is written down, sent and told.
+//! What happens next is decided in [`linewright_coordinator_cell`]; here it is written down, sent and published.
 
 mod history;
 mod log;

@@ -1,7 +1,7 @@
-//! Who has asked the cell for something, and waits for the reply until what came of it is on disk.
+//! Requests to the cell that wait for their reply until the result is on disk.
 //!
-//! The player replies to production orders by tickets. To what is said of alarms and resources it only objects: whoever said
-//! it in a step that did not is believed.
+//! The player replies to production orders by tickets. To answers to alarms and requests about resources it only objects: a
+//! request in a step without an objection is accepted.
 
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, ResourceRequest};
 use linewright_coordinator_cell::texts::answer_refused;
@@ -15,13 +15,13 @@ use linewright_msgs::{
 };
 use linewright_node_shell::ServiceReply;
 
-/// Who waits for the reply to a ticket.
+/// Destination of the reply to a ticket.
 pub enum Requester {
     Submit(ServiceReply<SubmitOrders>),
     Change(ServiceReply<ChangeOrder>),
 }
 
-/// Who waits to hear whether he is believed.
+/// Destination of the reply to an operator's answer or request.
 pub enum AnsweringOperator {
     Answer(ServiceReply<AnswerAlarm>),
     Resource(ServiceReply<SetResource>),
@@ -36,19 +36,19 @@ pub struct PendingReplies {
 }
 
 impl PendingReplies {
-    /// A ticket for somebody who wants something made, or not to be made.
+    /// A ticket for a request to make or not to make something.
     pub fn ticket(&mut self, customer: Requester) -> RequestId {
         self.tickets += 1;
         self.customers.push((self.tickets, customer));
         self.tickets
     }
 
-    /// Somebody who says something in the next step.
+    /// A request that is handed over in the next step.
     pub fn expect(&mut self, asked: ResourceRequest, operator: AnsweringOperator) {
         self.operators.push((asked, operator));
     }
 
-    /// Replies to everybody whom a step has concerned, when it is on disk.
+    /// Replies to all requests of a step, when it is on disk.
     pub fn reply(&mut self, line: &Line, state: &PlayerState, out: &mut PlayerOutbox) {
         for (ticket, reply) in out.replies.drain(..) {
             if let Some(at) = self.customers.iter().position(|(known, _)| *known == ticket) {

@@ -1,8 +1,8 @@
-//! The loop of a cell: what is heard goes to the token player; what that gives is written down, sent, and told.
+//! The loop of a cell: messages received go to the token player; its output is written down, sent, and published.
 //!
-//! It has a thread of its own, because it waits: for the disk before every order, and for the dispatcher while he thinks a
-//! decision over. The rest of the coordinator (the mode, the console, the gateway to the devices) must not wait for either,
-//! and tells this one nothing but whether activities may start. Should this one end, the coordinator ends with it.
+//! It has a thread of its own, because it waits: for the disk before every order, and for the dispatcher while it computes
+//! a decision. The rest of the coordinator (the mode, the console, the gateway to the devices) must not wait for either,
+//! and gives this one nothing but whether activities may start. Should this one end, the coordinator ends with it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ use super::wire;
 use super::words::describe;
 use crate::situation::{IsolatedStations, LineSituation};
 
-/// Why a cell cannot be played, or not any more.
+/// Reason why a cell cannot be played, or not any more.
 #[derive(Debug, Error)]
 pub enum CellError {
     /// Its description cannot be played.
@@ -60,20 +60,19 @@ pub enum CellError {
         /// The later life.
         epoch: u64,
     },
-    /// The operating system gives no thread, or it has come to an end that nobody foresaw.
+    /// The operating system gives no thread, or the thread has ended unexpectedly.
     #[error("the cell's thread: {0}")]
     Thread(String),
 }
 
-/// What a cell is played with.
+/// Options of a cell.
 pub struct CellNodeOptions {
     /// The checked description.
     pub cell: Cell,
-    /// Its line.
     pub line: Line,
-    /// Where its log is kept; `None`: nothing is remembered.
+    /// Directory of its log; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
-    /// Which life of the process this is.
+    /// Boot id of the process.
     pub boot_id: u64,
 }
 
@@ -85,12 +84,12 @@ pub struct CellThread {
     tasks: Vec<Forward>,
 }
 
-/// How often the state is told when it does not change, and at most when it does.
+/// Period of publication of an unchanged state; shortest time between two publications.
 const TELL_EVERY: Duration = Duration::from_secs(1);
 const TELL_AT_MOST_EVERY: Duration = Duration::from_millis(100);
 
-/// A station that has an order and is silent for so many times what makes a view stale is lost. Its mode does not wait for
-/// that; a process that is started again meanwhile says itself what has become of its order.
+/// Factor on the time that makes a view stale: a station with an order whose state is older than that is lost. Its mode
+/// does not wait for that; a process that is started again meanwhile reports itself what has become of its order.
 const LOST_AFTER: u32 = 20;
 
 impl CellThread {
@@ -103,7 +102,7 @@ impl CellThread {
         let (say, situation) = watch::channel(LineSituation::new(options.line.stations.len()));
         let (tell_apart, apart) = watch::channel(IsolatedStations::default());
         let mut player = CellLoop::new(options, says, from, situation, tell_apart)?;
-        // Before anybody is heard: a station that is stopped is no emergency stop of the line.
+        // Before any station is received: a station that is stopped is no emergency stop of the line.
         player.tell_apart(false);
         let (end, ended) = oneshot::channel();
         let play = move || {
@@ -113,7 +112,7 @@ impl CellThread {
                 Err(error) => Err(CellError::Thread(error.to_string())),
             };
             if let Err(error) = outcome {
-                // Nobody listens where the process is ending anyway.
+                // There is no receiver where the process is ending anyway.
                 let _ = end.send(error);
             }
         };
@@ -122,7 +121,7 @@ impl CellThread {
         Ok(CellThread { situation: say, apart, ended, tasks })
     }
 
-    /// Says how the line stands, if it stands otherwise than before.
+    /// Passes the situation of the line, if it has changed.
     pub fn tell(&self, now: &LineSituation) {
         self.situation.send_if_modified(|known| {
             let changed = known != now;
@@ -202,7 +201,7 @@ struct CellLoop {
     log: Option<CellLog>,
     /// The database beside the log; none where there is no log, or it could not be used.
     chronicle: Option<HistoryFeeder>,
-    /// How the line stands, as the database was told.
+    /// Situation of the line, as last written to the database.
     noted: LineSituation,
     says: CellPublishers,
     from: mpsc::Receiver<CellInbound>,
@@ -213,12 +212,12 @@ struct CellLoop {
     began: tokio::time::Instant,
     told: Vec<PlayerMessage>,
     people: PendingReplies,
-    /// Why stations could do nothing now, as they say; and the inputs that see their parts.
+    /// Reasons why stations can do nothing now, from their states; and the inputs that sense their parts.
     unable: Vec<Option<StationUnavailable>>,
     sensors: Vec<Option<InputId>>,
     apart: watch::Sender<IsolatedStations>,
     message: CellState,
-    /// When the state was told, by the player's time; and whether it has changed since.
+    /// Time of the last publication of the state, by the player's time; and whether it has changed since.
     said: Tick,
     changed: bool,
 }
@@ -244,7 +243,7 @@ impl CellLoop {
         let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         // A clock that was set back does not stop what is timed: time goes on from the newest record.
         let origin = (Tick::ZERO + wall).max(state.now());
-        // Stations remember lives whose log is gone; a second is long enough for none to begin twice.
+        // Stations remember epochs whose log is lost; by whole seconds none begins twice.
         let epoch = (state.epoch() + 1).max(wall.as_secs());
         let mut out = PlayerOutbox::default();
         let coordination = Coordination::begin(state, origin, epoch, &mut out)?;
@@ -300,7 +299,7 @@ impl CellLoop {
                 }
                 () = tokio::time::sleep_until(wake) => {}
             }
-            // What has come together is decided about together.
+            // Inputs that have come together are decided together.
             while let Ok(news) = self.from.try_recv() {
                 self.take(news);
             }
@@ -386,7 +385,7 @@ impl CellLoop {
         }
     }
 
-    /// One step: what came goes in; what follows is written down before anybody hears of it.
+    /// One step: arrivals go in; records are written before anything is sent.
     fn act(&mut self) -> Result<(), CellError> {
         let (now, may_start) = (self.now(), self.situation.borrow_and_update().starts);
         let told = std::mem::take(&mut self.told);
@@ -414,7 +413,7 @@ impl CellLoop {
             self.event(event)?;
         }
         self.tell(may_start);
-        // What the log forgets, the database has to have; unless there is none.
+        // What a snapshot removes from the log must be in the database; unless there is none.
         let state = self.coordination.state();
         let is_kept = self.chronicle.as_ref().is_none_or(|chronicle| chronicle.has(state));
         match &mut self.log {
@@ -423,8 +422,8 @@ impl CellLoop {
         }
     }
 
-    /// Says which stations are the cell's affair alone. It follows from the state, which only records change. Before they are
-    /// on disk it is only said which ones stop as well.
+    /// Publishes which stations are the cell's affair alone. It follows from the state, which only records change. Before
+    /// they are on disk only additional stops are published.
     fn tell_apart(&self, only_stops: bool) {
         let apart = IsolatedStations::of(&self.coordination);
         self.apart.send_if_modified(|now| {
@@ -439,7 +438,7 @@ impl CellLoop {
         });
     }
 
-    /// Tells the database, which may fail: the cell goes on without.
+    /// Writes to the database, which may fail: the cell goes on without.
     fn note(&mut self, now: Tick, out: &PlayerOutbox) {
         let Some(chronicle) = &mut self.chronicle else { return };
         if let Some(why) = chronicle.failed() {
@@ -470,7 +469,7 @@ impl CellLoop {
                 tracing::error!("dispatch decision {question} not valid: {why}; first come, first served instead");
                 Ok(())
             }
-            // Whoever asked is told.
+            // Sent as a reply.
             CellEvent::Objected { .. } => Ok(()),
             CellEvent::Busy { mode } => {
                 let name = self.coordination.state().table().mode_name(mode).to_owned();
@@ -484,7 +483,7 @@ impl CellLoop {
     }
 
     fn tell(&mut self, may_start: bool) {
-        // What thinking took is not taken off the time until the next one.
+        // The time of a decision does not shorten that until the next publication.
         let now = self.now();
         if now < self.said + if self.changed { TELL_AT_MOST_EVERY } else { TELL_EVERY } {
             return;

@@ -1,4 +1,4 @@
-//! What the coordinator of a cell says and hears over ROS 2, beside what that of every line does.
+//! ROS 2 topics and services of the coordinator of a cell, beside those of every line.
 
 use linewright_coordinator_cell::{OrderKey, OrderMessage};
 use linewright_line::{Line, StationId};
@@ -13,23 +13,23 @@ use tokio::sync::mpsc;
 
 use super::wire;
 
-/// What comes in.
+/// Messages and requests received.
 pub enum CellInbound {
-    /// What a station says of its orders.
+    /// A station's state of its task orders.
     Heard(StationId, Box<OrderState>),
-    /// Somebody wants something to be made.
+    /// Request to make something.
     Submit(SubmitOrdersRequest, ServiceReply<SubmitOrders>),
     /// Nothing more of an order is to enter.
     Cancel(String, ServiceReply<ChangeOrder>),
     /// An order is to be as if it had never been.
     Withdraw(String, ServiceReply<ChangeOrder>),
-    /// What else a station on order says of itself.
+    /// Further state of a station on order.
     State(StationId, Box<StationState>),
-    /// What an alarm asked for has been done: its number, the answer, and who says so.
+    /// Answer to an alarm: its number, the answer, and the operator's name.
     Answer(u64, String, String, ServiceReply<AnswerAlarm>),
-    /// What a person says of a resource.
+    /// An operator's request about a resource.
     Resource(SetResourceRequest, ServiceReply<SetResource>),
-    /// Why something does not go on.
+    /// Question why something does not go on.
     Why(String, ServiceReply<WhyNot>),
 }
 
@@ -40,14 +40,14 @@ struct TaskStationTopics {
     secure: Publisher<SecureOrder>,
 }
 
-/// What goes out.
+/// Messages sent.
 pub struct CellPublishers {
     pub state: Publisher<CellState>,
     stations: Vec<TaskStationTopics>,
 }
 
 impl CellPublishers {
-    /// Gives an order to its station. Whether it has come its state will say.
+    /// Sends an order to its station. The station's state acknowledges it.
     pub fn order(&self, order: &OrderMessage) {
         let Some(station) = self.station(order.station) else { return };
         if let Err(error) = station.tasks.send(wire::goal(order)) {
@@ -55,7 +55,7 @@ impl CellPublishers {
         }
     }
 
-    /// Tells a station to leave an order, or with `stop` to stand at once.
+    /// Orders a station to leave an order, or with `stop` to stand at once.
     pub fn secure(&self, station: StationId, key: OrderKey, stop: bool) {
         if let Some(station) = self.station(station) {
             station.secure.send(SecureOrder { epoch: key.epoch, id: key.id, stop });
@@ -67,7 +67,7 @@ impl CellPublishers {
     }
 }
 
-/// Enough for a burst of every station's state while a decision is thought over; what does not fit waits in the middleware.
+/// Enough for a burst of every station's state while a decision is computed; the rest waits in the middleware.
 const QUEUE: usize = 1024;
 
 /// Opens every topic and service of a cell.

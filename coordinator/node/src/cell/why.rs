@@ -1,4 +1,4 @@
-//! Why a part, a production order or a resource does not go on, by its name.
+//! Reason why a part, a production order or a resource does not go on, by its name.
 
 use linewright_coordinator_cell::dispatch::Reasons;
 use linewright_coordinator_cell::dispatch::{ShortestRoutes, why_not, why_out};
@@ -8,11 +8,11 @@ use linewright_line::{Tick, suggestion};
 
 use super::words::{names, parts};
 
-/// Of so many parts of one order it is said why they do not go on.
+/// Parts of one order for which a reason is given, at most.
 const PARTS_MAX: usize = 5;
 
-/// Why a part (`part 7`, or `7`) or a production order does not go on, or a resource is left out, these by their names; what
-/// is not known where there is none.
+/// Reason why a part (`part 7`, or `7`), a production order or a resource does not go on; orders and resources by their
+/// names. An error for an unknown one.
 pub fn why(
     ways: &ShortestRoutes,
     reasons: &Reasons,

@@ -1,4 +1,4 @@
-//! Between what the token player says and hears, and the messages that carry it.
+//! Conversions between the token player's input and output and messages.
 //!
 //! Times are the player's own: microseconds since 1970, as messages have them in seconds and nanoseconds.
 
@@ -12,7 +12,7 @@ use linewright_msgs::{
 };
 use linewright_orders::{OrderKey, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
-/// Why a station could do nothing now, as its state says.
+/// Reason in a station's state why it can do nothing now.
 pub fn unable(state: &StationState) -> Option<StationUnavailable> {
     let by_hand = [StationState::MODE_HAND, StationState::MODE_MANUAL].contains(&state.mode);
     if !state.devices_valid {
@@ -39,7 +39,7 @@ pub fn sensors(cell: &Cell, line: &Line) -> Vec<Option<InputId>> {
     sensors
 }
 
-/// What a sensor says that is this input of its station; nobody knows while the station's inputs are not known.
+/// State of the sensor that is this input of its station; unknown while the station's inputs are.
 fn presence(message: &OrderState, sensor: Option<InputId>) -> Presence {
     let byte = |input: InputId| Some((message.inputs.as_slice().get(usize::from(input.0) / 8)?, input.0 % 8));
     match sensor.and_then(byte) {
@@ -49,8 +49,8 @@ fn presence(message: &OrderState, sensor: Option<InputId>) -> Presence {
     }
 }
 
-/// What a station says of its orders, with what else is known of it; and what it has refused for good. The input is that of
-/// the sensor which sees its part.
+/// A station's reports on its orders, with its other state; and its final refusals. The input is that of the sensor which
+/// sees its part.
 pub fn heard(
     message: &OrderState,
     unable: Option<StationUnavailable>,
@@ -74,7 +74,7 @@ pub fn heard(
     (heard, refused.collect())
 }
 
-/// What a station says to having been told to leave an order: whether it is still at it.
+/// A station's reply to the order to leave an order: whether it is still at it.
 pub fn secured(message: &OrderState, heard: &TaskReport) -> Option<(OrderKey, TaskReply)> {
     let key = OrderKey { epoch: message.secured_epoch, id: message.secured_id };
     (key.id != 0).then(|| (key, heard.secured(key)))
@@ -107,10 +107,10 @@ pub fn goal(message: &OrderMessage) -> RunTaskGoal {
     }
 }
 
-/// What somebody asks for, under this key if it has none of its own. What else is wrong with it the production orders say.
+/// A request, under this key if it has none of its own. The production orders check the rest of it.
 ///
 /// # Errors
-/// What is wrong with its key.
+/// Error in its key.
 pub fn request(message: &ProductionRequest, drawn: u128) -> Result<ProductionOrderRequest, String> {
     let key = match message.key.as_slice() {
         [] => drawn,
@@ -131,10 +131,10 @@ pub fn request(message: &ProductionRequest, drawn: u128) -> Result<ProductionOrd
     })
 }
 
-/// What a person says of a resource; a station is reset by its own name as well.
+/// An operator's request about a resource; a station is reset by its own name as well.
 ///
 /// # Errors
-/// That there is no such resource, or no such thing to be said.
+/// There is no such resource, or no such request.
 pub fn said(state: &PlayerState, resource: &str, what: u8) -> Result<ResourceRequest, String> {
     let handling = state.table().handling();
     if what == SetResourceRequest::RESET {
@@ -159,16 +159,16 @@ pub fn said(state: &PlayerState, resource: &str, what: u8) -> Result<ResourceReq
     }
 }
 
-/// The moment that a message says; none if it says 0, or something before 1970.
+/// Time of a message; none if it is 0, or before 1970.
 pub fn moment(time: &Time) -> Option<Tick> {
     let micros = u64::try_from(time.sec).ok()? * 1_000_000 + u64::from(time.nanosec / 1000);
     (micros > 0).then_some(Tick::from_micros(micros))
 }
 
-/// A moment, as messages say it. Their seconds end in 2038.
+/// Time as in messages. Their seconds end in 2038.
 pub fn time(tick: Tick) -> Time {
     let (sec, micros) = (tick.as_micros() / 1_000_000, tick.as_micros() % 1_000_000);
-    // A millionth is a thousand thousand-millionths, and there are fewer than a million.
+    // 1 µs is 1000 ns, and there are fewer than a million of them.
     Time { sec: i32::try_from(sec).unwrap_or(i32::MAX), nanosec: u32::try_from(micros * 1000).unwrap_or(0) }
 }
 

@@ -1,6 +1,6 @@
-//! All of a cell as its message says it.
+//! State of a cell as a message.
 //!
-//! What the net calls things is turned into what people do: a part is *in M1, loaded*, or *in `load M1`*.
+//! Names of the net become an operator's terms: a part is *in M1, loaded*, or *in `load M1`*.
 
 use linewright_coordinator_cell::exception::Alarm;
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
@@ -13,7 +13,7 @@ use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX,
 
 use super::wire::time;
 
-/// Over what is in the message, but for its header and numbers.
+/// Fills the message, but for its header and numbers.
 pub fn describe(line: &Line, state: &PlayerState, starting: bool, now: Tick, message: &mut CellState) {
     let (table, production) = (state.table(), state.production());
     message.epoch = state.epoch();
@@ -106,12 +106,12 @@ fn waits(line: &Line, order: &StationOrder, now: Tick) -> String {
     format!("{}: {doing}, {left} s left", line.station(order.station).name)
 }
 
-/// What people call the production orders of these numbers.
+/// Operators' names of the production orders of these numbers.
 pub fn names(production: &Production, ids: &[ProductionId]) -> impl Iterator<Item = String> {
     ids.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name))
 }
 
-/// So many parts.
+/// Number of parts, in words.
 pub fn parts(count: u32) -> String {
     if count == 1 { "1 part".to_owned() } else { format!("{count} parts") }
 }

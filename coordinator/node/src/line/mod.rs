@@ -1,8 +1,8 @@
-//! What a line does, into the database beside the loop.
+//! Record of a line in the database, beside the loop.
 //!
 //! Nothing waits for it: notes go through a bounded queue to a thread of their own. Where there is no room for one, nothing
-//! more is offered for a second; then the observation *begins* anew and says how everything stands, and a report has a gap.
-//! A database that fails, or hangs for a minute, is reported once, and the line goes on without.
+//! more is offered for a second; then the observation *begins* anew with the whole situation, and a report has a gap. A
+//! database that fails, or hangs for a minute, is reported once, and the line goes on without.
 
 mod observer;
 
@@ -21,9 +21,9 @@ use crate::node::CoordinatorLoop;
 use crate::situation::LineSituation;
 pub use observer::StationObserver;
 
-/// A note at least this often, so that a report knows until when the line was observed.
+/// Longest time between two notes, so that a report shows until when the line was observed.
 const NOTE_EVERY: Duration = Duration::from_secs(60);
-/// How long the end of the process waits for what is not written yet.
+/// Longest wait at the end of the process for notes not yet written.
 const END: Duration = Duration::from_secs(1);
 /// After notes have found no room, the observation begins anew this much later at the earliest.
 const BEGIN_EVERY: Duration = Duration::from_secs(1);
@@ -43,13 +43,13 @@ pub struct LineHistory {
     noted: Option<LineSituation>,
     /// The observation does not begin before.
     begin_due: Tick,
-    /// Since when notes have found no room, and whether that is reported.
+    /// Time since which notes have found no room, and whether that is reported.
     no_room: Option<(Tick, bool)>,
     note_due: Tick,
     notes: Vec<Note>,
 }
 
-/// What the database is about.
+/// Identity of the line for the database.
 fn about(line: &Line) -> LineAbout {
     let plan = LinePlan::of(line);
     let schedule = plan.schedule(usize::try_from(PLANNED_CYCLE).unwrap_or(0) + 1);
@@ -84,7 +84,7 @@ impl LineHistory {
         Self::with(move || History::open(&path, &about(&of)), line, now)
     }
 
-    /// The same with a database that is opened so, by the thread that feeds it.
+    /// The same with a database that `open` opens, on the thread that feeds it.
     pub fn with(open: impl FnOnce() -> Result<History, HistoryError> + Send + 'static, line: &Line, now: Tick) -> Self {
         let wall = Tick::ZERO + SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         LineHistory {
@@ -116,7 +116,7 @@ impl LineHistory {
         self.offer(now);
     }
 
-    /// How the line stands. False if nothing more can be written, which is reported here.
+    /// Records the situation of the line. False if nothing more can be written, which is reported here.
     pub fn situation(&mut self, now: Tick, situation: &LineSituation) -> bool {
         if let Some(why) = self.feed.failed() {
             tracing::error!("{why}; the line continues without a database");
@@ -167,7 +167,7 @@ impl LineHistory {
         true
     }
 
-    /// Writes what is left, as far as the disk takes it at once.
+    /// Writes the rest, as far as the disk takes it at once.
     pub fn end(mut self, now: Tick) {
         let at = self.at(now);
         for (index, observer) in self.stations.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! What a station does, from one of its states to the next.
+//! Changes of a station, from one of its states to the next.
 //!
 //! Pure: states in, notes out. States are whole and the newest alone is kept on its way, so a motion may pass between two of
 //! them: the counts show that, and it is noted without times.
@@ -23,7 +23,7 @@ pub struct StationObserver {
     open: Vec<Option<OpenMotion>>,
     started: Vec<i32>,
     fault: String,
-    /// What it waits for, and since when.
+    /// Reason it waits for, and since when.
     waits: Option<(Tick, String)>,
 }
 
@@ -38,7 +38,7 @@ impl StationObserver {
         }
     }
 
-    /// What is noted of a station when the observation begins: its fault. What goes on is counted from now on.
+    /// Notes on a station when the observation begins: its fault. Operations in progress are counted from now on.
     pub fn begin(&mut self, station: u16, at: Tick, out: &mut Vec<Note>) {
         if !self.fault.is_empty() {
             out.push(Note::Fault { station, text: self.fault.clone() });
@@ -49,7 +49,7 @@ impl StationObserver {
 
     /// Its newest state.
     pub fn state(&mut self, station: u16, at: Tick, state: &StationState, out: &mut Vec<Note>) {
-        // Of another description; its controller is not believed either.
+        // Of another description; its controller is not used either.
         if state.places.len() != self.open.len() || state.started.len() != self.open.len() {
             return;
         }
@@ -121,7 +121,7 @@ impl StationObserver {
         }
     }
 
-    /// The station is not heard any more: nothing is known of what it does.
+    /// The station is not received any more: its operations are unknown.
     pub fn lost(&mut self, station: u16, at: Tick, out: &mut Vec<Note>) {
         self.stop(station, at, out);
         self.life = None;

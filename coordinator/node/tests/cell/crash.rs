@@ -2,7 +2,7 @@
 //!
 //! *The same production* means: as many parts have left, each has had exactly the work of its plan, in its order, and no
 //! station has done an order twice; by the stations' own ledgers, which the coordinator never sees. Not at the same times:
-//! while nobody coordinates, what runs goes on.
+//! without a coordinator, what runs goes on.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use crate::shipped::{self, Shipped, directory, production, shipped};
 
 const LONG: Tick = Tick::from_millis(24 * 3_600_000);
 
-/// How a coordinator comes to its end.
+/// End of a coordinator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Death {
     /// Its process is killed: what was written is there.
@@ -34,7 +34,7 @@ pub enum Death {
 /// A log on disk.
 pub struct OnDisk {
     path: PathBuf,
-    /// None while nobody has it open.
+    /// None while it is not open.
     log: Option<CellLog>,
     death: Death,
     /// As much of the file is there whatever happens.
@@ -68,7 +68,7 @@ impl RecordStore for OnDisk {
     }
 
     fn sync(&mut self) {
-        // A file that nobody cuts off has what was written.
+        // A file that is not cut off has all that was written.
         if self.death == Death::PowerCut {
             self.log().sync().expect("syncs");
             self.synced = self.log().file();
@@ -154,7 +154,7 @@ fn workcell_c1_produces_the_same_whichever_step_it_is_killed_at() {
         let steps = killed_at_every_step(&of, false, bad_luck, death, snapshot_after);
         assert!(steps >= 6 * 8 * 2 + 6 * 10 * 3, "{steps}");
     }
-    // What the plans say: A is turned and ground, B ground and drilled, each in its order.
+    // By the plans: A is turned and ground, B ground and drilled, each in its order.
     let sim = play(&of, Death::Killed, options(5, 0, Vec::new()), 100);
     let work = |programs: [u8; 2]| programs.map(|program| format!("machine program {program}"));
     let done = production(&sim, false);
@@ -198,8 +198,8 @@ fn ordered(orders: &[(&str, u32)]) -> Vec<ProductionOrderRequest> {
     (1..).zip(orders).map(request).collect()
 }
 
-/// What is on order is made to its end, each part once, whichever step the coordinator is killed at: whoever ordered it asks
-/// until there is a reply, and the dispatcher knows of it what the log says.
+/// Production orders are made to their end, each part once, whichever step the coordinator is killed at: the request is
+/// repeated until there is a reply, and the dispatcher begins from the log.
 #[test]
 fn what_is_on_order_is_made_once_whichever_step_the_coordinator_is_killed_at() {
     let of = shipped::on_order("assembly-cell", 5);
@@ -234,7 +234,7 @@ fn what_is_on_order_is_made_once_whichever_step_the_coordinator_is_killed_at() {
 }
 
 /// Where messages are slow and are seldom repeated, an order can reach its station so late that its limit runs out. Then its
-/// activity has failed and says so, even if the station does end it; nothing else ever stays unfinished.
+/// activity has failed, even if the station does end it; nothing else ever stays unfinished.
 #[test]
 fn where_messages_are_slow_only_limits_leave_something_unfinished() {
     let mut rng = Rng::new(8);

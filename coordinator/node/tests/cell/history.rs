@@ -1,4 +1,4 @@
-//! The database beside the log, over crashes: it is the log, whole, whatever the log itself has forgotten.
+//! The database beside the log, over crashes: it is the log, whole, whatever the log itself has dropped.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -34,11 +34,11 @@ struct Both {
     dir: PathBuf,
     about: CellAbout,
     chronicle: Option<HistoryFeeder>,
-    /// Whether the chronicle is told of steps; if not, each life leaves that to the next.
+    /// Whether the history is passed the steps; if not, each life leaves that to the next.
     tells: bool,
-    /// What the step in progress has written.
+    /// Records of the step in progress.
     step: Vec<Record>,
-    /// How often the log began anew.
+    /// Number of times that the log began anew.
     anew: Arc<AtomicUsize>,
 }
 
@@ -88,7 +88,7 @@ impl RecordStore for Both {
     }
 }
 
-/// What a database has, and whether anything is missing.
+/// Records of a database; none may be missing.
 fn records(path: &Path) -> Vec<Record> {
     let mut records = Vec::new();
     let reader = HistoryReader::open(path).expect("opens");
@@ -140,6 +140,6 @@ fn after_any_crashes_the_database_is_the_whole_log() {
 fn what_was_never_told_is_read_from_the_log() {
     let of = shipped("assembly-cell", &[2, 2, 1]);
     let anew = played(&of, Death::Killed, vec![30, 90], 3, false);
-    // The database is behind in each life from its first step on, so the log may forget nothing.
+    // The database is behind in each life from its first step on, so the log may drop nothing.
     assert_eq!(anew, 0);
 }

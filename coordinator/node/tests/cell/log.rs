@@ -1,4 +1,4 @@
-//! What is in the log of a cell, and what is refused.
+//! Contents of the log of a cell, and refusals.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -135,7 +135,7 @@ fn a_record_that_does_not_fit_is_named() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 
-    /// Somebody has written records by hand, with the right checksums.
+    /// Records written by hand, with the right checksums.
     #[test]
     fn whatever_records_say_they_are_refused_or_fit(
         edits in proptest::collection::vec((any::<prop::sample::Index>(), any::<prop::sample::Index>(), any::<u8>()), 1..6),

@@ -20,7 +20,7 @@ pub struct Shipped {
     pub made: CompiledCell,
     pub table: Arc<CellTable>,
     pub stations: usize,
-    /// How many parts there are in all.
+    /// Number of parts in all.
     pub parts: u32,
 }
 
@@ -36,7 +36,7 @@ pub fn paced(name: &str, parts: &[u32], pace: OrderTiming) -> Shipped {
     supplied(name, Supply::Batch(parts), parts.iter().sum(), pace)
 }
 
-/// So many parts in all, if they are ordered.
+/// A cell with this number of parts in all, on order.
 pub fn on_order(name: &str, parts: u32) -> Shipped {
     supplied(name, Supply::Open, parts, PACE)
 }
@@ -55,8 +55,8 @@ pub fn directory() -> TempDir {
     if memory.is_dir() { TempDir::new_in(memory) } else { TempDir::new() }.expect("a directory")
 }
 
-/// What stations have really done with each part, in order, however many the same: station, task and parameters. Which
-/// machine does a step that several can do depends on when, so machines are told apart only where `told_apart`.
+/// Work really done by stations on each part, in order, however many the same: station, task and parameters. Which
+/// machine does a step that several can do depends on when, so machines are distinguished only where `told_apart`.
 pub fn production(sim: &CellSim, told_apart: bool) -> Vec<Vec<String>> {
     let mut keys: BTreeMap<OrderKey, PartId> = BTreeMap::new();
     let mut of_part: BTreeMap<PartId, BTreeMap<OrderKey, String>> = BTreeMap::new();

@@ -1,7 +1,8 @@
 //! A resource as a net: the places of its prototype, and a port for each transition it takes part in.
 //!
-//! What an action takes when it begins and gives when it ends stands here and nowhere else. The capacity of where a part
-//! comes from returns when the activity ends: the work position stays reserved until it is unloaded (seed 000, L1500).
+//! Only this module has the tokens that an action takes when it begins and gives when it ends. The capacity of where a
+//! part comes from returns when the activity ends: the work position stays reserved until it is unloaded (seed 000,
+//! L1500).
 
 use linewright_nets::coloured::{
     BasicId, ColouredBuilder, ColouredError, ColouredNet, Comparison, Domain, Function, Guard, Operand, abs, colour,
@@ -13,10 +14,10 @@ use super::pieces::{PlannedTransition, ProgressPlace};
 use super::{OUTSIDE, PlaceMeaning, RUNNING, ResourcePosition, STAGES, Supply};
 use crate::{Cell, Prototype, Resource, ResourceAction, ResourceId, Role, StageId, Use};
 
-/// How places end that keep a stage from being moved twice at a time.
+/// Suffix of the places that keep a stage from being moved twice at a time.
 const IDLE: &str = ".idle";
 
-/// A net, and what each of its places stands for.
+/// A net, and the meaning of each of its places.
 type Built = Result<(ColouredNet, Vec<PlaceMeaning>), Vec<ColouredError>>;
 
 /// The places of a resource.
@@ -27,9 +28,9 @@ enum InstancePlaces {
     Store { capacity: PlaceId, stored: PlaceId },
     /// free and at, by position.
     Row { free: Vec<PlaceId>, at: Vec<PlaceId> },
-    /// The first free level, and what is on each. Levels are a domain of their own.
+    /// The first free level, and the part on each. Levels are a domain of their own.
     Stack { level: BasicId, top: PlaceId, at: PlaceId, height: u32 },
-    /// How many parts can still be carried.
+    /// Number of parts that can still be carried.
     Carrier { free: PlaceId },
     /// Parts that have not come yet, where they are counted; where they go when they leave; how many may come.
     Outside { waiting: Option<PlaceId>, back: Option<PlaceId>, room: PlaceId },
@@ -93,7 +94,7 @@ pub(super) fn outside(cell: &Cell, supply: Supply<'_>, pieces: &[PlannedTransiti
     Ok((b.build()?, places.meanings(None)))
 }
 
-/// What is in progress; none if nothing ever is.
+/// Activities in progress; none if nothing ever is.
 pub(super) fn running(cell: &Cell, pieces: &[PlannedTransition]) -> Option<Built> {
     pieces.iter().find(|piece| piece.from.is_some() || piece.to.is_some())?;
     let mut b = ColouredBuilder::new(RUNNING);
@@ -169,7 +170,7 @@ fn serve(
 }
 
 impl InstancePlaces {
-    /// What each place stands for, in the order of the places.
+    /// Meaning of each place, in the order of the places.
     fn meanings(&self, of: Option<ResourceId>) -> Vec<PlaceMeaning> {
         let mut all: Vec<(PlaceId, PlaceMeaning)> = Vec::new();
         match (self, of) {
@@ -199,7 +200,7 @@ impl InstancePlaces {
                 all.extend(waiting.map(|waiting| (waiting, PlaceMeaning::Waiting)));
                 all.push((*room, PlaceMeaning::Admission));
             }
-            // Only the outside is nobody's.
+            // Only the outside has no resource.
             (
                 InstancePlaces::Machine { .. }
                 | InstancePlaces::Store { .. }
@@ -246,8 +247,8 @@ fn places(b: &mut ColouredBuilder, resource: &Resource, s: BasicId) -> InstanceP
     }
 }
 
-/// What an action takes when it begins and gives when it ends, as functions of a mode of stages (and levels). `moved` is
-/// the stage afterwards; a part `stays` that is worked on without having been loaded for it.
+/// Tokens that an action takes when it begins and gives when it ends, as functions of a mode of stages (and levels).
+/// `moved` is the stage afterwards; a part `stays` that is worked on without having been loaded for it.
 fn arcs(
     places: &InstancePlaces,
     action: ResourceAction,
@@ -368,7 +369,7 @@ fn port(
     let fits = |function: Function| if matches!(places, InstancePlaces::Carrier { .. }) { id() } else { function };
     inputs.into_iter().for_each(|(place, function)| _ = b.input(t, place, fits(function)));
     outputs.into_iter().for_each(|(place, function)| _ = b.output(t, place, fits(function)));
-    // The stages are said once, by whoever has the part before.
+    // The stages are written once, at the resource that has the part before.
     let leads = actions.iter().any(|(part, ..)| matches!(part.action.role(), Role::Source | Role::Worker));
     let allowed = piece.allowed.as_ref().filter(|_| leads);
     let below = match places {

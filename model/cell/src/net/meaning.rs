@@ -1,26 +1,26 @@
-//! What the places of a cell's net stand for: for whoever has to say in words what a marking is.
+//! Meaning of the places of a cell's net, from which a marking is put into words.
 //!
-//! Names of places are for people and for other tools; programs ask here. What is said here of a place is said where the
-//! place is made.
+//! Names of places are for people and for other tools; programs use this. The meaning of a place is set where the place
+//! is made.
 
 use crate::{ActivityId, ResourceId};
 
-/// What the tokens of a place are.
+/// Meaning of the tokens of a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlaceMeaning {
     /// Parts that a resource has.
     Held(ResourceId, ResourcePosition),
-    /// How many more parts it has room for, or has not reserved.
+    /// Number of parts it has room for, not reserved.
     Room(ResourceId),
-    /// How many more parts it can carry; of a human, one token for all he does.
+    /// Number of parts it can still carry; of a human, one token for all work.
     Free(ResourceId),
-    /// That a position of a row is free. They are counted from 1, from where parts come in.
+    /// A free position of a row. They are counted from 1, from where parts come in.
     Position(ResourceId, u32),
     /// The first free level of a stack.
     Top(ResourceId),
     /// Parts that have not come yet.
     Waiting,
-    /// How many more parts may come in.
+    /// Number of parts that may still come in.
     Admission,
     /// Parts that an activity has, while it is in progress.
     Busy {
@@ -29,11 +29,11 @@ pub enum PlaceMeaning {
         /// The carrier has grasped the part and not begun to put it.
         is_held: bool,
     },
-    /// That an activity is not in progress for a stage.
+    /// An activity is not in progress for a stage.
     Idle(ActivityId),
 }
 
-/// Where in a resource parts are.
+/// Place of parts in a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResourcePosition {
     /// In a store, or a stack.
@@ -47,7 +47,7 @@ pub enum ResourcePosition {
 }
 
 impl PlaceMeaning {
-    /// Whose place it is; none for the outside and for what is in progress.
+    /// Resource of the place; none for the outside and for activities in progress.
     pub fn resource(self) -> Option<ResourceId> {
         match self {
             PlaceMeaning::Held(of, _)

@@ -1,14 +1,14 @@
 //! The nets that follow from a cell (seed 001 §3; seed 000 §3.2.3).
 //!
 //! Each resource is a small coloured net of its own, an instance of its prototype; what several do together is a fused
-//! transition, called as the synchronisation is: `load M1<A.new>`. Which resource a part is at is the place, how far it
-//! is the colour; so there is one basic domain, `S`, with a tone for each stage, and a thousand resources cost a thousand
-//! small place sets instead of a product. Parts are counted, not told apart.
+//! transition, named as the synchronisation: `load M1<A.new>`. Which resource a part is at is the place, how far it is
+//! the colour; so there is one basic domain, `S`, with a tone for each stage, and a thousand resources cost a thousand
+//! small place sets instead of a product. Parts are counted, not distinguished.
 //!
 //! There are two levels of detail. In *coordination* an activity is one transition, which a player fires in three phases:
 //! take, run, put. In *expanded* it is a start, a place for what is in progress, and an end; that is the same by plain
 //! interleaving. What takes no time stays one transition in both. Where nothing is in progress, both have the same
-//! markings: what has started can always end, and its end takes nothing from anybody.
+//! markings: what has started can always end, and its end takes nothing from others.
 //!
 //! With `reserve = false` a carrier grasps a part before there is room for it: two activities instead of one. It is there
 //! to be found wrong.
@@ -26,12 +26,12 @@ use pieces::pieces;
 
 /// The basic domain of stages.
 pub const STAGES: &str = "S";
-/// What the outside is called among the instances.
+/// Name of the outside among the instances.
 pub const OUTSIDE: &str = "outside";
-/// What the activities in progress are called among the instances.
+/// Name of the activities in progress among the instances.
 pub const RUNNING: &str = "running";
 
-/// How much of an activity is to be seen.
+/// Level of detail of an activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Detail {
     /// A transition for each.
@@ -40,16 +40,16 @@ pub enum Detail {
     Expanded,
 }
 
-/// Where parts come from, and where they go.
+/// Source and destination of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Supply<'a> {
-    /// Of each part type, in their order, so many wait outside, none where nothing is said; who leaves may come again. This
-    /// is what can be explored.
+    /// Number of parts of each type that wait outside, in their order, none by default; a part that leaves may come again.
+    /// This can be explored.
     Closed(&'a [u32]),
-    /// Of each part type so many may still enter, none where nothing is said; who leaves is gone. They are counted, and are
-    /// parts only once they have entered. This is a production that comes to its end.
+    /// Number of parts of each type that may still enter, none by default; a part that leaves is gone. They are counted,
+    /// and are parts only once they have entered. This is a production that comes to its end.
     Batch(&'a [u32]),
-    /// Parts are made as they enter and are gone when they leave. This is what is played.
+    /// Parts are made as they enter and are gone when they leave. This is played.
     Open,
 }
 
@@ -65,14 +65,14 @@ impl<'a, const N: usize> From<&'a [u32; N]> for Supply<'a> {
     }
 }
 
-/// Which part of an activity a transition is.
+/// Part of an activity that a transition is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TransitionPhase {
     /// Start and end in one transition.
     Whole,
-    /// Its beginning: what it needs is taken.
+    /// Its beginning: its tokens are taken.
     Start,
-    /// Its end: what it gives is there.
+    /// Its end: its tokens are given.
     End,
     /// The carrier takes the part, all of it, without a reservation.
     Grasp,
@@ -101,16 +101,16 @@ impl TransitionPhase {
     }
 }
 
-/// What a transition stands for.
+/// Meaning of a transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// A part of an activity.
     Activity {
         /// Activity of the transition.
         id: ActivityId,
-        /// Which part of it.
+        /// Part of it.
         phase: TransitionPhase,
-        /// How many tones on the stage is afterwards, around the ring of all stages.
+        /// Distance to the stage afterwards, in tones around the ring of all stages.
         shift: u32,
     },
     /// A part moves up in a buffer, by itself and at once.
@@ -120,13 +120,13 @@ pub enum Origin {
 /// The instances of a cell and what joins them.
 #[derive(Clone, Debug)]
 pub struct CellInstances {
-    /// Each with its name: the resources in their order, the outside, and what is in progress.
+    /// Each with its name: the resources in their order, the outside, and activities in progress.
     pub instances: Vec<(String, ColouredNet)>,
     /// The transitions that are one.
     pub fusions: Vec<Fusion>,
-    /// What each fusion stands for.
+    /// Meaning of each fusion.
     origins: Vec<Origin>,
-    /// What the places of all instances stand for, in their order.
+    /// Meaning of the places of all instances, in their order.
     meanings: Vec<PlaceMeaning>,
 }
 
@@ -137,7 +137,7 @@ pub struct CellNet {
     /// By transition.
     origins: Vec<Origin>,
     meanings: Vec<PlaceMeaning>,
-    /// What waits outside is counted, and is no part yet.
+    /// Parts outside are counted, and are no parts yet.
     counts_waiting: bool,
     stages: usize,
 }
@@ -145,7 +145,7 @@ pub struct CellNet {
 /// The instances of a cell.
 ///
 /// # Errors
-/// What the builder of nets refuses, which are sizes: all else is made to fit.
+/// Refusals of the builder of nets, which are about sizes: all else is made to fit.
 pub fn parts<'a>(
     cell: &Cell,
     detail: Detail,
@@ -199,7 +199,7 @@ impl CellNet {
         &self.net
     }
 
-    /// What a transition stands for.
+    /// Meaning of a transition.
     pub fn origin(&self, transition: TransitionId) -> Origin {
         self.origins[transition.index()]
     }
@@ -218,12 +218,12 @@ impl CellNet {
         }
     }
 
-    /// What the tokens of a place are.
+    /// Meaning of the tokens of a place.
     pub fn meaning(&self, place: PlaceId) -> PlaceMeaning {
         self.meanings[place.index()]
     }
 
-    /// What a mode makes of which stage; none for a shift in a buffer.
+    /// Stage change of a mode; none for a shift in a buffer.
     pub fn move_of<'c>(&self, cell: &'c Cell, mode: NetMode) -> Option<(&'c Activity, &'c StageMove)> {
         let Origin::Activity { id, shift, .. } = self.origin(mode.transition) else { return None };
         let domain = self.net.transition_domain(mode.transition);

@@ -1,7 +1,7 @@
 //! Activities taken apart into the transitions that they are.
 //!
-//! A piece says which of the activity's actions begin in it and which end, and between which places of what is in
-//! progress it lies. What each action takes when it begins and gives when it ends, [`super::instance`] says.
+//! A piece has the activity's actions that begin in it and that end, and the places of what is in progress before and
+//! after it. The tokens that each action takes when it begins and gives when it ends are in [`super::instance`].
 //!
 //! One transition moves all stages that it allows on by the same number of tones, since arc functions have no constants;
 //! an activity that changes stages by different numbers is several transitions, `M1.process` and `M1.process/2`. So is work
@@ -21,20 +21,20 @@ pub(super) struct PlannedTransition {
     pub begins: Vec<Use>,
     /// The actions that end here.
     pub ends: Vec<Use>,
-    /// How many tones on the stage is afterwards.
+    /// Distance to the stage afterwards, in tones.
     pub shift: u32,
     /// Work on a part that stays after work before.
     pub stays: bool,
     /// The stages it is for, where it is the first of its activity; none where those before it have seen to that.
     pub allowed: Option<Vec<StageId>>,
-    /// What was in progress before, and is afterwards: a place's name, and those on whose stacks it stands.
+    /// Activity in progress before, and afterwards: a place's name, and those on whose stacks it stands.
     pub from: Option<ProgressPlace>,
     pub to: Option<ProgressPlace>,
     /// Where nothing else keeps one stage from being moved twice at a time: the variant's name, and whether it begins.
     pub server: Option<(String, bool)>,
 }
 
-/// A place of what is in progress.
+/// A place of an activity in progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct ProgressPlace {
     pub place: String,
@@ -160,7 +160,7 @@ impl Variant<'_> {
         ProgressPlace { place: format!("{}{suffix}", self.name), uses: uses.to_vec() }
     }
 
-    /// Single server for each mode (seed 000, proposition 15, L2385), unless whoever takes part has its own limit.
+    /// Single server for each mode (seed 000, proposition 15, L2385), unless a resource of it has its own limit.
     fn needs_server(&self) -> bool {
         self.activity.uses.iter().all(|part| match part.of.map(|id| self.cell.resource(id)) {
             None => true,

@@ -1,7 +1,7 @@
 //! The description with its names resolved, as far as they could be.
 //!
 //! A draft has the shape of the [`crate::Cell`] it may become, but every part may be missing where the text was wrong,
-//! and every part knows its place. The rules read a draft, so that one unknown name does not hide what else is wrong.
+//! and every part has its place. The rules read a draft, so that one unknown name does not hide other errors.
 
 use std::time::Duration;
 
@@ -36,10 +36,10 @@ pub(super) struct DraftResource<'a> {
 
 pub(super) struct DraftActivity<'a> {
     pub name: String,
-    /// Where it is named, or the resource that it belongs to.
+    /// Place of its name, or the resource that it belongs to.
     pub at: TextRange,
     pub kind: ActivityKind,
-    /// What could be resolved of its actions.
+    /// Actions that could be resolved.
     pub uses: Vec<Located<Use>>,
     /// Whether all could.
     pub is_whole: bool,
@@ -55,7 +55,7 @@ pub(super) struct DraftOrder<'a> {
 
 pub(super) struct DraftPart<'a> {
     pub raw: &'a RawPart,
-    /// Where it is a variant of the part type that is described.
+    /// Its table, if it is a variant of a described part type.
     pub variant: Option<&'a RawVariant>,
     pub name: &'a str,
     /// The names of its stages, without its own.
@@ -78,7 +78,7 @@ pub(super) struct DraftStep<'a> {
 pub(super) struct DraftException<'a> {
     pub raw: &'a RawException,
     pub activities: Vec<ActivityId>,
-    /// By answer, what is left out after it.
+    /// By answer, the resources left out after it.
     pub down: Vec<Vec<LeftOut>>,
     pub emergency_stop: Vec<StopOf>,
 }
@@ -100,14 +100,14 @@ impl<'a> DraftCell<'a> {
 }
 
 impl DraftResource<'_> {
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
 
 impl DraftPart<'_> {
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         if let Some(variant) = self.variant {
             return variant.name.as_ref().map_or_else(|| variant.at.clone(), |name| name.at.clone());
@@ -122,14 +122,14 @@ impl<'a> DraftStep<'a> {
         self.on.iter().zip(&self.raw.on).filter_map(|(on, raw)| Some(((*on)?, raw)))
     }
 
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
 
 impl DraftActivity<'_> {
-    /// Those who take part in that role.
+    /// Resources in that role.
     pub fn used(&self, role: Role) -> impl Iterator<Item = &Located<Use>> {
         self.uses.iter().filter(move |part| part.value.action.role() == role)
     }

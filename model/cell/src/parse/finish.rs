@@ -1,7 +1,7 @@
 //! Draft → [`Cell`]: the last step, taken only when no rule has found an error.
 //!
 //! Every `?` here is a part that some earlier pass must have reported missing. Should that ever not be so, the caller
-//! says that much instead of panicking: a description is a user's input, whatever the mistake is.
+//! reports that instead of panicking: a description is a user's input, whatever the mistake is.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use crate::{
     PartType, PartTypeId, PlanStep, Resource, ResourceId, Stage, StageId, StageMove, Staying,
 };
 
-/// A part that could move and has waited this long goes first, where nothing is said.
+/// Default of the wait after which a part that could move goes first.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 /// The cell a draft describes; `None` if a part is missing.
@@ -95,7 +95,7 @@ fn transports(
     )
 }
 
-/// Who leaves may come again, as a part on which nothing has been done.
+/// A part that leaves may come again, as a part on which nothing has been done.
 fn leaves(draft: &DraftCell<'_>, of: &DraftActivity<'_>, routes: &Routes, offsets: &Offsets) -> Option<Vec<StageMove>> {
     let mut moves = transports(draft, of, routes, offsets)?;
     for (at, part) in draft.parts.iter().enumerate() {
@@ -105,7 +105,7 @@ fn leaves(draft: &DraftCell<'_>, of: &DraftActivity<'_>, routes: &Routes, offset
     Some(moves)
 }
 
-/// What a resource makes of parts, in the order of the stages.
+/// Stage changes by a resource, in the order of the stages.
 fn works(draft: &DraftCell<'_>, resource: ResourceId, offsets: &Offsets) -> Vec<StageMove> {
     let mut moves = Vec::new();
     for (at, part) in draft.parts.iter().enumerate() {

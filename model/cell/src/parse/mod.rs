@@ -1,6 +1,6 @@
-//! Text → checked [`Cell`], or everything that is wrong with the text at once.
+//! Text → checked [`Cell`], or all errors of the text at once.
 //!
-//! The text goes through five passes, each of which knows only its own question:
+//! The text goes through five passes, each with one question:
 //!
 //! 1. `raw`: is it TOML, and has each key the right type? → values with their places
 //! 2. `names`: are the names well formed and unique?
@@ -9,7 +9,7 @@
 //! 5. `finish`: draft → [`Cell`]
 //!
 //! No pass stops at a mistake. What could not be read is absent in the later passes and is passed over there, so that
-//! one run reports all that can be known, and none of it twice. The passes know nothing of nets or of running cells.
+//! one run reports all that can be known, and none of it twice. The passes do not use nets or running cells.
 
 mod draft;
 mod finish;
@@ -31,7 +31,7 @@ use crate::Cell;
 pub struct ParsedCell {
     /// The cell it describes.
     pub cell: Cell,
-    /// What is suspicious about it, in the order of the text; [`Problems::new`] has them drawn.
+    /// Warnings, in the order of the text; [`Problems::new`] has them drawn.
     pub warnings: Vec<Problem>,
 }
 
@@ -52,7 +52,7 @@ pub fn is_described(text: &str) -> bool {
     has_key(text, &["cell", "resource", "sync", "part"]) && !linewright_line::is_described(text)
 }
 
-/// What a description of a cell may contain: its keys, with types and bounds. What holds between them, [`parse`] knows.
+/// Keys of a description of a cell, with types and bounds. Rules between them are checked by [`parse`].
 pub fn schema() -> Shape {
     raw::RawCell::shape()
 }

@@ -8,7 +8,7 @@ use linewright_text::{LocatedName, NameTable, Problem, Report, phrase, ros_name,
 use super::raw::RawCell;
 use crate::net::RUNNING;
 
-/// What stands between names elsewhere: `M1.load`, `load M1<A.new>`, `load M*`, `M1.process/2`.
+/// Separators of names elsewhere: `M1.load`, `load M1<A.new>`, `load M*`, `M1.process/2`.
 const SIGNS: [char; 7] = ['.', '<', '>', ',', '/', '*', ':'];
 /// The resource that every cell has.
 pub(super) const OUTSIDE: &str = "outside";

@@ -19,7 +19,7 @@ pub(super) struct DraftPlan {
     pub is_whole: bool,
 }
 
-/// Works out the graph; what cannot be is reported.
+/// Computes the graph, and reports what it cannot.
 pub(super) fn plan(part: &RawPart, names: &NameTable<'_>, report: &mut Report) -> DraftPlan {
     let mut is_whole = true;
     // Where each step begins: the number of the first step that begins there. The number after the last is the end.
@@ -68,7 +68,7 @@ fn earlier(other: &LocatedName, at: usize, names: &NameTable<'_>, report: &mut R
     None
 }
 
-/// Where the step begins that `then` names, if that is later.
+/// Beginning of the step that `then` names, if that is later.
 fn later(
     other: &LocatedName,
     at: usize,
@@ -87,7 +87,7 @@ fn later(
     None
 }
 
-/// Where a step leads that does not say so: to the next one listed, alternatives to itself left out.
+/// Target of a step without one: the next one listed, alternatives to itself left out.
 fn following(step: &RawStep, at: usize, begins: &[usize], part: &RawPart, report: &mut Report) -> Option<usize> {
     let next = (at + 1..part.steps.len()).find(|&next| begins[next] != begins[at]);
     let Some(next) = next else { return Some(part.steps.len()) };

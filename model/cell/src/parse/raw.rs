@@ -40,19 +40,19 @@ const ANSWERS_MAX: usize = 16;
 const DOWN_MAX: usize = 16;
 /// At most this many parts in the cell at once.
 const WIP_MAX: i64 = 10_000;
-/// What a limit is of the nominal time, where nothing is said.
+/// Default of a limit, as a multiple of the nominal time.
 const SAFETY: f64 = 2.0;
 /// The longest time that may be 0, in seconds: a day.
 const DAY_S: f64 = 86_400.0;
 
-/// Where a part is, as an answer says it.
+/// Place of a part in an answer.
 const WHEREABOUTS: [(&str, Whereabouts); 4] = [
     ("from", Whereabouts::From),
     ("to", Whereabouts::To),
     ("carrier", Whereabouts::Carrier),
     ("gone", Whereabouts::Gone),
 ];
-/// What becomes of a part, as an answer says it.
+/// Strategy in an answer.
 const STRATEGIES: [(&str, Strategy); 3] =
     [("redo", Strategy::Redo), ("backward", Strategy::Backward), ("forward", Strategy::Forward)];
 

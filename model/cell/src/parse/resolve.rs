@@ -73,7 +73,7 @@ fn resource<'a>(raw: &'a RawResource, controllers: &NameTable<'a>, report: &mut 
     }
 }
 
-/// What names may refer to.
+/// Meanings of names.
 struct CellScope<'a, 's> {
     names: &'s CellNames<'a>,
     resources: &'s [DraftResource<'a>],
@@ -289,7 +289,7 @@ fn stop_of(
     None
 }
 
-/// Resources by name, or by what they are for the part: a resource of such a name comes first.
+/// Resources by name, or by their role for the part: a resource of such a name comes first.
 fn left_out(written: Option<&Located<Vec<LocatedName>>>, names: &CellNames<'_>, report: &mut Report) -> Vec<LeftOut> {
     let roles = [("from", Whereabouts::From), ("to", Whereabouts::To), ("carrier", Whereabouts::Carrier)];
     let mut one = |name: &LocatedName| {

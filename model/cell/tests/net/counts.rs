@@ -1,4 +1,4 @@
-//! How many states, steps and deadlocks the two cells have, against numbers that a small explorer in Python computed from
+//! Number of states, steps and deadlocks of the two cells, against numbers that a small explorer in Python computed from
 //! the same descriptions before this was written, with no part in common with it.
 //!
 //! That explorer freed the slot of a store when the activity ended, had no limit on what the assembly cell's input and
@@ -57,8 +57,8 @@ fn the_unreserved_assembly_cell_has_the_computed_deadlocks() {
     assert_eq!(counts(&text, &[2, 2, 2]).2, 11);
 }
 
-/// What that explorer counted, and the places that it did without: how many parts are in the cell at all; what the
-/// assembly cell's stores hold; the human's token, which his one work position implies.
+/// Counts by that explorer, and the places that it did without: the number of parts in the cell; the contents of the
+/// assembly cell's stores; the human's token, which follows from the one work position.
 #[test]
 fn places_and_transitions_are_the_computed_ones() {
     let size = |text: &str, waiting: &[u32]| {

@@ -1,4 +1,4 @@
-//! The two levels of detail say the same, every prototype does what it is for, and modes lead back to the description.
+//! The two levels of detail agree, every prototype works, and modes lead back to the description.
 
 use std::time::Duration;
 
@@ -55,7 +55,7 @@ fn a_load_needs_robot_part_and_room() {
     assert_eq!((id, phase), (cell(C1).activity_named("load M1").expect("it is there"), TransitionPhase::Whole));
 }
 
-/// Every mode leads back to what the description says of it.
+/// Every mode leads back to its part of the description.
 #[test]
 fn modes_lead_back_to_the_description() {
     let cell = cell(C1);
@@ -132,7 +132,7 @@ fn a_row_keeps_the_order_and_a_stack_turns_it_round() {
     }
 }
 
-/// Both details of a cell with buffers, a conveyor and a human who carries: nothing is lost, nothing gets stuck.
+/// Both details of a cell with buffers, a conveyor and a human that carries: nothing is lost, nothing gets stuck.
 #[test]
 fn all_prototypes_together_get_nothing_stuck() {
     for prototype in ["fifo-buffer", "lifo-buffer", "random-access-store"] {
@@ -173,7 +173,7 @@ fn an_open_cell_makes_parts_as_they_enter() {
     assert_eq!(net.place_named("outside.waiting"), None);
     let open = explore(net, 100_000).expect("it is small");
     assert_eq!((open.deadlocks().count(), open.is_reversible()), (0, Ok(())));
-    // With two of each type outside nobody waits for a part.
+    // With two of each type outside no activity waits for a part.
     let closed = self::made(&text, Detail::Coordination, &[2, 2]).net().clone();
     let graph = explore(&closed, 100_000).expect("it is small");
     assert_eq!(graph.states().len(), open.states().len());
@@ -183,7 +183,7 @@ fn an_open_cell_makes_parts_as_they_enter() {
     assert!(!net.enabled(&marking).iter().any(|&mode| net.mode_name(mode).starts_with("enter")));
 }
 
-/// A human has one token for all he does: while he works he carries nothing, and while he carries he does not work.
+/// A human has one token for all work: one that works carries nothing, and one that carries does not work.
 #[test]
 fn a_human_does_one_thing_at_a_time() {
     let text = "name = \"hands\"\n[cell]\nwip_max = 2\n\

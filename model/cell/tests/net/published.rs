@@ -1,6 +1,6 @@
 //! The net made from `assembly-cell/cell.toml` is the published one, seed 000, Figs. 17 and 18, L1428-1544.
 //!
-//! The published net knows the way of the robot in two places each (p3, p4 and p7, p8) and the work in one step (t4); ours
+//! The published net has the way of the robot in two places each (p3, p4 and p7, p8) and the work in one step (t4); ours
 //! has one place for what is in progress, and a start and an end for the work too. With t2 and t6 hidden there, and the
 //! start of the work here, the two are the same graph.
 
@@ -17,10 +17,10 @@ use super::{mode, names};
 use linewright_testkit::cells::{ASSEMBLY, cell, edited};
 use linewright_testkit::published_cell::{self, Variant};
 
-/// Where the tokens are, in terms that both nets have.
+/// Places of the tokens, in terms that both nets have.
 type Class = BTreeMap<String, u32>;
 
-/// What happens, in terms that both nets have; hidden steps have none.
+/// Event, in terms that both nets have; hidden steps have none.
 type Label = Option<String>;
 
 fn ours(waiting: &[u32]) -> ColouredNet {
@@ -112,8 +112,8 @@ fn class(net: &ColouredNet, entries: &[(u32, u32)], of: fn(&str) -> Option<Strin
     class
 }
 
-/// What can be seen: from which class, what leads where. Hidden steps stay within a class and take nothing away: what a
-/// state could do before, it can do after them.
+/// Visible steps: from which class, by which label, to which class. Hidden steps stay within a class and take nothing
+/// away: what a state could do before, it can do after them.
 fn seen(
     net: &ColouredNet,
     cells: fn(&str) -> Option<String>,

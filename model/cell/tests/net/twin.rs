@@ -7,7 +7,7 @@ use linewright_nets::{NetBuilder, PlaceId, explore};
 
 /// A cell with one store, or several that are never full.
 struct Twin<'a> {
-    /// How much the store holds; none for no limit.
+    /// Capacity of the store; none for no limit.
     slots: Option<u32>,
     reserve: bool,
     /// For each type of parts, the machines that can do each step.

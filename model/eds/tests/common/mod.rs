@@ -1,4 +1,4 @@
-//! What the tests of this crate share: texts around a part that is of interest, and how problems are said.
+//! Shared by the tests of this crate: texts around a part that is of interest, and problems in words.
 #![allow(dead_code)]
 
 use linewright_eds::{Eds, NodeId, read};
@@ -8,7 +8,7 @@ pub const DRIVE: &[u8] = include_bytes!("../devices/drive.eds");
 /// The shipped I/O device.
 pub const IO: &[u8] = include_bytes!("../../../../launch-config/devices/linewright-io.eds");
 
-/// What every description begins with. Line 1 is the first; what follows it begins in line 8.
+/// Beginning of every description. Line 1 is the first; what follows it begins in line 8.
 pub const HEAD: &str = "[MandatoryObjects]\nSupportedObjects=1\n1=0x1000\n\
     [1000]\nParameterName=Device type\nDataType=0x0007\nAccessType=ro\n";
 

@@ -1,4 +1,4 @@
-//! Where a bit of a device is, as lists write it.
+//! Address of a bit of a device, as in lists.
 
 use std::fmt;
 

@@ -12,9 +12,9 @@ use super::{BitAddress, IoDirection, IoRow, RowProblem};
 pub struct IoChange {
     /// The whole description.
     pub text: String,
-    /// What is different, line by line.
+    /// Differences, line by line.
     pub changes: Vec<String>,
-    /// What is suspicious about the description.
+    /// Warnings about the description.
     pub warnings: Vec<Problem>,
 }
 
@@ -166,7 +166,7 @@ fn each_once(devices: &[WrittenDevice], placed: &[Placed<'_>], problems: &mut Ve
     }
 }
 
-/// What is different, in words.
+/// Differences, in words.
 pub(super) fn differences(before: &[WrittenDevice], after: &[WrittenDevice]) -> Vec<String> {
     let (old, new) = (places(before), places(after));
     let mut all: Vec<&(&str, &str)> = new.keys().chain(old.keys().filter(|key| !new.contains_key(*key))).collect();
@@ -191,7 +191,7 @@ pub(super) fn differences(before: &[WrittenDevice], after: &[WrittenDevice]) -> 
     changes
 }
 
-/// Where each signal is, with its comment, by owner and name.
+/// Place of each signal, with its comment, by owner and name.
 fn places(devices: &[WrittenDevice]) -> BTreeMap<(&str, &str), (String, Option<&String>)> {
     let mut places = BTreeMap::new();
     for device in devices {

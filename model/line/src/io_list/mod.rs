@@ -1,5 +1,4 @@
-//! I/O lists, as people who wire cabinets have them: one row for each digital bit, and the description with such a list in
-//! it.
+//! I/O lists, as used in cabinet wiring: one row for each digital bit, and the description with such a list in it.
 //!
 //! It works on the text, so that comments and order stay, and on a text that is not sound yet: names that no device carries
 //! are bound by the list. Whether the result is sound, [`crate::parse`] has the word. Channels, drives and frames are no
@@ -19,7 +18,7 @@ use devices::WrittenDevice;
 /// A row of an I/O list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct IoRow {
-    /// Where it stands in its file, from 1.
+    /// Its line in the file, from 1.
     pub line: u64,
     /// The signal; empty for a bit that is not connected.
     pub name: String,
@@ -28,14 +27,14 @@ pub struct IoRow {
     pub device: String,
     /// The station, or `console`. A list without that column has none.
     pub station: Option<String>,
-    /// What people want to know of it. A list without that column has none, and leaves comments as they are.
+    /// Comment. A list without that column has none, and leaves comments as they are.
     pub comment: Option<String>,
 }
 
 /// The columns of a list, in the order in which it is written.
 pub const IO_COLUMNS: [&str; 5] = ["name", "address", "device", "station", "comment"];
 
-/// What is wrong with a row.
+/// Error in a row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RowProblem {
     pub line: u64,
@@ -44,7 +43,7 @@ pub struct RowProblem {
     pub message: String,
 }
 
-/// Why a list is not taken.
+/// Reason why a list is not taken.
 #[derive(Clone, Debug)]
 pub enum IoListError {
     /// The description is not even TOML, or its station types are wrong.

@@ -1,4 +1,4 @@
-//! What a transition waits for, written as data.
+//! Conditions of transitions, as data.
 //!
 //! A condition is a disjunction of [`Conjunction`]s, a term a conjunction of [`Literal`]s over a handful of variables. One
 //! transition that several modes share carries (auto ∧ C1) ∨ (hand ∧ C2) ∨ (manual ∧ C3) (seed 002 §4.4, equation 2):
@@ -41,7 +41,7 @@ impl ControlMode {
         ControlMode::EStop,
     ];
 
-    /// What an operator reads: `home`, `stand-by`, `auto`, `hand`, `manual`, `e-stop`.
+    /// Name for operators: `home`, `stand-by`, `auto`, `hand`, `manual`, `e-stop`.
     pub const fn name(self) -> &'static str {
         match self {
             ControlMode::Home => "home",
@@ -86,8 +86,8 @@ pub enum Var {
     Held(ButtonId),
     /// h↑.
     Pressed(ButtonId),
-    /// What this step waits for holds: the causal arrows into every operation of it, in the mode that asks; at a station
-    /// on order the inputs that its operation waits for are on.
+    /// Conditions of this step hold: the causal arrows into every operation of it, in the mode of the evaluation; at a
+    /// station on order the inputs that its operation waits for are on.
     Causal(usize),
     /// The causal arrows hold into every operation after this irreversible one, up to and including home: what its
     /// recovery path skips must be as free as if it were done.
@@ -96,9 +96,9 @@ pub enum Var {
     OnPath(OpId),
     /// The station is on any recovery path.
     OnAnyPath,
-    /// A concurrent neighbour is not in trouble: its token is in p3 or p6. With it the return command reverses
-    /// neighbours together, yet a fault in one is recovered without moving the other (the seed's IVC A, A', B and B'
-    /// of Figure 26, whose drawing is lost: this is the weakest condition with which no state of the pair is stuck).
+    /// A concurrent neighbour is not faulty: its token is in p3 or p6. With it the return command reverses neighbours
+    /// together, yet a fault in one is recovered without moving the other (the seed's IVC A, A', B and B' of Figure 26,
+    /// whose drawing is lost: this is the weakest condition with which no state of the pair is stuck).
     NeighbourSettled(OpId),
     /// Master stop has been given.
     MasterStop,

@@ -1,6 +1,6 @@
 //! The transitions of a station: inside its operation modules and between them (seed 002 §5.2.1, steps 1 to 4).
 //!
-//! Numbers in comments are those of Figures 12, 13, 20 and 22. Where this departs from the figures it says so:
+//! Numbers in comments are those of Figures 12, 13, 20 and 22. Departures from the figures:
 //!
 //! 1. A fault stops a motion in every mode, and is looked for as a level. The figures look for its edge, in hand mode
 //!    only while the button is held, and not at all in manual mode.
@@ -20,7 +20,7 @@ use crate::net::condition::{Conjunction, ControlMode, Literal, Var, off, on};
 use crate::net::module::{Block, StationPlace, is_reversible};
 use crate::{OpId, OperationModule, Station, TaskId};
 
-/// What a transition does to the operation it belongs to.
+/// Effect of a transition on its operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TransitionKind {
     /// t1, t6: a motion stops before its end.
@@ -69,7 +69,7 @@ pub enum TransitionKind {
 /// One transition of a station's net with its conditions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StationTransition {
-    /// What it does.
+    /// Effect.
     pub kind: TransitionKind,
     /// Places it takes a token from.
     pub from: Vec<StationPlace>,
@@ -309,7 +309,7 @@ impl StationTransition {
         self.when(ControlMode::EStop, [vec![]]);
     }
 
-    /// t3 and t8: a motion nobody needs to hold is complete when it has arrived. A fault in the same image wins.
+    /// t3 and t8: a motion that needs no held button is complete when it has arrived. A fault in the same image wins.
     fn completes_on(&mut self, arrived: Var, fault: Var) {
         for mode in UNATTENDED {
             self.when(mode, [vec![on(arrived), off(fault), off(Var::HoldLost)]]);

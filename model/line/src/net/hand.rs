@@ -1,7 +1,7 @@
 //! Hand-mode conditions of the six hand-mode types (seed 002 Figure 21).
 //!
-//! The drawing of Figure 21 is lost. Its caption says what each type is for, and the bracketed entries of Figure 20
-//! say which conditions a type may add to the common ones; together they leave one reading:
+//! The drawing of Figure 21 is lost. Its caption has the purpose of each type, and the bracketed entries of Figure 20
+//! the conditions a type may add to the common ones; together they leave one reading:
 //!
 //! | type | t9 | t11 | t4 | t12 |
 //! |---|---|---|---|---|

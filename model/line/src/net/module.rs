@@ -8,7 +8,7 @@ use std::fmt;
 
 use crate::{OpId, Station};
 
-/// Which of an operation's two motions.
+/// One of an operation's two motions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Block {
     /// N: the normal motion.
@@ -17,7 +17,7 @@ pub enum Block {
     Recovery,
 }
 
-/// How far a motion is.
+/// Stage of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MotionStage {
     /// O: the actuator is driven.
@@ -33,9 +33,8 @@ pub enum MotionStage {
 pub struct StationPlace {
     /// The operation.
     pub op: OpId,
-    /// Which of its motions.
+    /// One of its motions.
     pub block: Block,
-    /// How far it is.
     pub stage: MotionStage,
 }
 

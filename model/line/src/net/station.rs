@@ -32,12 +32,12 @@ impl StationNet {
         &self.net
     }
 
-    /// What each place means, in the net's order.
+    /// Meaning of each place, in the net's order.
     pub fn places(&self) -> &[StationPlace] {
         &self.places
     }
 
-    /// What each transition means and waits for, in the net's order.
+    /// Meaning and condition of each transition, in the net's order.
     pub fn transitions(&self) -> &[StationTransition] {
         &self.transitions
     }

@@ -1,7 +1,7 @@
 //! A device's analogue channels: their names → bits of its owner's image, and at the end → [`Analogue`].
 //!
-//! What a simulated channel follows is an output that somebody else may carry, on a device further down: its name is
-//! looked up when all images are complete.
+//! A simulated channel follows an output that may be carried by a device further down: its name is looked up when all
+//! images are complete.
 
 use linewright_text::{LocatedName, Report, or};
 
@@ -71,7 +71,7 @@ pub(super) fn channel(raw: &RawChannel) -> Option<AnalogueChannel> {
     })
 }
 
-/// When an input is on; `None` where that is not said well.
+/// Condition of an input; `None` where that is not given well.
 pub(super) fn when(raw: &RawLimit) -> Option<When> {
     let hysteresis = or(&raw.hysteresis, 0.0);
     match (&raw.above, &raw.below) {
@@ -118,7 +118,7 @@ fn output(raw: &RawAnalogueOutput, bound: &[Option<OutputId>]) -> Option<Analogu
     })
 }
 
-/// What a simulated value follows; `None` where that is not said well.
+/// Target of a simulated value; `None` where that is not given well.
 pub(super) fn follows(raw: &RawLag, image: &Wiring) -> Option<Follows> {
     match (&raw.output, &raw.channel) {
         (Some(output), None) => {

@@ -1,7 +1,7 @@
 //! The description with its names resolved, as far as they could be.
 //!
 //! A draft has the shape of the [`crate::Line`] it may become, but every part may be missing where the text was wrong,
-//! and every part knows its place. The rules read a draft, so that one unknown name does not hide what else is wrong.
+//! and every part has its place. The rules read a draft, so that one unknown name does not hide other errors.
 
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ pub(super) struct DraftStation<'a> {
     pub home: Option<Located<OpId>>,
     pub steps: Vec<Vec<OpId>>,
     pub axes: Vec<Axis>,
-    /// Where each axis stands, rest by rest.
+    /// Position of each axis, rest by rest.
     pub rests: Vec<Vec<f64>>,
     pub tasks: Vec<DraftTask<'a>>,
     /// Inputs that see parts.
@@ -125,7 +125,7 @@ pub(super) struct DraftFrames {
 /// The signals of a device's channels, channel by channel.
 #[derive(Default)]
 pub(super) struct DraftAnalogue {
-    /// Those of its limits, and the one that says that there is no measurement.
+    /// Those of its limits, and the one for a missing measurement.
     pub inputs: Vec<(Vec<Option<InputId>>, Option<InputId>)>,
     pub outputs: Vec<Vec<Option<OutputId>>>,
 }
@@ -189,14 +189,14 @@ pub(super) enum DraftSign {
 }
 
 impl DraftHolder<'_> {
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 }
 
 impl DraftLine<'_> {
-    /// What the bits of an owner's image are called.
+    /// Names of the bits of an owner's image.
     pub fn image(&self, owner: Owner) -> &Wiring {
         match owner {
             Owner::Station(id) => &self.stations[id.index()].wiring,
@@ -206,17 +206,17 @@ impl DraftLine<'_> {
 }
 
 impl DraftOperation<'_> {
-    /// Reversible or not; `None` where the text does not say.
+    /// Reversible or not; `None` where the text has neither.
     pub fn kind(&self) -> Option<ModuleKind> {
         self.raw.kind.as_ref().map(|kind| kind.value)
     }
 
-    /// How far it turns an endless axis.
+    /// Turn of an endless axis.
     pub fn by(&self) -> Option<&Located<f64>> {
         self.raw.moves.as_ref()?.by.as_ref()
     }
 
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
@@ -230,7 +230,7 @@ impl DraftOperation<'_> {
 }
 
 impl DraftTask<'_> {
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
@@ -245,7 +245,7 @@ impl DraftStation<'_> {
         0..self.operations.len()
     }
 
-    /// Where it is named, or else its header.
+    /// Place of its name, or else its header.
     pub fn place(&self) -> TextRange {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
@@ -260,8 +260,8 @@ impl DraftStation<'_> {
         self.steps.iter().position(|step| step.contains(&op)).unwrap_or(0)
     }
 
-    /// How many steps after the home operation this one comes, going round: 1 for the first, the number of steps for
-    /// the home operation itself.
+    /// Number of steps from the home operation to this one, going round: 1 for the first, the number of steps for the
+    /// home operation itself.
     pub fn steps_since_home(&self, op: OpId) -> Option<usize> {
         let home = self.step_of(self.home.as_ref()?.value);
         let count = self.steps.len();

@@ -1,7 +1,7 @@
 //! Draft → [`Line`]: the last step, taken only when no rule has found an error.
 //!
 //! Every `?` here is a part that some earlier pass must have reported missing. Should that ever not be so, the caller
-//! says that much instead of panicking: a description is a user's input, whatever the mistake is.
+//! reports that instead of panicking: a description is a user's input, whatever the mistake is.
 
 use linewright_text::{Located, or};
 

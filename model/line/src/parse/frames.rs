@@ -1,7 +1,7 @@
 //! A device's `dbc` table: its names → bits of its station's image, and at the end → [`FrameTable`].
 //!
-//! What messages and signals are called only the DBC file knows, which is read elsewhere: those names are passed on with
-//! their places.
+//! Names of messages and signals are those of the DBC file, which is read elsewhere: they are passed on with their
+//! places.
 
 use linewright_text::{LocatedName, Report, or};
 
@@ -31,7 +31,7 @@ pub(super) fn wire<'a>(raw: &'a RawFrames, wires: &mut Wires<'a>, report: &mut R
     draft
 }
 
-/// When an input is on; `None` where that is not said well.
+/// Condition of an input; `None` where that is not given well.
 pub(super) fn when(raw: &RawSignalInput) -> Option<When> {
     let hysteresis = or(&raw.hysteresis, 0.0);
     Some(match (&raw.equals, &raw.above, &raw.below, &raw.bit) {

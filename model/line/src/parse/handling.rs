@@ -9,10 +9,10 @@ use super::names::LineNames;
 use super::raw::{RawHolder, RawLine, RawReach, RawSensor, RawSign, RawStand};
 use crate::{AxisId, Grip, Holder, HolderId, InputId, MaterialFlow, OutputId, Reach, Sensor, Sign, Stand, StationId};
 
-/// What stands between a station and its holder or axis.
+/// Separator between a station and its holder or axis.
 const DOT: char = '.';
 
-/// Resolves everything that can be, and tells each station which of its inputs see parts.
+/// Resolves all names that it can, and records at each station which of its inputs see parts.
 pub(super) fn resolve<'a>(
     raw: &'a RawLine,
     names: &LineNames<'a>,
@@ -190,7 +190,7 @@ impl HolderScope<'_, '_> {
     }
 }
 
-/// What stands in the line.
+/// Material flow of the line.
 pub(super) fn finish(draft: &DraftHandling<'_>) -> Option<MaterialFlow> {
     let holder = |holder: &DraftHolder<'_>| {
         let places = holder.raw.places.as_ref().map_or(Some(1), |places| u16::try_from(places.value).ok())?;

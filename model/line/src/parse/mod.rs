@@ -1,7 +1,7 @@
-//! Text → checked [`Line`], or everything that is wrong with the text at once.
+//! Text → checked [`Line`], or all errors of the text at once.
 //!
-//! Stations of a type are written out first ([`types`]). The text then goes through five passes, each of which knows
-//! only its own question:
+//! Stations of a type are written out first ([`types`]). The text then goes through five passes, each with one
+//! question:
 //!
 //! 1. `raw`: is it TOML, and has each key the right type? → values with their places
 //! 2. `names`: are the names well formed and unique?
@@ -10,7 +10,7 @@
 //! 5. `finish`: draft → [`Line`]
 //!
 //! No pass stops at a mistake. What could not be read is absent in the later passes and is passed over there, so that
-//! one run reports all that can be known, and none of it twice. The passes know nothing of nets or of running lines.
+//! one run reports all that can be known, and none of it twice. The passes do not use nets or running lines.
 
 mod analogue;
 mod draft;
@@ -40,7 +40,7 @@ use crate::Line;
 pub struct ParsedLine {
     /// The line it describes.
     pub line: Line,
-    /// What is suspicious about it, in the order of the text; [`Problems::new`] has them drawn.
+    /// Warnings, in the order of the text; [`Problems::new`] has them drawn.
     pub warnings: Vec<Problem>,
 }
 
@@ -58,7 +58,7 @@ pub fn parse(file_name: &str, text: &str) -> Result<ParsedLine, Problems> {
 /// The description with every station of a type written out: another text of the same line.
 ///
 /// # Errors
-/// What is wrong with types and the stations that name one; whether the line is right is not looked at.
+/// Errors of types and of the stations that name one; the line itself is not checked.
 pub fn expand(file_name: &str, text: &str) -> Result<String, Problems> {
     let mut report = Report::default();
     let is_bounded = linewright_text::is_bounded(text, "the description", &mut report);
@@ -71,7 +71,7 @@ pub fn is_described(text: &str) -> bool {
     linewright_text::has_key(text, &["station", "station_type", "device"])
 }
 
-/// What a description of a line may contain: its keys, with types and bounds. What holds between them, [`parse`] knows.
+/// Keys of a description of a line, with types and bounds. Rules between them are checked by [`parse`].
 pub fn schema() -> Shape {
     raw::RawLine::shape()
 }

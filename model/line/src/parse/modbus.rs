@@ -1,4 +1,4 @@
-//! A device's `modbus` table: what it says → addresses and times.
+//! A device's `modbus` table → addresses and times.
 
 use std::time::Duration;
 
@@ -8,9 +8,9 @@ use super::draft::DraftDevice;
 use super::raw::{RawModbus, RawRegisterValue};
 use crate::{Modbus, RegisterValue, Table, WatchdogRegister};
 
-/// What a device is asked and told in, where the description does not say.
+/// Default period of reading and writing a device.
 pub(super) const CYCLE: Duration = Duration::from_millis(20);
-/// How long it has to answer, where the description does not say.
+/// Default time limit of its answer.
 pub(super) const TIMEOUT: Duration = Duration::from_millis(100);
 
 /// An address or a number in a register, if it can be one.

@@ -139,7 +139,7 @@ fn axes(raw: &RawStation, operations: &[DraftOperation<'_>]) -> Vec<Axis> {
     axes.map(|(axis, (name, home))| Axis { name: name.value.clone(), home: *home, index: index(axis) }).collect()
 }
 
-/// What a signal name may refer to inside one station.
+/// Meanings of signal names inside one station.
 pub(super) struct StationScope<'a, 's> {
     name: &'a str,
     wires: &'s Wires<'a>,

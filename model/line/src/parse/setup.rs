@@ -1,4 +1,4 @@
-//! A device's `identity` and `settings`: what they say → numbers and bytes.
+//! A device's `identity` and `settings` → numbers and bytes.
 
 use linewright_text::Located;
 

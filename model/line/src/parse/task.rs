@@ -16,7 +16,7 @@ pub(super) fn ends(raw: &RawStation, nth: usize) -> bool {
     !raw.tasks.is_empty() && task(nth).is_some() && task(nth) != task(nth + 1)
 }
 
-/// Where each axis stands in each rest: what a rest does not say is as at home.
+/// Position of each axis in each rest: an axis that a rest leaves out is as at home.
 pub(super) fn rests(raw: &RawStation, inside: &StationNames<'_>, report: &mut Report) -> Vec<Vec<f64>> {
     let mut rests = Vec::new();
     for rest in &raw.rests {

@@ -1,4 +1,4 @@
-//! Devices → process images: which name is which bit of whose image.
+//! Devices → process images: names and bits of each owner's image.
 //!
 //! An image has no layout of its own in a description: its bits are the connected bits of its owner's devices, in the
 //! order in which the devices are written.
@@ -79,7 +79,7 @@ pub(super) fn wire<'a>(
     (devices, owned)
 }
 
-/// Whose a device is: a station's or the console's, and one of them.
+/// Owner of a device: a station or the console, and one of them.
 fn owner(device: &RawDevice, names: &LineNames<'_>, report: &mut Report) -> Option<Owner> {
     let is_console = device.console.as_ref().filter(|c| c.value);
     match (&device.station, is_console) {
@@ -142,7 +142,7 @@ pub(super) fn one_input<'a>(bit: &'a LocatedName, wires: &mut Wires<'a>, report:
     one_bit(bit, "input", inputs, outputs, &mut wiring.inputs, report).map(InputId::at)
 }
 
-/// The same of an output.
+/// The same for an output.
 pub(super) fn one_output<'a>(bit: &'a LocatedName, wires: &mut Wires<'a>, report: &mut Report) -> Option<OutputId> {
     tag(bit, "output", report);
     let Wires { inputs, outputs, wiring } = wires;

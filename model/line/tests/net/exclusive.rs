@@ -1,7 +1,7 @@
-//! Is `overlaps` to be believed? Conditions are evaluated over every assignment of their variables, and compared.
+//! Check of `overlaps`: conditions are evaluated over every assignment of their variables, and compared.
 //!
 //! An assignment is one that the controller could see: an edge comes with its level, the panel gives one command at a
-//! time, a station is on one recovery path at most and "on any path" says whether it is on one.
+//! time, a station is on one recovery path at most and "on any path" holds if it is on one.
 
 use std::collections::BTreeSet;
 

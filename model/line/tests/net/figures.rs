@@ -36,7 +36,7 @@ const WAY_HOME: u8 = 7;
 /// A cell: transition, mode, what the seed prints, what we have, and why they differ.
 type Cell = (&'static str, ControlMode, &'static str, &'static str, &'static [u8]);
 
-/// What Figures 12 and 13, 20 and 22 have in common, without the bracketed entries.
+/// Common part of Figures 12 and 13, 20 and 22, without the bracketed entries.
 const BOTH_MODULES: &[Cell] = &[
     ("t1", AUTO, "f↑", "f or lost", &[FAULT]),
     ("t1", HAND, "f↑ h_a", "f or lost", &[FAULT]),

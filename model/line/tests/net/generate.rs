@@ -65,7 +65,7 @@ fn with_groups(ops: Vec<Op>, home: usize, dice: &[u8]) -> (usize, Vec<Op>) {
     (new_home, grown)
 }
 
-/// Makes some operations irreversible whose hand type allows it, where something before them leads home.
+/// Makes some operations irreversible, of hand types that allow it, where an operation before them leads home.
 fn add_paths(ops: &mut [Op], home: usize, dice: &[u8]) {
     let grouped = |ops: &[Op], n: usize| ops[n].beside || ops.get(n + 1).is_some_and(|next| next.beside);
     let mut way_back: Vec<usize> = Vec::new();

@@ -3,7 +3,7 @@
 use linewright_line::net::{Conjunction, Literal, StationTransition, TransitionKind, Var};
 use linewright_line::{HandMode, Station};
 
-/// The terms of one cell: `·` where the transition never fires, `N.C.` where nothing is asked.
+/// The terms of one cell: `·` where the transition never fires, `N.C.` where there is no condition.
 pub fn cell(terms: &[Conjunction], hand: HandMode) -> String {
     if terms.is_empty() {
         return "·".to_owned();

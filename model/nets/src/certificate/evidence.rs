@@ -1,13 +1,13 @@
-//! What a certificate is made of: plain data, no behaviour.
+//! Contents of a certificate: plain data, no behaviour.
 //!
-//! Each kind of evidence says here what it proves and why. The reasons are theorems; the data is what makes their
-//! conditions easy to check. Whoever wants to believe a claim reads this file and [`super::check`], nothing else.
+//! Each kind of evidence has here what it proves and why. The reasons are theorems; the data is what makes their
+//! conditions easy to check. To verify a claim, this file and [`super::check`] are enough.
 
 use std::fmt;
 
 use crate::{PlaceId, TransitionId};
 
-/// What is claimed of a marked net, or denied.
+/// Claim about a marked net, or its negation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum NetProperty {
     /// In every reachable marking some transition is enabled.
@@ -45,10 +45,10 @@ impl fmt::Display for NetProperty {
     }
 }
 
-/// A claim about a net, with what proves it.
+/// A claim about a net, with its proof.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Certificate {
-    /// What the claim is about.
+    /// Property claimed.
     pub property: NetProperty,
     /// Whether it is claimed to hold, or not to hold.
     pub holds: bool,
@@ -56,7 +56,7 @@ pub struct Certificate {
     pub evidence: Evidence,
 }
 
-/// Why a claim is true.
+/// Reason why a claim is true.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Evidence {
     /// See [`FiringOrder`].
@@ -91,7 +91,7 @@ pub enum Evidence {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RepeatedFiring {
     pub transition: TransitionId,
-    /// How often, at least once.
+    /// Number of times, at least 1.
     pub times: u64,
 }
 
@@ -138,11 +138,11 @@ pub struct Sums {
     pub dead: Vec<PlaceId>,
     /// The sums: place and weight.
     pub sums: Vec<Vec<(PlaceId, u64)>>,
-    /// For each place of the net, in order, which sum bounds it, and the bound: s / w, rounded down.
+    /// For each place of the net, in order, the sum that bounds it, and the bound: s / w, rounded down.
     pub bounds: Vec<(usize, u128)>,
 }
 
-/// That a free-choice net is live and bounded, by the rank theorem.
+/// Evidence that a free-choice net is live and bounded, by the rank theorem.
 ///
 /// A connected net of extended free choice, with places and transitions, is live and bounded iff it has a positive
 /// conserved sum and a positive repetition, the rank of its incidence matrix is one less than the number of its
@@ -164,7 +164,7 @@ pub struct WellFormed {
 /// A transition that is dead after a sequence: it takes from a siphon that is empty then.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Dead {
-    /// What to fire first.
+    /// Firings before.
     pub run: Vec<RepeatedFiring>,
     /// The siphon, empty after that.
     pub siphon: Vec<PlaceId>,
@@ -175,9 +175,9 @@ pub struct Dead {
 /// A sequence that can be repeated for ever, and leaves more tokens on a place each time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnboundedCycle {
-    /// What to fire first.
+    /// Firings before.
     pub prefix: Vec<RepeatedFiring>,
-    /// What can be repeated: it takes away nothing on balance.
+    /// Firings that can be repeated: they take away nothing on balance.
     pub cycle: Vec<RepeatedFiring>,
     /// A place that gains.
     pub place: PlaceId,

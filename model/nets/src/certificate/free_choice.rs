@@ -1,10 +1,10 @@
-//! Verdicts on nets of extended free choice, and what is left to say about any other net.
+//! Verdicts on nets of extended free choice, and what remains for any other net.
 //!
 //! For connected free-choice nets the rank theorem (Desel and Esparza, *Free Choice Petri Nets*, 1995, chapter 6)
 //! decides "live and bounded" together, in polynomial time, and its conditions can be checked. If it fails, Commoner's
 //! theorem still decides liveness, but its list of all minimal siphons cannot be checked for completeness; a negative
 //! answer then needs a sequence that runs a siphon empty, which a short search looks for. Where it finds none the
-//! answer is [`Unknown`], and says what is known without a certificate.
+//! answer is [`Unknown`], with what is known without a certificate.
 
 use super::evidence::{Dead, Evidence, NetProperty, Sums, WellFormed};
 use super::play::find;
@@ -13,7 +13,7 @@ use crate::semiflows::{self, Semiflow, SemiflowLimits, Semiflows, place_semiflow
 use crate::siphons::{self, commoner, largest_empty_siphon, largest_trap_in};
 use crate::{Marking, Net, PlaceId};
 
-/// How many markings the search for a sequence looks at.
+/// Most markings that the search for a sequence visits.
 const MARKINGS: usize = 5_000;
 
 /// The verdict on a net that is neither a state machine nor a marked graph.
@@ -51,7 +51,7 @@ pub(super) fn decide(net: &Net) -> StructuralVerdict {
     verdict
 }
 
-/// What the rank theorem needs, if it applies and holds.
+/// Evidence for the rank theorem, if it applies and holds.
 fn well_formed(
     net: &Net,
     flows: &Result<Semiflows<PlaceId>, semiflows::SemiflowsUndecided>,
@@ -166,7 +166,7 @@ fn bounds(
     (bounds, CertificateAnswer::yes(NetProperty::Bounded, Evidence::Sums(sums)), safe)
 }
 
-/// Two tokens on a place: initially, or, where the theory says that it is possible, after a sequence.
+/// Two tokens on a place: initially, or, where it is possible by theory, after a sequence.
 fn overfull(net: &Net, possible: bool) -> CertificateAnswer {
     let over = |marking: &Marking| marking.marked().find(|&place| marking.tokens(place) > 1);
     let most = if possible { MARKINGS } else { 1 };

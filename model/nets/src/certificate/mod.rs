@@ -1,4 +1,4 @@
-//! What structure proves, with the evidence, and a small checker that believes only the evidence.
+//! Proofs by structure, with the evidence, and a small checker of the evidence alone.
 //!
 //! [`decide_by_structure`] looks at the arcs and the initial marking and answers five questions about a net: whether it
 //! is free of deadlocks, live, bounded, safe and reversible. Every "yes" and every "no" is a [`Certificate`]: the claim
@@ -6,10 +6,10 @@
 //! certificate can be written down as text and read back ([`Certificate::parse`]).
 //!
 //! Marked graphs and state machines are decided completely, in time about linear in the net for the usual ones; of those
-//! with thousands of nodes some bounds may stay open.
-//! Connected free-choice nets are decided when they are live and bounded, and often when they are not. For every other
-//! net the answers are those that conserved sums and empty siphons give, and [`Unknown`] says why there are no more.
-//! Nothing is explored, except for a few thousand markings where theory says that a counterexample exists.
+//! with thousands of nodes some bounds may stay open. Connected free-choice nets are decided when they are live and
+//! bounded, and often when they are not. For every other net the answers are those that conserved sums and empty siphons
+//! give, and [`Unknown`] gives the reason why there are no more. Nothing is explored, except for a few thousand markings
+//! where a counterexample exists by theory.
 
 mod check;
 mod evidence;
@@ -32,7 +32,7 @@ pub use evidence::{
 };
 pub use text::ParseError;
 
-/// What structure says about a marked net.
+/// Verdict on a marked net by structure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StructuralVerdict {
     /// The class by which it was decided.
@@ -80,7 +80,7 @@ impl fmt::Display for StructuralVerdict {
     }
 }
 
-/// The class of nets that decides how much structure can say.
+/// The class of nets, on which the extent of the answers depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NetClass {
     /// Every place has one producer and one consumer.
@@ -113,7 +113,7 @@ pub enum TokenBound {
     AtMost(u128),
     /// There is no most.
     Unbounded,
-    /// Structure does not tell.
+    /// Not decided by structure.
     Unknown,
 }
 
@@ -165,7 +165,7 @@ impl fmt::Display for CertificateAnswer {
     }
 }
 
-/// Why nothing is claimed.
+/// Reason why nothing is claimed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Unknown {
     /// The class of the net does not allow it.
@@ -180,16 +180,16 @@ pub enum Unknown {
     /// The conditions of the rank theorem do not hold for a free-choice net.
     #[error("the rank theorem does not apply: the net is not connected")]
     NotWellFormed,
-    /// Commoner's theorem says "live", but its list of siphons is no certificate.
+    /// Live by Commoner's theorem, but its list of siphons is no certificate.
     #[error(
         "every siphon found contains a marked trap, so the net is live; but that all were found cannot be certified"
     )]
     Uncertified,
-    /// Commoner's theorem says "not live", and no sequence was found that shows it.
+    /// Not live by Commoner's theorem, and no sequence was found that shows it.
     #[error("a siphon of {} places has no marked trap, so the net is not live; but none of the first {markings} markings shows it", siphon.len())]
     NotFound {
         siphon: Vec<PlaceId>,
-        /// How many markings were looked at.
+        /// Number of markings visited.
         markings: usize,
     },
     /// A place in no conserved sum.

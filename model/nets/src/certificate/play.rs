@@ -5,7 +5,7 @@ use std::collections::{HashSet, VecDeque};
 use super::evidence::RepeatedFiring;
 use crate::{Marking, Net, TransitionId};
 
-/// The most entries of a sequence: beyond that a certificate is no use to anybody.
+/// The most entries of a sequence: a longer certificate is of no use.
 pub(super) const LONGEST: usize = 1_000_000;
 
 /// Plays each transition as often as counted, whenever it is enabled. For nets in which firing one transition never
@@ -30,7 +30,7 @@ pub(super) fn play(net: &Net, mut counts: Vec<u64>) -> Option<Vec<RepeatedFiring
         for &(place, weight) in net.postset(t) {
             let count = &mut tokens[place.index()];
             *count = count.checked_add(times.checked_mul(weight.into())?)?;
-            // Whoever waited for the tokens, the transition itself too, gets another turn.
+            // Transitions that waited for the tokens, this one too, get another turn.
             ahead.extend(net.consumers(place).iter().map(|&(t, _)| t).filter(|t| counts[t.index()] > 0));
         }
     }

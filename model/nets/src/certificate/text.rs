@@ -16,13 +16,13 @@ use super::evidence::{
 };
 use crate::{PlaceId, TransitionId};
 
-/// Why a text is no certificate.
+/// Reason why a text is no certificate.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("line {line}: {what}")]
 pub struct ParseError {
     /// The line, from 1; one more than there are lines if the end came too early.
     pub line: usize,
-    /// What was expected, and what was found.
+    /// Text expected, and text found.
     pub what: String,
 }
 

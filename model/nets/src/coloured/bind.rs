@@ -1,12 +1,11 @@
-//! Which modes of a transition the tokens at hand allow, without trying all modes.
+//! Modes of a transition that the tokens at hand allow, without trying all modes.
 //!
-//! A transition of a universal domain has thousands of modes, and a marking a handful of tokens; so the tokens are asked
-//! (seed 000, §7.2.3, L3747: the tokens in the pre-places determine the possible firing modes). Each term of an input
-//! arc takes exactly one colour in a given mode. Choosing a token for the term therefore fixes those components of the
-//! mode that the term reads; once no term can fix another component, what is still open is enumerated.
+//! A transition of a universal domain has thousands of modes, and a marking a handful of tokens; so the search begins
+//! with the tokens (seed 000, §7.2.3, L3747: the tokens in the pre-places determine the possible firing modes). Each
+//! term of an input arc takes exactly one colour in a given mode. Choosing a token for the term therefore fixes those
+//! components of the mode that the term reads; once no term can fix another component, what is still open is enumerated.
 //!
-//! The order in which terms are asked is fixed when the net is built. Every mode is met once: the tokens chosen follow
-//! from it.
+//! The order of the terms is fixed when the net is built. Every mode is met once: the tokens chosen follow from it.
 
 use super::linear::{ComponentPick, LinearTerm, turn};
 use super::marking::{collect, count_in};
@@ -19,7 +18,8 @@ const OPEN: u32 = u32::MAX;
 /// The order in which the components of a mode are fixed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BindingOrder {
-    /// A place whose tokens are tried, and how a token gives tones; each fixes a component that the ones before do not.
+    /// A place with tokens to be tried, and the tones from each token; each fixes a component that the ones before do
+    /// not.
     asks: Vec<(PlaceId, Box<[ComponentPick]>)>,
     /// The components that no input reads.
     free: Vec<u32>,
@@ -66,13 +66,13 @@ pub(super) struct BindingSearch<'a> {
     endless: bool,
     mode: Vec<u32>,
     found: &'a mut Vec<u32>,
-    /// How many to find at most.
+    /// Most modes to find.
     most: usize,
 }
 
 /// Appends the colours of the modes of a transition that are enabled in a marking, ascending; at most about `most`.
 ///
-/// With `endless`, the marking says only which cells are marked, and each of those has tokens enough.
+/// With `endless`, the marking gives only which cells are marked, and each of those has tokens enough.
 pub(super) fn enabled(
     net: &ColouredNet,
     transition: usize,
@@ -90,7 +90,7 @@ pub(super) fn enabled(
 }
 
 impl BindingSearch<'_> {
-    /// Fixes components by the tokens that the plan asks from step `at` on.
+    /// Fixes components by the tokens of the plan from step `at` on.
     fn ask(&mut self, at: usize) {
         // A copy of the reference, so that the plan can be read while the search changes.
         let net = self.net;

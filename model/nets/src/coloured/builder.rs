@@ -1,7 +1,7 @@
-//! Where a coloured net is written down, and where it is checked once.
+//! Builder of coloured nets, and their one check.
 //!
 //! As with [`crate::NetBuilder`], everything is accepted while writing and all problems are reported together at the
-//! end. A declaration that depends on a broken one is not judged: an arc at a place whose domain does not exist has no
+//! end. A declaration that depends on a broken one is not checked: an arc at a place whose domain does not exist has no
 //! right or wrong function.
 
 use std::collections::{HashMap, HashSet};
@@ -158,7 +158,7 @@ impl ColouredBuilder {
         self
     }
 
-    /// The net, or everything that is wrong with it: domains first, then names, places, transitions and tokens.
+    /// The net, or all its errors: domains first, then names, places, transitions and tokens.
     pub fn build(self) -> Result<ColouredNet, Vec<ColouredError>> {
         let mut problems = Vec::new();
         self.check_sizes(&mut problems);

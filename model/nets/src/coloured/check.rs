@@ -168,7 +168,7 @@ fn arcs(
     }
 }
 
-/// What an arc's function means, if it moves a positive number of tokens of the place's domain.
+/// Meaning of an arc's function, if it moves a positive number of tokens of the place's domain.
 fn meaning(
     raw: &DeclaredColouredArc,
     arc: &ArcName,
@@ -248,7 +248,7 @@ pub(super) struct CheckedTransition {
 }
 
 impl CheckedTransition {
-    /// Drops what is not used, if asked to, and bounds the number of modes.
+    /// Drops what is not used, on request, and bounds the number of modes.
     pub(super) fn finish(
         mut self,
         restrict: bool,

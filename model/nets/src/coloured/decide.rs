@@ -1,10 +1,10 @@
-//! Conflicts, and guards that wait for somebody to decide.
+//! Conflicts, and guards that wait for a decision.
 //!
 //! A coordinated cell has states in which the net leaves a choice: which part next, load or unload first. The source
 //! keeps the choice out of the net (seed 000, §5.2). A clause of a guard can be *scheduled*; it then holds only if the
 //! dispatcher has set its decision variable (the dispatcher-guard DF = ∨ [bdvᵢ ∧ G&ᵢ], definition 40). The net reports
-//! which scheduled clauses are in conflict now (the variables vc of definition 51), is told which one was chosen, and
-//! plays on. How one chooses is not known here.
+//! which scheduled clauses are in conflict now (the variables vc of definition 51), takes the choice, and plays on. The
+//! choice is made elsewhere.
 
 use std::collections::BTreeSet;
 
@@ -15,9 +15,9 @@ use crate::TransitionId;
 /// One clause of a guard, numbered from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClauseId {
-    /// The transition whose guard it is.
+    /// The transition with the guard.
     pub transition: TransitionId,
-    /// Which clause: i − 1 for G&ᵢ.
+    /// Number of the clause: i − 1 for G&ᵢ.
     pub clause: usize,
 }
 
@@ -45,9 +45,9 @@ impl Decisions {
 /// Two enabled modes of which the first, when it fires, disables the second (seed 000, L2777-2782).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ModeConflict {
-    /// What fires.
+    /// Mode that fires.
     pub winner: NetMode,
-    /// What can no longer fire then.
+    /// Mode that can no longer fire then.
     pub loser: NetMode,
 }
 
@@ -68,7 +68,7 @@ impl ColouredNet {
         found
     }
 
-    /// The scheduled clauses with an enabled mode that is in conflict with another: those whose vc is true.
+    /// The scheduled clauses with an enabled mode that is in conflict with another: vc is true.
     pub fn requests(&self, marking: &ColouredMarking) -> Vec<ClauseId> {
         let conflicts = self.conflicts(marking);
         let torn: BTreeSet<NetMode> = conflicts.iter().flat_map(|conflict| [conflict.winner, conflict.loser]).collect();

@@ -1,8 +1,8 @@
-//! What colours there are: basic domains as rings, and products of them.
+//! Colours: basic domains as rings, and products of them.
 //!
 //! A basic domain has the tones 1 to s; counting on from s leads to 1 again (seed 000, definition 18). A colour is a
 //! tuple of tones, one for each component of its domain. The uncoloured token <•> is the empty tuple: the source writes
-//! it as a last component that every domain has, and a component with one value tells nothing apart.
+//! it as a last component that every domain has, and a component with one value distinguishes nothing.
 //!
 //! Outside, tones count from 1 as in the source. Inside, a colour is one number, its position among the colours of its
 //! domain in lexical order, so that markings are compared as plain numbers.
@@ -40,7 +40,7 @@ impl BasicDomain {
         self.size
     }
 
-    /// What a tone (from 1) is called: its name, or its number.
+    /// Name of a tone (from 1): its name, or its number.
     pub fn tone_name(&self, tone: u32) -> Cow<'_, str> {
         let at = (tone as usize).wrapping_sub(1);
         self.tones.get(at).map_or_else(|| tone.to_string().into(), |name| Cow::Borrowed(&**name))
@@ -90,7 +90,7 @@ impl From<Vec<BasicId>> for Domain {
 pub(super) struct DomainShape {
     pub(super) basics: Box<[BasicId]>,
     pub(super) sizes: Box<[u32]>,
-    /// How many colours there are.
+    /// Number of colours.
     pub(super) count: u32,
 }
 

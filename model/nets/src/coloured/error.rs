@@ -1,4 +1,4 @@
-//! What can be wrong with a coloured net under construction: one variant per rule, with what was expected and found.
+//! Errors of a coloured net under construction: one variant per rule, with what was expected and found.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::guard::MAX_CLAUSES;
 use super::linear::FunctionError;
 use crate::{ArcName, MAX_NODES, NamedId, NetNode, PlaceId, TransitionId};
 
-/// One thing wrong with a coloured net.
+/// One error of a coloured net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 
 pub enum ColouredError {
@@ -30,7 +30,7 @@ pub enum ColouredError {
     /// Two tones of one domain have the same name.
     #[error("colour domain `{name}` has two tones named `{tone}`")]
     DuplicateTone { name: Arc<str>, tone: Arc<str> },
-    /// A name that could not be told from what is around it in `p<a,b>`.
+    /// A name that could not be distinguished from what is around it in `p<a,b>`.
     #[error("colour domain `{name}` has a tone named `{tone}`; the name of a tone is not empty and has none of `<>,`")]
     ToneName { name: Arc<str>, tone: Arc<str> },
     /// A domain that names a basic domain which was not declared.
@@ -53,7 +53,7 @@ pub enum ColouredError {
     /// An arc or a guard at a transition that was not declared.
     #[error("{what} names transition #{transition}, but the net has {transitions} transitions")]
     UnknownTransition { what: String, transition: u32, transitions: usize },
-    /// The same two nodes are joined more than once in the same direction; a sum says that better.
+    /// The same two nodes are joined more than once in the same direction; a sum is for that.
     #[error("the arc {arc} is declared {times} times; write one arc with the sum of the functions")]
     DuplicateArc { arc: ArcName, times: usize },
     /// A function that has no meaning for the transition's domain.
@@ -94,7 +94,7 @@ pub enum ColouredError {
     /// More initial tokens of one colour than can be counted.
     #[error("{place} starts with more tokens of one colour than can be counted")]
     TooManyTokens { place: NamedId<PlaceId> },
-    /// More initial tokens than the place is said to hold.
+    /// More initial tokens than the place holds by its declaration.
     #[error("{place} starts with {tokens} tokens, but is declared to hold at most {most}")]
     OverCapacity { place: NamedId<PlaceId>, tokens: u64, most: u32 },
     /// Nets that are put together describe the same basic domain differently.

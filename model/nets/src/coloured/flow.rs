@@ -1,8 +1,8 @@
 //! Coloured flows: sums that firing does not change, and firings that change nothing.
 //!
-//! A place-flow gives every place a function into one common domain; what the functions make of a marking, added up, is
-//! the same in all reachable markings (seed 000, definitions 29 to 31). Weights are functions and may be negative, so a
-//! flow can say "the position after the last one stored is the one that is offered". A transition-flow is a bag of modes
+//! A place-flow gives every place a function into one common domain; the sum of the functions of a marking is the same
+//! in all reachable markings (seed 000, definitions 29 to 31). Weights are functions and may be negative, so a flow can
+//! express "the position after the last one stored is the one that is offered". A transition-flow is a bag of modes
 //! that, fired in any order that is possible, lead back.
 //!
 //! A coloured flow is *checked* here, not found: first as an equation between functions, which decides most transitions
@@ -22,7 +22,7 @@ use super::unfold::Unfolding;
 use crate::semiflows::{self, Semiflow};
 use crate::{NamedId, PlaceId, TransitionId};
 
-/// What is wrong with a flow as it is written.
+/// Error in a flow as it is written.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 
 pub enum FlowError {
@@ -43,7 +43,7 @@ pub enum FlowError {
     Elsewhere { place: NamedId<PlaceId>, function: String, found: String, expected: String },
 }
 
-/// Why a flow is none, or is not known to be one.
+/// Reason why a flow is none, or is not known to be one.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotFlow {
     /// A mode changes the sum.
@@ -60,12 +60,12 @@ pub enum NotFlow {
     /// More modes would have to be looked at than allowed.
     #[error("undecided after {modes} modes")]
     Undecided {
-        /// How many were looked at.
+        /// Number of modes checked.
         modes: usize,
     },
 }
 
-/// A weighting of places by functions into one domain. It need not be a flow; [`PlaceFlow::check`] says whether it is.
+/// A weighting of places by functions into one domain. It need not be a flow; see [`PlaceFlow::check`].
 #[derive(Clone, Debug)]
 pub struct PlaceFlow {
     target: DomainShape,
@@ -73,7 +73,7 @@ pub struct PlaceFlow {
 }
 
 impl PlaceFlow {
-    /// A weighting into `target`, or all that is wrong with it. Places that are not listed do not count.
+    /// A weighting into `target`, or all its errors. Places that are not listed do not count.
     pub fn new(
         net: &ColouredNet,
         target: impl Into<Domain>,
@@ -135,7 +135,7 @@ impl PlaceFlow {
         colours.map(|(colour, sum)| (self.target.tones(colour), sum)).collect()
     }
 
-    /// By how much a mode changes the sum, by colour of the common domain.
+    /// Change of the sum by a mode, by colour of the common domain.
     fn change(&self, net: &ColouredNet, mode: NetMode) -> BTreeMap<u32, i128> {
         let mut sums = BTreeMap::new();
         let (mut takes, mut gives) = (Vec::new(), Vec::new());
@@ -209,13 +209,13 @@ fn show_colour(shape: &DomainShape, colour: u32, all: &[BasicDomain]) -> String 
     if shape.basics.is_empty() { show_domain(&[], all) } else { shape.show(colour, all) }
 }
 
-/// A bag of modes. It need not be a flow; [`TransitionFlow::check`] says whether it is.
+/// A bag of modes. It need not be a flow; see [`TransitionFlow::check`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TransitionFlow {
     modes: BTreeMap<NetMode, u64>,
 }
 
-/// What the modes of a bag change together.
+/// Change by the modes of a bag together.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("the modes together change `{cell}` by {change}")]
 pub struct NotCycle {

@@ -5,8 +5,8 @@
 //! definition 21: projection, identity, successor, predecessor and discolouring, their compositions, multiples and sums,
 //! and the ring function R.
 //!
-//! A sum is kept multiplied out, so that nothing nests however it was put together. Whoever composes sums with sums can
-//! still make it explode; beyond [`MAX_TERMS`] a function remembers only that it is too large.
+//! A sum is kept multiplied out, so that nothing nests however it was put together. Sums composed with sums can still
+//! explode; beyond [`MAX_TERMS`] a function records only that it is too large.
 
 use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};

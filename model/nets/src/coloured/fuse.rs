@@ -163,7 +163,7 @@ impl FusedNet<'_> {
         }
     }
 
-    /// What a basic domain of a net is here.
+    /// The basic domain here of one of a net.
     fn basic(&self, net: &ColouredNet, basic: BasicId) -> BasicId {
         let name = net.basics[basic.index()].name();
         let at = self.basics.iter().position(|known| known.name() == name);

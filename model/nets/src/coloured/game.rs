@@ -1,9 +1,9 @@
-//! The coloured token game: which modes may fire, and what firing does.
+//! The coloured token game: modes that may fire, and the effect of firing.
 //!
 //! A mode is enabled if every place has the colours that it takes and the guard of its transition allows it (seed 000,
-//! definitions 14 and 15). Firing takes and gives what the arc functions say (definition 17). As in [`crate::game`],
-//! nothing is forced to fire and a move is all or nothing. Scheduled clauses of guards are taken as decided for; what
-//! changes when somebody decides is in [`super::decide`].
+//! definitions 14 and 15). Firing takes and gives the colours of the arc functions (definition 17). As in
+//! [`crate::game`], nothing is forced to fire and a move is all or nothing. Scheduled clauses of guards are taken as
+//! decided for; the effect of a decision is in [`super::decide`].
 
 use thiserror::Error;
 
@@ -12,7 +12,7 @@ use super::marking::{ColouredMarking, collect, count_in};
 use super::net::{ColouredArc, ColouredNet, NetMode};
 use crate::{PlaceId, TransitionId};
 
-/// Why a mode, or a set of modes, was refused. The marking is as it was.
+/// Reason why a mode, or a set of modes, was refused. The marking is as it was.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ColouredFireError {
     /// The guard excludes the mode.
@@ -30,7 +30,7 @@ pub enum ColouredFireError {
         cell: String,
         /// Tokens on the place.
         has: u32,
-        /// What it would need.
+        /// Number needed.
         needs: u32,
     },
     /// A place would hold more tokens of a colour than can be counted.
@@ -124,7 +124,7 @@ impl ColouredNet {
         with.into_iter().find(|&(_, has, needs)| has < needs)
     }
 
-    /// What the modes take together, sorted by cell; or the cell for which that cannot be counted.
+    /// Tokens that the modes take together, sorted by cell; or the cell for which that cannot be counted.
     pub(super) fn demand(&self, modes: &[NetMode], takes: &mut Vec<(u32, u32)>) -> Result<(), u32> {
         for &mode in modes {
             let tones = self.tones_of(mode);
@@ -162,7 +162,7 @@ impl ColouredNet {
     }
 }
 
-/// What is left of `entries` without `takes`, which they cover. Both are sorted.
+/// Rest of `entries` without `takes`, which they cover. Both are sorted.
 pub(super) fn minus(entries: &[(u32, u32)], takes: &[(u32, u32)]) -> Vec<(u32, u32)> {
     let mut takes = takes.iter().peekable();
     let mut left = Vec::with_capacity(entries.len() + 4);

@@ -4,8 +4,8 @@
 //! …). The source starts from colours that may be negated and adds comparisons of components with each other and with
 //! numbers (definition 36); a colour is the comparison of its component with a number, so one form does for both.
 //!
-//! A clause may be *scheduled*: then it also needs the dispatcher's word (definition 40; the keyword of the source's
-//! grammar). What the dispatcher says is not known here; see [`super::decide`].
+//! A clause may be *scheduled*: then it also needs a decision of the dispatcher (definition 40; the keyword of the
+//! source's grammar). Decisions are outside of this module; see [`super::decide`].
 
 use std::fmt;
 
@@ -15,14 +15,14 @@ use super::linear::turn;
 /// The most clauses of a guard, and the most comparisons of a clause.
 pub const MAX_CLAUSES: usize = 4096;
 
-/// What a comparison compares.
+/// Operand of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Operand {
     /// proj(k) of the mode, moved on around its ring.
     Component {
         /// k, from 1.
         component: u32,
-        /// How many tones on; back if negative.
+        /// Number of tones on; back if negative.
         by: i64,
     },
     Number(i64),
@@ -47,7 +47,7 @@ impl Operand {
     }
 }
 
-/// How two operands are compared (seed 000, definition 36; ≠ is the negated colour of definition 13).
+/// Comparison of two operands (seed 000, definition 36; ≠ is the negated colour of definition 13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 
 pub enum Comparison {
@@ -115,7 +115,7 @@ impl Clause {
         Clause { atoms: atoms.into_iter().collect(), scheduled: false }
     }
 
-    /// The same, if the dispatcher says so.
+    /// The same, if the dispatcher decides so.
     pub fn scheduled(mut self) -> Clause {
         self.scheduled = true;
         self
@@ -193,13 +193,13 @@ impl Case {
     }
 }
 
-/// What makes a guard meaningless for a domain.
+/// Reason why a guard is meaningless for a domain.
 pub(super) enum GuardFault {
     NoComponent { component: u32 },
     NoTone { component: u32, number: i64, size: u32 },
 }
 
-/// The meaning of a guard for modes of `domain`, or all that is wrong with it.
+/// The meaning of a guard for modes of `domain`, or all its errors.
 pub(super) fn compile(guard: &Guard, domain: &[BasicId], all: &[BasicDomain]) -> Result<Vec<Case>, Vec<GuardFault>> {
     let mut faults = Vec::new();
     let mut value = |operand| match operand {

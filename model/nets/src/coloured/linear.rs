@@ -1,4 +1,4 @@
-//! What a colour function means for a given domain, in the one form that is computed with.
+//! Meaning of a colour function for a given domain, in the one form that is computed with.
 //!
 //! Every composition of the standard functions comes down to the same thing: each component of the result is some
 //! component of the argument, so many tones on. A function is then a sum of weighted terms of that form. Two
@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::domain::{BasicDomain, BasicId, DomainShape, show_domain};
 use super::function::{Function, FunctionStep, MAX_TERMS};
 
-/// Why a function has no meaning for a domain.
+/// Reason why a function has no meaning for a domain.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum FunctionError {
     /// A step names a component that the tuple at hand does not have.
@@ -75,7 +75,7 @@ pub(super) struct LinearFunction {
     pub(super) terms: Vec<LinearTerm>,
 }
 
-/// What has become of the argument after some steps: for each component its domain and its pick.
+/// The argument after some steps: for each component its domain and its pick.
 type Tuple = Vec<(BasicId, ComponentPick)>;
 
 /// The meaning of a function for arguments of `domain`.

@@ -1,4 +1,4 @@
-//! Where the tokens are, and of what colour.
+//! Places of the tokens, and their colours.
 //!
 //! A coloured marking stores only what there is: pairs of a *cell* and a count. A cell is one colour on one place, and
 //! all cells of a net are numbered through, place by place. Domains can have thousands of colours of which a handful is
@@ -6,8 +6,8 @@
 
 use crate::PlaceId;
 
-/// M : a multiset of colours on every place (seed 000, definition 13). It does not know its net; the net reads it with
-/// [`super::ColouredNet::count`] and [`super::ColouredNet::tokens_on`].
+/// M : a multiset of colours on every place (seed 000, definition 13). It has no reference to its net; the net reads it
+/// with [`super::ColouredNet::count`] and [`super::ColouredNet::tokens_on`].
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ColouredMarking {
     pub(super) entries: Vec<(u32, u32)>,

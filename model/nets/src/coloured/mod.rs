@@ -1,9 +1,9 @@
 //! Coloured nets: tokens that carry data, arc functions and guards (seed 000, definitions 13 to 21).
 //!
-//! One place for "a machine is free" instead of one per machine: the token says which. A coloured net is an ordinary net
-//! written short, and everything said about it here means what it would mean for the long form; [`unfold`] writes that
-//! out, and most tests of this module compare the two. What is gained is a text that people can read, and an exploration
-//! that touches only the colours that occur.
+//! One place for "a machine is free" instead of one per machine: the token's colour is the machine. A coloured net is an
+//! ordinary net written short, and every statement about it here means the same for the long form; [`unfold`] writes
+//! that out, and most tests of this module compare the two. What is gained is a text that people can read, and an
+//! exploration that touches only the colours that occur.
 //!
 //! # Map
 //! - [`Domain`], [`Function`], [`Guard`]: what colours there are, what arcs do with them, which modes exist.

@@ -43,7 +43,7 @@ pub(super) struct ColouredPlace {
     pub(super) shape: DomainShape,
     /// The number of its first cell.
     pub(super) offset: u32,
-    /// How many tokens it is said to hold at most.
+    /// Declared number of tokens that it holds at most.
     pub(super) max_tokens: Option<u32>,
 }
 
@@ -82,12 +82,12 @@ impl ColouredNet {
         &self.basics
     }
 
-    /// How many places there are.
+    /// Number of places.
     pub fn place_count(&self) -> usize {
         self.places.len()
     }
 
-    /// How many transitions there are.
+    /// Number of transitions.
     pub fn transition_count(&self) -> usize {
         self.transitions.len()
     }
@@ -129,7 +129,7 @@ impl ColouredNet {
         &self.transitions[transition.index()].shape.basics
     }
 
-    /// How many tokens a place is declared to hold at most. It is a claim about the net and restricts no firing.
+    /// Declared number of tokens that a place holds at most. It is a claim about the net and restricts no firing.
     pub fn max_tokens(&self, place: PlaceId) -> Option<u32> {
         self.places[place.index()].max_tokens
     }
@@ -139,7 +139,7 @@ impl ColouredNet {
         self.initial.clone()
     }
 
-    /// How many cells there are: one for each colour of each place.
+    /// Number of cells: one for each colour of each place.
     pub fn cell_count(&self) -> u32 {
         self.places.last().map_or(0, |place| place.offset + place.shape.count)
     }
@@ -156,7 +156,7 @@ impl ColouredNet {
         place.shape.position(tones).map(|colour| place.offset + colour)
     }
 
-    /// What a cell is called: `p3<2,1>`, or the place's name if it is uncoloured.
+    /// Name of a cell: `p3<2,1>`, or the place's name if it is uncoloured.
     pub fn cell_name(&self, number: u32) -> String {
         let cell = self.cell(number);
         let place = &self.places[cell.place.index()];
@@ -174,7 +174,7 @@ impl ColouredNet {
         Some(NetMode { transition, colour })
     }
 
-    /// What a mode is called: `t1<m2,r1,p3>`, or the transition's name if it is uncoloured.
+    /// Name of a mode: `t1<m2,r1,p3>`, or the transition's name if it is uncoloured.
     pub fn mode_name(&self, mode: NetMode) -> String {
         let transition = &self.transitions[mode.transition.index()];
         format!("{}{}", transition.name, transition.shape.show(mode.colour, &self.basics))

@@ -55,7 +55,7 @@ mod tests {
     use crate::StateId;
     use crate::coloured::{ColouredBuilder, Domain, Guard, Operand, compare, component, id, proj, succ};
 
-    /// A token that goes around a ring of `size`, and leaves a trace if asked to.
+    /// A token that goes around a ring of `size`, and with `trace` leaves one.
     fn ring(size: u32, trace: bool) -> ColouredNet {
         let mut b = ColouredBuilder::new("ring");
         let at = b.basic("at", size);

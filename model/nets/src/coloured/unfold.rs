@@ -1,10 +1,10 @@
 //! The ordinary net that a coloured net stands for, with the way back.
 //!
-//! One place for each colour of each place, one transition for each mode that a guard allows. Names tell where they come
-//! from: `p3<2,1>`. A net of universal domains unfolds to far more than is ever used, so there is a second way that
-//! keeps only the colours which could ever be there: those that start on a place, and whatever modes make of colours
-//! that could be there. Counts are ignored in that, so it keeps a little more than exploration would find; what it
-//! drops can never be marked or fire, and everything else behaves the same.
+//! One place for each colour of each place, one transition for each mode that a guard allows. Names contain their
+//! origin: `p3<2,1>`. A net of universal domains unfolds to far more than is ever used, so there is a second way that
+//! keeps only the colours which could ever be there: those that start on a place, and the results of modes of colours
+//! that could be there. Counts are ignored in that, so it keeps a little more than exploration would find; what it drops
+//! can never be marked or fire, and everything else behaves the same.
 
 use thiserror::Error;
 
@@ -13,7 +13,7 @@ use super::marking::{ColouredMarking, TokenElement};
 use super::net::{ColouredNet, NetMode};
 use crate::{Marking, Net, NetBuilder, PlaceId, TransitionId};
 
-/// Which colours to unfold.
+/// Colours to unfold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colours {
     /// All of every domain.
@@ -22,13 +22,13 @@ pub enum Colours {
     Reachable,
 }
 
-/// Why there is no ordinary net.
+/// Reason why there is no ordinary net.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum UnfoldError {
     /// It would have more places and transitions than allowed.
     #[error("the unfolding has more than {limit} places and transitions")]
     TooLarge {
-        /// What is allowed.
+        /// Number allowed.
         limit: usize,
     },
     /// Of the colours that could ever be there, there is none: no token, and no transition that needs none.
@@ -76,7 +76,7 @@ pub fn unfold(net: &ColouredNet, colours: Colours, limit: usize) -> Result<Unfol
     }
 }
 
-/// What a mode takes and gives, added up by cell.
+/// Tokens that a mode takes and gives, added up by cell.
 fn sides(net: &ColouredNet, mode: NetMode) -> [Vec<(u32, u32)>; 2] {
     let (mut takes, mut gives) = (Vec::new(), Vec::new());
     net.demand(&[mode], &mut takes).expect("the builder bounds what an arc moves");

@@ -4,12 +4,12 @@
 //! to lie strictly above one that led to it, the places that gained tokens can gain them again and again; their count
 //! becomes ω, "as many as you like". The result is finite for every net, and decides boundedness, the bound of each
 //! place, which markings can be covered, and which transitions can ever fire. It does not decide liveness or
-//! reachability: ω forgets how many tokens there are.
+//! reachability: ω has no number of tokens.
 //!
 //! Two things keep it small. A label that is already there is not expanded again, nor one that lies below a label with
-//! ω; labels are never taken away again, which is where quicker variants have gone wrong. And where conserved sums
-//! cover all places, nothing can grow and no label is compared with those before it. The graph can still be larger than
-//! any memory, so there is a limit, and beyond it the answer is [`CoverabilityUndecided`].
+//! ω; labels are never taken away again, where quicker variants have failed. And where conserved sums cover all places,
+//! nothing can grow and no label is compared with those before it. The graph can still be larger than any memory, so
+//! there is a limit, and beyond it the answer is [`CoverabilityUndecided`].
 
 mod label;
 mod search;
@@ -21,7 +21,7 @@ use label::MarkingLabel;
 
 pub use search::coverability;
 
-/// How large the graph may become.
+/// Largest size of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CoverabilityLimits {
     /// The most labels.
@@ -49,7 +49,7 @@ pub struct CoverabilityUndecided {
     pub cause: CoverabilityLimit,
 }
 
-/// What stops the construction of the graph.
+/// Limit that stops the construction of the graph.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum CoverabilityLimit {
     /// [`CoverabilityLimits::labels`].
@@ -69,18 +69,18 @@ pub enum CoverabilityLimit {
     TooMany(NamedId<PlaceId>),
 }
 
-/// How a net grows without end: after `prefix` it can play `cycle`, and again, and again.
+/// Growth of a net without end: after `prefix` it can play `cycle`, and again, and again.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GrowthWitness {
-    /// What to fire first, from the initial marking.
+    /// Firings before, from the initial marking.
     pub prefix: Vec<TransitionId>,
-    /// What can be repeated for ever; it takes away nothing on balance.
+    /// Firings that can be repeated for ever; they take away nothing on balance.
     pub cycle: Vec<TransitionId>,
     /// The places that have more tokens after each round.
     pub grows: Vec<PlaceId>,
 }
 
-/// What the coverability graph says about a net.
+/// Results of the coverability graph of a net.
 #[derive(Clone, Debug)]
 pub struct Coverability {
     labels: Vec<MarkingLabel>,
@@ -91,7 +91,7 @@ pub struct Coverability {
 }
 
 impl Coverability {
-    /// How many labels the graph has: for a bounded net its reachable markings.
+    /// Number of labels of the graph: for a bounded net its reachable markings.
     pub fn label_count(&self) -> usize {
         self.labels.len()
     }
@@ -128,7 +128,7 @@ impl Coverability {
 }
 
 impl GrowthWitness {
-    /// Plays the pump once, and says whether it is one.
+    /// Plays the pump once; whether it is one.
     pub fn is_valid(&self, net: &Net) -> bool {
         let mut marking = net.initial_marking();
         let mut play = |sequence: &[TransitionId]| {

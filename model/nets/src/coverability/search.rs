@@ -8,9 +8,9 @@ use crate::{Net, TransitionId, semiflows};
 
 /// Finds a finite set of generalised markings that covers exactly what the reachable markings cover.
 ///
-/// Why it is right: every label is approached by reachable markings, because ω is only written where a sequence that
-/// can be repeated adds tokens. And every reachable marking is covered: if M is covered by a label and M fires t, then
-/// so does the label, or another one that is above it and was expanded in its place.
+/// Correctness: every label is approached by reachable markings, because ω is only written where a sequence that can be
+/// repeated adds tokens. And every reachable marking is covered: if M is covered by a label and M fires t, then so does
+/// the label, or another one that is above it and was expanded in its place.
 pub fn coverability(net: &Net, limits: &CoverabilityLimits) -> Result<Coverability, CoverabilityUndecided> {
     let initial = net.initial_marking();
     if let Some(full) = net.places().find(|&place| initial.tokens(place) == OMEGA) {
@@ -128,7 +128,7 @@ impl CoverabilityGraph {
                 self.comparisons += 1;
                 let ancestor = &self.nodes[number];
                 at = ancestor.from.map(|(from, _)| from);
-                // What lies strictly above has more ω, or as many and more tokens.
+                // A label strictly above has more ω, or as many and more tokens.
                 let possible = weight.0 > ancestor.weight.0 || weight > ancestor.weight;
                 if !possible || !label.covers(&self.labels[number].0) {
                     continue;

@@ -3,7 +3,7 @@
 //! A code is a word and a bit in it. The *low* digits, as many as fit, choose the bit; the *high* digits choose the
 //! word, in mixed radix. Firing adds a constant to each digit and never carries, so a transition moves all markings of
 //! a word at which it is enabled to one other word at once, by one shift: up to 64 markings fire in a few instructions.
-//! What a transition asks of the high digits is the same for the whole word; what it asks of the low ones is a mask.
+//! The conditions of a transition on the high digits are the same for the whole word; those on the low ones are a mask.
 //!
 //! Only encodings with all digits bounded can be laid out like this, and only worthwhile ones are (see
 //! [`super::decide`]).
@@ -15,14 +15,14 @@ use crate::{Marking, Net, PlayDirection};
 /// Bits of a word.
 const BITS: u32 = 64;
 
-/// Which digit is where.
+/// Places of the digits.
 #[derive(Debug)]
 pub(super) struct BitmapLayout {
     /// The low digits, with what one adds to the bit number.
     low: Vec<(usize, u32)>,
     /// The high digits, with their radix; the first changes fastest from word to word.
     high: Vec<(usize, u32)>,
-    /// How many words there are.
+    /// Number of words.
     pub(super) words: usize,
 }
 
@@ -82,7 +82,7 @@ impl BitmapLayout {
         self.low.iter().any(|&(low, _)| low == digit)
     }
 
-    /// How many codes there are.
+    /// Number of codes.
     pub(super) fn codes(&self, encoding: &MarkingEncoding) -> u64 {
         self.words as u64 * u64::from(self.valid_bits(encoding))
     }
@@ -118,7 +118,7 @@ pub(super) struct WordRule {
     pub(super) low: u64,
     /// The conditions that take both, or several high digits.
     pub(super) mixed: Vec<WordCondition>,
-    /// What it adds to the word number.
+    /// Change of the word number.
     pub(super) jump: isize,
     left: u32,
     right: u32,
@@ -142,7 +142,7 @@ pub(super) struct WordCondition {
     high: Vec<DigitTerm>,
     /// The least sum of the low terms.
     least: i64,
-    /// By how much more than the least is needed: the bits that have it.
+    /// Surplus needed over the least: the bits that have it.
     masks: Vec<u64>,
 }
 
@@ -160,7 +160,7 @@ pub(super) struct WordForm {
     constant: i64,
     divisor: i64,
     high: Vec<DigitTerm>,
-    /// What the low digits contribute, the most first, and the bits where it is that.
+    /// Values of the low digits, the most first, and the bits with each.
     low: Vec<(i64, u64)>,
 }
 
@@ -284,7 +284,7 @@ impl Lows {
 
 /// The high digits of a word, and the rules that they do not rule out.
 ///
-/// Going from one word to a near one costs little: what the slower digits say is kept.
+/// Going from one word to a near one costs little: the results of the slower digits are kept.
 #[derive(Debug)]
 pub(super) struct Cursor<'k> {
     kernel: &'k Kernel,

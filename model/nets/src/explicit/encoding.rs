@@ -1,8 +1,8 @@
-//! Which numbers a marking is written with.
+//! Numbers that a marking is written with.
 //!
 //! A marking becomes a vector of *digits*, as short as the sums of [`super::invariants`] allow:
 //! - places of which exactly one holds a token are one digit, the position of that one. A place may be in several such
-//!   sets; it belongs to the digit of the first, and the digit of a later set tells apart only the places left to it;
+//!   sets; it belongs to the digit of the first, and the digit of a later set distinguishes only the places left to it;
 //! - a place whose count follows from other places by a sum has no digit;
 //! - every other place has its count as a digit.
 //!
@@ -20,14 +20,14 @@ pub(super) type Radix = Option<u32>;
 /// Up to which radix the bits of what a digit allows are tabulated per value.
 pub(super) const TABLE_MAX: u32 = 256;
 
-/// A form has no larger divisor. Whoever needs a weight of 32 bits of such a place needs that many times as much of its
-/// sum, and compares it with other sums in 64 bits.
+/// A form has no larger divisor. A weight of 32 bits of such a place is that many times as much of its sum, which is
+/// compared with other sums in 64 bits.
 const DIVISOR_MAX: u64 = 1 << 20;
 
 /// Nor a larger constant, for the same reason: what the digits add to it has up to 55 bits.
 const CONSTANT_MAX: u64 = 1 << 60;
 
-/// How markings of one net are written.
+/// Form of the markings of one net.
 #[derive(Debug)]
 pub(super) struct MarkingEncoding {
     /// Per digit, the number of its values.
@@ -36,7 +36,7 @@ pub(super) struct MarkingEncoding {
     own: Vec<Option<(usize, u32)>>,
     /// Per place, its count.
     pub(super) forms: Vec<Form>,
-    /// Per place, the most tokens that it can hold, if a sum tells.
+    /// Per place, the most tokens that it can hold, if a sum bounds them.
     pub(super) bounds: Vec<Option<u32>>,
 }
 
@@ -48,7 +48,7 @@ pub(super) struct Form {
     pub(super) terms: Vec<DigitTerm>,
 }
 
-/// What one digit contributes.
+/// Contribution of one digit.
 #[derive(Clone, Debug)]
 pub(super) struct DigitTerm {
     pub(super) digit: usize,
@@ -202,7 +202,7 @@ impl MarkingEncoding {
             Form { constant: 0, divisor: 1, terms: vec![DigitTerm { digit, values: Values::Times(1) }] };
     }
 
-    /// Digits for the places that are in no set, or forms where other places tell.
+    /// Digits for the places that are in no set, or forms where they follow from other places.
     fn add_counts(&mut self, net: &Net) {
         let left: Vec<usize> = (0..net.place_count()).filter(|&place| self.bounds[place].is_none()).collect();
         if left.is_empty() {
@@ -277,7 +277,7 @@ impl MarkingEncoding {
         Marking::from_tokens(self.forms.iter().map(|form| form.value(digits) as u32))
     }
 
-    /// What firing a transition adds to the digits, without the zeros; ordered by digit.
+    /// Change of the digits by firing a transition, without the zeros; ordered by digit.
     pub(super) fn change(&self, net: &Net, t: TransitionId) -> Vec<(usize, i64)> {
         let mut changes: Vec<(usize, i64)> = Vec::new();
         let gives = net.postset(t).iter().map(|&(place, weight)| (place, i64::from(weight)));
@@ -302,7 +302,7 @@ impl MarkingEncoding {
     }
 }
 
-/// Places that hold exactly one token: those that get a digit for it, and those that have been told apart before.
+/// Places that hold exactly one token: those that get a digit for it, and those that earlier digits distinguish.
 #[derive(Clone, Debug)]
 struct OneTokenSet {
     own: Vec<usize>,

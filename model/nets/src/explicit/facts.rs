@@ -1,4 +1,4 @@
-//! What is known of a net after all its markings have been seen.
+//! Facts about a net after all its markings have been visited.
 
 use crate::{Marking, TransitionId};
 
@@ -13,18 +13,18 @@ pub struct WitnessMarking {
 /// Markings that can be reached from everywhere.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Home {
-    /// How many there are.
+    /// Number of markings.
     pub states: u64,
     /// One of them.
     pub example: Marking,
 }
 
-/// What the markings were stored in.
+/// Storage of the markings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
     /// One bit per possible code.
     Bitmap {
-        /// How many codes there are.
+        /// Number of codes.
         codes: u64,
     },
     /// A table of exact keys.
@@ -57,7 +57,7 @@ pub struct NetFacts {
     pub terminal_components: u64,
     /// The markings that can be reached from every reachable marking, if there are any.
     pub home: Option<Home>,
-    /// What the markings were stored in.
+    /// Storage of the markings.
     pub storage: Storage,
     /// The most bytes that were held at a time; see [`super::ExplorationLimits::bytes`].
     pub bytes: usize,

@@ -1,4 +1,4 @@
-//! One marking that is looked for, and the shortest way to it.
+//! Search for one marking, and the shortest way to it.
 
 use super::encoding::MarkingEncoding;
 use super::facts::WitnessMarking;

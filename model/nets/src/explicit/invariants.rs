@@ -20,7 +20,7 @@ const NODES_MAX: usize = 4000;
 /// Larger weights do not make useful sums.
 const WEIGHT_MAX: i64 = 1 << 20;
 
-/// Σ y(p)·M(p), with what it is in all reachable markings.
+/// Σ y(p)·M(p), with its value in all reachable markings.
 #[derive(Clone, Debug)]
 pub(super) struct Invariant {
     /// y, by place.
@@ -28,7 +28,7 @@ pub(super) struct Invariant {
     pub(super) sum: i64,
 }
 
-/// Per place, what every transition does to it.
+/// Per place, the change by every transition.
 fn changes(net: &Net) -> Vec<SparseEntries> {
     let mut rows = vec![SparseEntries::new(); net.place_count()];
     let incidence = net.incidence();
@@ -49,7 +49,7 @@ fn with_sum(net: &Net, weights: SparseEntries) -> Option<Invariant> {
     Some(Invariant { weights, sum })
 }
 
-/// Which positive sums are looked for.
+/// Positive sums to be searched for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WantedSums {
     /// Weights of 1 that sum up to one token: exactly one of the places is marked, with one token.
@@ -91,7 +91,7 @@ pub(super) fn positive(net: &Net, wanted: WantedSums) -> Vec<Invariant> {
                 }
                 effort += 1 + kept.len();
                 let sum = gain.cancel(loss, t);
-                // A sum whose places include those of another says nothing new.
+                // A sum whose places include those of another is redundant.
                 kept.extend(sum.filter(|sum| fits(&sum.weights) && !kept.iter().any(|row| row.within(sum))));
             }
         }
@@ -114,7 +114,7 @@ fn cheapest(open: &mut Vec<u32>, rows: &[WeightRow]) -> Option<u32> {
     Some(open.swap_remove(best))
 }
 
-/// A weighting, and what is left of its product with the incidence matrix.
+/// A weighting, and the rest of its product with the incidence matrix.
 struct WeightRow {
     change: SparseEntries,
     weights: SparseEntries,

@@ -1,18 +1,18 @@
-//! How much a search may use, and what it says when that is not enough.
+//! Limits of a search, and the result where they are not enough.
 
 use thiserror::Error;
 
 use crate::FireError;
 
-/// What a search may use.
+/// Limits of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ExplorationLimits {
     /// The most states that are still decided.
     pub states: u64,
     /// The most bytes that the search may hold at a time, as it accounts for them itself: the tables whose size grows
-    /// with the states. What depends on the size of the net alone is not counted.
+    /// with the states. Memory that depends on the size of the net alone is not counted.
     pub bytes: usize,
-    /// How many threads work on it; 0 counts as 1. Results do not depend on it.
+    /// Number of threads; 0 counts as 1. Results do not depend on it.
     pub threads: usize,
 }
 
@@ -32,7 +32,7 @@ pub struct ExplorationUndecided {
     pub cause: ExplorationLimit,
 }
 
-/// What stops a search.
+/// Limit that stops a search.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ExplorationLimit {
     /// There are more states than allowed.
@@ -44,7 +44,7 @@ pub enum ExplorationLimit {
     /// The next table would not fit.
     #[error("the search needs {needs} bytes, and {limit} are allowed")]
     Bytes {
-        /// What it would have held at a time.
+        /// Bytes that it would have held at a time.
         needs: usize,
         /// [`ExplorationLimits::bytes`].
         limit: usize,

@@ -1,4 +1,4 @@
-//! Deciding a net whose markings fit a bitmap.
+//! Decides a net whose markings fit a bitmap.
 //!
 //! Forwards from the initial marking, counting; backwards from it within what was found, which decides reversibility;
 //! and only for nets that are not reversible, the terminal components of the rest.
@@ -61,7 +61,7 @@ struct Bitmaps<'a> {
     layout: &'a BitmapLayout,
     forth: Kernel,
     seen: Bitmap,
-    /// No longer needed for what it holds.
+    /// No longer needed for its contents.
     spare: Bitmap,
     budget: MemoryBudget,
 }

@@ -12,7 +12,7 @@ pub(super) fn path_to(
     budget: &mut MemoryBudget,
 ) -> Result<Vec<TransitionId>, ExplorationUndecided> {
     let states = space.len();
-    // Who found whom, and the queue.
+    // Predecessors, and the queue.
     let bytes = 2 * states * size_of::<u32>();
     budget.take(bytes, states as u64)?;
     let mut found_by = vec![u32::MAX; states];

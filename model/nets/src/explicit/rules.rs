@@ -1,9 +1,9 @@
-//! When transitions fire, said about digits.
+//! When transitions fire, by digits.
 //!
 //! For either way of playing the net, each transition has conditions (a sum of terms, each of one digit, must not be
 //! less than a number) and a constant change of the digits. Conditions on one digit alone are the rule, and are turned
-//! into a [`Filter`]: per value of a digit, the set of transitions that it does not rule out. What remains after all
-//! digits have had their say is nearly always enabled.
+//! into a [`Filter`]: per value of a digit, the set of transitions that it does not rule out. A transition that remains
+//! after all digits is nearly always enabled.
 
 use super::encoding::{DigitTerm, MarkingEncoding, Radix, TABLE_MAX};
 use crate::{Net, PlaceId, PlayDirection, TransitionId};
@@ -13,7 +13,7 @@ use crate::{Net, PlaceId, PlayDirection, TransitionId};
 pub(super) struct FiringRule {
     pub(super) transition: TransitionId,
     pub(super) conditions: Vec<LinearCondition>,
-    /// What it adds to the digits, without the zeros; ordered by digit.
+    /// Change of the digits, without the zeros; ordered by digit.
     pub(super) change: Vec<(usize, i64)>,
     /// Places that get more tokens and are not known to be bounded, with what they get.
     pub(super) growing: Vec<(PlaceId, i64)>,
@@ -38,7 +38,7 @@ impl LinearCondition {
         if let [term] = self.terms.as_slice() { Some(term.digit) } else { None }
     }
 
-    /// The least and the most that the sum can be, as far as the radices tell.
+    /// The least and the most that the sum can be, by the radices.
     fn range(&self, radices: &[Radix]) -> Option<(i64, i64)> {
         let mut range = (0, 0);
         for term in &self.terms {
@@ -87,7 +87,7 @@ fn rule(net: &Net, encoding: &MarkingEncoding, direction: PlayDirection, t: Tran
 pub(super) struct Filter {
     /// Words per set.
     pub(super) width: usize,
-    /// By digit, then value; empty for a digit that has no say.
+    /// By digit, then value; empty for a digit that rules nothing out.
     tables: Vec<Vec<u64>>,
     /// All rules.
     all: Vec<u64>,

@@ -6,7 +6,7 @@
 //!
 //! Threads take blocks of words from a common counter. Only one thread has a word at a time and marks it as fired; any
 //! may see markings in it. The set that results is the least one closed under firing, and each marking in it is fired
-//! exactly once: sums over markings do not depend on who did what when.
+//! exactly once: sums over markings do not depend on the distribution of the work.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::thread;
@@ -26,7 +26,7 @@ pub(super) fn bitmap(words: usize) -> Bitmap {
     (0..words).map(|_| AtomicU64::new(0)).collect()
 }
 
-/// What was found while firing.
+/// Findings of firing.
 #[derive(Clone, Debug)]
 pub(super) struct SweepTally {
     pub(super) states: u64,
@@ -59,13 +59,13 @@ impl SweepTally {
 /// A closure under firing.
 pub(super) struct Closure<'a> {
     pub(super) kernel: &'a Kernel,
-    /// What has been seen; starts with the initial set.
+    /// Markings seen; starts with the initial set.
     pub(super) seen: &'a Bitmap,
-    /// What has been fired; starts empty.
+    /// Markings fired; starts empty.
     pub(super) fired: &'a Bitmap,
-    /// What lies outside does not count as seen.
+    /// Markings outside do not count as seen.
     pub(super) within: Option<&'a Bitmap>,
-    /// The counts of the places whose bounds are wanted, and the bounds that cannot be exceeded.
+    /// The counts of the places whose bounds are to be found, and the bounds that cannot be exceeded.
     pub(super) forms: &'a [WordForm],
     pub(super) bounds: &'a [u32],
     pub(super) limit_states: u64,
@@ -112,7 +112,7 @@ struct Sweep<'a> {
     upwards: bool,
 }
 
-/// What a thread has to itself.
+/// State of one thread.
 struct Worker<'a> {
     cursor: Cursor<'a>,
     tally: SweepTally,

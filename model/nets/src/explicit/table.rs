@@ -72,7 +72,7 @@ impl Packing {
         }
     }
 
-    /// What a change of digits adds to a key: words, with what is added to each.
+    /// Change of a key by a change of digits: words, with the addend of each.
     fn delta(&self, change: &[(usize, i64)]) -> Vec<(usize, u64)> {
         let mut words: Vec<(usize, u64)> = Vec::new();
         for &(digit, by) in change {
@@ -150,7 +150,7 @@ pub(super) struct MarkingTable<'a> {
     limit_states: u64,
 }
 
-/// What came of firing.
+/// Result of firing.
 enum FiringResult {
     Known(u32),
     New(u32),
@@ -201,7 +201,7 @@ impl<'a> MarkingTable<'a> {
         Ok(table)
     }
 
-    /// How many markings there are; they are numbered in the order of discovery.
+    /// Number of markings; they are numbered in the order of discovery.
     pub(super) fn len(&self) -> usize {
         self.count
     }

@@ -15,13 +15,13 @@ const DONE: u32 = u32::MAX;
 /// A part that nothing leaves.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct TerminalComponent {
-    /// How many markings it has.
+    /// Number of its markings.
     pub(super) states: u64,
     /// The least of them.
     pub(super) first: u32,
 }
 
-/// What the terminal components have in common.
+/// Common facts of the terminal components.
 #[derive(Clone, Debug)]
 pub(super) struct Terminal {
     pub(super) count: u64,

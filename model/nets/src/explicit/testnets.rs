@@ -4,7 +4,7 @@ use linewright_random::Random;
 
 use crate::{Net, NetBuilder};
 
-/// A net as plain data: tokens, and per transition what it takes and gives.
+/// A net as plain data: tokens, and per transition those it takes and gives.
 #[derive(Default)]
 struct PlainNet {
     tokens: Vec<u32>,
@@ -143,7 +143,7 @@ fn exchanges(random: &mut Random) -> PlainNet {
     draft
 }
 
-/// Transitions that take more than they give: bounded, with no sum that says so.
+/// Transitions that take more than they give: bounded, without a sum that shows it.
 fn drain(random: &mut Random) -> PlainNet {
     let places = 1 + random.below(4);
     let mut draft = PlainNet { tokens: (0..places).map(|_| random.below(7) as u32).collect(), ..PlainNet::default() };

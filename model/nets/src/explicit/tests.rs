@@ -43,7 +43,7 @@ fn every_way(net: &Net, limits: &ExplorationLimits) -> Vec<(&'static str, Decide
     ways
 }
 
-/// What the obvious way finds, with what it does not say itself.
+/// Facts found by the obvious way, with those it does not return itself.
 struct ReferenceResult {
     explored: Reachability,
     /// Per state, which states it leads to.
@@ -284,7 +284,7 @@ fn a_place_that_overflows_is_named() {
 #[test]
 fn weights_of_32_bits_are_compared_without_overflow() {
     const MANY: u32 = u32::MAX;
-    // `made` turns into MANY of `bits`, so either follows from the other; `never` asks for MANY of `made`.
+    // `made` turns into MANY of `bits`, so either follows from the other; `never` needs MANY of `made`.
     for (makes, asks) in [(MANY, MANY), (1 << 31, MANY), (1 << 20, MANY), (1000, MANY), (MANY, 2), (3, 2)] {
         let mut b = crate::NetBuilder::new("heavy");
         let [made, bits, once] = [("made", 0), ("bits", 0), ("once", 1)].map(|(name, n)| b.place(name, n));
@@ -303,7 +303,7 @@ fn weights_of_32_bits_are_compared_without_overflow() {
 
 #[test]
 fn a_digit_widens_as_often_as_it_must() {
-    // A counter that nothing bounds until 2⁲⁰ − 1 is drained by halves.
+    // A counter that nothing bounds until 2²⁰ − 1 is drained by halves.
     let mut b = crate::NetBuilder::new("doubling");
     let [a, other, phase_a, phase_b] = [("a", 1), ("b", 0), ("to b", 1), ("to a", 0)].map(|(n, m)| b.place(n, m));
     let rounds = b.place("rounds", 6);

@@ -1,4 +1,4 @@
-//! The whole graph of markings, shown piece by piece: for writing it to a file, or for a question of one's own.
+//! The whole graph of markings, shown piece by piece: for writing it to a file, or for other analyses.
 
 use super::encoding::MarkingEncoding;
 use super::limits::{ExplorationLimit, ExplorationLimits, ExplorationUndecided};
@@ -14,7 +14,7 @@ pub enum GraphEvent<'a> {
     State(StateId, MarkingView<'a>),
     /// An arc from the last marking shown, in the order of transitions. Where it leads may not have been shown yet.
     Arc {
-        /// What fires.
+        /// Transition that fires.
         transition: TransitionId,
         /// Where it leads.
         to: StateId,

@@ -1,4 +1,4 @@
-//! What conserved sums say about a marked net: bounds of places, and places that are never marked together.
+//! Consequences of conserved sums for a marked net: bounds of places, and places that are never marked together.
 //!
 //! All of it follows from Σ y(p)·M(p) = Σ y(p)·M₀(p) for every reachable M, so it is true, but need not be tight: a
 //! bound may be more than what is ever reached, and two places may exclude each other for reasons that no sum shows.
@@ -33,8 +33,8 @@ impl Semiflows<PlaceId> {
         net.places().filter(|&place| !self.covers(place))
     }
 
-    /// The most tokens that the sums of `initial` allow on a place, and the semiflow that says so; none if no semiflow
-    /// has the place in its support.
+    /// The most tokens that the sums of `initial` allow on a place, and the semiflow that proves it; none if no
+    /// semiflow has the place in its support.
     pub fn bound(&self, place: PlaceId, initial: &Marking) -> Option<(u128, &Semiflow<PlaceId>)> {
         let bound = |flow: &Semiflow<PlaceId>| flow.sum(initial) / u128::from(flow.weight(place));
         self.through(place).map(|flow| (bound(flow), flow)).min_by_key(|&(bound, _)| bound)

@@ -85,7 +85,7 @@ impl<I: Copy + Ord> Semiflows<I> {
     }
 }
 
-/// How large the search may become.
+/// Largest size of the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SemiflowLimits {
     /// The most vectors at a time.
@@ -94,7 +94,7 @@ pub struct SemiflowLimits {
     pub bytes: usize,
     /// The most pairs of vectors that are looked at.
     pub combinations: u64,
-    /// The most looks at entries and third vectors that tell whether a pair counts, which is what takes the time.
+    /// The most looks at entries and third vectors that decide whether a pair counts, which is what takes the time.
     pub looks: u64,
 }
 
@@ -109,17 +109,17 @@ impl Default for SemiflowLimits {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("undecided after {eliminated} of {of} equations, with {rows} vectors at hand: {cause}")]
 pub struct SemiflowsUndecided {
-    /// How many equations were solved: one per transition for place semiflows, one per place for the others.
+    /// Number of equations solved: one per transition for place semiflows, one per place for the others.
     pub eliminated: usize,
-    /// How many there are.
+    /// Number of equations.
     pub of: usize,
-    /// How many vectors solved them.
+    /// Number of vectors that solved them.
     pub rows: usize,
-    /// What stopped the search.
+    /// Limit that stopped the search.
     pub cause: SemiflowLimit,
 }
 
-/// What stops a search for semiflows.
+/// Limit that stops a search for semiflows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum SemiflowLimit {
     /// [`SemiflowLimits::rows`].

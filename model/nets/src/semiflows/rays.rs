@@ -190,7 +190,7 @@ impl Rays {
         self.rows[index].as_ref().expect("the row is there until its column is eliminated")
     }
 
-    /// Whether no third row lies in the union of the two supports.
+    /// Whether no third row is in the union of the two supports.
     fn adjacent(&mut self, a: usize, b: usize) -> bool {
         let union: Vec<u32> = {
             let (a, b) = (&self.ray(a).row.own, &self.ray(b).row.own);

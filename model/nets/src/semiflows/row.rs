@@ -1,4 +1,4 @@
-//! Sparse rows of integers that remember how they were combined.
+//! Sparse rows of integers, with their combination.
 //!
 //! A row starts as one line of a matrix together with a unit vector. Every combination is applied to both parts, so that
 //! at any time `rest = own · matrix`. Once `rest` is empty, `own` is a solution of own · matrix = 0. Numbers are kept in
@@ -10,7 +10,7 @@ pub(super) type SparseVector = Vec<(u32, i64)>;
 /// A row under elimination.
 #[derive(Clone, Debug)]
 pub(super) struct EliminationRow {
-    /// What is left of the matrix part.
+    /// Rest of the matrix part.
     pub rest: SparseVector,
     /// The combination of the original rows that this one is.
     pub own: SparseVector,

@@ -1,14 +1,14 @@
 //! Siphons and traps: sets of places that stay empty, and sets that stay marked.
 //!
-//! A *siphon* is a set S of places with •S ⊆ S•: whoever puts a token in takes one out, so that an empty siphon stays
-//! empty, and every transition that takes from it is dead. A *trap* is the mirror image, S• ⊆ •S: once it has a token it
-//! always will. Both hold for weighted arcs too. Unions of siphons are siphons, so every set of places contains a
-//! largest one, found in time linear in the net; *minimal* ones, with no other inside, can be exponentially many, and
-//! their search is bounded.
+//! A *siphon* is a set S of places with •S ⊆ S•: every transition that puts a token in takes one out, so that an empty
+//! siphon stays empty, and every transition that takes from it is dead. A *trap* is the mirror image, S• ⊆ •S: once it
+//! has a token it always will. Both hold for weighted arcs too. Unions of siphons are siphons, so every set of places
+//! contains a largest one, found in time linear in the net; *minimal* ones, with no other inside, can be exponentially
+//! many, and their search is bounded.
 //!
 //! Commoner's theorem (Hack, *Analysis of production schemata by Petri nets*, 1972; Murata 1989, §VI): a free-choice net
 //! is live iff every siphon contains a trap that is marked initially. In any net without weights the same condition
-//! still excludes deadlocks. This module does not say which class a net is of.
+//! still excludes deadlocks. This module does not check the class of a net.
 
 mod search;
 mod sides;
@@ -18,7 +18,7 @@ use thiserror::Error;
 use crate::{Marking, Net, PlaceId};
 use sides::Sides;
 
-/// How large the search for minimal sets may become.
+/// Largest size of the search for minimal sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SiphonLimits {
     /// The most partial sets that are looked at, each in time linear in the net. A set counts again for each place that
@@ -43,11 +43,11 @@ pub struct SiphonsUndecided {
     pub sets: usize,
     /// The minimal sets found until then.
     pub found: usize,
-    /// What stopped the search.
+    /// Limit that stopped the search.
     pub cause: SiphonLimit,
 }
 
-/// What stops a search for siphons or traps.
+/// Limit that stops a search for siphons or traps.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum SiphonLimit {
     /// [`SiphonLimits::sets`].

@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::HeavyArc;
 use crate::{NamedId, Net, PlaceId, TransitionId};
 
-/// Why a net is not of extended free choice.
+/// Reason why a net is not of extended free choice.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotExtendedFreeChoice {
     /// Two transitions compete for one place, and one of them needs another place that the other does not.
@@ -22,14 +22,14 @@ pub enum NotExtendedFreeChoice {
         first: NamedId<TransitionId>,
         /// Its competitor.
         second: NamedId<TransitionId>,
-        /// What only the first one needs.
+        /// Place that only the first one needs.
         waits_for: NamedId<PlaceId>,
     },
     #[error(transparent)]
     Weight(HeavyArc),
 }
 
-/// Why a net is not of asymmetric choice.
+/// Reason why a net is not of asymmetric choice.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotAsymmetricChoice {
     /// Two places feed a common transition, and each also feeds one that the other does not.
@@ -63,7 +63,7 @@ pub struct ChoicePlace {
 }
 
 impl Net {
-    /// Whether transitions that share an input place have the same input places: who may choose, may choose among all.
+    /// Whether transitions that share an input place have the same input places: if one of them can fire, all can.
     pub fn is_extended_free_choice(&self) -> Result<(), NotExtendedFreeChoice> {
         for p in self.places() {
             // Equality with the first consumer is equality among all.

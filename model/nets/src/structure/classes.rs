@@ -17,7 +17,7 @@ pub struct HeavyArc {
     pub weight: u32,
 }
 
-/// Why a net is no state machine.
+/// Reason why a net is no state machine.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotStateMachine {
     /// |•t| ≠ 1: the transition synchronises, or needs nothing.
@@ -38,7 +38,7 @@ pub enum NotStateMachine {
     Weight(HeavyArc),
 }
 
-/// Why a net is no marked graph.
+/// Reason why a net is no marked graph.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotMarkedGraph {
     /// |•p| ≠ 1.
@@ -59,7 +59,7 @@ pub enum NotMarkedGraph {
     Weight(HeavyArc),
 }
 
-/// Why a net is not free-choice.
+/// Reason why a net is not free-choice.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotFreeChoice {
     /// The place offers a choice, and one of the candidates also waits for another place.
@@ -108,7 +108,7 @@ impl Net {
     }
 
     /// Whether every arc from a place to a transition is the only one from that place or the only one to that
-    /// transition: who may choose never has to wait. State machines and marked graphs are free-choice.
+    /// transition: where there is a choice there is no wait. State machines and marked graphs are free-choice.
     pub fn is_free_choice(&self) -> Result<(), NotFreeChoice> {
         for p in self.places() {
             let [(first, _), (second, _), ..] = *self.consumers(p) else { continue };

@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::components::Components;
 use crate::{NamedId, Net, NetNode, PlaceId, TransitionId};
 
-/// Why a net is not strongly connected: two nodes without a path between them.
+/// Reason why a net is not strongly connected: two nodes without a path between them.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("no path leads from {from} to {to}")]
 pub struct NotConnected {
@@ -22,7 +22,7 @@ pub struct NotConnected {
 impl Net {
     /// Whether a directed path leads from every node to every other (seed 002 §3.1, Definitions 2 and 5).
     ///
-    /// Places and transitions are nodes alike. Definition 5 asks for paths between transitions "(or places)"; here a
+    /// Places and transitions are nodes alike. Definition 5 requires paths between transitions "(or places)"; here a
     /// transition without an output place counts too, because such a net does lose its tokens.
     pub fn is_strongly_connected(&self) -> Result<(), NotConnected> {
         let places = self.place_count();

@@ -23,9 +23,9 @@ pub struct Incidence<'net> {
 #[error("{transition} takes {takes} tokens and gives {gives}")]
 pub struct NotConservative {
     pub transition: NamedId<TransitionId>,
-    /// What firing takes, summed over all places.
+    /// Tokens that firing takes, summed over all places.
     pub takes: u64,
-    /// What firing gives.
+    /// Tokens that firing gives.
     pub gives: u64,
 }
 
@@ -89,7 +89,7 @@ impl Incidence<'_> {
         column.binary_search_by_key(&place, |&(place, _)| place).map_or(0, |at| column[at].1)
     }
 
-    /// What firing a transition changes, without the zeros; ordered by place.
+    /// Change by firing a transition, without the zeros; ordered by place.
     pub fn column(&self, transition: TransitionId) -> &[(PlaceId, i64)] {
         &self.columns[transition.index()]
     }

@@ -1,10 +1,10 @@
-//! What a net is, without playing it.
+//! Properties of a net without playing it.
 //!
 //! Everything here is decided on the arcs (and, for the verdict on state machines, on the initial marking), nearly all of
-//! it in time linear in the size of the net. Nothing here knows which markings are reachable; that is [`crate::reach`].
+//! it in time linear in the size of the net. Nothing here computes reachable markings; that is [`crate::reach`].
 //!
-//! Each question is a method of [`crate::Net`] that answers `Ok(())` or the counterexample, so that a caller who
-//! wanted "yes" can print why not:
+//! Each question is a method of [`crate::Net`] that answers `Ok(())` or the counterexample, so that a caller can print
+//! why not:
 //! - classes: [`crate::Net::is_state_machine`], [`crate::Net::is_marked_graph`], [`crate::Net::is_free_choice`]
 //! - wider classes: [`crate::Net::is_extended_free_choice`], [`crate::Net::is_asymmetric_choice`],
 //!   [`crate::Net::is_choice_free`]

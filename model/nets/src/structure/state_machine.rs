@@ -1,13 +1,13 @@
 //! The verdict on state machines: live, safe, reversible, decided without playing.
 //!
 //! Every controller of a station is a strongly connected state machine with one token (seed 002 §5.5.1), so for the
-//! controllers themselves this module replaces a search. It knows nothing of conditions: a condition that never holds
-//! can still stop a live net.
+//! controllers themselves this module replaces a search. Conditions are left out: a condition that never holds can
+//! still stop a live net.
 //!
 //! Seed 002 quotes two theorems. Theorem 1: a state machine is live iff it is strongly connected and has a token, and
-//! safe iff it has at most one token. Theorem 2: a live state machine is reversible. Read literally, Theorem 1 says too
-//! much: two separate rings with a token each are live and safe though not strongly connected, and a fork in the road
-//! with a token at the end of either branch is safe though it has two. The verdict here is exact for *every* state
+//! safe iff it has at most one token. Theorem 2: a live state machine is reversible. Read literally, Theorem 1 claims
+//! too much: two separate rings with a token each are live and safe though not strongly connected, and a fork in the
+//! road with a token at the end of either branch is safe though it has two. The verdict here is exact for *every* state
 //! machine, and agrees with both theorems on every strongly connected one that has a transition.
 
 use std::fmt;
@@ -18,7 +18,7 @@ use super::NotStateMachine;
 use crate::components::Components;
 use crate::{NamedId, Net, PlaceId, TransitionId};
 
-/// What holds of a state machine, and why what does not hold does not.
+/// Properties of a state machine, with the reason for each that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StateMachineVerdict {
     /// From every reachable marking every transition can be enabled again (seed 002 §3.1, Definition 1).
@@ -53,7 +53,7 @@ impl fmt::Display for StateMachineVerdict {
     }
 }
 
-/// Why a state machine is not live.
+/// Reason why a state machine is not live.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotLive {
     /// The transition cannot be undone by others: once every token is behind it, it stays dead.
@@ -70,7 +70,7 @@ pub enum NotLive {
     NoToken { transition: NamedId<TransitionId> },
 }
 
-/// Why a state machine is not safe: two tokens can meet.
+/// Reason why a state machine is not safe: two tokens can meet.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{place} can hold two tokens, one that starts on {first} and one that starts on {second}")]
 pub struct NotSafe {
@@ -82,7 +82,7 @@ pub struct NotSafe {
     pub second: NamedId<PlaceId>,
 }
 
-/// Why a state machine is not reversible.
+/// Reason why a state machine is not reversible.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("the token on {place} can leave by {transition} for {to}, and no path leads back")]
 pub struct NotReversible {
@@ -103,13 +103,13 @@ pub struct NotReversible {
 ///
 /// - **Live** iff no edge leaves its component, and each component with an edge has a walker. *Only if*: let all
 ///   walkers go into terminal components; an edge that starts elsewhere is dead for ever. *If*: walkers cannot leave
-///   their components, and within one each edge can be reached. For a net in one piece this says: strongly connected,
+///   their components, and within one each edge can be reached. For a net in one piece this means: strongly connected,
 ///   with at least one token (Theorem 1).
 /// - **Safe** iff no two walkers can reach the same node: if they can, let these two go there and the others wait. In a
 ///   strongly connected net any two can: at most one token (Theorem 1).
 /// - **Reversible** iff every walker starts in a terminal component. *If*: it never left it and can go back alone.
-///   *Only if*: send the walker into a terminal component, and all others too; nobody can go where it started. A live
-///   net has terminal components only, hence is reversible (Theorem 2).
+///   *Only if*: send the walker into a terminal component, and all others too; no walker can go where it started. A
+///   live net has terminal components only, hence is reversible (Theorem 2).
 pub fn state_machine_verdict(net: &Net) -> Result<StateMachineVerdict, NotStateMachine> {
     net.is_state_machine()?;
     let edges = Edges { net };

@@ -1,4 +1,4 @@
-//! Unmarked nets in short, for the unit tests of the classes, and what a class says of them.
+//! Unmarked nets in short, for the unit tests of the classes, and the results for a class.
 
 use crate::{Net, NetBuilder};
 

@@ -6,7 +6,7 @@ use super::engine::Engine;
 use super::{TimedState, Tnces};
 use crate::TransitionId;
 
-/// What a delay may lead to in the state space.
+/// Results of a delay in the state space.
 pub(super) enum Pause {
     /// No time may pass: a transition is due.
     None,
@@ -17,7 +17,7 @@ pub(super) enum Pause {
 }
 
 impl<T: Borrow<Tnces>> Engine<T> {
-    /// How long until a spontaneous transition is ripe, if it is not disabled before.
+    /// Time until a spontaneous transition is ripe, if it is not disabled before.
     pub(super) fn until_ripe(&self, state: &TimedState, t: TransitionId) -> Option<u32> {
         if !self.is_marked(&state.marking, t) || !self.conditions_hold(&state.marking, t) {
             return None;
@@ -25,7 +25,7 @@ impl<T: Borrow<Tnces>> Engine<T> {
         self.moments(state, t).into_iter().find(|&shift| self.is_ripe(state, t, shift))
     }
 
-    /// How long until no time may pass before a spontaneous transition fires.
+    /// Time until no time may pass before a spontaneous transition fires.
     pub(super) fn until_due(&self, state: &TimedState, t: TransitionId) -> Option<u32> {
         if !self.is_marked(&state.marking, t) || !self.conditions_hold(&state.marking, t) {
             return None;

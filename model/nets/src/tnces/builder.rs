@@ -1,7 +1,7 @@
-//! Where the tables beside a net are written down, and where they are checked once.
+//! Builder of the tables beside a net, and their one check.
 //!
-//! Like [`crate::NetBuilder`], a builder accepts everything, and [`TncesBuilder::build`] reports all that is wrong or
-//! returns a [`Tnces`] that need not be checked again.
+//! Like [`crate::NetBuilder`], a builder accepts everything, and [`TncesBuilder::build`] reports all errors or returns
+//! a [`Tnces`] that need not be checked again.
 
 use std::collections::BTreeMap;
 
@@ -71,7 +71,7 @@ impl TncesBuilder {
         self
     }
 
-    /// How the event arcs into a transition are combined; *any* unless told, and the last word counts.
+    /// Combination of the event arcs into a transition; *any* by default, and the last call counts.
     pub fn event_mode(&mut self, transition: TransitionId, mode: EventMode) -> &mut Self {
         self.modes.push((transition, mode));
         self
@@ -89,14 +89,14 @@ impl TncesBuilder {
         self
     }
 
-    /// D₀: how old the tokens on a place are at the beginning; 0 unless told, and the last word counts. A transition
-    /// clock begins with the least age of the input places.
+    /// D₀: age of the tokens on a place at the beginning; 0 by default, and the last call counts. A transition clock
+    /// begins with the least age of the input places.
     pub fn initial_age(&mut self, place: PlaceId, age: u32) -> &mut Self {
         self.ages.push((place, age));
         self
     }
 
-    /// The system, or everything that is wrong with it.
+    /// The system, or all its errors.
     pub fn build(mut self) -> Result<Tnces, Vec<TncesError>> {
         self.conditions.sort_unstable();
         self.intervals.sort_unstable();

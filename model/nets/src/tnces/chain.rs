@@ -1,4 +1,4 @@
-//! What a spontaneous transition forces: everything that event arcs lead to, sources before targets.
+//! Transitions that a spontaneous one forces: all that event arcs lead to, sources before targets.
 //!
 //! Computed once, when the system is built. A forced transition is *contested* if it shares an input place with another
 //! one of the same chain: only then can a step be completed in more than one way, and the number of ways is at most two

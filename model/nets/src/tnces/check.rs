@@ -1,4 +1,4 @@
-//! What is wrong with the ports and connections of a composition, told with the way to each port.
+//! Errors in the ports and connections of a composition, with the way to each port.
 
 use std::collections::{BTreeMap, HashSet};
 

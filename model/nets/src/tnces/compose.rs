@@ -1,10 +1,10 @@
 //! Composition: modules and composites joined at their ports (seed 003 §3.2.2, L411-421).
 //!
-//! What may be joined is Ic and Ie of the source: an output of a part to an input of a part, an input of the composite
-//! to an input of a part, an output of a part to an output of the composite. A condition input carries one signal and
-//! has one source. An event input may have several and is called by any of them: "the output event of both models
-//! (controller and plant) is connected to the input event of this module" (L842). Every input must be driven; an output
-//! may be left alone.
+//! Joints are Ic and Ie of the source: an output of a part to an input of a part, an input of the composite to an input
+//! of a part, an output of a part to an output of the composite. A condition input carries one signal and has one
+//! source. An event input may have several and is called by any of them: "the output event of both models (controller
+//! and plant) is connected to the input event of this module" (L842). Every input must be driven; an output may be left
+//! alone.
 
 use super::flatten;
 use super::{ComposeError, Semantics, Tnces, TncesModule};
@@ -65,7 +65,7 @@ impl From<(ComponentId, &str)> for Endpoint {
     }
 }
 
-/// What a port carries.
+/// Signal of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum PortKind {
     Condition,
@@ -138,14 +138,14 @@ impl Composite {
         self
     }
 
-    /// Ie: an event leads likewise.
+    /// Ie: an event leads from one port to the other.
     pub fn event(&mut self, from: impl Into<Endpoint>, to: impl Into<Endpoint>) -> &mut Self {
         self.links.push((PortKind::Event, from.into(), to.into()));
         self
     }
 
-    /// The flat system: each node is named by the way to it, `part.node` or `outer.inner.node`. Or everything that is
-    /// wrong with the composition; what is wrong with the nets and tables is told once the ports are right.
+    /// The flat system: each node is named by the way to it, `part.node` or `outer.inner.node`. Or all errors of the
+    /// composition; those of the nets and tables are reported once the ports are right.
     pub fn flatten(&self, semantics: Semantics) -> Result<Tnces, Vec<ComposeError>> {
         flatten::flatten(self, semantics)
     }

@@ -1,4 +1,4 @@
-//! What is possible in a state, and what firing makes of it.
+//! Possible firings in a state, and their results.
 //!
 //! An engine is a system with its bounds in one unit of time, or without time. It serves exploration and the player
 //! alike: there is one rule of enabling and one of firing. It chooses nothing.
@@ -240,7 +240,7 @@ impl<T: Borrow<Tnces>> Engine<T> {
 
     /// Whether a forced transition that is called may take part in a step, tokens apart.
     pub(super) fn is_willing(&self, state: &TimedState, t: TransitionId) -> bool {
-        // Its own tokens are asked for too; that they suffice for all is seen when they are taken.
+        // Its own tokens are checked too; that they suffice for all is seen when they are taken.
         self.is_ripe(state, t, 0)
     }
 }

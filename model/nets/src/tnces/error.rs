@@ -1,29 +1,29 @@
-//! What can be wrong with a system or a composition, in words that name the nodes and ports concerned.
+//! Errors of a system or a composition, in words that name the nodes and ports concerned.
 
 use thiserror::Error;
 
 use super::Interval;
 use crate::{NamedId, NetError, PlaceId, TransitionId};
 
-/// One thing wrong with the tables beside a net.
+/// One error of the tables beside a net.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum TncesError {
     /// A table names a place that the net does not have.
     #[error("{what} names place #{}, but the net has {places} places", place.0)]
     UnknownPlace {
-        /// Which entry of which table.
+        /// Table and entry.
         what: String,
         place: PlaceId,
-        /// How many there are.
+        /// Number of places.
         places: usize,
     },
     /// A table names a transition that the net does not have.
     #[error("{what} names transition #{}, but the net has {transitions} transitions", transition.0)]
     UnknownTransition {
-        /// Which entry of which table.
+        /// Table and entry.
         what: String,
         transition: TransitionId,
-        /// How many there are.
+        /// Number of transitions.
         transitions: usize,
     },
     /// A condition arc that always holds.
@@ -81,7 +81,7 @@ pub enum TncesError {
     TooManyChoices {
         /// The spontaneous transition.
         trigger: NamedId<TransitionId>,
-        /// How many of those it forces share an input place with another.
+        /// Number of forced transitions that share an input place with another.
         contested: usize,
         limit: usize,
     },
@@ -94,7 +94,7 @@ fn names(cycle: &[NamedId<TransitionId>]) -> String {
     cycle.iter().map(ToString::to_string).collect::<Vec<_>>().join(" → ")
 }
 
-/// One thing wrong with a composition. A port is shown as `part.port`, a part within a part as `outer.inner`.
+/// One error of a composition. A port is shown as `part.port`, a part within a part as `outer.inner`.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ComposeError {
     /// Two parts of one composite have the same name.
@@ -114,7 +114,7 @@ pub enum ComposeError {
         composite: String,
         /// The number of the part.
         part: usize,
-        /// How many there are.
+        /// Number of parts.
         parts: usize,
     },
     /// A connection to a port that does not exist.
@@ -130,7 +130,7 @@ pub enum ComposeError {
     DoubleConnection {
         /// The port that is driven.
         port: String,
-        /// How many connections end there.
+        /// Number of connections that end there.
         times: usize,
         /// Where they come from.
         sources: String,
@@ -156,7 +156,7 @@ pub enum ComposeError {
         module: String,
         /// "places" or "transitions".
         nodes: &'static str,
-        /// How many there are.
+        /// Number of nodes.
         count: usize,
         /// The number that is none of them.
         id: u32,

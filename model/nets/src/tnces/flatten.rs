@@ -14,7 +14,7 @@ use crate::{NetBuilder, PlaceId, TransitionId};
 /// Deeper than any drawing, and far from the end of the stack.
 const DEPTH_MAX: usize = 64;
 
-/// What is behind a port.
+/// Source behind a port.
 #[derive(Clone, Debug)]
 enum PortSource {
     Place(PlaceId),
@@ -159,7 +159,7 @@ impl<'a> Flattening<'a> {
     }
 }
 
-/// What is behind the outputs of a composite whose parts are known.
+/// Sources behind the outputs of a composite whose parts are flattened.
 fn outputs(composite: &Composite, node: &FlatNode) -> PortSources {
     let mut outputs = PortSources::new();
     for (kind, from, to) in &composite.links {

@@ -1,4 +1,4 @@
-//! The state graph, and what can be read off it about paths and times.
+//! The state graph, and its paths and times.
 //!
 //! "A timing diagram represents the variables between a source state and a destination state" (seed 003 §5.1.2, L898):
 //! [`StateGraph::fastest`] gives the moments of one, [`StateGraph::span`] the bounds of all.
@@ -13,17 +13,17 @@ use crate::reach::StateId;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct StepId(pub u32);
 
-/// What leads from one state to another.
+/// Label of an arc from one state to another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TimedLabel {
     /// A step, which takes no time.
     Step(StepId),
-    /// So much time in which nothing fires.
+    /// Time in which nothing fires.
     Delay(u64),
 }
 
 impl TimedLabel {
-    /// How much time passes.
+    /// Time that passes.
     pub fn delay(self) -> u64 {
         match self {
             TimedLabel::Step(_) => 0,
@@ -37,7 +37,7 @@ impl TimedLabel {
 pub struct GraphArc {
     /// Where it starts.
     pub from: StateId,
-    /// What happens.
+    /// Event.
     pub label: TimedLabel,
     /// Where it ends.
     pub to: StateId,
@@ -52,7 +52,7 @@ pub enum Latest {
     Never(StateId),
 }
 
-/// How long it takes from a state to a goal.
+/// Time from a state to a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeBound {
     /// On the fastest run.
@@ -176,7 +176,7 @@ impl<S> StateGraph<S> {
         Some(TimeBound { earliest, latest: self.latest(from, goal) })
     }
 
-    /// The longest time to a goal: a longest path, if what lies before the goal has neither a cycle nor an end.
+    /// The longest time to a goal: a longest path, if the states before the goal have neither a cycle nor an end.
     fn latest(&self, from: StateId, goal: impl Fn(&S) -> bool) -> Latest {
         // Everything before the goal, with the number of arcs into it from there.
         let mut before: HashMap<StateId, usize> = HashMap::new();
@@ -220,7 +220,7 @@ impl<S> StateGraph<S> {
                 }
             }
         }
-        // What is left lies on a cycle or behind one.
+        // The rest lies on a cycle or behind one.
         let left = |arc: &&GraphArc| before.contains_key(&arc.from) && before.contains_key(&arc.to);
         self.on_cycle(self.arcs.iter().filter(left)).map_or(Latest::After(latest), Latest::Never)
     }

@@ -1,4 +1,4 @@
-//! The shape of a state graph: what is left for good, and what repeats.
+//! The shape of a state graph: states left for good, and loops.
 //!
 //! "One of the most important requirements it must fulfill is that the representation has to constitute a closed-loop"
 //! (seed 003 §5.1.1, L877): some states of start-up, then cycles (L884-892).
@@ -16,7 +16,7 @@ pub struct StateLoop {
     /// The states. If it is one cycle: in its order, beginning with the lowest number, which is where the shortest way
     /// from the initial state enters. Otherwise by number.
     pub states: Vec<StateId>,
-    /// How long one round takes, if it is one cycle: each state leads to one other of the loop, by one arc.
+    /// Time of one round, if it is one cycle: each state leads to one other of the loop, by one arc.
     pub period: Option<u64>,
     /// Whether nothing leads out.
     pub is_final: bool,
@@ -32,7 +32,7 @@ pub struct LoopShape {
 }
 
 impl<S> StateGraph<S> {
-    /// Which states are passed once, and which lie on cycles.
+    /// States that are passed once, and states on cycles.
     pub fn shape(&self) -> LoopShape {
         let parts = self.components(self.arcs().iter());
         let mut shape = LoopShape { transient: Vec::new(), loops: Vec::new() };
@@ -65,9 +65,9 @@ impl<S> StateGraph<S> {
         shape
     }
 
-    /// How many different cycles pass through a state, each arc sequence counted, if every cycle of its loop does; a
-    /// count beyond 64 bits is given as the largest. `None` if a cycle of the loop avoids the state. The testing station
-    /// of seed 003 has four, which "all start in p4" (L888).
+    /// Number of different cycles through a state, each arc sequence counted, if every cycle of its loop does; a count
+    /// beyond 64 bits is given as the largest. `None` if a cycle of the loop avoids the state. The testing station of
+    /// seed 003 has four, which "all start in p4" (L888).
     pub fn cycles_through(&self, head: StateId) -> Option<u64> {
         let parts = self.components(self.arcs().iter());
         let part = parts.of(head.index());

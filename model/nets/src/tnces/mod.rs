@@ -2,11 +2,11 @@
 //!
 //! A [`Tnces`] is a set of tables beside a [`Net`](crate::Net). *Condition arcs* let a transition read a place without
 //! taking from it. *Event arcs* let the firing of one transition force others, in the same step. *Intervals* on input
-//! arcs say how old a token, or an enabling, must be. The tables only restrict the token game of the net, so what its
-//! structure proves about conserved sums holds unchanged.
+//! arcs are the age that a token, or an enabling, must have. The tables only restrict the token game of the net, so
+//! what its structure proves about conserved sums holds unchanged.
 //!
 //! The source leaves a good deal open; every such point is either a named setting ([`Semantics`], [`EventMode`]) or a
-//! rule stated with its reason below. Nothing here knows machines, units or a wall clock: time is a whole number.
+//! rule stated with its reason below. There are no machines, units or wall clock here: time is a whole number.
 //!
 //! # A step
 //! A transition with event arcs into it is *forced*: it fires with its sources or not at all. All others are
@@ -24,11 +24,11 @@
 //! where they allow several. So a transition in mode [`EventMode::All`] needs sources that one step can hold together.
 //!
 //! # Several tokens on a place
-//! The source has clocks "associated with the places" (L405) and says nothing of two tokens. Here each token has its
-//! own age, and a firing takes the oldest that its interval allows: pallets in a queue wait each for itself and leave
-//! first in, first out. One clock per place, set back by each arrival, would let a stream of arrivals hold the first
-//! pallet for ever. A transition clock (the other readings) is one per transition: it starts anew after each firing, as
-//! a mechanism that moves one piece after the other does.
+//! The source has clocks "associated with the places" (L405) and does not treat two tokens. Here each token has its own
+//! age, and a firing takes the oldest that its interval allows: pallets in a queue wait each for itself and leave first
+//! in, first out. One clock per place, set back by each arrival, would let a stream of arrivals hold the first pallet
+//! for ever. A transition clock (the other readings) is one per transition: it starts anew after each firing, as a
+//! mechanism that moves one piece after the other does.
 //!
 //! # Analyses
 //! - [`Tnces::untimed_space`]: every marking, with conditions and events and without time.

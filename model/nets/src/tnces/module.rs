@@ -109,7 +109,7 @@ impl TncesModule {
         self
     }
 
-    /// How events into a transition are combined: those of an input port count as one, whatever drives it.
+    /// Combination of events into a transition: those of an input port count as one, whatever drives it.
     pub fn event_mode(&mut self, transition: TransitionId, mode: EventMode) -> &mut Self {
         self.modes.push((transition, mode));
         self

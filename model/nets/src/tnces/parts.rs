@@ -23,7 +23,7 @@ pub fn output(name: impl Into<String>, on: bool) -> TncesModule {
     m
 }
 
-/// A Boolean that copies another one when told to (input module, L531: the same, but "conditioned by condition arcs
+/// A Boolean that copies another one on an event (input module, L531: the same, but "conditioned by condition arcs
 /// (set/reset) from an external module").
 ///
 /// Event input `update`. Condition inputs `x`, under which it is set, and `not_x`, under which it is reset; outputs as
@@ -64,7 +64,7 @@ pub fn event_source(name: impl Into<String>) -> TncesModule {
     m
 }
 
-/// The environment as a switch that somebody turns on and off at any time; outputs as of [`output`].
+/// The environment as a switch that turns on and off at any time; outputs as of [`output`].
 pub fn switch(name: impl Into<String>, on: bool) -> TncesModule {
     let mut m = TncesModule::new(name);
     let (set, reset) = boolean(&mut m, on);
@@ -72,7 +72,7 @@ pub fn switch(name: impl Into<String>, on: bool) -> TncesModule {
     m
 }
 
-/// Two places, two transitions, and what they show to others.
+/// Two places, two transitions, and their outputs.
 fn boolean(m: &mut TncesModule, on: bool) -> (crate::TransitionId, crate::TransitionId) {
     let off_place = m.place("off", u32::from(!on));
     let on_place = m.place("on", u32::from(on));

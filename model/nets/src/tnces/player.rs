@@ -1,8 +1,8 @@
 //! One run of a system: a token player with a clock of its own, for a simulated plant.
 //!
-//! The player is told the time and reads none. Where several transitions could fire at one instant it takes the one with
-//! the lowest number, and of its maximal steps the first, so that a run is determined by the system, the policy and the
-//! calls.
+//! The time is an argument; the player reads no clock. Where several transitions could fire at one instant it takes the
+//! one with the lowest number, and of its maximal steps the first, so that a run is determined by the system, the policy
+//! and the calls.
 
 use std::borrow::Borrow;
 
@@ -12,7 +12,7 @@ use super::engine::Engine;
 use super::{TimedState, Tnces};
 use crate::{FireError, Marking, NamedId, PlaceId, PlayDirection, TransitionId};
 
-/// When the player fires what need not fire at once.
+/// Time at which the player fires transitions that need not fire at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Policy {
     /// As soon as the intervals allow.
@@ -31,7 +31,7 @@ pub struct FiredStep {
     pub step: Box<[TransitionId]>,
 }
 
-/// Why a transition does not fire now. Nothing has changed.
+/// Reason why a transition does not fire now. Nothing has changed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NotEnabled {
     /// Only other transitions make it fire.
@@ -75,7 +75,7 @@ pub enum Restless {
     Limit {
         /// Where the run stands.
         time: u64,
-        /// What has been fired.
+        /// Steps fired.
         fired: Vec<FiredStep>,
     },
     /// A place would hold more tokens than can be counted.
@@ -85,7 +85,7 @@ pub enum Restless {
         time: u64,
         /// Cause.
         error: FireError,
-        /// What has been fired.
+        /// Steps fired.
         fired: Vec<FiredStep>,
     },
 }

@@ -1,4 +1,4 @@
-//! What the source leaves open about time, as settings with names.
+//! Points about time that the source leaves open, as settings with names.
 //!
 //! Seed 003 §3.2 gives two readings of a clock and none of a deadline. Each enum below quotes the lines for its
 //! variants. The default is what makes the source's own examples come out: its plants measure "the time for a
@@ -36,7 +36,7 @@ impl Interval {
         Interval::between(time, time)
     }
 
-    /// The first clock value from which on a clock tells nothing more about this interval.
+    /// The first clock value from which on a clock no longer matters to this interval.
     pub(crate) fn horizon(self) -> u32 {
         self.latest.map_or(self.earliest, |latest| latest.saturating_add(1))
     }
@@ -51,13 +51,13 @@ impl fmt::Display for Interval {
     }
 }
 
-/// What the interval of an arc is compared with.
+/// Clock that the interval of an arc is compared with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ArcClock {
     /// The time the token has spent on the place (L403).
     TokenAge,
     /// The time since the transition's input places have been marked (L491: "three seconds after they will be
-    /// enabled"), whatever its conditions: "enabled" speaks of tokens alone (L341, L356).
+    /// enabled"), whatever its conditions: "enabled" is about tokens alone (L341, L356).
     SinceMarked,
     /// The time since the input places have been marked and the conditions have held. The only reading in which a
     /// mechanism at rest takes its time when it is switched on: its place has been marked all along, the condition is
@@ -76,7 +76,7 @@ pub enum FiringPolicy {
     Window,
 }
 
-/// What DL means when it passes.
+/// Effect when DL passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Deadline {
     /// A bound on waiting: once the transition could fire and a clock has reached DL, no time passes before it, or
@@ -103,11 +103,11 @@ pub enum EventMode {
 /// One reading of seed 003 §3.2.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Semantics {
-    /// What intervals are compared with.
+    /// Clock that intervals are compared with.
     pub clock: ArcClock,
     /// When a spontaneous transition fires.
     pub firing: FiringPolicy,
-    /// What DL means.
+    /// Meaning of DL.
     pub deadline: Deadline,
 }
 

@@ -1,6 +1,6 @@
 //! All states of a system, without time and with it.
 //!
-//! Like [`crate::reach`], exploration stores each state, stops at a bound, and then says that it does not know.
+//! Like [`crate::reach`], exploration stores each state, and stops undecided at a bound.
 
 use std::collections::HashMap;
 
@@ -33,7 +33,7 @@ impl Tnces {
     /// for a bounded net, because clocks stop at the largest bound that matters.
     ///
     /// Times in between in which nothing can fire are no states of their own. See [`Tnces::covers_continuous_time`] for
-    /// what whole numbers say of other times.
+    /// the meaning of whole numbers for other times.
     pub fn timed_space(&self, limit_states: usize) -> Result<StateGraph<TimedState>, ReachUndecided> {
         let unit = self.unit();
         let engine = Engine::new(self, Some(unit));

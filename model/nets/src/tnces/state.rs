@@ -1,12 +1,12 @@
 //! A marking with its clocks.
 //!
-//! Which clocks there are depends on the reading: ages of tokens, or one clock per transition. Only nodes whose clock can
-//! matter have one, and a clock stops where it tells nothing more, so that equal futures are equal states and a bounded
-//! net has finitely many.
+//! The clocks depend on the reading: ages of tokens, or one clock per transition. Only nodes whose clock can matter have
+//! one, and a clock stops where it no longer matters, so that equal futures are equal states and a bounded net has
+//! finitely many.
 
 use crate::Marking;
 
-/// So many tokens of one age. A place lists them oldest first.
+/// Tokens of one age. A place lists them oldest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct AgedTokens {
     pub(super) age: u32,
@@ -30,7 +30,7 @@ impl TimedState {
     }
 }
 
-/// How many tokens have an age, `shift` later, from `earliest` to `latest`.
+/// Number of tokens with an age, `shift` later, from `earliest` to `latest`.
 pub(super) fn within(runs: &[AgedTokens], earliest: u32, latest: Option<u32>, shift: u32) -> u64 {
     let fits = |run: &&AgedTokens| {
         let age = run.age.saturating_add(shift);

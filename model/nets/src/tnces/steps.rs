@@ -18,7 +18,7 @@ struct Walk {
     fires: Vec<bool>,
     /// Left out although the tokens were there, and the position in `chosen` where it would stand.
     spared: Vec<(TransitionId, usize)>,
-    /// What the chosen leave.
+    /// Rest after the chosen ones.
     left: TimedState,
 }
 

@@ -1,7 +1,7 @@
 //! A timed net condition/event system: the tables beside the net, in the form in which they are read.
 //!
 //! A [`Tnces`] exists only in sound form (see [`super::TncesBuilder`]) and never changes. Bounds are kept as written;
-//! whoever explores divides them by their common unit first.
+//! exploration divides them by their common unit first.
 
 use super::chain::Chain;
 use super::{ArcClock, Deadline, FiringPolicy, Interval, Semantics};
@@ -24,7 +24,7 @@ pub struct Tnces {
     pub(super) chains: Vec<Chain>,
 }
 
-/// What the tables say of one transition.
+/// Table row of one transition.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TransitionRow {
     /// CN: each place must have so many tokens.
@@ -93,7 +93,7 @@ impl Tnces {
     /// Whether what is decided in whole numbers of time also holds for time as a continuum, as far as reachable
     /// markings, deadlocks, and shortest and longest times go.
     ///
-    /// It does where all that time is asked is of the form "at least" or "at most", both ends included: then every run
+    /// It does where all conditions on time are of the form "at least" or "at most", both ends included: then every run
     /// can be shifted to whole numbers (T. Henzinger, Z. Manna and A. Pnueli, *What good are digital clocks?*, 1992; for
     /// time Petri nets L. Popova-Zeugmann, *Time and Petri Nets*, 2013). It may not where "too old" or "not old enough
     /// yet" lets something else go on: a forced transition with an interval, or an expired token under
@@ -105,8 +105,8 @@ impl Tnces {
         self.rows.iter().all(|row| !(expires && bounded(row)) && (row.groups.is_empty() || !timed(row)))
     }
 
-    /// The largest unit of time in which the state space can be told without loss: the common divisor of all bounds
-    /// and initial ages. It is 1 where a transition may fire at any time and whole numbers are not the continuum.
+    /// The largest unit of time in which the state space is the same: the common divisor of all bounds and initial
+    /// ages. It is 1 where a transition may fire at any time and whole numbers are not the continuum.
     pub fn unit(&self) -> u32 {
         let waits = self.semantics.firing == FiringPolicy::Window || self.rows.iter().any(|row| row.external);
         if waits && !self.covers_continuous_time() {

@@ -139,7 +139,7 @@ fn the_reservation_is_what_prevents_the_deadlock() {
     assert!(is_deadlock_scenario(&net, &marking), "the way to the first one can be played");
 }
 
-/// The same by the ordinary net: as many states, steps and deadlocks.
+/// The same by the ordinary net: equal numbers of states, steps and deadlocks.
 #[test]
 fn the_unfolded_cell_says_the_same() {
     for unreserved in [false, true] {

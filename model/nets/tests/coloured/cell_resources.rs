@@ -80,8 +80,8 @@ fn the_supports_of_the_resources_are_the_printed_ones() {
     let robot = robot();
     let ways = [["t1", "t2", "t3"], ["t5", "t6", "t7"]].map(|way| transitions(&robot, &way));
     let (found, seen) = supports(&robot);
-    // One for each way and each case of the work plan. A robot without its surroundings does not know which it will be;
-    // t2 to t7 of other colours are not reachable.
+    // One for each way and each case of the work plan. For a robot without its surroundings it may be any of them; t2
+    // to t7 of other colours are not reachable.
     assert_eq!((found, seen), (2 * 3, ways.to_vec()));
     let human = positions(&[2]);
     let (found, seen) = supports(&human);

@@ -1,7 +1,7 @@
 //! The linear conveyor, seed 000, §7.4, L3790: first in, first out, three positions, three kinds of objects.
 //!
-//! The net (Fig. 83) is lost. Printed are the sizes alone; this is the obvious net for them, and what is checked is that
-//! it is what its name says.
+//! The net (Fig. 83) is lost. Printed are the sizes alone; this is the obvious net for them, checked to be what its name
+//! means.
 
 use std::collections::{BTreeSet, VecDeque};
 

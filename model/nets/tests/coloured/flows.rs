@@ -66,7 +66,7 @@ fn a_place_flow_is_one_of_the_unfolding() {
     assert!(holds > 100 && broken > 1000 && by_modes > 0, "{holds} {broken} {by_modes}");
 }
 
-/// What a guard excludes cannot break a flow, and only looking at modes shows it.
+/// A mode that a guard excludes cannot break a flow, and only a search of modes shows it.
 #[test]
 fn a_guard_can_make_a_flow() {
     for guarded in [false, true] {
@@ -142,7 +142,7 @@ fn a_transition_flow_is_one_of_the_unfolding() {
     assert!(closed > 300 && open > 300, "{closed} {open}");
 }
 
-/// Conflicts are what their definition says (L2777-2782), and modes that can fire together can fire in any order.
+/// Conflicts follow their definition (L2777-2782), and modes that can fire together can fire in any order.
 #[test]
 fn conflicts_and_joint_firing_follow_their_definitions() {
     let mut random = Random::new(2777);

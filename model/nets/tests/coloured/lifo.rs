@@ -77,7 +77,7 @@ fn the_net_is_as_printed() {
 }
 
 /// The four printed place invariants. PI2 and PI4 are printed with `id` where the sum needs colours of one domain; the
-/// proofs of propositions 3 and 5 read them as proj(1) and abs, and so does this. PI1 needs proj(1) around it likewise.
+/// proofs of propositions 3 and 5 read them as proj(1) and abs, and so does this. PI1 needs proj(1) around it too.
 fn invariants(net: &ColouredNet) -> [PlaceFlow; 4] {
     let l1 = net.place_domain(net.place_named("p1").unwrap())[0];
     let p = |name| net.place_named(name).unwrap();
@@ -240,7 +240,7 @@ fn the_repaired_storage_is_live_and_reversible() {
     }
 }
 
-/// Axiom 6 (L1806) wants resource models without conflicts. Repaired, what remains is the choice between push and pull,
+/// Axiom 6 (L1806) requires resource models without conflicts. Repaired, there remain the choice between push and pull,
 /// which the text admits (L1732), and that of the part to push. As printed, t3 competes with t2, and t6 with t5.
 #[test]
 fn the_repair_leaves_only_the_choice_of_what_to_do_next() {

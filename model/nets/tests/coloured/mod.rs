@@ -1,7 +1,7 @@
 //! Coloured nets: the published nets and figures of seed 000, and random nets against slow, obvious twins.
 //!
 //! Each claim cites its line. *Printed* stands in the text; *rebuilt* had to be inferred because the drawing is lost; the
-//! tests say which is which.
+//! tests mark which is which.
 
 mod cell;
 mod cell_resources;

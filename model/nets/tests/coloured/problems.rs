@@ -1,4 +1,4 @@
-//! What is refused, and that all of it is reported at once in words that say what to do.
+//! Refusals: all reported at once, in words with advice.
 
 use linewright_nets::coloured::{
     BasicId, ColouredBuilder, Comparison, Domain, Function, Guard, Operand, abs, colour, compare, component, id, proj,

@@ -20,7 +20,7 @@ fn slow(net: &ColouredNet, marking: &ColouredMarking) -> BTreeMap<(usize, Tuple)
     net.places().flat_map(place).collect()
 }
 
-/// What a mode takes and gives as the slow twin has it.
+/// Tokens that a mode takes and gives, by the slow twin.
 fn effect(net: &ColouredNet, mode: NetMode) -> [BTreeMap<(usize, Tuple), i64>; 2] {
     let [mut takes, mut gives] = [BTreeMap::new(), BTreeMap::new()];
     for p in net.places() {
@@ -79,7 +79,7 @@ fn enabled_modes_and_firing_are_what_walking_over_all_colours_finds() {
     assert!(checked > 10_000 && fired > 5_000, "{checked} {fired}");
 }
 
-/// Which components of the declared domain a transition has kept. A universal domain has each basic domain once.
+/// Components of the declared domain that a transition has kept. A universal domain has each basic domain once.
 fn kept(raw: &Raw, net: &ColouredNet, transition: usize) -> Vec<usize> {
     let has = net.transition_domain(linewright_nets::TransitionId(transition as u32));
     if raw.transitions[transition].domain.is_some() {

@@ -1,7 +1,7 @@
 //! Random coloured nets as plain data, and a slow twin that plays them on tuples.
 //!
-//! The twin knows nothing of the crate's numbering, of its normal form of functions or of its search for modes. It
-//! walks over every colour of the declared domain, evaluates functions step by step on tuples, and keeps bags in maps.
+//! The twin shares neither the crate's numbering nor its normal form of functions nor its search for modes. It walks
+//! over every colour of the declared domain, evaluates functions step by step on tuples, and keeps bags in maps.
 
 use std::collections::BTreeMap;
 
@@ -179,7 +179,7 @@ impl Raw {
         marking
     }
 
-    /// What follows from a marking: for each transition the markings after each of its modes, over all colours of the
+    /// Successors of a marking: for each transition the markings after each of its modes, over all colours of the
     /// domain as declared, each different outcome once for every effect that a mode has.
     pub fn successors(&self, marking: &Marked, transition: usize) -> Vec<(Effect, Marked)> {
         let raw = &self.transitions[transition];

@@ -112,7 +112,7 @@ fn slice(marking: &linewright_nets::Marking) -> Marking {
     marking.as_slice().to_vec()
 }
 
-/// What the crate found, in the words of the other.
+/// Findings of the crate, in the words of the other.
 fn moves<S>(graph: &StateGraph<S>, marking: impl Fn(&S) -> Marking) -> BTreeSet<(Marking, Vec<usize>, Marking)> {
     let steps = graph.arcs().iter().filter(|arc| matches!(arc.label, TimedLabel::Step(_)));
     let numbers = |ts: &[TransitionId]| {

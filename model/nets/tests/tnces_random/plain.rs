@@ -55,7 +55,7 @@ impl Plain {
         self.normal((ages, clocks))
     }
 
-    /// Forgets what the reading does not look at.
+    /// Drops what the reading does not use.
     fn normal(&self, (mut ages, mut clocks): State) -> State {
         if !self.timed || !self.by_age() {
             ages.iter_mut().flatten().for_each(|age| *age = 0);

@@ -1,4 +1,4 @@
-//! What the tests of this crate share: nets, and what is read or refused.
+//! Shared by the tests of this crate: nets, and results of reading.
 
 #![allow(dead_code)] // Each test binary uses its own part.
 
@@ -18,7 +18,7 @@ pub fn with(inside: &str) -> String {
     format!("<pnml>\n<net id=\"n\">\n{inside}\n</net>\n</pnml>\n")
 }
 
-/// What is said of a file that is not sound: `line:column: message`, and the advice behind an arrow.
+/// Messages for a file that is not sound: `line:column: message`, and the advice behind an arrow.
 pub fn said(bytes: &[u8]) -> Vec<String> {
     let problems = read("net.pnml", bytes, None).expect_err("this is wrong");
     drawn(&problems);

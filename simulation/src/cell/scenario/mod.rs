@@ -2,7 +2,7 @@
 //! simulated.
 //!
 //! TOML, read like a description: all problems at once, each with its place and advice, and the names of the cell checked
-//! while reading. What comes out is a [`CellScenario`], which knows no text.
+//! while reading. What comes out is a [`CellScenario`], which has no text.
 
 mod raw;
 mod resolve;
@@ -18,24 +18,24 @@ use super::distribution::Distribution;
 
 pub use raw::{FailureClock, PRECISION_PERCENT, REPLICATIONS_MAX};
 
-/// What a cell has to make in a simulation, and what happens meanwhile.
+/// Orders and events of a cell in a simulation.
 #[derive(Clone, Debug)]
 pub struct CellScenario {
     pub title: Option<String>,
-    /// How long a replication lasts; until all orders are done where nothing is said.
+    /// Duration of a replication; by default until all orders are done.
     pub duration: Option<Duration>,
-    /// What is over before counts in no figure.
+    /// Time at the beginning that counts in no figure.
     pub warm_up: Duration,
-    /// How often it is simulated; at least, where a precision is asked for.
+    /// Number of replications; the least, where a precision is given.
     pub replications: Option<usize>,
-    /// Until figures are known up to this part of them.
+    /// Precision of figures to be reached, as a fraction.
     pub precision: Option<f64>,
     /// Between 0 and 1.
     pub confidence: f64,
     /// Known from the beginning.
     pub orders: Vec<ProductionOrderRequest>,
     pub arrivals: Vec<OrderArrivals>,
-    /// Of each activity whose time is drawn, what its described time is multiplied by.
+    /// Factor of the described time, for each activity whose time is drawn.
     pub times: Vec<(ActivityId, Distribution)>,
     pub breakdowns: Vec<BreakdownPattern>,
     /// In the order of their times.
@@ -45,17 +45,17 @@ pub struct CellScenario {
 /// Orders that come one after the other.
 #[derive(Clone, Debug)]
 pub struct OrderArrivals {
-    /// What its orders are called, with a number behind.
+    /// Name of its orders, followed by a number.
     pub name: String,
     pub product: String,
     pub quantity: u32,
     /// Seconds from one to the next.
     pub every: Distribution,
-    /// When the first one comes; after the first time between two where nothing is said.
+    /// Time of the first one; by default after the first time between two.
     pub first: Option<Tick>,
     /// None comes later.
     pub until: Tick,
-    /// So many come.
+    /// Number of orders.
     pub count: u64,
     /// Seconds from the coming of an order until it is due.
     pub due_after: Option<Distribution>,
@@ -66,7 +66,7 @@ pub struct OrderArrivals {
 #[derive(Clone, Debug)]
 pub struct BreakdownPattern {
     pub resource: ResourceId,
-    /// What breaks; with the resource the name of its stream.
+    /// Name of the stream, with the resource that breaks.
     pub name: String,
     /// Seconds from a repair to the next failure.
     pub between: Distribution,
@@ -83,12 +83,12 @@ pub struct ScriptedFault {
     pub fault: StationFault,
 }
 
-/// What a scenario does to the station of a resource.
+/// Effect of a scenario on the station of a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StationFault {
     /// It stands, and that is known: the resource is left out until it is repaired.
     Break,
-    /// It stands, and this is not known: it is ordered to work as before, and what it is to do waits.
+    /// It stands, and this is not known: it is ordered to work as before, and its orders wait.
     Stick,
     /// It works again.
     Clear,
@@ -127,7 +127,7 @@ impl CellScenario {
         Ok(scenario)
     }
 
-    /// What a scenario of a cell may contain: its keys, with types and bounds.
+    /// Keys of a scenario of a cell, with types and bounds.
     pub fn schema() -> Shape {
         raw::RawCellScenario::shape()
     }

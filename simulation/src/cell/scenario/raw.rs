@@ -16,9 +16,9 @@ const LIST_MAX: usize = 10_000;
 const NAMES_MAX: usize = 1000;
 /// The most replications.
 pub const REPLICATIONS_MAX: i64 = 10_000;
-/// How precise figures can be asked for, in percent: at best and at worst.
+/// Bounds of a required precision, in percent: best and worst.
 pub const PRECISION_PERCENT: (f64, f64) = (0.1, 50.0);
-/// Confidence in percent, where nothing is said.
+/// Default confidence, in percent.
 pub(super) const CONFIDENCE: f64 = 95.0;
 /// The highest and the lowest priority.
 const PRIORITY_MAX: i64 = 1_000_000;
@@ -51,7 +51,7 @@ pub(super) enum DistributionKind {
     Weibull,
 }
 
-/// What the time between two failures is counted in.
+/// Clock of the time between two failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FailureClock {
     /// All time in which it is not down.

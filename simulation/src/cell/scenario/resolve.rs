@@ -1,4 +1,4 @@
-//! What the names of a scenario stand for, and whether it holds together.
+//! Resolution of the names of a scenario, and its consistency.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -204,7 +204,7 @@ fn breakdowns(cell: &Cell, raw: &[RawBreakdown], report: &mut Report) -> Vec<Bre
     patterns
 }
 
-/// A resource that can stand: it has a station, and what it does is ordered of that.
+/// A resource that can stand: it has a station, which does its orders.
 fn breakable(cell: &Cell, name: &LocatedName, report: &mut Report) -> Option<ResourceId> {
     let Some(id) = cell.resource_ids().find(|&id| cell.resource(id).name == name.value) else {
         let known = cell.resources.iter().map(|resource| resource.name.as_str());

@@ -1,4 +1,4 @@
-//! What comes to a cell from outside in one replication, and when: orders, failures and repairs.
+//! External events of a cell in one replication, with times: orders, failures and repairs.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -16,14 +16,14 @@ use crate::rng::Rng;
 /// Keys of orders that come begin here; those of the scenario's own list are below.
 const KEYS: u128 = 1 << 64;
 
-/// Why a resource stands.
+/// Reason why a resource stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum StandstillCause {
     Breakdown(usize),
     Script,
 }
 
-/// What is due next.
+/// Next event.
 pub(super) enum CourseEvent {
     /// An order comes.
     Order(ProductionOrderRequest),
@@ -32,19 +32,19 @@ pub(super) enum CourseEvent {
     Resource(ResourceId),
 }
 
-/// What comes from outside.
+/// External events.
 pub(super) struct Course {
     arrivals: Vec<ArrivalStream>,
     breakdowns: Vec<BreakdownStream>,
     script: VecDeque<ScriptedFault>,
-    /// Why each resource that stands does, and whether that is known.
+    /// Reasons why each resource stands, and whether the coordinator has each.
     standing: BTreeMap<ResourceId, BTreeMap<StandstillCause, bool>>,
     made: u128,
 }
 
 struct ArrivalStream {
     of: OrderArrivals,
-    /// When the next one comes; none after the last.
+    /// Time of the next one; none after the last.
     next: Option<Tick>,
     made: u64,
     every: Rng,
@@ -100,7 +100,7 @@ impl Course {
         }
     }
 
-    /// When something comes next; none if nothing will.
+    /// Time of the next event; none if there is none.
     pub fn next(&self) -> Option<Tick> {
         let arrive = self.arrivals.iter().filter_map(|stream| stream.next);
         let fail = self.breakdowns.iter().map(|stream| stream.state.next());

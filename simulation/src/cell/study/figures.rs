@@ -1,4 +1,4 @@
-//! What one replication says of a cell: its figures, from its records, without what was over before the warm-up's end.
+//! Figures of one replication of a cell, from its records, without what was over before the warm-up's end.
 //!
 //! Times of resources are those of ISO 22400-2. *Worked* is the actual unit processing time (AUPT): the time in which the
 //! resource worked on or carried a part, without the time in which it stood meanwhile. *Down* is the actual unit down time
@@ -15,10 +15,10 @@ use linewright_line::Tick;
 
 use super::{CellStudy, PlayedReplication, Standstill, StudyProblem};
 
-/// The figures of one replication. What there is none of, such as the lateness where nothing is due, is `None`.
+/// The figures of one replication. Figures without values, such as the lateness where nothing is due, are `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReplicationFigures {
-    /// How long it was observed, without the warm-up.
+    /// Time observed, without the warm-up.
     pub observed: Duration,
     /// Parts that left.
     pub parts: usize,
@@ -48,20 +48,20 @@ pub struct ReplicationFigures {
     pub tardiness_max: Option<f64>,
     /// In the order of the description.
     pub resources: Vec<ResourceFigures>,
-    /// What each order came to, in the order of their numbers.
+    /// Figures of each order, in the order of their numbers.
     pub each: Vec<OrderFigures>,
-    /// Why it ended before its time, if it did.
+    /// Reason why it ended before its time, if it did.
     pub problem: Option<StudyProblem>,
 }
 
 /// A resource in one replication.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResourceFigures {
-    /// The part of the time in which it worked or carried; of several at once, of what it could.
+    /// Share of the time in which it worked or carried; of several at once, of its capacity.
     pub worked: f64,
     /// The part of the time in which it stood.
     pub down: f64,
-    /// How much of its room was taken in the mean.
+    /// Mean number of positions taken.
     pub taken: f64,
 }
 
@@ -73,18 +73,18 @@ pub struct OrderFigures {
     pub quantity: u32,
     pub released: Tick,
     pub due: Option<Tick>,
-    /// When its last part left; none if it is open.
+    /// Time at which its last part left; none if it is open.
     pub done: Option<Tick>,
 }
 
 impl OrderFigures {
-    /// By how much it was late when it was done, or is at `now`; zero if it is not. None if it is not due.
+    /// Lateness when it was done, or at `now`; zero if it is not late. None if it is not due.
     pub fn tardiness(&self, now: Tick) -> Option<Duration> {
         Some(self.done.unwrap_or(now).since(self.due?))
     }
 }
 
-/// The mean of what there is some of.
+/// Mean; none of no items.
 fn mean(total: Duration, count: usize) -> Option<f64> {
     (count > 0).then(|| total.as_secs_f64() / count as f64)
 }
@@ -139,7 +139,7 @@ impl CellStudy {
         summary.resources.iter().enumerate().map(resource).collect()
     }
 
-    /// For how many seconds resources stood while they worked or carried.
+    /// Seconds for which resources stood while they worked or carried.
     fn stood_at_work(&self, log: &[Record], stood: &[Standstill], from: Tick, end: Tick) -> BTreeMap<usize, f64> {
         let mut sums = BTreeMap::new();
         if stood.is_empty() {
@@ -181,7 +181,7 @@ fn each(order: &ProductionOrder) -> OrderFigures {
     }
 }
 
-/// How many seconds of a span lie between two moments.
+/// Seconds of a span between two moments.
 fn within(from: Tick, to: Option<Tick>, low: Tick, high: Tick) -> f64 {
     to.unwrap_or(high).min(high).since(from.max(low)).as_secs_f64()
 }

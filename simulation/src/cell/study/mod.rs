@@ -1,4 +1,4 @@
-//! A cell and a scenario, played as often as it takes to know what is to be expected of it.
+//! A cell and a scenario, simulated often enough for an estimate.
 //!
 //! ```text
 //!   scenario ──▶ Course: orders come, stations break down ──▶ CellSim ──▶ records ──▶ figures of one replication
@@ -35,25 +35,25 @@ pub use several::ReplicationGoal;
 
 /// Nothing is lost, so nothing is repeated, and the coordinator is not killed.
 pub const UNDISTURBED: OrderTiming = OrderTiming { refresh: Duration::from_secs(3600), grace: Duration::from_secs(10) };
-/// How often stations whose states do not change are heard.
+/// Period of the reports of stations whose states do not change.
 pub const UNCHANGED: Duration = Duration::from_secs(86_400);
-/// How long an order may take: what stands is repaired and goes on, so no time limit of the description counts.
+/// Time limit of an order: what stands is repaired and goes on, so no time limit of the description counts.
 const NO_LIMIT: Duration = Duration::from_secs(3_000_000_000);
 
-/// How a study is played, beside its scenario.
+/// Options of a study, beside its scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StudyOptions {
-    /// What everything random follows from.
+    /// Seed of everything random.
     pub seed: u64,
-    /// What a message takes at least and at most.
+    /// Delay of a message, least and most.
     pub delay: (Duration, Duration),
-    /// Where the scenario draws no times: up to this part of it longer or shorter than described.
+    /// Where the scenario draws no times: longest deviation from the described time, as a fraction.
     pub spread: f64,
-    /// By look-ahead and schedule, as the description asks for, and not by its rules alone.
+    /// By look-ahead and schedule of the description, and not by its rules alone.
     pub planned: bool,
 }
 
-/// A cell with what it has to make.
+/// A cell with its production.
 pub struct CellStudy {
     cell: Cell,
     scenario: CellScenario,
@@ -66,13 +66,13 @@ pub struct CellStudy {
 /// One replication, played.
 pub struct PlayedReplication {
     pub sim: CellSim,
-    /// What it followed, if it was planned.
+    /// Schedule it followed, if it was planned.
     pub plan: Option<ScheduleFollower>,
-    /// When resources stood, in the order of their repairs.
+    /// Standstills of resources, in the order of their repairs.
     pub stood: Vec<Standstill>,
-    /// Until when it was observed.
+    /// End of the observation.
     pub end: Tick,
-    /// Why it ended before its time, if it did.
+    /// Reason why it ended before its time, if it did.
     pub problem: Option<StudyProblem>,
 }
 
@@ -84,7 +84,7 @@ pub struct Standstill {
     pub to: Tick,
 }
 
-/// Why a replication ended before its time.
+/// Reason why a replication ended before its time.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StudyProblem {
     /// More is ordered than the cell makes.
@@ -99,11 +99,11 @@ pub enum StudyProblem {
 }
 
 impl CellStudy {
-    /// A cell, and what it has to make. Stations are those of `line`, or else those that the cell names. Its time limits do
-    /// not count.
+    /// A cell, and its production. Stations are those of `line`, or else those that the cell names. Its time limits do not
+    /// count.
     ///
     /// # Errors
-    /// What cannot be played, and why.
+    /// Reasons why the cell cannot be played.
     pub fn new(
         cell: &Cell,
         line: Option<&Line>,
@@ -131,7 +131,7 @@ impl CellStudy {
         &self.played
     }
 
-    /// What everything random in a replication follows from.
+    /// Seed of a replication.
     fn seed_of(&self, replication: usize) -> u64 {
         mix(self.options.seed).wrapping_add(replication as u64)
     }

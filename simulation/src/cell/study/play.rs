@@ -1,4 +1,4 @@
-//! One replication: the cell plays, and what comes from outside comes in between.
+//! One replication: the cell plays, with external events in between.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -77,16 +77,16 @@ struct StudyRun<'a> {
     sim: CellSim,
     dispatcher: &'a mut dyn Dispatcher,
     course: Course,
-    /// Since when resources stand that do.
+    /// Time since which resources stand that do.
     since: BTreeMap<ResourceId, Tick>,
     stood: Vec<Standstill>,
-    /// When an activity last began or ended, or a station worked, as far as records have been seen.
+    /// Time of the last start or end of an activity, or of work at a station, as far as records have been seen.
     progressed: Tick,
     seen: usize,
 }
 
 impl StudyRun<'_> {
-    /// Until the end, or until all orders are done. Gives when that was.
+    /// Runs until the end, or until all orders are done. Returns that time.
     fn run(&mut self, orders: &[ProductionOrderRequest], end: Option<Tick>) -> Result<Tick, StudyProblem> {
         if !orders.is_empty() {
             self.submit(orders)?;
@@ -117,7 +117,7 @@ impl StudyRun<'_> {
         }
     }
 
-    /// What comes from outside at this moment.
+    /// External events of this moment.
     fn outside(&mut self, now: Tick) -> Result<(), StudyProblem> {
         loop {
             let (table, stations) = (&self.sim.table, &mut self.sim.stations);
@@ -166,7 +166,7 @@ impl StudyRun<'_> {
             station.go_on(now);
             self.stood.push(Standstill { resource, from, to: now });
         }
-        // What people would say: what it is doing it finishes when it is repaired, and nothing else is ordered of it.
+        // As an operator's request: it finishes its work after the repair, and gets no other order.
         let played = PlayedResource(u32::try_from(resource.index()).unwrap_or(u32::MAX));
         let is_out = self.sim.state().exceptions().is_down(played).is_some();
         let out = self.course.is_left_out(resource);
@@ -180,7 +180,7 @@ impl StudyRun<'_> {
         self.course.is_over() && state.production().missing().next().is_none() && state.parts().len() == 0
     }
 
-    /// Until nothing happens any more; what waits for nothing is asked again and again.
+    /// Runs until nothing happens any more; the end condition is checked again and again.
     fn run_out(&mut self) {
         self.sim.run_on(self.dispatcher, self.sim.now);
         while let Some(at) = self.sim.next_event().filter(|_| self.sim.spins().is_none()) {

@@ -1,4 +1,4 @@
-//! Several replications, as many as are asked for or as a precision takes, played side by side.
+//! Several replications, a given number or as many as a precision takes, played side by side.
 
 use std::ops::Range;
 use std::thread;
@@ -6,15 +6,15 @@ use std::thread;
 use super::super::estimate::Estimate;
 use super::{CellStudy, ReplicationFigures};
 
-/// So many replications there are at least where a precision is asked for: an interval of fewer says little.
+/// Least number of replications where a precision is given: an interval of fewer is wide.
 const LEAST: usize = 5;
 
-/// How often to simulate.
+/// Number of replications.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReplicationGoal {
-    /// So often; at least, where a precision is asked for.
+    /// That number; at least, where a precision is given.
     pub replications: usize,
-    /// Until throughput and time in the cell are known up to this part of them.
+    /// Precision of throughput and time in the cell to be reached, as a fraction.
     pub precision: Option<f64>,
     /// At most so often.
     pub most: usize,
@@ -79,7 +79,7 @@ impl CellStudy {
                 scope.spawn(move || mine.map(|number| (number, figures(number))).collect::<Vec<_>>())
             });
             for played in each.collect::<Vec<_>>() {
-                // A panic of one is one of all.
+                // A panic of one replication is one of all.
                 for (number, figures) in played.join().expect("a replication panicked") {
                     all[number - numbers.start] = Some(figures);
                 }

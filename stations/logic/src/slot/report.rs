@@ -1,4 +1,4 @@
-//! What a station says of its orders.
+//! Report of a station on its orders.
 
 use crate::controller::Controller;
 use crate::order::{SlotReport, TaskOrderReport, TaskReply};
@@ -6,7 +6,7 @@ use crate::order::{SlotReport, TaskOrderReport, TaskReply};
 use super::SlotPhase;
 
 impl Controller {
-    /// What it says of its orders, over what is in `report`.
+    /// Adds the state of its orders to `report`.
     pub(crate) fn report_orders(&self, report: &mut Option<TaskOrderReport>) {
         let Some(orders) = &self.orders else {
             *report = None;

@@ -1,9 +1,9 @@
-//! An order whose motion is stopped: by a fault, or because the station is told to stop.
+//! An order whose motion is stopped: by a fault, or because the station is ordered to stop.
 //!
-//! Told to leave an order a station ends the motion under way and goes back. Told to stop it stands where it is, as a fault
-//! would stop it: the operation is incomplete, and only a person leads on from there. That lasts. The order counts as secured
-//! from then on, also after a restart, so no copy of a message to leave it moves anything later; and one that was on its way
-//! is not begun.
+//! Ordered to leave an order a station ends the motion under way and goes back. Ordered to stop it stands where it is, as a
+//! fault would stop it: the operation is incomplete, and only a person leads on from there. That lasts. The order counts as
+//! secured from then on, also after a restart, so no copy of a message to leave it moves anything later; and one that was on
+//! its way is not begun.
 //!
 //! It is the order that is stopped, not the station: a message about another order than the one in the slot stops nothing.
 
@@ -14,7 +14,7 @@ use crate::order::{OrderKey, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 use super::SlotPhase;
 
 impl Controller {
-    /// Stops what is done of an order, whichever way it goes.
+    /// Stops the motions of an order, whichever way it goes.
     pub(super) fn stop_order(&mut self, key: OrderKey) -> TaskReply {
         let Some(orders) = &self.orders else { return TaskReply::Refused(TaskRefusal::Unknown) };
         if !orders.rules.stops_at_once {
@@ -65,7 +65,7 @@ impl Controller {
 }
 
 impl SlotPhase {
-    /// How an order ends that something has stopped: as that says, unless it was given up before.
+    /// Outcome of an order that something has stopped: `stopped`, unless it was given up before.
     fn failed_with(self, stopped: TaskFailure) -> TaskFailure {
         match (self, stopped) {
             (SlotPhase::Securing { failure: Some(failure) }, _) => failure,

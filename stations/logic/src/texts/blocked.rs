@@ -1,10 +1,10 @@
-//! What a station waits for; each text follows `waits for`.
+//! Texts of what a station waits for; each follows `waits for`.
 
 use linewright_line::net::ControlMode;
 
 use crate::event::StopCause;
 
-/// What a station waits for whose devices cannot be trusted. Which device and why, their manager knows.
+/// Wait of a station with invalid devices. Which device and why, their manager reports.
 pub const DEVICES_INVALID: &str = "its I/O devices: no process data, or not operational";
 
 /// Something that a station waits for, with the names that its text contains.
@@ -16,7 +16,7 @@ pub enum StationWait<'a> {
     Devices,
     /// An axis is not measured at its place; the detail of [`StopCause::PositionLost`].
     PositionLost(&'a str),
-    /// An operator who confirms where the station stands.
+    /// An operator's confirmation of where the station stands.
     Rejoin(PositionDoubt, RejoinAdvice<'a>),
     /// All stations at home: this one shares no counts with the others.
     NewGeneration,
@@ -44,7 +44,7 @@ pub enum StationWait<'a> {
     TaskButton { choices: &'a [String] },
     /// A command of the station's panel.
     Panel,
-    /// At a rest in manual: what begins a task, and the panel's return where it leads back.
+    /// At a rest in manual: the commands that begin a task, and the panel's return where it leads back.
     PanelAtRest { is_reversible: bool },
     /// The station's selector.
     Selector,
@@ -56,9 +56,9 @@ pub enum StationWait<'a> {
     PanelAdvance { op: &'a str, is_undone: bool },
     /// Return, which leads on along the recovery path. In no other mode than manual does anything lead on there.
     RecoveryPath,
-    /// What measured positions forbid; the detail of [`StopCause::Interlock`].
+    /// A motion forbidden by measured positions; the detail of [`StopCause::Interlock`].
     Position { detail: &'a str, own: &'a str },
-    /// What the recovery path needs; another wait.
+    /// A need of the recovery path; another wait.
     WayHome { cause: &'a str },
     /// An arrow: the state of its station is unknown.
     NoState { station: &'a str, own: &'a str },
@@ -76,11 +76,11 @@ pub enum StationWait<'a> {
     Arrow { station: &'a str, op: &'a str, cycle: i32, own: &'a str },
     /// The agreement of another station to withdraw counts.
     Agreement { station: &'a str, is_heard: bool, ops: &'a str },
-    /// Counts that another station does not let go, because of its operation.
+    /// Counts that another station does not agree to take back, because of its operation.
     Disagreement { station: &'a str, op: &'a str, ops: &'a str },
 }
 
-/// Why the position of a station is in doubt.
+/// Reason why the position of a station is in doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PositionDoubt {
     /// It has no generation.
@@ -91,7 +91,7 @@ pub enum PositionDoubt {
     Index,
 }
 
-/// How the position is cleared up.
+/// Advice on clearing up the position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RejoinAdvice<'a> {
     /// The switches determine a step: these operations are complete.

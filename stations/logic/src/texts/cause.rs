@@ -1,4 +1,4 @@
-//! What stopped a motion, with the signal and where it is wired.
+//! Causes of a stopped motion, with the signal and where it is wired.
 
 use linewright_line::net::Block;
 use linewright_line::{Line, OpId, OperationModule, Owner, StationId, duration_text};

@@ -1,4 +1,4 @@
-//! Why a controller cannot be made of a description or a snapshot.
+//! Reasons why a controller cannot be made of a description or a snapshot.
 
 use std::fmt;
 

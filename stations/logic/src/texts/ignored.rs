@@ -1,9 +1,9 @@
-//! Why an input was ignored, for the log.
+//! Reasons why an input was ignored, for the log.
 
 use crate::ignored::Ignored;
 
 impl Ignored {
-    /// What was ignored, and why.
+    /// The input ignored, and why.
     pub const fn text(self) -> &'static str {
         match self {
             Ignored::OlderEpoch => "mode command with an older epoch than the one in force",

@@ -1,4 +1,4 @@
-//! What a station is doing, and the names of its operations.
+//! Present operations of a station, and the names of its operations.
 
 use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{Line, StationId};

@@ -1,4 +1,4 @@
-//! Taking a count back by agreement: who asks, who answers what, and what an answer is worth.
+//! Withdrawal of a count by agreement: requests, answers, and their effects.
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId};
@@ -66,7 +66,7 @@ fn a_refusal_names_the_operation_in_the_way_and_asks_no_more_until_pressed_again
     assert_eq!(rig.report().request.map(|r| r.number), Some(number + 1));
 }
 
-/// t12 is a level: held against a refusal it would ask again with every message.
+/// t12 is a level: held against a refusal it would request again with every message.
 #[test]
 fn a_held_reverse_sequence_that_is_refused_asks_once() {
     let stations = vec![station("a", 2, &[r(3), r(5), r(6)], 0, false), station("b", 1, &[r(6), r(6)], 8, false)];

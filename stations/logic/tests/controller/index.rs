@@ -1,5 +1,5 @@
-//! The index of an endless axis: its switch goes off and comes on again. What is known of it when it does not, and when nobody
-//! has looked.
+//! The index of an endless axis: its switch goes off and comes on again. What is known of it when it does not, and before a
+//! person has looked.
 
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, OpId, StationId, parse};
@@ -192,7 +192,7 @@ fn turned_on_by_hand_long_after_it_has_stopped_it_is_in_doubt() {
         assert!(is_doubtful(&rig), "{}", rig.doing());
         stays(&mut rig);
     }
-    // Let go in hand mode, it is under way and not driven.
+    // Released in hand mode, it is under way and not driven.
     let mut rig = table();
     rig.mode(ControlMode::Hand);
     rig.hold(0);
@@ -413,7 +413,7 @@ fn in_hand_mode_it_turns_while_its_button_is_held() {
     assert_eq!(rig.outputs & TURN, 0);
 }
 
-/// A table with a bolt: before and after the index its switches say the same.
+/// A table with a bolt: before and after the index its switches are the same.
 #[test]
 fn where_switches_fit_two_places_a_person_names_the_operation() {
     let text = include_str!("../../../../examples/rotary-table.toml");

@@ -181,7 +181,7 @@ fn of_two_inside_the_one_that_leaves_moves_while_the_other_stands() {
 fn a_conflict_that_no_switch_measures_blocks_what_a_lost_memory_may_run_into() {
     let mut line = transfer_line();
     let op = |name| line.station(BAR).operation_named(name).expect("the bar has it");
-    // Outside this stretch the bar lifts and lowers too: no switch tells it from the inside.
+    // Outside this stretch the bar lifts and lowers too: no switch distinguishes it from the inside.
     let (from, until) = (op("2nd lift"), op("3rd lower"));
     (line.conflicts[0].a.from, line.conflicts[0].a.until) = (from, until);
     assert!(line.clearance(&line.conflicts[0].a).is_err() && line.conflicts[0].a.station == BAR);

@@ -1,4 +1,4 @@
-//! The controller by itself: every rule of its behaviour as a short story, inputs driven by hand.
+//! The controller by itself: every rule of its behaviour in a short scenario, inputs driven by hand.
 
 mod agreement;
 mod auto;

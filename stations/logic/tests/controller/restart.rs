@@ -1,4 +1,4 @@
-//! A controller that ends and comes up again from what it kept.
+//! A controller that ends and comes up again from its record.
 
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, StationId};

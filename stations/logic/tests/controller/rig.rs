@@ -1,7 +1,7 @@
 //! A controller on a bench: a person sets its inputs, its commands and its peers' reports, and reads what it does.
 //!
-//! There is no mechanism here. A motion arrives when the test says so; every motion of a built station has switches
-//! of its own, so an image says nothing but what the test put into it.
+//! There is no mechanism here. The test sets when a motion arrives; every motion of a built station has switches of its
+//! own, so an image contains only what the test put into it.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use linewright_station_logic::{
 
 use linewright_testkit::built::{actuator_bit, complete_bit};
 
-/// How often commands and views are refreshed while time passes, as the shipped timing has it.
+/// Period of commands and views while time passes, as in the shipped timing.
 const REFRESH: Duration = Duration::from_millis(50);
 
 pub struct Rig {
@@ -32,7 +32,7 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// At home, in stand-by, devices heard, panel switched to manual.
+    /// At home, in stand-by, devices received, panel switched to manual.
     pub fn new(line: Line) -> Self {
         Rig::of(line, StationId(0), Restore::Fresh)
     }
@@ -45,7 +45,7 @@ impl Rig {
     /// With this image, by a process of this boot id.
     pub fn standing(line: Line, station: StationId, boot_id: u64, restore: Restore, image: u128) -> Self {
         let controller = Controller::new(&line, station, boot_id, restore).expect("a built station compiles");
-        // Its images say nothing of where mechanisms stand, and its peers were never at home with it.
+        // Its images do not measure its mechanisms, and its peers were never at home with it.
         let controller = controller.with_rules(Rules::COUNTS);
         let order = ModeOrder { manual_all: true, ..ModeOrder::of(7, 1, ControlMode::StandBy, line.timing.lease) };
         let mut rig = Rig {
@@ -93,7 +93,7 @@ impl Rig {
         self.step();
     }
 
-    /// What happened since this was last asked, in words.
+    /// Events since the last call, in words.
     pub fn events(&mut self) -> Vec<String> {
         std::mem::take(&mut self.events)
     }
@@ -194,7 +194,7 @@ impl Rig {
         self.now = end;
     }
 
-    /// A peer says something new, and goes on saying it.
+    /// A peer sends a new state, and repeats it.
     pub fn hear(&mut self, station: StationId, report: StationReport) {
         self.controller.handle(self.now, StationInput::View(station, &report));
         self.peers.retain(|(s, _)| *s != station);

@@ -99,7 +99,7 @@ fn a_reverse_sequence_back_to_the_first_operation_ends_in_the_cycle_before() {
     assert_eq!(counts(&rig), (2, vec![2, 1, 1, 1], vec![2, 1, 1, 1]));
 }
 
-/// What the reason offers is possible, and where return moves nothing the reason says why.
+/// A motion offered by the reason is possible, and where return moves nothing the reason is given.
 #[test]
 fn return_is_offered_where_it_moves_and_nowhere_else() {
     for types in [&[1, 1, 2, 6][..], &[3, 4, 5, 6], &[6, 6, 6]] {

@@ -1,4 +1,4 @@
-//! What a station answers to an order, told once, twice, too early and too late.
+//! Replies of a station to an order, sent once, twice, too early and too late.
 
 use std::time::Duration;
 

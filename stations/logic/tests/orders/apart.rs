@@ -32,7 +32,7 @@ struct Arm {
 }
 
 impl Arm {
-    /// At home, in auto; it hears that the slide is home.
+    /// At home, in auto; it receives that the slide is home.
     fn new() -> Self {
         let line = line();
         let start = |station| Controller::new(&line, station, 7, Restore::Fresh).expect("it compiles");
@@ -115,7 +115,7 @@ fn other_tasks_do_not_ask() {
     assert_eq!(arm.drives(), ["Y_100"]);
 }
 
-/// No switch of the arm tells its two tasks apart: the machine has nothing to look at, and waits for nobody.
+/// No switch of the arm distinguishes its two tasks: the machine has nothing to check, and does not wait.
 #[test]
 fn what_no_switches_tell_of_is_not_looked_at() {
     let line = line();

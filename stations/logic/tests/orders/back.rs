@@ -94,7 +94,7 @@ fn when_its_time_is_over_it_goes_back_and_the_order_ends_when_it_stands() {
     );
 }
 
-/// It waits for a part that does not come: what it fails with does not depend on whose time is over first.
+/// It waits for a part that does not come: its failure does not depend on which time is over first.
 #[test]
 fn given_up_by_its_own_clock_or_by_another_it_fails_with_what_it_waited_for() {
     for told in [false, true] {

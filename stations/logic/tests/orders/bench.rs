@@ -218,7 +218,7 @@ impl Bench {
         self.controller.marking().next().expect("one token")
     }
 
-    /// The same machine after its controller has been killed, with what it kept.
+    /// The same machine after its controller has been killed, with its record.
     pub fn killed(&self, boot_id: u64) -> Self {
         self.restarted(self.controller.snapshot(), boot_id)
     }

@@ -1,4 +1,4 @@
-//! What a station still knows after its controller was killed.
+//! Memory of a station after its controller was killed.
 
 use linewright_line::net::ControlMode;
 use linewright_station_logic::{Controller, PanelCommand, Restore, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
@@ -96,13 +96,13 @@ fn numbers_begin_anew_with_a_later_epoch() {
     assert_eq!(m1.run(&of(1, 41, "clamp")), TaskReply::Refused(TaskRefusal::OldEpoch));
     assert_eq!(m1.run(&of(2, 1, "release")), TaskReply::Ended(TaskOutcome::Done));
     m1.mode(ControlMode::StandBy);
-    // Heard and not taken on: the life is known, and none of its orders is.
+    // Received and not taken on: the life is known, and none of its orders is.
     assert_eq!(m1.run(&of(3, 1, "clamp")), TaskReply::Refused(TaskRefusal::Mode));
     m1.mode(ControlMode::Auto);
     assert_eq!(m1.run(&of(3, 1, "clamp")), TaskReply::Running);
 }
 
-/// The message to leave an order says neither who sends it nor which memory it is meant for.
+/// The message to leave an order has neither its sender nor the memory it is meant for.
 #[test]
 fn a_message_to_leave_an_order_of_any_epoch_keeps_no_other_order_out() {
     for epoch in [2, 1 << 29, u64::MAX] {

@@ -1,4 +1,4 @@
-//! Stations on order: what they answer, what they do, how they come back, and what they still know after a restart.
+//! Stations on order: replies, actions, ways back, and memory after a restart.
 //!
 //! The station is the machine of the description `on_order.toml`: it clamps a part, machines it, releases it.
 

@@ -1,4 +1,4 @@
-//! People and faults: what becomes of an order when somebody else moves the station, and how it gets back to a rest.
+//! People and faults: the course of an order when a person moves the station, and how it gets back to a rest.
 
 use linewright_line::OpId;
 use linewright_line::net::ControlMode;

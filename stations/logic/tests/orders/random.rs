@@ -45,12 +45,12 @@ fn act() -> impl Strategy<Value = Act> {
 
 const TASKS: [&str; 4] = ["clamp", "machine", "release", "dance"];
 
-/// What has been seen of each key.
+/// Observations of each key.
 #[derive(Default)]
 struct Ledger {
     ended: BTreeMap<OrderKey, TaskOutcome>,
     begun: BTreeMap<OrderKey, usize>,
-    /// It was told to stop these.
+    /// It was ordered to stop these.
     stopped: BTreeSet<OrderKey>,
 }
 
@@ -63,7 +63,7 @@ impl Ledger {
         Ok(())
     }
 
-    /// What the station says of itself fits to what it has said before.
+    /// The station's reports fit to those before.
     fn looks(&mut self, m1: &mut Bench) -> Result<(), TestCaseError> {
         let orders = m1.orders();
         for &(key, outcome) in &orders.results {
@@ -87,7 +87,7 @@ impl Ledger {
         for (done, started) in report.done.iter().zip(&report.started) {
             prop_assert!(done <= started && started - done <= 1 && *started <= report.cycle);
         }
-        // Motors only where the marking says so; numbers only while there is an order.
+        // Motors only by the marking; numbers only while there is an order.
         let motor = match (place.is_operating(), place.op.0, place.block) {
             (false, _, _) => None,
             (true, 0, Block::Normal) | (true, 4, Block::Recovery) => Some("Y_close"),

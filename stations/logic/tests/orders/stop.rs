@@ -1,4 +1,4 @@
-//! Told to stop: it stands where it is, and stays there until a person leads on.
+//! Ordered to stop: it stands where it is, and stays there until a person leads on.
 
 use std::time::Duration;
 

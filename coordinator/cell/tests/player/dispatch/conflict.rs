@@ -12,7 +12,7 @@ use linewright_coordinator_cell::{DecidingRule, HoldReason, ModeId, PartId, Play
 
 use crate::player::printed::conflict_state;
 
-/// What is decided first, and what is said of it: the timetable has these three at these times, in seconds from now.
+/// First decision, and texts about it: the timetable has these three at these times, in seconds from now.
 fn decided(times: [u64; 3], tolerance: u64) -> (String, Vec<(ModeId, HoldReason)>, Vec<String>) {
     let (mut world, _) = conflict_state();
     let now = world.now;
@@ -34,7 +34,7 @@ fn decided(times: [u64; 3], tolerance: u64) -> (String, Vec<(ModeId, HoldReason)
     (world.it.table.mode_name(mode).to_owned(), held.clone(), words)
 }
 
-/// A4 a: the schedule has part 3 next. The other two are held, and the record says why.
+/// A4 a: the schedule has part 3 next. The other two are held, and the record has the reason.
 #[test]
 fn with_part_3_next_it_is_loaded_and_nothing_else_starts() {
     let (started, held, words) = decided([5, 20, 0], 30);
@@ -64,7 +64,7 @@ fn with_the_unloading_next_it_is_done_and_nothing_else_starts() {
     assert_eq!(held.len(), 2);
 }
 
-/// The same where the others' windows have not opened: they are held for that, and asked about when the first opens.
+/// The same where the others' windows have not opened: they are held for that, and decided anew when the first opens.
 #[test]
 fn what_is_planned_for_later_is_held_until_then() {
     let (started, held, words) = decided([0, 5, 20], 0);

@@ -1,4 +1,4 @@
-//! Who waits for ever without urgency, and does not with it.
+//! Parts that wait for ever without urgency, and not with it.
 
 use std::cell::Cell;
 use std::time::Duration;
@@ -27,7 +27,7 @@ fn by_priority(it: &Compiled, fairness: Fairness) -> ByName<fn(&str) -> PartPrio
     ByName { inner, job }
 }
 
-/// When something named so was first started in ten minutes.
+/// First start, within ten minutes, of a mode named so.
 fn first(it: &Compiled, fairness: Fairness, name: &str) -> Option<u64> {
     let (records, _) = play(it, &mut by_priority(it, fairness), LONG, |_, _| true);
     starts(it, &records, name).first().map(|&(at, _)| at)
@@ -57,7 +57,7 @@ fn a_part_that_is_never_the_best_waits_for_ever_without_patience_and_not_with_it
     assert_eq!(first(&it, PATIENT, "work_low"), Some(60_500));
 }
 
-/// A part needs two tools, which others take one at a time and never let go of together.
+/// A part needs two tools, which others take one at a time and never release together.
 fn two_tools() -> Compiled {
     compiled(
         &lines([
@@ -88,7 +88,7 @@ fn what_needs_two_things_that_never_come_together_gets_them_by_reservation() {
     assert_eq!(first(&it, PATIENT, "work_low"), Some(64_000));
 }
 
-/// And the record says for whom it is kept.
+/// And the record has for which part it is kept.
 #[test]
 fn what_is_kept_for_an_urgent_part_is_said() {
     let it = two_tools();
@@ -137,7 +137,7 @@ fn what_is_in_the_way_of_an_urgent_part_is_done_in_its_place() {
     assert_eq!(first(&it, PATIENT, "work_low"), Some(66_000));
 }
 
-/// What an urgent part lacks and nobody can bring is not waited for by others.
+/// A token that an urgent part lacks and no mode can bring is not waited for by others.
 #[test]
 fn a_part_that_nothing_helps_keeps_nothing_from_others() {
     let it = compiled(
@@ -155,7 +155,7 @@ fn a_part_that_nothing_helps_keeps_nothing_from_others() {
 }
 
 /// A stack of two: what lies beneath needs its neighbour gone *and* the machine free, and whatever is gone is put back by
-/// others while the machine works. What is free of this is kept, too.
+/// others while the machine works. The free ones of these are kept, too.
 #[test]
 fn what_lies_at_the_bottom_of_a_stack_gets_out() {
     let it = compiled(
@@ -189,7 +189,8 @@ fn what_lies_at_the_bottom_of_a_stack_gets_out() {
     assert!(first(PATIENT).is_some_and(|at| (60_000..66_000).contains(&at)), "{:?}", first(PATIENT));
 }
 
-/// Who would enter can wait too long as well, since whoever keeps the orders says it could have.
+/// A part that would enter can wait too long as well, since the production orders have the time from which it could
+/// have.
 #[test]
 fn what_waits_outside_does_not_wait_for_ever() {
     let it = compiled(
@@ -288,7 +289,7 @@ fn random(dice: &mut Dice) -> Compiled {
     compiled(&net, &marked, |name| alone(times.iter().find(|(of, _)| of == name).map_or(0, |&(_, millis)| millis)))
 }
 
-/// The longest time in an hour for which a part that somebody could take on has rested.
+/// The longest time in an hour for which a part that could be taken on has rested.
 fn longest(it: &Compiled, fairness: Fairness) -> Duration {
     let most = Cell::new(Duration::ZERO);
     let job =
@@ -305,8 +306,8 @@ fn longest(it: &Compiled, fairness: Fairness) -> Duration {
     most.get()
 }
 
-/// With a patience of a minute nobody waits for more than two; without, somebody waits for more than half of the hour in many
-/// cells. What reservation and inheritance are needed for is above: cells by chance rarely are so tight.
+/// With a patience of a minute no part waits for more than two; without, one waits for more than half of the hour in many
+/// cells. Cells that need reservation and inheritance are above: cells by chance rarely are so tight.
 #[test]
 fn in_random_cells_nobody_waits_longer_than_patience_and_a_bound() {
     let cell = |seed| random(&mut Dice::new(seed));

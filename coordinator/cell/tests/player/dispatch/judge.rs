@@ -21,13 +21,13 @@ use crate::player::workcell::{self, Workcell};
 use crate::player::world::World;
 use linewright_random::Random as Dice;
 
-/// Asks a dispatcher and judges what it says.
+/// Puts questions to a dispatcher and checks its answers.
 struct Judge {
     inner: RuleDispatcher,
     dice: Dice,
     net: ColouredNet,
     long: linewright_nets::coloured::Unfolding,
-    /// What each mode takes, as the coloured net has it.
+    /// Tokens that each mode takes, by the coloured net.
     takes: Vec<Vec<(usize, u32)>>,
     asked: usize,
     started: usize,
@@ -100,7 +100,7 @@ impl Judge {
                 }
                 Some(HoldReason::ReservedFor { .. }) => {
                     assert!(self.inner.fairness.patience.is_some() && self.inner.fairness.reserves);
-                    // Somebody after it may have taken something else that it needs.
+                    // A later one may have taken something else that it needs.
                     self.kept += usize::from(could);
                 }
                 Some(HoldReason::NotYet(until)) => {
@@ -122,7 +122,7 @@ impl Judge {
         self.inner.rules.contains(&DispatchRule::Schedule) || self.inner.fairness.patience.is_some()
     }
 
-    /// What is decided about each group alone, together.
+    /// Decisions about each group alone, together.
     fn one_by_one(&mut self, question: &Question<'_>) -> BTreeSet<(ModeId, Option<u64>)> {
         let mut all = BTreeSet::new();
         for group in question.groups {

@@ -114,7 +114,7 @@ fn the_ratio_of_what_is_late_is_below_zero() {
     }
 }
 
-/// Whoever has no due date comes after all that have one, by each of the rules that look at it.
+/// A part without a due date comes after all that have one, by each of the rules that use it.
 #[test]
 fn what_is_never_due_comes_last() {
     let it = machine();
@@ -142,7 +142,7 @@ fn the_timetable_orders_and_holds() {
     assert_eq!(starts(&it, &records, "work"), expected);
 }
 
-/// A timetable that no rule asks for holds nothing.
+/// A timetable that no rule uses holds nothing.
 #[test]
 fn the_timetable_counts_only_where_it_is_a_rule() {
     let it = machine();
@@ -155,7 +155,7 @@ fn the_timetable_counts_only_where_it_is_a_rule() {
 
 /// The times of seed 000 (L2029-2035): robot 1 loads robot 2 in 3, which works on part 1 for 7.5; it loads the human in 2,
 /// who works for 5 on part 2, for 4 on part 3. Loading is a decision for loading and working: 10.5, 7, 6. So part 3 is
-/// first. What remains of a part is that and its unloading: 13.5, 9, 8.
+/// first. The rest of a part is that and its unloading: 13.5, 9, 8.
 fn assembly(parts: [u32; 3]) -> Compiled {
     let net = lines([
         "load_1: input.1 robot_1 robot_2 -> robot_1 on.1",
@@ -232,7 +232,7 @@ fn no_rule_is_faster_than_the_optimum_and_none_idles() {
     }
 }
 
-/// A part inside goes before one outside, whatever the rules say; among those outside the rules decide.
+/// A part inside goes before one outside, whatever the rules; among those outside the rules decide.
 #[test]
 fn parts_inside_go_before_parts_outside() {
     let net = lines([

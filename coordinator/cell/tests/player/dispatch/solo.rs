@@ -1,4 +1,5 @@
-//! A cell without stations, where everything ends by the clock; and a dispatcher that knows parts by where they are.
+//! A cell without stations, where everything ends by the clock; and a dispatcher with priorities of parts by their
+//! places.
 
 use linewright_coordinator_cell::dispatch::{PartPriority, RuleDispatcher};
 use linewright_coordinator_cell::{
@@ -12,7 +13,7 @@ use linewright_nets::coloured::ColouredBuilder;
 use crate::player::plans::{Compiled, PARTS, TOKENS, alone};
 
 /// A net in lines: `name: taken taken -> given given`, each a name of a place, once for each token. Places whose name has a
-/// dot hold parts. Names in `marked` have tokens at the beginning. `millis` says how long a transition takes.
+/// dot hold parts. Names in `marked` have tokens at the beginning. `millis` is the time of a transition.
 pub fn compiled(lines: &[String], marked: &[(&str, u32)], millis: impl Fn(&str) -> PlayedActivity) -> Compiled {
     let mut b = NetBuilder::new("solo");
     let mut places: Vec<(String, _)> = Vec::new();
@@ -48,7 +49,7 @@ pub fn seconds(millis: u64) -> PlayedActivity {
     alone(millis * 1000)
 }
 
-/// Plays a cell that needs no station. `seen` looks at it after every step, and says whether to go on.
+/// Plays a cell that needs no station. `seen` is called after every step, and returns whether to go on.
 pub fn play(
     it: &Compiled,
     dispatcher: &mut dyn Dispatcher,
@@ -68,7 +69,7 @@ pub fn play(
     (out.records, player)
 }
 
-/// What was started when, in milliseconds, of the modes whose names begin so.
+/// Starts with times, in milliseconds, of the modes whose names begin so.
 pub fn starts<'a>(it: &'a Compiled, records: &[Record], of: &str) -> Vec<(u64, &'a str)> {
     let started = records.iter().filter_map(|record| match record.fact {
         RecordKind::Started { mode, .. } => Some((record.at.as_micros() / 1000, it.table.mode_name(mode))),
@@ -77,7 +78,7 @@ pub fn starts<'a>(it: &'a Compiled, records: &[Record], of: &str) -> Vec<(u64, &
     started.filter(|(_, name)| name.starts_with(of)).collect()
 }
 
-/// Knows of each part what the name of the cell says on which it is.
+/// Priority of each part by the name of its cell.
 pub struct ByName<F> {
     pub inner: RuleDispatcher,
     pub job: F,

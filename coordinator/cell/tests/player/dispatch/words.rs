@@ -1,4 +1,4 @@
-//! What is said of decisions, and to whoever asks why a part does not go on.
+//! Texts of decisions, and of reasons why a part does not go on.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ use super::rules::{job, machine, run};
 use super::solo::{ByName, compiled, lines, play, seconds};
 use crate::player::plans::Compiled;
 
-/// What was said at a time.
+/// Texts of a time.
 fn said(it: &Compiled, records: &[Record], at: u64) -> Vec<String> {
     let at = records.iter().filter(|record| record.at == Tick::from_millis(at));
     let decided = at.filter_map(|record| match &record.fact {
@@ -70,7 +70,7 @@ fn a_decision_says_by_which_rule_and_with_which_numbers() {
     );
 }
 
-/// What is answered about a part at a time, in the table of [`super::rules`] by due dates.
+/// Reasons about a part at a time, in the table of [`super::rules`] by due dates.
 fn asked(it: &Compiled, dispatcher: RuleDispatcher, at: u64, part: u64) -> Vec<String> {
     let until = Tick::from_millis(at);
     let (records, player) = play(it, &mut ByName { inner: dispatcher.clone(), job }, until, |_, _| true);
@@ -105,8 +105,8 @@ fn whoever_asks_about_a_part_is_told_what_it_waits_for() {
     assert_eq!(asked(100_000, 1), ["part 1 has been on `packed.a` for 71 s.", "No activity takes it from there."]);
 }
 
-/// The robot comes at 10 s; until then somebody else has put something into the only slot. Part 2 stands on the machine, done,
-/// and cannot be unloaded; part 1 is to go there.
+/// The robot comes at 10 s; until then another part has been put into the only slot. Part 2 stands on the machine, done, and
+/// cannot be unloaded; part 1 is to go there.
 #[test]
 fn what_rests_somewhere_is_named_with_whom_it_waits_for() {
     let net = lines([

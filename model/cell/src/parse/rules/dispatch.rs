@@ -1,4 +1,4 @@
-//! How the dispatcher decides.
+//! Configuration of the dispatcher.
 
 use linewright_text::{Problem, Report, suggestion};
 

@@ -1,11 +1,11 @@
-//! What is to be done when an activity fails.
+//! Rules for the failure of an activity.
 
 use linewright_text::{Problem, Report, suggestion};
 
 use crate::parse::draft::DraftException;
 use crate::{Strategy, Whereabouts};
 
-/// What `tell` may name.
+/// Names that may stand in `tell`.
 const NAMES: [&str; 7] = ["part", "type", "activity", "carrier", "from", "to", "slot"];
 
 pub(super) fn answers_differ(exception: &DraftException<'_>, report: &mut Report) {
@@ -73,7 +73,7 @@ pub(super) fn tells_what_is_known(exception: &DraftException<'_>, report: &mut R
     }
 }
 
-/// Whoever is needed to reset a station can answer as well.
+/// The person needed to reset a station can answer as well.
 pub(super) fn whoever_resets_answers(exception: &DraftException<'_>, report: &mut Report) {
     if let Some(stop) = exception.raw.emergency_stop.as_ref().filter(|_| exception.raw.automatic) {
         report.add(

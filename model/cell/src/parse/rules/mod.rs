@@ -1,4 +1,4 @@
-//! What a description must hold beyond being readable: one named function per rule, one file per subject.
+//! Rules of a description beyond being readable: one named function per rule, one file per subject.
 //!
 //! Every rule reads the whole draft and reports on its own; where a part is missing because it could not be read or
 //! resolved, a rule passes over it in silence, since the reason has been reported already.
@@ -20,7 +20,7 @@ use linewright_text::Report;
 use super::draft::DraftCell;
 use crate::routes::Routes;
 
-/// Applies every rule; gives what can be reached, if that could be worked out.
+/// Applies every rule; returns the spots that can be reached, if they could be computed.
 pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes> {
     whole::the_line_is_the_same(draft, report);
     whole::cell_has_resources(draft, report);
@@ -67,7 +67,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
     let (variants, described): (Vec<_>, Vec<_>) =
         draft.parts.iter().enumerate().partition(|(_, part)| part.variant.is_some());
     described.into_iter().for_each(|part| ways::plans_can_be_done(draft, part, &routes, report));
-    // What is wrong with a plan is wrong with its variants.
+    // Errors of a plan are errors of its variants.
     for (at, part) in variants.into_iter().filter(|_| !report.has_errors()).collect::<Vec<_>>() {
         plans::nothing_is_listed_twice(draft, part, report);
         plans::parts_stay_after_work(draft, part, report);

@@ -1,4 +1,4 @@
-//! What stations are told.
+//! Orders to stations.
 
 use std::collections::HashMap;
 

@@ -89,7 +89,7 @@ pub(super) fn stays_after_nothing(part: &DraftPart<'_>, step: &DraftStep<'_>, id
     is_meant && !part.steps.iter().any(leads)
 }
 
-/// What stays was worked on there before.
+/// A part that stays was worked on there before.
 pub(super) fn parts_stay_after_work(draft: &DraftCell<'_>, part: &DraftPart<'_>, report: &mut Report) {
     for step in part.steps.iter().filter(|_| part.is_whole) {
         for (id, raw) in step.places() {

@@ -1,5 +1,5 @@
-//! What stations are told, beside the line that describes them: is there such a task, and are its numbers given and small
-//! enough for the outputs that carry them? Without a line nothing here has anything to say.
+//! Orders to stations, beside the line that describes them: is there such a task, and are its numbers given and small
+//! enough for the outputs that carry them? Without a line nothing is checked here.
 
 use linewright_line::{Parameter, Task};
 use linewright_text::{Problem, Report, TextRange, suggestion};
@@ -21,7 +21,7 @@ pub(super) fn orders_fit_their_tasks(draft: &DraftCell<'_>, report: &mut Report)
     stores_are_as_large(draft, report);
 }
 
-/// The task an order is for, or a problem that says which there are.
+/// The task an order is for, or a problem with those there are.
 fn task_of<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>, report: &mut Report) -> Option<&'d Task> {
     let line = draft.line?;
     let (station, task) = (order.raw.station.as_ref()?, order.raw.task.as_ref()?);
@@ -113,7 +113,7 @@ fn fits(parameter: &Parameter, number: i64, at: &TextRange, also: Option<&TextRa
     });
 }
 
-/// A station that works on order and never gets one is forgotten, or not needed.
+/// A station that works on order and never gets one was left out by mistake, or is not needed.
 fn stations_have_something_to_do(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
     let orders = || draft.activities.iter().flat_map(|activity| &activity.orders);
@@ -126,7 +126,7 @@ fn stations_have_something_to_do(draft: &DraftCell<'_>, report: &mut Report) {
     }
 }
 
-/// Where the line says how many positions a store has, the cell has no more.
+/// Where the line gives the number of positions of a store, the cell has no more.
 fn stores_are_as_large(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
     for store in draft.resources.iter().filter(|r| r.prototype.is_some_and(crate::Prototype::stores)) {

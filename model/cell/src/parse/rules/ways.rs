@@ -1,4 +1,4 @@
-//! Whether plans can be done: whether what moves parts leads them where they are worked on, and out again.
+//! Whether plans can be done: whether moves lead parts where they are worked on, and out again.
 //!
 //! Judged only where moves and plans are sound each for itself; one unknown name would make every plan impossible.
 
@@ -10,7 +10,7 @@ use crate::parse::raw::RawOn;
 use crate::routes::{PartSpot, RouteTable, Routes};
 use crate::{ActivityKind, Prototype, ResourceId, Role, StageId};
 
-/// Where the stages of each part type begin.
+/// First stage of each part type.
 pub struct Offsets(Vec<usize>);
 
 impl Offsets {
@@ -20,7 +20,7 @@ impl Offsets {
     }
 }
 
-/// Where the stages of each part type begin.
+/// First stage of each part type.
 pub fn offsets(draft: &DraftCell<'_>) -> Offsets {
     let mut next = 0;
     let begin = |part: &DraftPart<'_>| {
@@ -30,7 +30,7 @@ pub fn offsets(draft: &DraftCell<'_>) -> Offsets {
     Offsets(draft.parts.iter().map(begin).collect())
 }
 
-/// What can be reached; none unless moves and plans are sound.
+/// Spots that can be reached; none unless moves and plans are sound.
 pub(super) fn routes(draft: &DraftCell<'_>) -> Option<Routes> {
     let stages: usize = draft.parts.iter().map(|part| part.stages.len()).sum();
     let mut ways = RouteTable { stages, resources: draft.resources.len(), ..RouteTable::default() };
@@ -59,7 +59,7 @@ pub(super) fn routes(draft: &DraftCell<'_>) -> Option<Routes> {
     Some(Routes::new(&ways))
 }
 
-/// From where to where a synchronisation moves parts, if it does so soundly.
+/// Start and end of the move of parts by a synchronisation, if it is sound.
 pub fn transport(activity: &crate::parse::draft::DraftActivity<'_>) -> Option<(PartSpot, PartSpot)> {
     let one = |role| {
         let mut found = activity.used(role);
@@ -89,7 +89,7 @@ pub(super) fn plans_can_be_done(
     };
     let led_to = |step: &&DraftStep<'_>| step.from == 0 || of.steps.iter().any(|before| before.to == step.from);
     let known = of.steps.iter().filter(led_to);
-    // What comes after a step that cannot be done cannot be done either; the first is the one to mend.
+    // Steps after one that cannot be done cannot be done either; the first is the one to mend.
     if let Some(step) = known.clone().find(|step| !step.places().any(|on| comes(on, step))) {
         report.add(never_comes(draft, part, step, routes));
         return;
@@ -144,7 +144,7 @@ fn never_comes(
         .hint(format!("a synchronisation with {} must bring it from there", loads.join(" or ")))
 }
 
-/// Where parts of a stage can be, in words.
+/// Places of parts of a stage, in words.
 fn stands(draft: &DraftCell<'_>, stage: StageId, routes: &Routes) -> String {
     let ids = (0..draft.resources.len()).map(ResourceId::at);
     let at = ids.filter(|&id| PartSpot::work(id).iter().any(|&spot| routes.is_reached(spot, stage)));

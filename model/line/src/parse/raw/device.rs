@@ -1,4 +1,4 @@
-//! A device: what it is, what it carries, what it has to be and is told, and what its trouble does.
+//! A device: kind, bits, identity, settings, and the effect of its trouble.
 
 use linewright_text::{
     KeyKind, KeyPresence, Located, LocatedName, Shape, flag, integer, keys, one_of, part, table, tables, text, texts,
@@ -15,7 +15,7 @@ const COMMENTS_MAX: usize = 1000;
 /// At most this many objects of one device that are written before it is started.
 const SETTINGS_MAX: usize = 256;
 
-/// What a setting's number is stored as. Four bytes first: what is not said is usual.
+/// Storage of a setting's number. Four bytes first: the default.
 const WIDTHS: [(&str, Width); 6] = [
     ("u32", Width { bytes: 4, signed: false }),
     ("u8", Width { bytes: 1, signed: false }),
@@ -115,7 +115,7 @@ pub(in crate::parse) enum RawDeviceKind {
     Modbus,
 }
 
-/// How many bytes a number has, and whether it has a sign.
+/// Number of bytes of a number, and whether it has a sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::parse) struct Width {
     pub bytes: u8,
@@ -137,7 +137,7 @@ fn transmission() -> KeyKind<Option<Located<i64>>> {
     integer().like(|| Shape::Either(vec![Shape::Whole(1, 240), Shape::Whole(254, 255)]))
 }
 
-/// What trouble does to the owner.
+/// Effect of trouble on the owner.
 fn reaction() -> KeyKind<Option<Located<Reaction>>> {
     one_of(&[("fault", Reaction::Fault), ("report", Reaction::Report)])
 }

@@ -218,7 +218,7 @@ fn lag(lag: Option<Located<i64>>, report: &mut Report) -> u32 {
     }
 }
 
-/// Both, unless it says otherwise.
+/// Both by default.
 fn modes(modes: Option<Located<Vec<LocatedName>>>, report: &mut Report) -> Modes {
     const BOTH: Modes = Modes { auto: true, manual: true };
     let Some(modes) = modes else { return BOTH };

@@ -3,7 +3,7 @@
 //!
 //! Each table of the description is one table of keys here, from which its reader and the schema for editors follow. A
 //! field is `None` when it is missing or could not be read; that has been reported, so that no later rule has to. This is
-//! the only form that knows how the text is laid out; [`super::draft`] is the first that knows what the names mean.
+//! the only form with the layout of the text; [`super::draft`] is the first with resolved names.
 //!
 //! Every list is bounded here, so that whatever a file contains, the later passes work on something of known size.
 

@@ -40,7 +40,7 @@ keys! {
     }
 }
 
-/// What a list of types looks like.
+/// Shape of a list of types.
 pub(super) fn shape() -> Shape {
     let mut keys = RawStationType::keys();
     let others = RawStation::keys().into_iter().filter(|key| !["name", "type", "parameters"].contains(&key.key));

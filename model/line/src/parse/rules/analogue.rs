@@ -53,7 +53,7 @@ fn only_io_has_channels(device: &RawDevice, first: &RawChannel, report: &mut Rep
     );
 }
 
-/// What makes channels come by themselves and rest without a manager follows from the rest of the description.
+/// Objects for the transmission of channels and their rest without a manager follow from the rest of the description.
 fn objects_are_not_the_managers(device: &RawDevice, report: &mut Report) {
     for name in device.settings.iter().filter_map(|setting| setting.object.as_ref()) {
         let what = match object(&name.value) {

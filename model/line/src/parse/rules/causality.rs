@@ -36,7 +36,7 @@ pub(super) fn no_operation_waits_for_itself(draft: &DraftLine<'_>, report: &mut 
     }
 }
 
-/// Who waits for whom in the same cycle: an edge from each operation to those that need it.
+/// Waits within the same cycle: an edge from each operation to those that need it.
 fn waits_within_a_cycle(draft: &DraftLine<'_>) -> CausalEdge {
     let mut graph = CausalEdge::new();
     let mut nodes: HashMap<ChartOperation, NodeIndex> = HashMap::new();

@@ -55,8 +55,8 @@ pub(super) fn conflicts_have_buttons_of_their_own(draft: &DraftLine<'_>, report:
     }
 }
 
-/// Whether the station is inside the stretch while it stands at home: its home operation lies in it, and the end of
-/// the stretch is still to come.
+/// Whether the station is inside the stretch while it stands at home: its home operation is in it, and the end of the
+/// stretch is still to come.
 fn holds_at_home(draft: &DraftLine<'_>, span: crate::StateSpan) -> Option<bool> {
     let station = &draft.stations[span.station.index()];
     let home = station.home.as_ref()?.value;

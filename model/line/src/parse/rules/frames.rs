@@ -1,4 +1,4 @@
-//! Devices that speak no CANopen.
+//! Devices without CANopen.
 
 use linewright_text::{Problem, Report, TextRange, or};
 
@@ -83,7 +83,7 @@ fn conditions_are_one(input: &RawSignalInput, report: &mut Report) {
     }
 }
 
-/// Such a device hears no heartbeat of the manager. Its outputs go off only by its own time-out, which stands in its manual.
+/// Such a device receives no heartbeat of the manager. Its outputs go off only by its own time-out, which is in its manual.
 fn outputs_go_off_by_themselves(told: &RawTold, report: &mut Report) {
     let Some(output) = told.outputs.iter().find_map(|output| output.output.as_ref()) else { return };
     let Some(time) = &told.lets_go_after else {

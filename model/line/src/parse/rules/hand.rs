@@ -1,7 +1,7 @@
 //! Hand-mode types against each other (seed 002 Figure 21 and Table 3).
 //!
-//! In hand mode one held button runs a sequence of operations. A type says which part of a sequence an operation is,
-//! so the types of neighbours, going round the cycle, must tell the same story.
+//! In hand mode one held button runs a sequence of operations. A type is the part of a sequence that an operation is,
+//! so the types of neighbours, going round the cycle, must agree.
 
 use linewright_text::{Located, Problem, Report};
 
@@ -132,7 +132,7 @@ pub(super) fn next_is_the_following_forward(station: &DraftStation<'_>, report: 
     }
 }
 
-/// A button runs one task at most: what follows is somebody's choice.
+/// A button runs one task at most: what follows is an operator's choice.
 pub(super) fn sequences_stay_in_their_task(station: &DraftStation<'_>, report: &mut Report) {
     for task in station.tasks.iter().filter(|task| !task.ops.is_empty()) {
         let (first, last) = (&station.operations[task.ops.start], &station.operations[task.ops.end - 1]);
@@ -155,7 +155,7 @@ fn types(suits: fn(HandType) -> bool) -> String {
 }
 
 /// Where several tasks begin, each has a button of its own, and none takes back what has just ended there. Within a task
-/// too, what takes an operation back does not lead on: there are no arrows that could say which is meant.
+/// too, a button that takes an operation back does not lead on: there are no arrows that could decide which is meant.
 pub(super) fn buttons_tell_tasks_apart(station: &DraftStation<'_>, report: &mut Report) {
     let whole = || station.tasks.iter().filter(|task| !task.ops.is_empty());
     for (nth, task) in whole().enumerate() {

@@ -1,4 +1,4 @@
-//! Where parts can be: do hands close, can they come to what they reach, and can a number say every position?
+//! Places of parts: do hands close, can they come to what they reach, and can a number give every position?
 
 use linewright_text::{Problem, Report};
 

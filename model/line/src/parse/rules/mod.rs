@@ -1,4 +1,4 @@
-//! What a description must hold beyond being readable: one named function per rule, one file per subject.
+//! Rules of a description beyond being readable: one named function per rule, one file per subject.
 //!
 //! Every rule reads the whole draft and reports on its own; where a part is missing because it could not be read or
 //! resolved, a rule passes over it in silence, since the reason has been reported already.

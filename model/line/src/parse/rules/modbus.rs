@@ -72,7 +72,7 @@ fn address_has_host_and_port(modbus: &RawModbus, report: &mut Report) {
     );
 }
 
-/// What is lost must show, and what is written must come before the device turns its outputs off.
+/// A loss must show, and a write must come before the device turns its outputs off.
 fn times_are_in_order(modbus: &RawModbus, written_stale: Option<&Located<Duration>>, report: &mut Report) {
     let (cycle, timeout) = (or(&modbus.cycle, CYCLE), or(&modbus.timeout, TIMEOUT));
     for (key, time) in [("cycle_ms", &modbus.cycle), ("timeout_ms", &modbus.timeout)] {
@@ -158,7 +158,7 @@ fn outputs_go_off_without_a_manager(device: &RawDevice, modbus: &RawModbus, repo
     }
 }
 
-/// What an address of a device is written for.
+/// Purpose of an address of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum WrittenFor {
     Outputs,

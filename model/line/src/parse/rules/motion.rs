@@ -50,7 +50,7 @@ pub(super) fn motions_chain(station: &DraftStation<'_>, report: &mut Report) {
     }
 }
 
-/// A motion that starts where its axis is not; `before` says when, if nothing has moved it yet.
+/// A motion that starts where its axis is not; `before` is when, if nothing has moved it yet.
 pub(super) fn gap(name: &str, from: f64, at: &Range<usize>, axis: &str, position: &Position, before: &str) -> Problem {
     let problem = |message| Problem::error(at.clone(), message).hint("a motion starts where the one before it ended");
     match &position.left_by {

@@ -7,7 +7,7 @@ use linewright_text::{Located, Problem, Report};
 use crate::parse::draft::{DraftOperation, DraftStation};
 use crate::parse::raw::ModuleKind;
 
-/// Coordinates nearer than this are the same place: a micrometre below anything a switch can tell apart.
+/// Coordinates nearer than this are the same place: a micrometre below the resolution of any switch.
 pub(super) const SAME_PLACE: f64 = 1e-6;
 
 pub(super) fn same_place(a: f64, b: f64) -> bool {
@@ -93,7 +93,7 @@ pub(super) fn watchdog_outlasts_duration(
     if recovery.duration.is_none() && recovery.watchdog.is_none() {
         return;
     }
-    // What is not given is that of the same motion, or of the operation's own.
+    // Values not given are those of the same motion, or of the operation's own.
     let same = same_motion(station, operation).map_or(raw, |other| other.raw);
     let duration = recovery.duration.as_ref().or(same.duration.as_ref());
     let watchdog = recovery.watchdog.as_ref().or(same.watchdog.as_ref());
@@ -138,7 +138,7 @@ pub(super) fn module_has_its_recovery(operation: &DraftOperation<'_>, report: &m
                         .hint("it is never run backwards; say how to get home from it with `recovery_path = […]`"),
                 );
             }
-            // Where no place is written a way was, be it a wrong one.
+            // Where there is no place, a way was written, be it a wrong one.
             let goes_on = raw.moves.as_ref().is_some_and(|m| m.by.is_some() || (m.from.is_none() && m.to.is_none()));
             if !goes_on && raw.recovery_path.as_ref().is_none_or(|path| path.value.is_empty()) {
                 let at = raw.recovery_path.as_ref().map_or_else(|| operation.place(), |path| path.at.clone());

@@ -85,7 +85,7 @@ fn end_of_path(station: &DraftStation<'_>, op: OpId) -> Option<OpId> {
     task.ops.contains(&op.index()).then(|| OpId::at(task.ops.end - 1))
 }
 
-/// Where the axes stand when a recovery path has been gone.
+/// Positions of the axes at the end of a recovery path.
 fn positions_at_end(station: &DraftStation<'_>, op: OpId) -> Option<Vec<f64>> {
     if !station.is_task_driven() {
         return Some(station.axes.iter().map(|axis| axis.home).collect());
@@ -94,7 +94,7 @@ fn positions_at_end(station: &DraftStation<'_>, op: OpId) -> Option<Vec<f64>> {
     station.rests.get(task.to.as_ref()?.value.index()).cloned()
 }
 
-/// What has been done since the station left home, or began the task, and the operation itself.
+/// Operations since the station left home, or began the task, and the operation itself.
 fn done_before(station: &DraftStation<'_>, op: OpId) -> Vec<OpId> {
     if station.is_task_driven() {
         let earlier = earlier_in_task(station, op).map_or(0..0, |earlier| earlier.start..earlier.end + 1);

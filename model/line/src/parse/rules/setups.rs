@@ -1,4 +1,4 @@
-//! What a device has to be and is told, and what its trouble may do.
+//! Identity and settings of a device, and permitted effects of its trouble.
 
 use std::collections::HashMap;
 
@@ -62,8 +62,8 @@ fn nothing_depends_on_what_may_be_lost(
     }
 }
 
-/// The manager writes what a device does with its outputs when the manager is gone. A description that wants it otherwise, or a
-/// device without these objects, needs a reason.
+/// The manager writes the objects for a device's outputs when the manager is gone. A description with others, or a device
+/// without these objects, needs a reason.
 fn outputs_go_off_without_a_manager(device: &DraftDevice, raw: &RawDevice, report: &mut Report) {
     if let Some(why) = &raw.without_error_values {
         let sets = raw.outputs.iter().any(|name| !name.value.is_empty()) || !raw.analogue.outputs.is_empty();
@@ -123,8 +123,8 @@ fn object_is_one(setting: &RawSetting, report: &mut Report) {
     }
 }
 
-/// How devices and manager watch each other follows from the description's timing. A device told otherwise might keep
-/// its outputs when the manager is gone.
+/// Supervision between devices and manager follows from the description's timing. A device with other settings might
+/// keep its outputs when the manager is gone.
 fn object_is_not_the_managers(setting: &RawSetting, report: &mut Report) {
     let Some(name) = &setting.object else { return };
     let Some((index, _)) = object(&name.value).filter(|(index, _)| is_the_managers(*index)) else { return };

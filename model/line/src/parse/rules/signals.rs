@@ -1,4 +1,4 @@
-//! What a station's signals mean: one thing each.
+//! Meaning of a station's signals: one each.
 //!
 //! An input is a limit switch at one position, a fault sensor, or part of the panel; an output drives one axis to one
 //! position, or is a lamp. A name that would mean two of these is a slip that no test run shows before the plant does.
@@ -12,7 +12,7 @@ use linewright_text::{Located, Problem, Report};
 use super::operations::same_place;
 use crate::parse::draft::DraftStation;
 
-/// What a signal means.
+/// Meaning of a signal.
 #[derive(Clone, Debug)]
 pub(super) enum SignalUse {
     /// On while this axis stands here.
@@ -75,7 +75,7 @@ impl<'d> Uses<'d> {
         self.by_bit.entry(bit).or_default().push((meaning, at.clone()));
     }
 
-    /// Notes that the bit is used, though not what for: the text does not say, or anything will do.
+    /// Notes that the bit is used, though not what for: the text does not give it, or anything will do.
     fn note_unclear(&mut self, bit: usize) {
         self.by_bit.entry(bit).or_default();
     }

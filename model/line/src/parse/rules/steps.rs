@@ -7,7 +7,7 @@ use crate::parse::names::StationNames;
 use crate::parse::raw::{ModuleKind, RawStation};
 use crate::{BRANCHES_MAX, OpId};
 
-/// Divides a station's operations into steps: an operation joins the step before it if its `with` says so.
+/// Divides a station's operations into steps: an operation joins the step before it if its `with` names one of it.
 pub(in crate::parse) fn steps(raw: &RawStation, names: &StationNames<'_>, report: &mut Report) -> Vec<Vec<OpId>> {
     let mut steps: Vec<Vec<OpId>> = Vec::new();
     for (index, operation) in raw.operations.iter().enumerate() {
@@ -40,7 +40,7 @@ pub(in crate::parse) fn steps(raw: &RawStation, names: &StationNames<'_>, report
     steps
 }
 
-/// Where an operation says that it runs beside others.
+/// Place in the text where an operation runs beside others.
 fn with_place(station: &DraftStation<'_>, op: OpId) -> std::ops::Range<usize> {
     let operation = station.operation(op);
     operation.raw.with.as_ref().map_or_else(|| operation.place(), |with| with.at.clone())

@@ -38,8 +38,8 @@ fn check_type(number: &Located<i64>, draft: &DraftLine<'_>, report: &mut Report)
     }
 }
 
-/// A device that no longer hears SYNC keeps its outputs, and hears every heartbeat: that it still hears SYNC shows only
-/// by inputs that come with it.
+/// A device that no longer receives SYNC keeps its outputs, and receives every heartbeat: that it still receives SYNC
+/// shows only by inputs that come with it.
 fn outputs_have_inputs_to_show(device: &RawDevice, report: &mut Report) {
     let Some(raw) = &device.transmission else { return };
     let synchronous = |number: &Option<Located<i64>>| {

@@ -1,7 +1,7 @@
 //! Stations on order: do the tasks, their operations and the rests between them fit together?
 //!
-//! The rests are towns and the tasks are roads between them. Each road must lead where it says, and from every town there
-//! must be a way to every other: a station that is somewhere else than home must be able to come home by tasks alone.
+//! The rests and tasks form a graph. Each task must lead to the rest it names, and from every rest there must be a way to
+//! every other: a station that is somewhere else than home must be able to come home by tasks alone.
 
 use std::time::Duration;
 
@@ -38,7 +38,7 @@ pub(super) fn check(station: &DraftStation<'_>, report: &mut Report) {
     }
 }
 
-/// What only a station on order has, in one that is none.
+/// Keys for a station on order alone, in one that is none.
 pub(super) fn nothing_of_tasks(station: &DraftStation<'_>, report: &mut Report) {
     let hint = "only a station that works on order has it: one with `[[station.task]]`";
     if let Some(rest) = station.raw.rests.first() {

@@ -5,7 +5,7 @@ use toml_edit::{Item, Table};
 
 use super::{BESIDE, DEPTH_MAX};
 
-/// Whose a block is.
+/// Owner of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BlockOwner {
     /// The type of this number.
@@ -19,7 +19,7 @@ pub(super) struct TextBlock<'a> {
     pub owner: BlockOwner,
     pub path: Vec<&'a str>,
     is_list: bool,
-    /// Where the comment above the header begins.
+    /// Beginning of the comment above the header.
     pub lead: usize,
     /// The header.
     pub at: TextRange,
@@ -28,11 +28,11 @@ pub(super) struct TextBlock<'a> {
 }
 
 pub(super) struct Blocks<'a> {
-    /// Where the keys above the first header end.
+    /// End of the keys above the first header.
     pub preamble: usize,
     /// In the order of the text.
     pub all: Vec<TextBlock<'a>>,
-    /// Where the last block ends.
+    /// End of the last block.
     pub rest: usize,
 }
 
@@ -73,7 +73,7 @@ pub(super) fn blocks<'a>(root: &'a Table, text: &str) -> Blocks<'a> {
 
 struct Walk<'a> {
     blocks: Vec<TextBlock<'a>>,
-    /// Where values end.
+    /// Ends of values.
     ends: Vec<usize>,
 }
 

@@ -1,8 +1,8 @@
 //! Station types: a description with `[[station_type]]` → the same description with every station written out.
 //!
-//! This is done to the text, before any other pass: what follows is one text that could have been written by hand, and
-//! nothing after it knows of types. A [`Splice`] remembers where each stretch comes from, so that problems of the written
-//! out text are shown in the type, with the station that uses it, or at the parameter.
+//! This is done to the text, before any other pass: the result is one text that could have been written by hand, and
+//! nothing after it has types. A [`Splice`] keeps where each stretch comes from, so that problems of the written out text
+//! are shown in the type, with the station that uses it, or at the parameter.
 
 mod blocks;
 mod pattern;
@@ -80,7 +80,7 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// A station with what its type says.
+    /// Writes out a station with its type.
     fn station(&mut self, block: &TextBlock<'_>, station: &TypedStation) {
         let of = &self.types[station.kind];
         let label = format!("station `{}` is of this type", station.name.value);
@@ -124,7 +124,7 @@ impl Writer<'_> {
         self.splice.copy(self.text, at..range.end.max(at), note);
     }
 
-    /// Where the text goes on behind what is left out: where nothing else stands in its line, with the next line.
+    /// Beginning of the text behind what is left out: where nothing else stands in its line, the next line.
     fn after(&self, out: &TextRange) -> usize {
         let is_blank = |words: &str| words.trim().is_empty();
         let before = self.text[..out.start].rsplit('\n').next().is_none_or(is_blank);

@@ -2,7 +2,7 @@
 
 use linewright_text::{LocatedName, Problem, Report, TextRange, suggestion};
 
-/// A stretch of the text and what stands there instead.
+/// A stretch of the text and its replacement.
 #[derive(Clone, Debug)]
 pub(super) struct TypeEdit {
     pub at: TextRange,

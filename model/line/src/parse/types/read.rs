@@ -17,7 +17,7 @@ pub(super) struct StationType<'a> {
     table: &'a Table,
     /// In the order of the text.
     pub edits: Vec<TypeEdit>,
-    /// What is written inline and stands beside the station: header, place, keys with their values.
+    /// Inline tables beside the station: header, place, keys with their values.
     pub inline: Vec<(&'static str, TextRange, Vec<TextRange>)>,
 }
 
@@ -31,14 +31,14 @@ pub(super) struct TypedStation {
     pub kind: usize,
     /// By parameter of its type.
     pub values: Vec<ParameterValue>,
-    /// What of its keys is not written out.
+    /// Keys that are not written out.
     pub cuts: Vec<TypeEdit>,
 }
 
 pub(super) struct ParameterValue {
     pub name: String,
     pub at: TextRange,
-    /// As it is written.
+    /// Text as it is written.
     pub source: String,
     /// As a part of a text.
     pub words: String,
@@ -133,7 +133,7 @@ impl StationType<'_> {
         }
     }
 
-    /// What stands beside the station: under headers of its own, or in a list that is taken apart.
+    /// Tables beside the station: under headers of their own, or in a list that is taken apart.
     fn beside(&mut self, header: &'static str, item: &Item, report: &mut Report) {
         let list = match item {
             Item::ArrayOfTables(_) => return,
@@ -193,7 +193,7 @@ fn of_value(value: &Value, depth: usize, found: &mut dyn FnMut(&str, TextRange))
     }
 }
 
-/// Where a key stands with its value; `None` for what has a header of its own.
+/// Place of a key with its value; `None` for a key that has a header of its own.
 fn entry(table: &dyn TableLike, key: &str) -> Option<TextRange> {
     let (name, item) = table.get_key_value(key)?;
     Some(name.span()?.start..item.as_value()?.span()?.end)

@@ -1,8 +1,8 @@
 //! The checker: whether the evidence of a certificate proves its claim.
 //!
-//! It is meant to be read in one sitting and believed. It uses the net, numbers, and nothing of the analyses that find
-//! the evidence: no components, no semiflows, no search. It believes no figure that it can compute, refuses whatever it
-//! does not understand, and takes time about linear in the net and the certificate, the rank aside.
+//! It is short enough to be read as a whole. It uses the net, numbers, and nothing of the analyses that find the
+//! evidence: no components, no semiflows, no search. It computes every figure that it can, refuses what it does not
+//! understand, and takes time about linear in the net and the certificate, the rank aside.
 
 mod rank;
 mod replay;
@@ -15,17 +15,17 @@ use super::evidence::{Certificate, Dead, Evidence, NetProperty, NoReturn, Sums, 
 use crate::{NamedId, Net, NetNode, PlaceId};
 use replay::ReplayTokens;
 
-/// Why a certificate proves nothing.
+/// Reason why a certificate proves nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("the certificate is not accepted: {rule}{}", at.as_ref().map(|at| format!(", but not for {at}")).unwrap_or_default())]
 pub struct Rejected {
-    /// What should be so and is not.
+    /// Rule that does not hold.
     pub rule: CertificateRule,
-    /// Where it is not, if that can be said.
+    /// Node where it does not hold, if there is one.
     pub at: Option<NamedId<NetNode>>,
 }
 
-/// What a certificate has to satisfy.
+/// Condition of a certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 
 pub enum CertificateRule {
@@ -164,7 +164,7 @@ pub fn check(net: &Net, certificate: &Certificate) -> Result<(), Rejected> {
     }
 }
 
-/// Whether the rank theorem applies and says "live and bounded".
+/// Whether the rank theorem applies and proves "live and bounded".
 pub(super) fn check_well_formed(net: &Net, formed: &super::evidence::WellFormed) -> Result<(), Rejected> {
     theorems::well_formed(net, formed)
 }

@@ -30,7 +30,7 @@ impl ReplayTokens {
         })
     }
 
-    /// Fires all of it, or says what is not enabled.
+    /// Fires all of it, or returns the transition that is not enabled.
     pub fn play(&mut self, net: &Net, runs: &[RepeatedFiring]) -> Result<(), Rejected> {
         runs.iter().try_for_each(|run| self.fire(net, run))
     }
@@ -51,7 +51,7 @@ impl ReplayTokens {
             }
         }
         for &(place, weight) in net.preset(t).iter().chain(net.postset(t)) {
-            // Beyond 63 bits nobody counts; a certificate that gets there is refused.
+            // Counts end at 63 bits; a certificate that gets there is refused.
             let most = run.times.checked_mul(weight.into()).and_then(|all| all.checked_add(self.on(place)));
             require(most.is_some_and(|most| most <= i64::MAX as u64), CertificateRule::Size)?;
         }

@@ -76,7 +76,7 @@ fn nothing_stays_empty<'net>(net: &'net Net, sides: impl Fn(TransitionId) -> (Ar
     }
 }
 
-/// What each transition does to a weighted sum, without those that do nothing.
+/// Effect of each transition on a weighted sum, without those that have none.
 pub(super) fn changes(net: &Net, weights: &[(PlaceId, i128)]) -> Result<BTreeMap<TransitionId, i128>, Rejected> {
     let mut changes = BTreeMap::new();
     for &(place, weight) in weights {

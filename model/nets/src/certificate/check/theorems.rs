@@ -58,7 +58,7 @@ pub(super) fn returning_order(net: &Net, order: &FiringOrder) -> Result<(), Reje
     Ok(())
 }
 
-/// From where to where, if the transition is one of a state machine.
+/// Input and output place, if the transition is one of a state machine.
 fn step(net: &Net, t: TransitionId) -> Result<(PlaceId, PlaceId), Rejected> {
     sets::known_transition(net, t)?;
     match (net.preset(t), net.postset(t)) {
@@ -143,7 +143,7 @@ pub(super) fn moving_trap(net: &Net, trap: &[PlaceId]) -> Result<(), Rejected> {
     Ok(())
 }
 
-/// Everything that the rank theorem asks of a live and bounded free-choice net.
+/// All conditions of the rank theorem for a live and bounded free-choice net.
 pub(super) fn well_formed(net: &Net, formed: &WellFormed) -> Result<(), Rejected> {
     for t in net.transitions() {
         require(net.preset(t).iter().chain(net.postset(t)).all(|&(_, weight)| weight == 1), CertificateRule::Ordinary)?;

@@ -9,7 +9,7 @@ use crate::certificate::evidence::{Evidence, NetProperty, Sums};
 use crate::certificate::{CertificateAnswer, TokenBound, Unknown};
 use crate::{Net, PlaceId};
 
-/// What the search for the bounds of all places may use. A ring with several tokens needs a search for each place.
+/// Limits of the search for the bounds of all places. A ring with several tokens needs a search for each place.
 #[derive(Clone, Copy)]
 pub(super) struct Effort {
     /// The most searches.
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
     use crate::NetBuilder;
 
-    /// Rings that have nothing to do with each other, each as long as it says and with so many tokens on one place.
+    /// Separate rings, each given by its length and the tokens on one place.
     fn rings(of: &[(usize, u32)]) -> Net {
         let mut b = NetBuilder::new("rings");
         for (ring, &(length, tokens)) in of.iter().enumerate() {
