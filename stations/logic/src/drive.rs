@@ -26,6 +26,7 @@ impl Controller {
         let number = self.output.number + 1;
         let mut begun = false;
         for index in 0..self.marking.count {
+            let order = self.place_order(index);
             // A motion that a person lets go of and takes up again starts once more: what is not measured blocks it.
             let paused = self.marking.tokens[index];
             let place = self.place(&paused);
@@ -45,10 +46,11 @@ impl Controller {
             }
             token.driven = driven;
             if driven {
-                outputs |= table.actuator;
+                outputs |= table.actuator | order;
                 deadline = deadline.min(token.deadline);
             }
             outputs |= table.lamp;
+            self.image.watched |= self.program.places_of_axis.as_ref().map_or(0, |(_, index)| index.report(u16::MAX));
             self.image.watched |= table.complete | table.fault | table.rest | table.turns;
         }
         // A motion that begins is a new image even if it drives what was driven before: inputs are asked for under it.

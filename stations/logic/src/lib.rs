@@ -65,6 +65,7 @@ mod interlock;
 mod order;
 mod panel;
 mod parts;
+mod place;
 mod peer_set;
 mod position_guard;
 mod program;

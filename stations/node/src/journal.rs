@@ -55,6 +55,9 @@ struct StationRecord {
     /// The index that is in doubt; a station without one has the record that it had before there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     doubtful: Option<u16>,
+    /// The place of an endless axis that a drive turns; a station without one has the record that it had before there were any.
+    #[serde(default, skip_serializing_if = "is_none")]
+    place: u16,
     next_request: u64,
     /// The generation of the counts; 0 for none.
     #[serde(default)]
@@ -68,6 +71,10 @@ struct StationRecord {
     /// Stations on order alone have it, so that the records of all others are what they were before there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     order: Option<OrderRecord>,
+}
+
+fn is_none(place: &u16) -> bool {
+    *place == 0
 }
 
 #[derive(Serialize, Deserialize)]
@@ -155,6 +162,7 @@ pub fn to_record(line: &Line, station: StationId, snapshot: &StationSnapshot, ho
         started: snapshot.started.clone(),
         path: snapshot.path.map(|op| op.0),
         doubtful: snapshot.doubtful.map(|op| op.0),
+        place: snapshot.place,
         next_request: snapshot.next_request,
         generation: snapshot.generation,
         placed: snapshot.placed,
@@ -211,6 +219,7 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
         started: record.started,
         path,
         doubtful: record.doubtful.map(OpId),
+        place: record.place,
         next_request: record.next_request,
         generation,
         placed: is_newest && record.placed,
