@@ -20,4 +20,5 @@ mod parts;
 mod rack;
 mod sync;
 mod troubles;
+mod turning;
 mod wire;
