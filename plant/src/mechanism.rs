@@ -278,7 +278,8 @@ impl Mechanism {
         let chosen = chosen.filter(|_| index.goes_to_next(image, here));
         // A drive rests until it is ordered to another place, a gear until it is driven anew.
         let is_geared = index.places.is_none();
-        index.rests = is_geared && at.is_some() && (index.rests || (self.moving.is_some() && here >= index.home + index.by));
+        index.rests =
+            is_geared && at.is_some() && (index.rests || (self.moving.is_some() && here >= index.home + index.by));
         let chosen = chosen.filter(|_| !index.rests)?;
         if index.is_at_end(here) && self.moving.is_none() {
             index.left += 1;

@@ -44,15 +44,8 @@ fn table(direction: TurnDirection) -> Described {
 }
 
 fn homed(direction: TurnDirection, method: i8) -> Described {
-    let homing = Homing {
-        method,
-        fast: 60.0,
-        slow: 20.0,
-        acceleration: 720.0,
-        offset: 0.0,
-        output: OutputId(0),
-        done: None,
-    };
+    let homing =
+        Homing { method, fast: 60.0, slow: 20.0, acceleration: 720.0, offset: 0.0, output: OutputId(0), done: None };
     Described { homing: Some(homing), ..table(direction) }
 }
 
@@ -88,7 +81,12 @@ fn over_several_turns_it_stops_at_each_place_whichever_way_it_turns() {
                 assert!((-0.01..=90.01).contains(&gone), "{direction:?} {nth}: {gone}");
                 assert!(pair.inputs() != at(place) || (pair.place() - end).abs() <= 0.5);
             });
-            assert_eq!((pair.inputs(), pair.place()), (at(place), end), "{direction:?} {nth}: {}", pair.drive.explain());
+            assert_eq!(
+                (pair.inputs(), pair.place()),
+                (at(place), end),
+                "{direction:?} {nth}: {}",
+                pair.drive.explain()
+            );
             // The same order again, as a message that comes late or after a restart gives it.
             for _ in 0..3 {
                 pair.set(0);

@@ -23,11 +23,8 @@ fn goes(text: &str) -> u64 {
         let line = line(direction);
         let scenario = Scenario::parse(&line, "test.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
         let options = SimOptions { network: scenario.network, variation: scenario.variation, frames, ..logged() };
-        let goal = RunGoal {
-            cycles: scenario.cycles.unwrap_or(1),
-            starts: scenario.starts,
-            script: scenario.script.clone(),
-        };
+        let goal =
+            RunGoal { cycles: scenario.cycles.unwrap_or(1), starts: scenario.starts, script: scenario.script.clone() };
         let (sim, end) = run(&line, options, &goal).expect("the line compiles");
         assert_eq!(end, RunEnd::Done, "frames: {frames}, {direction}\n{}", sim.log().tail(sim.line(), 60));
         assert_eq!(sim.conflicts(), []);

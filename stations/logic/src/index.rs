@@ -60,6 +60,7 @@ impl Controller {
         }
         let (op, credit) = (table.place.op, table.least.saturating_sub(self.stale));
         let next = if table.is_measured { self.measured_progress(&token) } else { self.progress(&token) };
+        self.due.outputs |= token.driven && self.orders_another_place(index);
         let token = &mut self.marking.tokens[index];
         if token.driven {
             token.last_driven = self.now;

@@ -99,6 +99,12 @@ impl Controller {
         differ.then(|| format!("measured at or after place {measured}, last known at place {known}"))
     }
 
+    /// Whether the output image says another place than it is to: since it was worked out, the place has become known or lost.
+    pub(crate) fn orders_another_place(&self, index: usize) -> bool {
+        let bits = self.program.places_of_axis.as_ref().map_or(0, |(_, places)| places.order(u16::MAX));
+        self.output.bits & bits != self.place_order(index)
+    }
+
     /// An index is complete: the axis stands at another place.
     pub(crate) fn index_completes(&mut self, index: usize) {
         let table = &self.program.places[usize::from(self.marking.tokens[index].place)];

@@ -270,9 +270,8 @@ impl Program {
             ahead_max: CYCLES_APART_MAX.saturating_mul(line.stations.len() as i32),
             peers,
             paths,
-            places_of_axis: index_drive(line, station).and_then(|(drive, index)| {
-                Some((u16::try_from(drive.targets.len()).ok()?, index.clone()))
-            }),
+            places_of_axis: index_drive(line, station)
+                .and_then(|(drive, index)| Some((u16::try_from(drive.targets.len()).ok()?, index.clone()))),
             on_order: StationTasks::of(described),
         })
     }
@@ -392,7 +391,8 @@ fn compile_place(
         watchdog,
         turns: if under_way { signals.complete.bit() } else { 0 },
         least: operation.duration / 2,
-        is_measured: is_index && index_drive(line, station).is_some_and(|(drive, _)| drive.axis == operation.motion.axis),
+        is_measured: is_index
+            && index_drive(line, station).is_some_and(|(drive, _)| drive.axis == operation.motion.axis),
         rest: line.station(station).rest_inputs(place),
         hold: operating(hold.map_or(0, held)),
     }

@@ -316,6 +316,22 @@ mod tests {
     }
 
     #[test]
+    fn the_place_of_an_axis_that_a_drive_turns_is_kept() {
+        let line = line(include_str!("../../../examples/driven-table.toml"));
+        let mut kept = snapshot(&line);
+        kept.place = 3;
+        let record = to_record(&line, StationId(0), &kept, "host");
+        // Also where it is not the newest record: what it says is compared with what is measured.
+        for host in ["host", "another start"] {
+            assert_eq!(from_record(&line, StationId(0), &record, host).expect("its own record").place, 3);
+        }
+        kept.place = 5;
+        let record = to_record(&line, StationId(0), &kept, "host");
+        let error = from_record(&line, StationId(0), &record, "host").expect_err("it has four").to_string();
+        assert!(error.contains("place that no axis has"), "{error}");
+    }
+
+    #[test]
     fn a_record_that_contradicts_itself_is_refused_as_a_record() {
         let line = line(CYCLIC);
         let record = String::from_utf8(to_record(&line, StationId(0), &snapshot(&line), "host")).expect("text");

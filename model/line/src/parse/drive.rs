@@ -13,9 +13,8 @@ use crate::{Axis, AxisId, Drive, DriveIndex, DriveTarget, Homing, InputId, Outpu
 /// Every signal a drive names.
 pub(super) fn signals(raw: &RawDrive) -> impl Iterator<Item = &LocatedName> + Clone {
     let of_targets = raw.targets.iter().flat_map(|target| target.output.iter().chain(&target.input));
-    let of_index = raw.index.iter().flat_map(|index| {
-        index.output.iter().chain(&index.input).chain(&index.to).chain(&index.place)
-    });
+    let of_index =
+        raw.index.iter().flat_map(|index| index.output.iter().chain(&index.input).chain(&index.to).chain(&index.place));
     let of_homing = raw.homing.iter().flat_map(|homing| homing.output.iter().chain(&homing.done));
     of_targets.chain(of_index).chain(&raw.fault).chain(of_homing)
 }

@@ -209,7 +209,13 @@ impl DriveNode {
         let way = match self.objects.u32(0x60F2, 0) as u16 & ROTARY_SHORTEST {
             ROTARY_POSITIVE => up,
             ROTARY_NEGATIVE => down,
-            ROTARY_SHORTEST => if up <= -down { up } else { down },
+            ROTARY_SHORTEST => {
+                if up <= -down {
+                    up
+                } else {
+                    down
+                }
+            }
             // Like an axis with ends.
             _ => f64::from(target) - actual,
         };

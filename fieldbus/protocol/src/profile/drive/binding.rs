@@ -70,7 +70,9 @@ impl DriveBinding {
         let index = drive.index.as_ref().map(|index| (DrivePlaces::of(drive, index), index.clone()));
         let target = |target: &linewright_line::DriveTarget| DriveSetpoint {
             output: target.output,
-            to: index.as_ref().map_or(drive.increments(target.to), |(places, _)| places.round(drive.increments(target.to))),
+            to: index
+                .as_ref()
+                .map_or(drive.increments(target.to), |(places, _)| places.round(drive.increments(target.to))),
             at: target.at,
             velocity: positive(target.velocity),
         };

@@ -56,7 +56,9 @@ impl ManagedDrive {
             DriveDemand::Target(at) if self.knows_zero() => self.pursue(now, DriveGoal::Target(at)),
             DriveDemand::Target(at) => match &self.binding.home {
                 // An endless axis is homed by an order of its own, which a person holds.
-                Some(home) if self.binding.index.is_none() && home.output == self.binding.targets[at].output => self.pursue(now, DriveGoal::Home),
+                Some(home) if self.binding.index.is_none() && home.output == self.binding.targets[at].output => {
+                    self.pursue(now, DriveGoal::Home)
+                }
                 _ => DrivePhase::Refused(DriveInhibit::NotHomed),
             },
         };

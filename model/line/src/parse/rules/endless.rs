@@ -158,11 +158,14 @@ pub(super) fn drives_go_to_places(draft: &DraftLine<'_>, report: &mut Report) {
                 ends_where_the_drive_says(axis, drive, index, station, report);
             }
             (Some(_), ..) => report.add(
-                Problem::error(name.at.clone(), format!("a drive of the endless axis `{}` without an `index`", name.value))
-                    .hint(
-                        "it goes from place to place: `index = { output = \"…\", at = \"…\", turn = 360, to = […], place = \
+                Problem::error(
+                    name.at.clone(),
+                    format!("a drive of the endless axis `{}` without an `index`", name.value),
+                )
+                .hint(
+                    "it goes from place to place: `index = { output = \"…\", at = \"…\", turn = 360, to = […], place = \
                          […] }` instead of `targets`",
-                    ),
+                ),
             ),
             (None, _, Some(index)) => report.add(
                 Problem::error(index.at.clone(), format!("an `index` of `{}`, which is not endless", name.value))
