@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use linewright_line::{InputId, MotionSignals, OpId, OperationModule, OutputId, Station, Tick};
+use linewright_line::{Drive, DriveIndex, InputId, MotionSignals, OpId, OperationModule, OutputId, Station, Tick};
 
 use crate::axis::{AxisState, Travel};
 use crate::fault::MotionFault;
@@ -47,16 +47,18 @@ struct Switch {
 
 /// The places of an endless axis. From outside they are one: it stands at `home` in each of them.
 ///
-/// Its gear goes from one to the next and rests there, however long its output stays on; the next index begins when the
-/// output comes on again. It turns one way, whatever drives it.
-#[derive(Clone, Copy)]
+/// Its gear goes from one to the next and rests there, however long its output stays on; the next index begins when the output
+/// comes on again. It turns one way, whatever pulls at it.
 struct Index {
     home: f64,
     by: f64,
     /// It has come to the next place under the output that is on.
     rests: bool,
-    /// Number of places left behind.
-    left: u64,
+    /// How many places it has left behind.
+    left: i64,
+    /// Where a drive turns it: how many places it has, and how they are numbered. It goes to the one it is ordered to, if that is
+    /// the next one.
+    places: Option<(i64, DriveIndex)>,
 }
 
 /// One axis with everything that acts on it.
@@ -84,8 +86,8 @@ pub(crate) struct AxisChange {
 }
 
 impl Mechanism {
-    /// The axis of `station` with this place, standing at its home position.
-    pub(crate) fn new(station: &Station, axis: usize) -> Self {
+    /// The axis of `station` with this place, standing at its home position, and the drive that moves it.
+    pub(crate) fn new(station: &Station, axis: usize, drive: Option<&Drive>) -> Self {
         let mut mechanism = Mechanism {
             drives: Vec::new(),
             switches: Vec::new(),
@@ -95,6 +97,7 @@ impl Mechanism {
                 by,
                 rests: false,
                 left: 0,
+                places: drive.and_then(|drive| Some((drive.targets.len() as i64, drive.index.clone()?))),
             }),
             moving: None,
             opposed: false,
@@ -138,7 +141,7 @@ impl Mechanism {
 
     pub(crate) fn position(&self, now: Tick) -> f64 {
         let at = self.state.position(now);
-        match self.index {
+        match &self.index {
             Some(index) if index.is_at_end(at) => at - index.by,
             Some(_) | None => at,
         }
@@ -147,14 +150,15 @@ impl Mechanism {
     /// Number of places an endless axis has come on by, whatever its station counts.
     pub(crate) fn indexes(&self, now: Tick) -> u64 {
         let at = self.state.position(now);
-        self.index.map_or(0, |index| index.left + u64::from(index.is_at_end(at)))
+        let left = self.index.as_ref().map_or(0, |index| index.left + i64::from(index.is_at_end(at)));
+        u64::try_from(left).unwrap_or(0)
     }
 
     /// Whether it stands at `at`, by a switch there. An axis that only passes does not stand.
     pub(crate) fn stands_at(&self, now: Tick, at: f64) -> bool {
         let switches = self.switches.iter().filter(|switch| same_place(switch.at, at));
         let reach = switches.map(|switch| switch.reach).reduce(f64::max);
-        if let Some(index) = self.index {
+        if let Some(index) = &self.index {
             return self.moving.is_none() && same_place(at, index.home) && self.is_in_place(now);
         }
         self.state.stands_at(now, at, reach.unwrap_or(SAME_PLACE))
@@ -167,17 +171,21 @@ impl Mechanism {
 
     /// Whether a switch is on where the axis is; that of an endless axis at both ends of an index.
     fn is_pressed(&self, switch: &Switch, position: f64) -> bool {
-        switch.is_on(position) || self.index.is_some_and(|index| switch.is_on(position + index.by))
+        switch.is_on(position) || self.index.as_ref().is_some_and(|index| switch.is_on(position + index.by))
     }
 
     /// Whether a drive to `at` has this fault.
     pub(crate) fn suffers_at(&self, at: f64, fault: MotionFault) -> bool {
-        let end = |drive: &Actuator| drive.target - self.index.map_or(0.0, |index| index.by);
+        let end = |drive: &Actuator| drive.target - self.index.as_ref().map_or(0.0, |index| index.by);
         self.drives.iter().any(|drive| same_place(end(drive), at) && drive.fault == Some(fault))
     }
 
     /// Puts its axis where something else has moved it to, a drive.
     pub(crate) fn place(&mut self, now: Tick, at: f64) {
+        let at = match &mut self.index {
+            Some(index) => index.turned_to(at),
+            None => at,
+        };
         self.state.place(now, at);
         self.moving = None;
         self.changes.clear();
@@ -187,7 +195,8 @@ impl Mechanism {
         let at = self.state.position(now);
         let switches = self.switches.iter().filter(|s| self.is_pressed(s, at)).map(|s| s.input);
         let broken = self.drives.iter().filter(|d| d.fault == Some(MotionFault::Break)).filter_map(|d| d.fault_input);
-        switches.chain(broken).fold(0, |image, input| image | input.bit())
+        let place = self.index.as_ref().map_or(0, |index| index.report(at));
+        switches.chain(broken).fold(place, |image, input| image | input.bit())
     }
 
     /// The next moment after `now` at which its inputs change or its motion ends, if outputs stay as they are.
@@ -205,7 +214,7 @@ impl Mechanism {
         for switch in &self.switches {
             let is_on = |at: Tick| self.is_pressed(switch, state.position(at));
             let flips = |at: &Tick| is_on(*at) != is_on(*at - Duration::from_micros(1));
-            let begin = self.index.map(|index| switch.at - index.by);
+            let begin = self.index.as_ref().map(|index| switch.at - index.by);
             for at in [Some(switch.at), begin].into_iter().flatten() {
                 changes.extend(state.crossings(at, switch.reach).filter(flips));
             }
@@ -267,7 +276,11 @@ impl Mechanism {
         let chosen = at.filter(|_| !self.drives.iter().filter(on).any(|d| d.fault == Some(MotionFault::SlipBack)));
         let here = self.state.position(now);
         let index = self.index.as_mut()?;
-        index.rests = at.is_some() && (index.rests || (self.moving.is_some() && here >= index.home + index.by));
+        let chosen = chosen.filter(|_| index.goes_to_next(image, here));
+        // A drive rests until it is ordered to another place, a gear until it is driven anew.
+        let is_geared = index.places.is_none();
+        index.rests =
+            is_geared && at.is_some() && (index.rests || (self.moving.is_some() && here >= index.home + index.by));
         let chosen = chosen.filter(|_| !index.rests)?;
         if index.is_at_end(here) && self.moving.is_none() {
             index.left += 1;
@@ -334,6 +347,32 @@ fn same_place(a: f64, b: f64) -> bool {
 }
 
 impl Index {
+    /// Its drive has moved it to `at`, which counts on over all turns; gives where that is from its home.
+    fn turned_to(&mut self, at: f64) -> f64 {
+        let sign = self.places.as_ref().map_or(1.0, |(_, places)| places.sign());
+        let gone = (at - self.home) * sign;
+        self.left = (gone / self.by + REACH).floor() as i64;
+        self.home + gone - self.left as f64 * self.by
+    }
+
+    /// The number of the place it is at, or has left last.
+    fn number(&self, position: f64) -> Option<u16> {
+        let (count, _) = self.places.as_ref()?;
+        let is_at_next = position >= self.home + self.by * (1.0 - REACH);
+        u16::try_from((self.left + i64::from(is_at_next)).rem_euclid(*count) + 1).ok()
+    }
+
+    fn report(&self, position: f64) -> u128 {
+        let number = self.number(position);
+        self.places.as_ref().zip(number).map_or(0, |((_, places), number)| places.report(number))
+    }
+
+    /// Whether it may go on under these outputs: a drive is ordered to the next place, anything else to none.
+    fn goes_to_next(&self, outputs: u128, position: f64) -> bool {
+        let Some(((count, places), number)) = self.places.as_ref().zip(self.number(position)) else { return true };
+        i64::from(places.ordered(outputs)) == i64::from(number) % count + 1
+    }
+
     /// Whether a position is that of the next place.
     fn is_at_end(&self, position: f64) -> bool {
         // A motion that its switch has stopped stands at the edge of the reach.

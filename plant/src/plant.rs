@@ -4,7 +4,7 @@
 //! for a microsecond and for an hour, and [`Plant::next_change`] gives exactly the time of the next change. The same
 //! seed gives the same plant.
 
-use linewright_line::{AxisId, HolderId, InputId, Line, OpId, OutputId, Owner, Stand, StationId, Tick};
+use linewright_line::{AxisId, Device, HolderId, InputId, Line, OpId, OutputId, Owner, Stand, StationId, Tick};
 use linewright_random::mix;
 
 use crate::fault::MotionFault;
@@ -67,13 +67,18 @@ impl Mechanisms for Axes<'_> {
 impl Plant {
     /// The mechanisms of `line`, every axis at home, every output off, and no part in it.
     pub fn new(line: &Line, options: PlantOptions) -> Self {
-        let axes = |station: &linewright_line::Station| {
-            (0..station.axes.len()).map(|axis| Mechanism::new(station, axis)).collect()
+        let axes = |id: StationId| {
+            let drive = |axis: usize| {
+                let mut drives = line.devices_of(Owner::Station(id)).filter_map(Device::drive);
+                drives.find(|drive| drive.axis.index() == axis)
+            };
+            let station = line.station(id);
+            (0..station.axes.len()).map(|axis| Mechanism::new(station, axis, drive(axis))).collect()
         };
         let mut plant = Plant {
             options,
             now: Tick::ZERO,
-            stations: line.stations.iter().map(axes).collect(),
+            stations: line.station_ids().map(axes).collect(),
             arrivals: vec![Tick::NEVER; line.stations.len()],
             outputs: vec![0; line.stations.len()],
             lamps: 0,

@@ -229,7 +229,7 @@ impl Rack {
     ) -> bool {
         let mut found = false;
         for slot in self.slots.iter_mut().filter(|slot| slot.device.owner == owner) {
-            let motion = slot.device.drive().and_then(|drive| drive.outputs().position(|own| own == output));
+            let motion = slot.device.drive().and_then(|drive| drive.motions().position(|own| own == output));
             if let (RackNode::Drive(node, _), Some(motion)) = (&mut slot.node, motion) {
                 let mut outbox = DeviceOutbox::default();
                 node.fail(now, motion, fault, &mut outbox);
@@ -247,7 +247,7 @@ impl Rack {
             RackNode::Drive(node, _) if node.obeys_an_order() => slot.device.drive(),
             RackNode::Drive(..) | RackNode::Io(_) | RackNode::Plain(_) | RackNode::Modbus(_) => None,
         });
-        let moved = drives.flat_map(Drive::outputs).fold(0, |image, output| image | output.bit());
+        let moved = drives.flat_map(Drive::motions).fold(0, |image, output| image | output.bit());
         self.plant.outputs(owner) | moved
     }
 

@@ -18,4 +18,5 @@ mod parts;
 mod rack;
 mod sync;
 mod troubles;
+mod turning;
 mod wire;

@@ -30,7 +30,7 @@ fn pairs() -> [(Eds, Alone<AnyDevice>, usize); 3] {
     [
         (eds("linewright-io.eds"), boxed(io), 78),
         (eds("linewright-analogue.eds"), boxed(|now, node| io(now, node).with_channels(&channels())), 195),
-        (eds("linewright-drive.eds"), boxed(drive), 69),
+        (eds("linewright-drive.eds"), boxed(drive), 73),
     ]
 }
 

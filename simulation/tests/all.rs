@@ -3,6 +3,7 @@
 mod auto_cycles;
 mod cells;
 mod common;
+mod driven_table;
 mod faults;
 mod on_buses;
 mod one_by_one;

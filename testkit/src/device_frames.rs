@@ -33,6 +33,7 @@ fn drive() -> Drive {
         quick_stop: 4000.0,
         at_rest: AtRest::Hold,
         targets: vec![target(0, 0.0), target(1, 80.0)],
+        index: None,
         fault: None,
         homing: None,
     }

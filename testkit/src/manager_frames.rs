@@ -71,6 +71,7 @@ fn drive() -> Drive {
         quick_stop: 4000.0,
         at_rest: AtRest::Hold,
         targets: vec![target(0, 0.0), target(1, 80.0)],
+        index: None,
         fault: Some(InputId(3)),
         homing: Some(Homing {
             method: 17,

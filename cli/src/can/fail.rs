@@ -210,8 +210,8 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
         if let Some(bit) = device.output_bits().iter().position(|bound| *bound == Some(output)) {
             return Ok((device, u8::try_from(bit + 1).into_diagnostic()?));
         }
-        // The motions of a drive are counted as its outputs.
-        if let Some(motion) = device.drive().and_then(|drive| drive.outputs().position(|own| own == output)) {
+        // The motions of a drive are counted as the outputs that move it.
+        if let Some(motion) = device.drive().and_then(|drive| drive.motions().position(|own| own == output)) {
             return Ok((device, u8::try_from(motion + 1).into_diagnostic()?));
         }
     }
@@ -229,7 +229,7 @@ mod tests {
         let line = linewright_line::parse("drives.toml", DRIVES).expect("it parses").line;
         let station = line.stations[0].name.clone();
         let drive = line.devices.iter().find(|device| device.drive().is_some()).expect("a drive");
-        let outputs: Vec<_> = drive.drive().expect("a drive").outputs().collect();
+        let outputs: Vec<_> = drive.drive().expect("a drive").motions().collect();
         let driven = line.stations[0].operations.iter().filter(|op| outputs.contains(&op.normal.actuator));
         let mut subs = Vec::new();
         for operation in driven {

@@ -42,12 +42,74 @@ pub struct Drive {
     pub quick_stop: f64,
     /// Behaviour without an order.
     pub at_rest: AtRest,
-    /// Targets, at least one. Targets at one place share their input.
+    /// Where it can be sent, at least one. Targets at one place share their input. Of an endless axis its places, in the order
+    /// in which it comes to them, the first at the axis's home; they share their output and their input.
     pub targets: Vec<DriveTarget>,
+    /// Of an endless axis, how it turns.
+    pub index: Option<DriveIndex>,
     /// On while it has failed or refuses to move.
     pub fault: Option<InputId>,
     /// Its homing. `None` for a drive with an absolute position.
     pub homing: Option<Homing>,
+}
+
+/// Which way a drive turns an endless axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TurnDirection {
+    /// Towards greater positions.
+    Positive,
+    /// Towards smaller positions.
+    Negative,
+}
+
+/// How a drive turns an endless axis from place to place. Its places are numbered from 1, and it is sent to a number: an
+/// order that comes twice leads to the same place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveIndex {
+    /// After this way it is where it was.
+    pub turn: f64,
+    pub direction: TurnDirection,
+    /// The outputs that say to which place, the lowest bit first. 0: to none; it is homed, if it has to be.
+    pub to: Vec<OutputId>,
+    /// The inputs that say at which place it is, or which it has left last, the lowest bit first. 0: it does not know.
+    pub place: Vec<InputId>,
+}
+
+impl DriveIndex {
+    /// The outputs that are on in an order to a place.
+    pub fn order(&self, place: u16) -> u128 {
+        let on = self.to.iter().enumerate().filter(|(bit, _)| place >> bit & 1 == 1);
+        on.fold(0, |image, (_, output)| image | output.bit())
+    }
+
+    /// The place to which an output image sends it; 0 for none.
+    pub fn ordered(&self, outputs: u128) -> u16 {
+        number(self.to.iter().map(|output| output.bit()), outputs)
+    }
+
+    /// The inputs that are on at a place.
+    pub fn report(&self, place: u16) -> u128 {
+        let on = self.place.iter().enumerate().filter(|(bit, _)| place >> bit & 1 == 1);
+        on.fold(0, |image, (_, input)| image | input.bit())
+    }
+
+    /// The place that an input image tells; 0 for none.
+    pub fn reported(&self, inputs: u128) -> u16 {
+        number(self.place.iter().map(|input| input.bit()), inputs)
+    }
+
+    /// 1 or -1.
+    pub fn sign(&self) -> f64 {
+        match self.direction {
+            TurnDirection::Positive => 1.0,
+            TurnDirection::Negative => -1.0,
+        }
+    }
+}
+
+/// The number whose bits lie here in an image, the lowest first.
+fn number(bits: impl Iterator<Item = u128>, image: u128) -> u16 {
+    bits.enumerate().fold(0, |number, (nth, bit)| number | u16::from(image & bit != 0) << nth)
 }
 
 /// One place a drive can be sent to, or one velocity.
@@ -98,12 +160,19 @@ impl Drive {
     /// several times.
     pub fn inputs(&self) -> impl Iterator<Item = InputId> {
         let done = self.homing.and_then(|homing| homing.done);
-        self.targets.iter().map(|target| target.at).chain(self.fault).chain(done)
+        let place = self.index.iter().flat_map(|index| index.place.iter().copied());
+        self.targets.iter().map(|target| target.at).chain(self.fault).chain(done).chain(place)
     }
 
     /// Every output of its station that it obeys; one that starts the homing as well, twice.
     pub fn outputs(&self) -> impl Iterator<Item = OutputId> {
-        self.targets.iter().map(|target| target.output).chain(self.homing.map(|homing| homing.output))
+        self.motions().chain(self.index.iter().flat_map(|index| index.to.iter().copied()))
+    }
+
+    /// The outputs that move it, one for each of its motions: to each of its targets, on by an index, and its homing.
+    pub fn motions(&self) -> impl Iterator<Item = OutputId> {
+        let targets = if self.index.is_some() { &self.targets[..1] } else { &self.targets[..] };
+        targets.iter().map(|target| target.output).chain(self.homing.map(|homing| homing.output))
     }
 
     /// The shortest time it takes from standstill to standstill over a distance, in seconds.

@@ -56,7 +56,8 @@ fn io_object(io: &Io, input: InputId) -> Option<String> {
 
 /// The object of a drive (CiA 402) that an input is made of.
 fn drive_object(drive: &Drive, input: InputId) -> Option<&'static str> {
-    if drive.targets.iter().any(|target| target.at == input) {
+    let is_number = drive.index.as_ref().is_some_and(|index| index.place.contains(&input));
+    if is_number || drive.targets.iter().any(|target| target.at == input) {
         return Some(match drive.mode {
             DriveMode::Position => "position 6064h",
             DriveMode::Velocity => "velocity 606Ch",

@@ -12,6 +12,7 @@ fn base(name: &str) -> String {
         "cell" => CELL.to_owned(),
         "on_order" => include_str!("descriptions/on_order.toml").to_owned(),
         "endless" => include_str!("../../../examples/rotary-table.toml").to_owned(),
+        "driven" => include_str!("../../../examples/driven-table.toml").to_owned(),
         "drives" => include_str!("descriptions/drives.toml").to_owned(),
         "analogue" => analogue::with("", ""),
         "modbus" => modbus::line(modbus::DEVICE),

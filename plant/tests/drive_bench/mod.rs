@@ -40,6 +40,7 @@ pub fn described(at_rest: AtRest, homing: bool) -> Described {
             target(2, 80.0, 1, 60.0),
             target(3, 100.0, 2, 300.0),
         ],
+        index: None,
         fault: Some(InputId(3)),
         homing: homing.then_some(Homing {
             method: 17,

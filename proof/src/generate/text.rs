@@ -9,7 +9,7 @@ use std::time::Duration;
 use linewright_line::{
     Arrow, AtRest, ButtonId, Canopen, Device, DeviceBus, DeviceIdentity, DeviceSetup, Drive, DriveMode, InputId, Line,
     MotionSignals, ObjectWrite, OpId, Operation, OperationModule, OutputId, Owner, Parameter, Rest, RestId, StateSpan,
-    Station, StationId, Task,
+    Station, StationId, Task, TurnDirection,
 };
 
 /// The description of a line, as [`linewright_line::parse`] reads it.
@@ -297,6 +297,18 @@ fn write_drive(out: &mut String, station: &Station, drive: &Drive) -> fmt::Resul
             "homing = {{ method = {method}, fast = {fast:?}, slow = {slow:?}, acceleration = {acceleration:?}, \
              offset = {offset:?}, output = {start}{done} }}",
         )?;
+    }
+    if let Some(index) = &drive.index {
+        let direction = if index.direction == TurnDirection::Positive { "positive" } else { "negative" };
+        let to: Vec<String> = index.to.iter().map(|&bit| output(bit)).collect();
+        let place: Vec<String> = index.place.iter().map(|&bit| input(bit)).collect();
+        let (turns, at, turn) = (output(drive.targets[0].output), input(drive.targets[0].at), index.turn);
+        let (to, place) = (to.join(", "), place.join(", "));
+        return writeln!(
+            out,
+            "index = {{ output = {turns}, at = {at}, turn = {turn:?}, direction = \"{direction}\", to = [{to}], \
+             place = [{place}] }}",
+        );
     }
     drive.targets.iter().try_for_each(|target| {
         let (to, velocity) = (target.to, target.velocity);

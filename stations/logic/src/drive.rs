@@ -26,8 +26,8 @@ impl Controller {
         let number = self.output.number + 1;
         let mut begun = false;
         for index in 0..self.marking.count {
-            // A motion that a person releases and takes up again starts once more: positions that are not measured
-            // block it.
+            let order = self.place_order(index);
+            // A motion that a person lets go of and takes up again starts once more: what is not measured blocks it.
             let paused = self.marking.tokens[index];
             let place = self.place(&paused);
             let blocked = place.is_operating() && !paused.driven && self.violated(place, self.marking.path).is_some();
@@ -46,10 +46,11 @@ impl Controller {
             }
             token.driven = driven;
             if driven {
-                outputs |= table.actuator;
+                outputs |= table.actuator | order;
                 deadline = deadline.min(token.deadline);
             }
             outputs |= table.lamp;
+            self.image.watched |= self.program.places_of_axis.as_ref().map_or(0, |(_, index)| index.report(u16::MAX));
             self.image.watched |= table.complete | table.fault | table.rest | table.turns;
         }
         // A motion that begins is a new image even if the outputs are the same: inputs are needed that were taken under

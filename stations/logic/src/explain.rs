@@ -36,6 +36,7 @@ impl Controller {
             if !parts.iter().any(|stopped| stopped.ends_with(&detail)) {
                 parts.push(detail);
             }
+            parts.extend(self.place_text());
         }
         parts.join("; ")
     }
@@ -61,6 +62,7 @@ impl Controller {
         if let Some(lost) = self.loss() {
             let detail = lost.detail(line, self.program.station);
             reasons.push(StationWait::PositionLost(&detail).text());
+            reasons.extend(self.place_text());
         }
         self.explain_generation(line, &mut reasons);
         for place in self.marking() {

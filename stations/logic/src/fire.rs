@@ -176,6 +176,7 @@ impl Controller {
     fn completed(&mut self, op: OpId) {
         let index = self.token_of(op);
         self.arrive(index, StationPlace::completed(op));
+        self.index_completes(index);
         // Its switch has come on. Other axes are measured by the places' own switches.
         self.marking.placed |= op == self.program.home;
         match self.marking.path.take() {

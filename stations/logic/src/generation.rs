@@ -174,6 +174,8 @@ impl Controller {
         self.views.generation = 0;
         self.marking.path = None;
         self.marking.doubtful = None;
+        // Where it stands now is what the person has confirmed.
+        self.marking.place = 0;
         self.refresh_path();
         self.agreement.pending = None;
         (self.marking.unconfirmed, self.marking.placed) = (false, true);

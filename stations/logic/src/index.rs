@@ -17,7 +17,9 @@
 //! An arrival counts that comes by driving, or by coasting shortly after it, in about the time of an index. It is in doubt
 //! unless its switch's history has one explanation.
 //!
-//! A doubt is of the station, and is kept over a restart. It ends by a person who looks and confirms with
+//! Where a drive turns the axis it is measured at which place it stands: see [`crate::place`].
+//!
+//! A doubt is of the station, and is kept over a restart. It ends by a person who looks, and confirms with
 //! [`Controller::rejoin`]. Until then the station's position is lost, and nothing of it moves: from where the index began it
 //! would have to, and from the next place it must not.
 
@@ -51,10 +53,14 @@ impl Controller {
             if let Some(op) = left.map(|place| place.place.op) {
                 self.doubt(op);
             }
+            if self.claims_rest(&token) {
+                self.follow_place();
+            }
             return;
         }
         let (op, credit) = (table.place.op, table.least.saturating_sub(self.stale));
-        let next = self.progress(&token);
+        let next = if table.is_measured { self.measured_progress(&token) } else { self.progress(&token) };
+        self.due.outputs |= token.driven && self.orders_another_place(index);
         let token = &mut self.marking.tokens[index];
         if token.driven {
             token.last_driven = self.now;
@@ -72,8 +78,8 @@ impl Controller {
         }
     }
 
-    /// Progress of an index by this image; none for a doubt. An image from before the motion has no effect.
-    fn progress(&self, token: &Token) -> Option<IndexProgress> {
+    /// What this image makes of an index; none for a doubt. An image from before the motion says nothing about it.
+    pub(crate) fn progress(&self, token: &Token) -> Option<IndexProgress> {
         let table = &self.program.places[usize::from(token.place)];
         let (valid, on) = (self.image.valid, self.image.bits & table.turns != 0);
         let is_begun = token.driven_since != 0 || !table.place.is_operating();
@@ -92,13 +98,17 @@ impl Controller {
     /// Whether an index that is seen to arrive now has made its way by its drive, and one way only.
     fn is_believed(&self, token: &Token) -> bool {
         let least = self.program.places[usize::from(token.place)].least;
-        // It may coast for as long as an image may be old. A later turn has another cause, in either direction.
-        let by_itself = token.driven || self.now <= token.last_driven + self.stale;
         let in_time = (least..=least * LEAST_TIMES_MAX).contains(&self.time_driven(token));
-        !self.rules.timely || (by_itself && in_time)
+        !self.rules.timely || (self.is_by_itself(token) && in_time)
     }
 
-    fn doubt(&mut self, op: OpId) {
+    /// Whether its drive moves it, or it coasts: for as long as an image may be old. What comes later was turned by something
+    /// else, either way.
+    pub(crate) fn is_by_itself(&self, token: &Token) -> bool {
+        token.driven || self.now <= token.last_driven + self.stale
+    }
+
+    pub(crate) fn doubt(&mut self, op: OpId) {
         if self.marking.doubtful.is_none() {
             self.marking.doubtful = Some(op);
             self.due.report = true;
@@ -114,7 +124,8 @@ impl Controller {
         }
         let op = table.place.op;
         self.marking.tokens[index].turned = self.time_driven(&token);
-        if self.rules.timely && self.is_late(&token) {
+        // Where a drive measures its place it passes none unseen.
+        if self.rules.timely && self.is_late(&token) && !table.is_measured {
             self.doubt(op);
         }
     }

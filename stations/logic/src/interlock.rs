@@ -111,14 +111,16 @@ impl Controller {
 
     /// The switches of axes that stand still while this token stands where it does, and that are off.
     pub(crate) fn rest_off(&self, token: &Token) -> u128 {
+        if self.claims_rest(token) { self.program.places[usize::from(token.place)].rest & !self.image.bits } else { 0 }
+    }
+
+    /// Whether the axes that stand still by the chart are to be measured where it has them.
+    pub(crate) fn claims_rest(&self, token: &Token) -> bool {
         let place = self.place(token);
         // A station that is not at home claims nothing of its axes until it is led there.
         let claims = !place.is_incomplete() || self.marking.causes_of_stop[place.op.index()] != StopCause::NotAtHome;
         let is_judged = self.rules.positions && self.image.valid && self.marking.path.is_none() && claims;
-        if !is_judged || self.marking.unconfirmed {
-            return 0;
-        }
-        self.program.places[usize::from(token.place)].rest & !self.image.bits
+        is_judged && !self.marking.unconfirmed
     }
 
     fn rest_missing(&self, place: u16) -> Option<(OpId, InputId)> {

@@ -66,6 +66,7 @@ mod order;
 mod panel;
 mod parts;
 mod peer_set;
+mod place;
 mod position_guard;
 mod program;
 mod report;

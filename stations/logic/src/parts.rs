@@ -78,6 +78,9 @@ pub(crate) struct StationMarking {
     /// The marking was read off the switches, or follows from a marking that was. False after a start away from home, and with
     /// a record that may be older than the mechanism's place.
     pub placed: bool,
+    /// The place at which the endless axis of a drive stood last, or from which its index under way began; 0 while that is not
+    /// known.
+    pub place: u16,
     /// The index of which it is not certain whether it is done, or at which place. Only a rejoin ends that.
     pub doubtful: Option<OpId>,
     /// The lost position of which an event was given last (see `interlock`).

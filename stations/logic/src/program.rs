@@ -10,7 +10,9 @@ use std::time::Duration;
 use linewright_line::net::{
     Block, Conjunction, ControlMode, Literal, MotionStage, StationNet, StationPlace, TransitionKind, Var,
 };
-use linewright_line::{ButtonId, Line, MotionSignals, OpId, OperationModule, StationId, TaskId};
+use linewright_line::{
+    ButtonId, Device, Drive, DriveIndex, Line, MotionSignals, OpId, OperationModule, Owner, StationId, TaskId,
+};
 
 use crate::peer_set::{PEERS_MAX, PeerSet};
 use crate::position_guard::{Interlocks, partners};
@@ -104,6 +106,8 @@ pub(crate) struct PlaceTable {
     pub turns: u128,
     /// An index that is complete after less than this is in doubt.
     pub least: Duration,
+    /// Of an index: a drive measures at which place its axis stands.
+    pub is_measured: bool,
     /// The switches that are on while this place is marked: the axes that stand still there.
     pub rest: u128,
     /// The hand-mode button that must be held for the actuator to be driven in hand mode; 0 where no type has one.
@@ -193,7 +197,9 @@ pub struct Program {
     /// Largest number of cycles that a peer can be ahead on a checked line; counts further ahead are treated as
     /// unknown.
     pub(crate) ahead_max: i32,
-    /// Tasks, of a station on order only.
+    /// How many places the endless axis of a drive has, and the bits of their numbers.
+    pub(crate) places_of_axis: Option<(u16, DriveIndex)>,
+    /// What only a station on order has.
     pub(crate) on_order: Option<StationTasks>,
 }
 
@@ -265,6 +271,8 @@ impl Program {
             ahead_max: CYCLES_APART_MAX.saturating_mul(line.stations.len() as i32),
             peers,
             paths,
+            places_of_axis: index_drive(line, station)
+                .and_then(|(drive, index)| Some((u16::try_from(drive.targets.len()).ok()?, index.clone()))),
             on_order: StationTasks::of(described),
         })
     }
@@ -285,6 +293,12 @@ impl Program {
         debug_assert_eq!(self.places[index as usize].place, place, "the place is one of this station's");
         index
     }
+}
+
+/// The drive that turns an endless axis of a station from place to place.
+fn index_drive(line: &Line, station: StationId) -> Option<(&Drive, &DriveIndex)> {
+    let drives = line.devices_of(Owner::Station(station)).filter_map(Device::drive);
+    drives.filter_map(|drive| Some((drive, drive.index.as_ref()?))).next()
 }
 
 fn is_reversible(line: &Line, station: StationId, op: OpId) -> bool {
@@ -378,6 +392,8 @@ fn compile_place(
         watchdog,
         turns: if under_way { signals.complete.bit() } else { 0 },
         least: operation.duration / 2,
+        is_measured: is_index
+            && index_drive(line, station).is_some_and(|(drive, _)| drive.axis == operation.motion.axis),
         rest: line.station(station).rest_inputs(place),
         hold: operating(hold.map_or(0, held)),
     }

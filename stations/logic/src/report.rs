@@ -96,6 +96,8 @@ pub struct StationSnapshot {
     pub path: Option<OpId>,
     /// The index of which it is not certain whether it is done.
     pub doubtful: Option<OpId>,
+    /// The place at which the endless axis of a drive stood last, or from which its index under way began; 0 for none.
+    pub place: u16,
     /// The next number for a request.
     pub next_request: u64,
     /// Its task orders, if it works on order.

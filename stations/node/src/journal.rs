@@ -52,6 +52,9 @@ struct StationRecord {
     /// The index that is in doubt; a station without one has the record that it had before there were any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     doubtful: Option<u16>,
+    /// The place of an endless axis that a drive turns; a station without one has the record that it had before there were any.
+    #[serde(default, skip_serializing_if = "is_none")]
+    place: u16,
     next_request: u64,
     /// The generation of the counts; 0 for none.
     #[serde(default)]
@@ -65,6 +68,10 @@ struct StationRecord {
     /// Stations on order alone have it, so that the records of all others have their old form.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     order: Option<OrderRecord>,
+}
+
+fn is_none(place: &u16) -> bool {
+    *place == 0
 }
 
 #[derive(Serialize, Deserialize)]
@@ -152,6 +159,7 @@ pub fn to_record(line: &Line, station: StationId, snapshot: &StationSnapshot, ho
         started: snapshot.started.clone(),
         path: snapshot.path.map(|op| op.0),
         doubtful: snapshot.doubtful.map(|op| op.0),
+        place: snapshot.place,
         next_request: snapshot.next_request,
         generation: snapshot.generation,
         placed: snapshot.placed,
@@ -208,6 +216,7 @@ pub fn from_record(line: &Line, station: StationId, record: &[u8], host: &str) -
         started: record.started,
         path,
         doubtful: record.doubtful.map(OpId),
+        place: record.place,
         next_request: record.next_request,
         generation,
         placed: is_newest && record.placed,
@@ -301,6 +310,22 @@ mod tests {
         for host in ["host", "another start"] {
             assert_eq!(from_record(&line, StationId(0), &with, host).expect("its own record").doubtful, Some(OpId(0)));
         }
+    }
+
+    #[test]
+    fn the_place_of_an_axis_that_a_drive_turns_is_kept() {
+        let line = line(include_str!("../../../examples/driven-table.toml"));
+        let mut kept = snapshot(&line);
+        kept.place = 3;
+        let record = to_record(&line, StationId(0), &kept, "host");
+        // Also where it is not the newest record: what it says is compared with what is measured.
+        for host in ["host", "another start"] {
+            assert_eq!(from_record(&line, StationId(0), &record, host).expect("its own record").place, 3);
+        }
+        kept.place = 5;
+        let record = to_record(&line, StationId(0), &kept, "host");
+        let error = from_record(&line, StationId(0), &record, "host").expect_err("it has four").to_string();
+        assert!(error.contains("place that no axis has"), "{error}");
     }
 
     #[test]

@@ -134,8 +134,16 @@ pub(super) struct DraftDrive {
     pub axis: Option<AxisId>,
     /// In the order of the text, what is missing left out of each.
     pub targets: Vec<DraftTarget>,
+    /// Of an endless axis: what moves it and where it is in place, and the bits of its places' numbers.
+    pub index: Option<DraftIndex>,
     pub fault: Option<InputId>,
     pub homing: Option<(Option<OutputId>, Option<InputId>)>,
+}
+
+pub(super) struct DraftIndex {
+    pub target: DraftTarget,
+    pub to: Vec<Option<OutputId>>,
+    pub place: Vec<Option<InputId>>,
 }
 
 #[derive(Clone, Copy)]
@@ -196,12 +204,34 @@ impl DraftHolder<'_> {
 }
 
 impl DraftLine<'_> {
-    /// Names of the bits of an owner's image.
+    fn drives_of(&self, station: StationId) -> impl Iterator<Item = &DraftDrive> {
+        let of_station = self.devices.iter().filter(move |device| device.owner == Some(Owner::Station(station)));
+        of_station.filter_map(|device| device.drive.as_ref())
+    }
+
+    /// How the drives of a station turn endless axes.
+    pub fn indexes_of(&self, station: StationId) -> impl Iterator<Item = &DraftIndex> {
+        self.drives_of(station).filter_map(|drive| drive.index.as_ref())
+    }
+
+    /// Whether a drive turns this axis of a station from place to place.
+    pub fn is_turned_by_drive(&self, station: StationId, axis: AxisId) -> bool {
+        self.drives_of(station).any(|drive| drive.axis == Some(axis) && drive.index.is_some())
+    }
+
+    /// What the bits of an owner's image are called.
     pub fn image(&self, owner: Owner) -> &Wiring {
         match owner {
             Owner::Station(id) => &self.stations[id.index()].wiring,
             Owner::Console => &self.console.wiring,
         }
+    }
+}
+
+impl DraftDrive {
+    /// What it is sent by, and the inputs that say that it is there.
+    pub fn all_targets(&self) -> impl Iterator<Item = &DraftTarget> {
+        self.targets.iter().chain(self.index.as_ref().map(|index| &index.target))
     }
 }
 

@@ -12,7 +12,7 @@ use super::setup;
 use super::{analogue, drive, frames, handling, modbus, task};
 use crate::{
     Arrow, Canopen, Conflict, Console, Device, DeviceKind, InputId, Io, Line, MotionSignals, Operation,
-    OperationModule, Panel, Station, StopContact, Timing,
+    OperationModule, Owner, Panel, Station, StopContact, Timing,
 };
 
 /// The line a draft describes; `None` if a part is missing.
@@ -130,8 +130,9 @@ fn kind(draft: &DraftLine<'_>, device: &DraftDevice, raw: &RawDevice) -> Option<
         return Some(DeviceKind::Modbus(modbus::finish(device, raw)?));
     }
     let canopen = Canopen { node_id: node_id(raw.node.as_ref()?.value)?, setup: setup::finish(raw)? };
-    if let (Some(draft), Some(raw)) = (&device.drive, &raw.drive) {
-        return Some(DeviceKind::Drive(canopen, drive::finish(draft, raw)?));
+    if let (Some(drive), Some(raw)) = (&device.drive, &raw.drive) {
+        let Owner::Station(station) = device.owner? else { return None };
+        return Some(DeviceKind::Drive(canopen, drive::finish(drive, raw, &draft.stations[station.index()].axes)?));
     }
     let analogue = analogue::finish(&device.analogue, &raw.analogue, draft.image(device.owner?))?;
     Some(DeviceKind::Io(canopen, Io { inputs: device.inputs.clone(), outputs: device.outputs.clone(), analogue }))

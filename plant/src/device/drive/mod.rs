@@ -60,6 +60,8 @@ pub struct DriveNode {
     /// Its zero, in mechanical increments.
     origin: f64,
     absolute: bool,
+    /// The reference switch that it looks for, in mechanical increments.
+    reference: f64,
     mode: i8,
     /// The set-point it follows, in its own increments.
     set_point: Option<i32>,
@@ -72,7 +74,9 @@ pub struct DriveNode {
     homing: HomingPhase,
     /// By motion: its set-point, and whether the axis sticks in it.
     motions: Vec<(MotionGoal, bool)>,
-    /// Position at which it is stuck, in mechanical increments.
+    /// It turns an endless axis: that is one motion, whichever place it goes to.
+    turns: bool,
+    /// Where it is stuck, in mechanical increments.
     blocked: Option<f64>,
     /// Its encoder is broken.
     broken: bool,
@@ -89,7 +93,9 @@ impl DriveNode {
         let place = if drive.mode == DriveMode::Position { place * drive.units_per_mm } else { 0.0 };
         let absolute = drive.homing.is_none();
         let binding = DriveBinding::of(drive);
-        let motions = binding.targets.iter().map(|target| (MotionGoal::Value(target.to), false));
+        let turns = drive.index.is_some();
+        let targets = if turns { &binding.targets[..1] } else { &binding.targets[..] };
+        let motions = targets.iter().map(|target| (MotionGoal::Value(if turns { 0 } else { target.to }), false));
         DriveNode {
             comm: Comm::new(now, node, timing),
             objects: DriveObjects::new(node),
@@ -100,6 +106,7 @@ impl DriveNode {
             motion: DriveMotion::standing(now, place),
             origin: if absolute { 0.0 } else { place },
             absolute,
+            reference: 0.0,
             mode: 1,
             set_point: None,
             next_set_point: None,
@@ -108,6 +115,7 @@ impl DriveNode {
             running: 0,
             homing: HomingPhase::Idle,
             motions: motions.chain(drive.homing.map(|_| (MotionGoal::Home, false))).collect(),
+            turns,
             blocked: None,
             broken: false,
             lagging: None,
@@ -170,6 +178,7 @@ impl DriveNode {
 
     /// From here on it moves for this: where it is stuck, or free.
     fn aim(&mut self, now: Tick, goal: MotionGoal) {
+        let goal = if self.turns && goal != MotionGoal::Home { MotionGoal::Value(0) } else { goal };
         let sticks = self.motions.iter().any(|(of, sticks)| *of == goal && *sticks);
         if !sticks {
             self.release(now);

@@ -3,7 +3,7 @@
 //! `launch-config/devices/linewright-drive.eds` is the same table for other people's tools; a test compares them.
 
 use linewright_canopen::codec::{Abort, NodeId};
-use linewright_canopen::profile::drive::word::{HOMING, PROFILE_POSITION, PROFILE_VELOCITY};
+use linewright_canopen::profile::drive::word::{HOMING, PROFILE_POSITION, PROFILE_VELOCITY, ROTARY_SHORTEST};
 use linewright_canopen::sdo::ObjectId;
 
 /// Object 1008h.
@@ -45,11 +45,12 @@ pub(super) const ROWS: &[ObjectRow] = &[
     (0x605A, 0, 2, Write, 2), (0x605B, 0, 2, Write, 0), (0x605C, 0, 2, Write, 1), (0x605D, 0, 2, Write, 1),
     (0x605E, 0, 2, Write, 2), (0x6060, 0, 1, Write, 1), (0x6061, 0, 1, Read, 1), (0x6064, 0, 4, Read, 0),
     (0x6065, 0, 4, Write, 2000), (0x6066, 0, 2, Write, 10), (0x6067, 0, 4, Write, 10), (0x6068, 0, 2, Write, 0),
-    (0x606C, 0, 4, Read, 0), (0x606D, 0, 2, Write, 100), (0x607A, 0, 4, Write, 0), (0x607C, 0, 4, Write, 0),
+    (0x606C, 0, 4, Read, 0), (0x606D, 0, 2, Write, 100), (0x607A, 0, 4, Write, 0), (0x607B, 0, 1, Read, 2),
+    (0x607B, 1, 4, Write, 0), (0x607B, 2, 4, Write, 0), (0x607C, 0, 4, Write, 0),
     (0x6081, 0, 4, Write, 1000), (0x6083, 0, 4, Write, 10_000), (0x6084, 0, 4, Write, 10_000),
     (0x6085, 0, 4, Write, 50_000), (0x6086, 0, 2, Write, 0), (0x6098, 0, 1, Write, 0), (0x6099, 0, 1, Read, 2),
     (0x6099, 1, 4, Write, 1000), (0x6099, 2, 4, Write, 100), (0x609A, 0, 4, Write, 10_000),
-    (0x60FF, 0, 4, Write, 0),
+    (0x60F2, 0, 2, Write, 0), (0x60FF, 0, 4, Write, 0),
     // Profile position, profile velocity, homing.
     (0x6502, 0, 4, Read, 0x25),
 ];
@@ -94,6 +95,12 @@ impl DriveObjects {
         f64::from(self.u32(index, sub).max(1))
     }
 
+    /// The least position and how many there are, where it begins anew after the greatest (607Bh).
+    pub fn range(&self) -> Option<(f64, f64)> {
+        let [least, greatest] = [1, 2].map(|sub| f64::from(self.u32(0x607B, sub) as i32));
+        (least < greatest).then_some((least, greatest - least))
+    }
+
     pub fn set(&mut self, index: u16, sub: u8, value: u32) {
         if let Some(at) = at(ObjectId::new(index, sub)) {
             self.values[at] = value;
@@ -131,6 +138,8 @@ impl DriveObjects {
             (0x1400 | 0x1800, 2) if value < 254 => return Err(Abort::VALUE),
             (0x1800, 3) if self.is_on(index) => return Err(Abort::DEVICE_STATE),
             (0x1600 | 0x1A00, _) => self.check_mapping(index, sub, value)?,
+            // Relative targets go on from the one before, and a set-point replaces another at once: the rest of it it has not.
+            (0x60F2, 0) if value & !u32::from(ROTARY_SHORTEST) != 0 => return Err(Abort::VALUE),
             (0x6060, 0) if ![0, PROFILE_POSITION, PROFILE_VELOCITY, HOMING].contains(&(value as i8)) => {
                 return Err(Abort::VALUE);
             }

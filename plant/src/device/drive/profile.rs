@@ -3,7 +3,8 @@
 
 use linewright_canopen::profile::drive::DriveState;
 use linewright_canopen::profile::drive::word::{
-    CHANGE_IMMEDIATELY, HALT, HOMING, NEW_SET_POINT, PROFILE_POSITION, PROFILE_VELOCITY, RELATIVE,
+    CHANGE_IMMEDIATELY, HALT, HOMING, NEW_SET_POINT, PROFILE_POSITION, PROFILE_VELOCITY, RELATIVE, ROTARY_NEGATIVE,
+    ROTARY_POSITIVE, ROTARY_SHORTEST,
 };
 use linewright_line::Tick;
 
@@ -196,8 +197,33 @@ impl DriveNode {
         if let Some(target) = self.set_point.filter(|_| go && !halt) {
             let ramp = self.ramp();
             self.aim(now, MotionGoal::Value(target));
-            self.motion.go_to(now, self.origin + f64::from(target), ramp);
+            self.motion.go_to(now, self.place_of(now, target), ramp);
         }
+    }
+
+    /// Where a target lies. On an axis that turns endlessly it lies everywhere, a turn apart: object 60F2h says which is meant.
+    fn place_of(&self, now: Tick, target: i32) -> f64 {
+        let Some((_, turn)) = self.objects.range() else { return self.origin + f64::from(target) };
+        let (here, actual) = (self.place(now), f64::from(self.actual(now)));
+        let up = (f64::from(target) - actual).rem_euclid(turn);
+        let down = if up > 0.0 { up - turn } else { 0.0 };
+        let way = match self.objects.u32(0x60F2, 0) as u16 & ROTARY_SHORTEST {
+            ROTARY_POSITIVE => up,
+            ROTARY_NEGATIVE => down,
+            ROTARY_SHORTEST => {
+                if up <= -down {
+                    up
+                } else {
+                    down
+                }
+            }
+            // Like an axis with ends.
+            _ => f64::from(target) - actual,
+        };
+        // Not the rounded position that it reports: it ends where the target is.
+        let end = here + way;
+        let off = (end - self.origin - f64::from(target)).rem_euclid(turn);
+        end - if off > turn / 2.0 { off - turn } else { off }
     }
 
     fn velocity(&mut self, now: Tick, word: u16) {
@@ -231,7 +257,13 @@ impl DriveNode {
             let ramp = self.homing_ramp(1);
             self.aim(now, MotionGoal::Home);
             let past = sign * ramp.velocity * ramp.velocity / (2.0 * ramp.deceleration);
-            self.motion.go_to(now, past, ramp);
+            self.reference = match self.objects.range() {
+                // The next time it comes by.
+                Some((_, turn)) if sign < 0.0 => (self.place(now) / turn).floor() * turn,
+                Some((_, turn)) => (self.place(now) / turn).ceil() * turn,
+                None => 0.0,
+            };
+            self.motion.go_to(now, self.reference + past, ramp);
             self.homing = HomingPhase::Seeking;
         }
     }
@@ -254,7 +286,7 @@ impl DriveNode {
         match self.homing {
             HomingPhase::Seeking => {
                 let ramp = self.homing_ramp(2);
-                self.motion.go_to(now, 0.0, ramp);
+                self.motion.go_to(now, self.reference, ramp);
                 self.homing = HomingPhase::Returning;
             }
             HomingPhase::Returning => self.found_zero(now),
@@ -265,14 +297,24 @@ impl DriveNode {
             self.acknowledged = self.word & NEW_SET_POINT != 0;
             let ramp = self.ramp();
             self.aim(now, MotionGoal::Value(target));
-            self.motion.go_to(now, self.origin + f64::from(target), ramp);
+            self.motion.go_to(now, self.place_of(now, target), ramp);
         }
         self.change_mode(now);
     }
 
     /// Its position by its own zero. A float cast saturates.
     pub(super) fn actual(&self, now: Tick) -> i32 {
-        (self.place(now) - self.origin).round() as i32
+        let actual = (self.place(now) - self.origin).round();
+        match self.objects.range() {
+            Some((least, turn)) => ((actual - least).rem_euclid(turn) + least) as i32,
+            None => actual as i32,
+        }
+    }
+
+    /// How far a target is away, whichever way.
+    fn distance_to(&self, now: Tick, target: i32) -> u32 {
+        let way = target.abs_diff(self.actual(now));
+        self.objects.range().map_or(way, |(_, turn)| way.min((turn as u32).saturating_sub(way)))
     }
 
     pub(super) fn window_time(&self) -> std::time::Duration {
@@ -321,6 +363,6 @@ impl DriveNode {
         }
         let settled = self.motion.stands_at().is_some_and(|at| at + self.window_time() <= now);
         let window = self.objects.u32(0x6067, 0);
-        settled && self.set_point.is_none_or(|target| target.abs_diff(self.actual(now)) <= window)
+        settled && self.set_point.is_none_or(|target| self.distance_to(now, target) <= window)
     }
 }

@@ -9,6 +9,7 @@ mod hand;
 mod hostile;
 mod index;
 mod interlock;
+mod place;
 mod recovery;
 mod restart;
 pub mod rig;

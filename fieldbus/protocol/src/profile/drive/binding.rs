@@ -1,8 +1,8 @@
 //! Binding of a drive: outputs and inputs of its owner's image, in the drive's increments.
 
-use linewright_line::{AtRest, Drive as Described, DriveMode, InputId, OutputId};
+use linewright_line::{AtRest, Drive as Described, DriveIndex, DriveMode, InputId, OutputId};
 
-use super::{PDO_BYTES, word};
+use super::{DrivePlaces, PDO_BYTES, word};
 use crate::codec::Payload;
 
 /// One place a drive can be sent to, or one velocity.
@@ -42,6 +42,8 @@ pub struct DriveBinding {
     /// Kind of its targets.
     pub mode: DriveMode,
     pub targets: Vec<DriveSetpoint>,
+    /// Of an endless axis: its places, which are the targets, and their numbers.
+    pub index: Option<(DrivePlaces, DriveIndex)>,
     /// On while it has failed or refuses an order.
     pub fault: Option<InputId>,
     /// Homing; `None` for a drive with an absolute position.
@@ -64,9 +66,12 @@ impl DriveBinding {
     /// The binding for a description.
     pub fn of(drive: &Described) -> Self {
         let positive = |value: f64| drive.increments(value).max(1).unsigned_abs();
+        let index = drive.index.as_ref().map(|index| (DrivePlaces::of(drive, index), index.clone()));
         let target = |target: &linewright_line::DriveTarget| DriveSetpoint {
             output: target.output,
-            to: drive.increments(target.to),
+            to: index
+                .as_ref()
+                .map_or(drive.increments(target.to), |(places, _)| places.round(drive.increments(target.to))),
             at: target.at,
             velocity: positive(target.velocity),
         };
@@ -82,6 +87,7 @@ impl DriveBinding {
         DriveBinding {
             mode: drive.mode,
             targets: drive.targets.iter().map(target).collect(),
+            index,
             fault: drive.fault,
             home: drive.homing.map(home),
             window: positive(drive.window),
@@ -97,12 +103,22 @@ impl DriveBinding {
     /// stands at. Orders and homing are not considered. `None`: too short.
     pub fn places(&self, payload: Payload) -> Option<(u128, u128)> {
         let actual = i32::from_le_bytes(payload.bytes().get(3..PDO_BYTES)?.try_into().ok()?);
+        if let Some((places, index)) = &self.index {
+            let all = index.report(u16::MAX) | self.targets[0].at.bit();
+            return Some((all, places.at(actual).map_or(0, |at| self.place_inputs(at.number, at.is_there))));
+        }
         let stands = |target: &&DriveSetpoint| actual.abs_diff(target.to) <= self.window;
         let image = |image, target: &DriveSetpoint| image | target.at.bit();
         Some((self.targets.iter().fold(0, image), self.targets.iter().filter(stands).fold(0, image)))
     }
 
-    /// The mode of operation for its targets.
+    /// The inputs of an endless axis that is at a place, or has left it last.
+    pub(super) fn place_inputs(&self, number: u16, is_there: bool) -> u128 {
+        let in_place = self.targets.first().filter(|_| is_there).map_or(0, |target| target.at.bit());
+        self.index.as_ref().map_or(0, |(_, index)| index.report(number)) | in_place
+    }
+
+    /// The mode of operation its targets want.
     pub(super) fn profile(&self) -> i8 {
         match self.mode {
             DriveMode::Position => word::PROFILE_POSITION,
@@ -120,6 +136,8 @@ pub(super) enum DriveDemand {
     Target(usize),
     /// Find the zero.
     Home,
+    /// Find the zero, if it is not known.
+    HomeIfLost,
     /// These two outputs are on, and perhaps more.
     Several(OutputId, OutputId),
 }
@@ -127,6 +145,16 @@ pub(super) enum DriveDemand {
 impl DriveBinding {
     /// Demand of `image`. An output that is a target's and starts the homing counts as the target's.
     pub(super) fn wanted(&self, image: u128) -> DriveDemand {
+        if let Some((_, index)) = &self.index {
+            let turns = self.targets.first().is_some_and(|target| image & target.output.bit() != 0);
+            return match usize::from(index.ordered(image)).checked_sub(1) {
+                _ if !turns => DriveDemand::Nothing,
+                // To no place: what is homed has nothing to do.
+                None => DriveDemand::HomeIfLost,
+                Some(at) if at < self.targets.len() => DriveDemand::Target(at),
+                Some(_) => DriveDemand::Nothing,
+            };
+        }
         let targets = self.targets.iter().enumerate().map(|(at, target)| (target.output, DriveDemand::Target(at)));
         let home = self.home.iter().map(|home| (home.output, DriveDemand::Home));
         let mut first: Option<(OutputId, DriveDemand)> = None;

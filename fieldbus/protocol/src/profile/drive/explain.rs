@@ -20,6 +20,7 @@ impl ManagedDrive {
             DrivePhase::Moving(at) => self.moving(at, heard),
             DrivePhase::Homing { .. } => format!("homing: at {}", self.units(heard.actual)),
             DrivePhase::Homed => "homed".to_owned(),
+            DrivePhase::There => format!("at {}, where it was ordered to", self.units(heard.actual)),
         };
         let word = heard.word;
         let power = word.state() == DriveState::SwitchOnDisabled && !matches!(self.phase, DrivePhase::Resting);
@@ -59,6 +60,11 @@ impl ManagedDrive {
                 format!("outputs {} and {} are on at once: it stands {until}", one.0, other.0)
             }
             DriveInhibit::NotHomed => "not homed: it goes nowhere before the homing has been ordered".to_owned(),
+            DriveInhibit::NotNext { at, from } => format!(
+                "ordered to {}, which is not the next place from {}: it stands {until}",
+                self.units(self.binding.targets[at].to),
+                self.units(from)
+            ),
             DriveInhibit::Failed => format!("fault{}: it stands {until}", self.because()),
             DriveInhibit::Interrupted(word) if word.0 == 0 => {
                 format!("it was lost under an order{}: it stands {until}", self.because())
@@ -108,7 +114,11 @@ impl ManagedDrive {
         let here = self.units(heard.actual);
         let target = &self.binding.targets[at];
         let lags = heard.word.following_error() && self.binding.mode == DriveMode::Position;
-        match (self.is_at(target), lags) {
+        let there = match &self.binding.index {
+            Some((places, _)) => places.has(at, heard.actual) && heard.word.target_reached(),
+            None => self.is_at(target),
+        };
+        match (there, lags) {
             (true, _) => format!("{}: there", self.to(at)),
             (false, true) => format!("{}: at {here}, lagging behind", self.to(at)),
             (false, false) => format!("{}: at {here}", self.to(at)),

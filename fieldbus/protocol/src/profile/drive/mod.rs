@@ -31,9 +31,14 @@
 //! - **A drive that drops out** of an order (a fault, a guard, a technician's tool) is not enabled again under that
 //!   order. Whether it is safe to go on is decided with the next one.
 //! - **A set-point is taken on a rising edge**, so a lost frame could make the drive go on to an older one. Before a
-//!   new set-point is offered, the drive has therefore shown that it has seen the bit low: by its acknowledge falling,
-//!   or by leaving operation enabled. Where neither can be seen it is disabled first. Target and edge are in one frame.
-//! - **Its position counts only with a known zero.** Before homing it is at no target, and refuses to go to one.
+//!   new set-point is offered, the drive has therefore been seen to know that the bit is low: by its acknowledge
+//!   falling, or by leaving operation enabled. Where neither can be seen it is disabled first. Target and edge are in
+//!   one frame.
+//! - **Where it is counts only if it knows.** Before homing it is at no target, and refuses to go to one.
+//! - **An endless axis is sent to a place, one turn being all there is**: an order that comes twice, late, or again after a
+//!   restart leads to the same place. It turns one way, so a drive that has gone past its place by a hair would go round for
+//!   it. Therefore nothing is offered while it is there already, before it stands, or from anywhere but between that place
+//!   and the one before.
 //!
 //! A failed drive is reset only while none of its outputs is on. The latch a person has to release is the operation's:
 //! it stays incomplete until an operator leads on.
@@ -41,6 +46,7 @@
 mod binding;
 mod error;
 mod explain;
+mod places;
 mod plan;
 mod settings;
 mod status;
@@ -52,6 +58,7 @@ use linewright_line::{OutputId, Tick};
 
 pub use binding::{DriveBinding, DriveSetpoint, HomingBinding};
 pub use error::{FOLLOWING_ERROR, SENSOR_1, loses_position, meaning};
+pub use places::{DrivePlaces, PlaceAt};
 pub use status::{DriveState, Statusword};
 
 use crate::codec::Payload;
@@ -104,6 +111,11 @@ enum DriveGoal {
 enum DriveInhibit {
     Several(OutputId, OutputId),
     NotHomed,
+    /// It is not between this target and the place before it, where its position is at all.
+    NotNext {
+        at: usize,
+        from: i32,
+    },
     Failed,
     /// It left operation enabled, or its mode, under an order.
     Interrupted(Statusword),
@@ -125,6 +137,8 @@ enum DrivePhase {
     },
     /// Homed as ordered; the output is still on.
     Homed,
+    /// It was at its place as it was ordered there: nothing is to be moved.
+    There,
 }
 
 /// Evidence of what the drive has seen of bit 4 of its controlword, whose rising edge starts things, and of the words
@@ -302,8 +316,30 @@ impl ManagedDrive {
         let home = self.binding.home.filter(|_| self.homed && !matches!(self.phase, DrivePhase::Homing { .. }));
         let done = home.and_then(|home| home.done).filter(|_| self.phase != DrivePhase::Preparing(DriveGoal::Home));
         let fault = self.binding.fault.filter(|_| self.has_failed());
-        let places = self.binding.targets.iter().filter(|target| self.is_at(target)).map(|target| target.at);
-        places.chain(done).chain(fault).fold(0, |image, input| image | input.bit())
+        let is_plain = self.binding.index.is_none();
+        let targets = self.binding.targets.iter().filter(|_| is_plain);
+        let places = targets.filter(|target| self.is_at(target)).map(|target| target.at);
+        self.place_inputs() | places.chain(done).chain(fault).fold(0, |image, input| image | input.bit())
+    }
+
+    /// Of an endless axis: at which place it is, or which it has left last. Ordered to one, it is there once it says so itself.
+    fn place_inputs(&self) -> u128 {
+        let (Some((places, _)), Some(heard)) = (&self.binding.index, self.heard.filter(|_| self.knows_zero())) else {
+            return 0;
+        };
+        // On its way to its zero it knows none.
+        if matches!(self.phase, DrivePhase::Homing { .. } | DrivePhase::Preparing(DriveGoal::Home)) {
+            return 0;
+        }
+        let Some(at) = places.at(heard.actual) else { return 0 };
+        let is_ordered = match self.phase {
+            DrivePhase::Preparing(DriveGoal::Target(to)) | DrivePhase::Offered(to) | DrivePhase::Moving(to) => {
+                to + 1 == usize::from(at.number)
+            }
+            _ => false,
+        };
+        let has_arrived = matches!(self.phase, DrivePhase::Moving(_)) && heard.word.target_reached();
+        self.binding.place_inputs(at.number, at.is_there && (!is_ordered || has_arrived))
     }
 
     /// Whether it is at this target. While it is ordered there, also whether its statusword reports so.

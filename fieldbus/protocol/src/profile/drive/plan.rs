@@ -51,9 +51,14 @@ impl ManagedDrive {
             _ if matches!(self.phase, DrivePhase::Refused(_)) => self.phase,
             DriveDemand::Several(one, other) => DrivePhase::Refused(DriveInhibit::Several(one, other)),
             DriveDemand::Home => self.pursue(now, DriveGoal::Home),
+            DriveDemand::HomeIfLost if self.knows_zero() => DrivePhase::Resting,
+            DriveDemand::HomeIfLost => self.pursue(now, DriveGoal::Home),
             DriveDemand::Target(at) if self.knows_zero() => self.pursue(now, DriveGoal::Target(at)),
             DriveDemand::Target(at) => match &self.binding.home {
-                Some(home) if home.output == self.binding.targets[at].output => self.pursue(now, DriveGoal::Home),
+                // An endless axis is homed by an order of its own, which a person holds.
+                Some(home) if self.binding.index.is_none() && home.output == self.binding.targets[at].output => {
+                    self.pursue(now, DriveGoal::Home)
+                }
                 _ => DrivePhase::Refused(DriveInhibit::NotHomed),
             },
         };
@@ -64,6 +69,9 @@ impl ManagedDrive {
         let state = heard.word.state();
         if matches!(state, DriveState::Fault | DriveState::FaultReactionActive) {
             return DrivePhase::Refused(DriveInhibit::Failed);
+        }
+        if let Some(phase) = self.on_circle(goal, heard) {
+            return phase;
         }
         let enabled = state == DriveState::OperationEnabled && heard.mode == self.mode_for(goal);
         match (self.phase, goal) {
@@ -87,7 +95,18 @@ impl ManagedDrive {
         }
     }
 
-    /// Whether all conditions of an order to move are met.
+    /// Of an endless axis that has not been told to go: it is there already, or must not be told to.
+    fn on_circle(&self, goal: DriveGoal, heard: DriveFeedback) -> Option<DrivePhase> {
+        let (Some((places, _)), DriveGoal::Target(at)) = (&self.binding.index, goal) else { return None };
+        match self.phase {
+            DrivePhase::Offered(under_way) | DrivePhase::Moving(under_way) if under_way == at => None,
+            _ if places.has(at, heard.actual) => Some(DrivePhase::There),
+            _ if places.is_next(at, heard.actual) => None,
+            _ => Some(DrivePhase::Refused(DriveInhibit::NotNext { at, from: heard.actual })),
+        }
+    }
+
+    /// Whether everything is as it must be before the drive is told to move.
     fn prepared(&self, now: Tick, goal: DriveGoal, heard: DriveFeedback, enabled: bool) -> DrivePhase {
         if !enabled || self.edge != ControlwordEdge::Low {
             return DrivePhase::Preparing(goal);
@@ -95,11 +114,18 @@ impl ManagedDrive {
         match (goal, self.binding.mode) {
             (DriveGoal::Target(at), DriveMode::Velocity) => DrivePhase::Moving(at),
             (DriveGoal::Target(at), DriveMode::Position) => {
-                let ready = !heard.word.set_point_acknowledge() && self.slow_or_fast(at).is_none();
+                // Halted it says so when it stands. One that coasts past its place would go round for it.
+                let stands = self.binding.index.is_none() || (self.is_halted() && heard.word.target_reached());
+                let ready = stands && !heard.word.set_point_acknowledge() && self.slow_or_fast(at).is_none();
                 if ready { DrivePhase::Offered(at) } else { DrivePhase::Preparing(goal) }
             }
             (DriveGoal::Home, _) => DrivePhase::Homing { open: !heard.word.homing_attained(), since: now },
         }
+    }
+
+    /// Whether it was last told to halt.
+    fn is_halted(&self) -> bool {
+        self.sent.is_some_and(|sent| sent.word & HALT != 0)
     }
 
     fn home(&mut self, now: Tick, heard: DriveFeedback, open: bool, since: Tick) -> DrivePhase {
@@ -140,7 +166,7 @@ impl ManagedDrive {
         let to = |at: usize| self.binding.targets[at].to;
         let profile = self.binding.profile();
         match self.phase {
-            DrivePhase::Resting | DrivePhase::Refused(_) => {
+            DrivePhase::Resting | DrivePhase::There | DrivePhase::Refused(_) => {
                 DriveCommand { word: self.rest_word(), mode, target: self.rest_target() }
             }
             DrivePhase::Preparing(goal) => self.prepare(goal, mode),

@@ -3,10 +3,10 @@
 //! A process data object is remapped as CiA 301 §7.5.2.35 to §7.5.2.38 demands: switched off by bit 31 of its COB-ID,
 //! its number of objects set to zero, then the objects, their number, and the COB-ID without bit 31 last.
 
-use linewright_line::{AtRest, DriveMode};
+use linewright_line::{AtRest, DriveMode, TurnDirection};
 
-use super::ManagedDrive;
 use super::binding::DriveBinding;
+use super::{ManagedDrive, word};
 use crate::codec::NodeId;
 use crate::sdo::SdoWrite;
 
@@ -46,6 +46,7 @@ impl ManagedDrive {
         map(0x1A00, transmit, &mut settings);
         stopping(binding, &mut settings);
         motion(binding, &mut settings);
+        circle(binding, &mut settings);
         homing(binding, &mut settings);
         settings.extend([
             SdoWrite::u8(0x1400, 2, EVENT_DRIVEN),
@@ -108,6 +109,22 @@ fn motion(binding: &DriveBinding, settings: &mut Vec<SdoWrite>) {
             settings.push(SdoWrite::u16(0x606D, 0, window).optional());
         }
     }
+}
+
+/// How it counts on an endless axis. None of these may be missing, and they are read back: a drive that does not begin anew
+/// after a turn, or goes the other way, would go to another place.
+fn circle(binding: &DriveBinding, settings: &mut Vec<SdoWrite>) {
+    let Some((places, _)) = &binding.index else { return };
+    let way = match places.direction() {
+        TurnDirection::Positive => word::ROTARY_POSITIVE,
+        TurnDirection::Negative => word::ROTARY_NEGATIVE,
+    };
+    settings.extend([
+        // On reaching the greatest it goes on from the least: a turn is the way between the two.
+        SdoWrite::u32(0x607B, 1, 0).read_back(),
+        SdoWrite::u32(0x607B, 2, places.turn().unsigned_abs()).read_back(),
+        SdoWrite::u16(0x60F2, 0, way).read_back(),
+    ]);
 }
 
 fn homing(binding: &DriveBinding, settings: &mut Vec<SdoWrite>) {

@@ -28,6 +28,7 @@ fn binding(homing: bool) -> DriveBinding {
         done: Some(InputId(2)),
     };
     DriveBinding {
+        index: None,
         mode: DriveMode::Position,
         targets: vec![target(0, 0), target(1, 80_000)],
         fault: Some(InputId(3)),

@@ -1,13 +1,15 @@
 //! The `drive` table of a device.
 
 use linewright_text::{
-    KeyPresence, Located, LocatedName, coordinate, integer, keys, positive, table, tables, text, word,
+    KeyPresence, Located, LocatedName, coordinate, integer, keys, positive, table, tables, text, texts, word,
 };
 
-use crate::{AtRest, DriveMode};
+use crate::{AtRest, DriveMode, TurnDirection};
 
 /// At most this many targets of one drive.
 const TARGETS_MAX: usize = 64;
+/// At most this many bits of a place's number.
+const PLACE_BITS_MAX: usize = 10;
 
 keys! {
     /// A servo or stepper drive (CiA 402) that moves one axis of its station. Lengths are in the axis's unit, mm or degrees.
@@ -32,9 +34,28 @@ keys! {
         /// Input: on while it has failed or refuses an order.
         fault: Option<LocatedName> = text(),
         /// Where outputs send it, up to 64.
-        targets: Vec<RawTarget> = tables(TARGETS_MAX).missed(KeyPresence::Required),
+        targets: Vec<RawTarget> = tables(TARGETS_MAX).missed(KeyPresence::Unless(&["index"])),
+        /// Instead of `targets`, of an endless axis: how it turns from place to place.
+        index: Option<RawDriveIndex> = table(),
         /// How it finds its zero; left out for a drive that knows where it is.
         homing: Option<RawHoming> = table(),
+    }
+
+    /// How a drive turns an endless axis from place to place. The places are numbered from 1, the home position, in the order
+    /// in which the axis comes to them.
+    pub(in crate::parse) struct RawDriveIndex is "`index`" {
+        /// The output that turns it.
+        output: Option<LocatedName> = text().required(),
+        /// The input that is on while it is at one of its places.
+        input as "at": Option<LocatedName> = text().required(),
+        /// After this way, in mm or degrees, it is where it was: a whole number of indexes, at least two.
+        turn: Option<Located<f64>> = positive().required(),
+        /// Which way it turns.
+        direction: TurnDirection = word(&[("positive", TurnDirection::Positive), ("negative", TurnDirection::Negative)]),
+        /// Outputs that say to which place, as a number, the lowest bit first; at most 10.
+        to: Vec<LocatedName> = texts(PLACE_BITS_MAX).entries(),
+        /// Inputs that say at which place it is, or which it has left last, as a number, the lowest bit first; at most 10.
+        place: Vec<LocatedName> = texts(PLACE_BITS_MAX).entries(),
     }
 
     /// A place to which an output sends the drive.

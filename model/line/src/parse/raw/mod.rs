@@ -19,7 +19,7 @@ mod station_type;
 
 pub(super) use analogue::{RawAnalogue, RawAnalogueInput, RawAnalogueOutput, RawChannel, RawLag, RawLimit};
 pub(super) use device::{RawDevice, RawDeviceKind, RawIdentity, RawSetting, RawTransmission, Width};
-pub(super) use drive::{RawDrive, RawTarget};
+pub(super) use drive::{RawDrive, RawDriveIndex, RawTarget};
 pub(super) use frames::{RawChecksum, RawFrames, RawHeard, RawSignalInput, RawTold};
 pub(super) use handling::{RawHolder, RawReach, RawSensor, RawSign, RawStand};
 pub(super) use line::{RawArrow, RawConflict, RawConsole, RawEnd, RawLine, RawSpan, RawTiming};

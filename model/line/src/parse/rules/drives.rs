@@ -19,6 +19,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
         drives_have_no_other_bits(raw, raw_drive, report);
         drives_have_targets(raw_drive, report);
         numbers_fit_the_drive(raw_drive, report);
+        index_fits_the_drive(raw_drive, report);
         places_are_told_apart(raw_drive, report);
         homing_is_possible(raw_drive, report);
         match device.owner {
@@ -66,7 +67,13 @@ fn drives_have_no_other_bits(raw: &RawDevice, drive: &RawDrive, report: &mut Rep
 }
 
 fn drives_have_targets(drive: &RawDrive, report: &mut Report) {
-    if drive.targets.is_empty() {
+    if let (Some(index), Some(target)) = (&drive.index, drive.targets.first()) {
+        report.add(
+            Problem::error(target.at.clone(), "a drive has `targets` or an `index`, not both")
+                .also(&index.at, "the index")
+                .hint("an endless axis has an `index`, any other has `targets`"),
+        );
+    } else if drive.targets.is_empty() && drive.index.is_none() {
         report.add(
             Problem::error(drive.at.clone(), "this drive has no targets")
                 .hint("`targets = [{ output = \"…\", to = 80, at = \"…\" }, …]`"),
@@ -76,6 +83,8 @@ fn drives_have_targets(drive: &RawDrive, report: &mut Report) {
 
 /// A drive counts in 32 bits. Half of them, so that no sum on the way overflows either.
 const INCREMENTS_MAX: f64 = (1u32 << 30) as f64;
+/// Within this they are a whole number: more is no rounding of a number that people write.
+const INCREMENTS_EVEN: f64 = 1e-6;
 
 fn numbers_fit_the_drive(drive: &RawDrive, report: &mut Report) {
     let Some(units) = drive.units.as_ref().map(|units| units.value) else { return };
@@ -104,6 +113,41 @@ fn numbers_fit_the_drive(drive: &RawDrive, report: &mut Report) {
         fits(&homing.slow, "a speed", 1.0);
         fits(&homing.acceleration, "an acceleration", 1.0);
         fits(&homing.offset, "an offset", 0.0);
+    }
+}
+
+/// The drive counts a turn in whole increments; what is left over would add up, turn by turn.
+fn index_fits_the_drive(drive: &RawDrive, report: &mut Report) {
+    let Some(index) = &drive.index else { return };
+    if drive.mode == DriveMode::Velocity {
+        report.add(
+            Problem::error(index.at.clone(), "a drive with an `index` that is told velocities")
+                .hint("`mode = \"position\"`: it goes to places"),
+        );
+    }
+    if let (Some(turn), Some(units)) = (&index.turn, &drive.units) {
+        let increments = turn.value * units.value;
+        if increments > INCREMENTS_MAX || (increments - increments.round()).abs() > INCREMENTS_EVEN {
+            report.add(
+                Problem::error(turn.at.clone(), format!("a turn of {} is {increments} increments", turn.value))
+                    .label("not a whole number of them, or too many")
+                    .also(&units.at, "increments for one unit")
+                    .hint(format!(
+                        "a whole number, up to {INCREMENTS_MAX}: what is left over would add up with every turn; set up \
+                         the drive's own units so that a turn is one"
+                    )),
+            );
+        }
+    }
+    if let (Some(homing), Some(output)) = (&drive.homing, &index.output)
+        && let Some(starts) = &homing.output
+        && starts.value != output.value
+    {
+        report.add(
+            Problem::error(starts.at.clone(), format!("the homing of an endless axis by `{}`", starts.value))
+                .also(&output.at, "what turns it")
+                .hint(format!("`output = \"{}\"`: while it is not homed, this output homes it", output.value)),
+        );
     }
 }
 
@@ -210,7 +254,7 @@ fn axes_are_moved_by_their_drive(drive: &DraftDrive, raw: &RawDrive, station: &D
     let Some(axis) = drive.axis else { return };
     let of_drive = |output| {
         let homing = drive.homing.and_then(|(output, _)| output);
-        drive.targets.iter().filter_map(|target| target.output).chain(homing).any(|own| own == output)
+        drive.all_targets().filter_map(|target| target.output).chain(homing).any(|own| own == output)
     };
     for operation in &station.operations {
         if operation.motion.as_ref().is_none_or(|motion| motion.value.axis != axis) {
@@ -237,9 +281,9 @@ fn watchdogs_leave_time(drive: &DraftDrive, raw: &RawDrive, station: &DraftStati
     let (DriveMode::Position, Some(velocity), Some(acceleration)) = (raw.mode, &raw.velocity, &raw.acceleration) else {
         return;
     };
-    let target_of = |output| -> Option<&RawTarget> {
-        let at = drive.targets.iter().position(|target| target.output == Some(output))?;
-        raw.targets.get(at)
+    let target_of = |output| -> Option<Option<&RawTarget>> {
+        let at = drive.all_targets().position(|target| target.output == Some(output))?;
+        Some(raw.targets.get(at))
     };
     for operation in &station.operations {
         let Some(motion) = &operation.motion else { continue };
@@ -248,8 +292,9 @@ fn watchdogs_leave_time(drive: &DraftDrive, raw: &RawDrive, station: &DraftStati
         for ((signals, _), watchdog) in operation.motions().zip(watchdogs) {
             let (Some(actuator), Some(watchdog)) = (&signals.actuator, watchdog) else { continue };
             let Some(target) = target_of(actuator.value) else { continue };
-            let velocity = target.velocity.as_ref().unwrap_or(velocity);
-            let takes = trapezoid_time(motion.value.to - motion.value.from, velocity.value, acceleration.value);
+            let velocity = target.and_then(|target| target.velocity.as_ref()).unwrap_or(velocity);
+            let way = operation.by().map_or(motion.value.to - motion.value.from, |by| by.value);
+            let takes = trapezoid_time(way, velocity.value, acceleration.value);
             if takes >= watchdog.value.as_secs_f64() {
                 let limit = watchdog.value.as_secs_f64();
                 report.add(

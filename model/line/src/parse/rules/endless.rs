@@ -3,21 +3,28 @@
 //! An index is never taken back, and a cycle in which it is done twice has lost its parts. So a station with an endless axis
 //! has no way home along which its round would be done again: nothing else in it is irreversible.
 
+use std::collections::HashMap;
 use std::time::Duration;
 
-use linewright_text::{Problem, Report};
+use linewright_text::{Problem, Report, TextRange};
 
 use super::operations::same_place;
-use crate::Owner;
-use crate::parse::draft::{DraftLine, DraftOperation, DraftStation};
-use crate::parse::raw::ModuleKind;
+use crate::parse::draft::{DraftIndex, DraftLine, DraftOperation, DraftStation};
+use crate::parse::drive::{PLACES_MAX, places};
+use crate::parse::raw::{ModuleKind, RawDrive, RawDriveIndex};
+use crate::{AxisId, Owner, StationId};
 
 /// Applies the rules for the endless axes of a station.
-pub(super) fn check(station: &DraftStation<'_>, stale: Duration, report: &mut Report) {
+pub(super) fn check(draft: &DraftLine<'_>, id: StationId, stale: Duration, report: &mut Report) {
+    let station = &draft.stations[id.index()];
     let mut indexes = station.operations.iter().filter(|op| op.by().is_some());
     for index in indexes.clone() {
         has_no_way_back(index, report);
-        passes_no_place_unseen(index, stale, report);
+        // A drive tells which place it is at, and goes to one.
+        let axis = index.motion.as_ref().map(|motion| motion.value.axis);
+        if axis.is_none_or(|axis| !draft.is_turned_by_drive(id, axis)) {
+            passes_no_place_unseen(index, stale, report);
+        }
     }
     goes_one_way_to_one_switch(station, report);
     let Some(first) = indexes.next() else { return };
@@ -129,17 +136,101 @@ fn goes_one_way_to_one_switch(station: &DraftStation<'_>, report: &mut Report) {
     }
 }
 
-/// A drive counts from a zero, and an axis that turns endlessly leaves its range.
-pub(super) fn axes_have_no_drive(draft: &DraftLine<'_>, report: &mut Report) {
+/// The drive of an endless axis is sent to its places, by their numbers.
+pub(super) fn drives_go_to_places(draft: &DraftLine<'_>, report: &mut Report) {
+    let mut first: HashMap<StationId, &TextRange> = HashMap::new();
     for (device, raw) in draft.devices.iter().zip(&draft.raw.devices) {
         let (Some(Owner::Station(id)), Some(drive), Some(raw)) = (device.owner, &device.drive, &raw.drive) else {
             continue;
         };
         let (Some(axis), Some(name)) = (drive.axis, &raw.axis) else { continue };
-        if draft.stations[id.index()].axes[axis.index()].index.is_some() {
+        let station = &draft.stations[id.index()];
+        match (station.axes[axis.index()].index, &drive.index, &raw.index) {
+            (Some(by), Some(drive), Some(index)) => {
+                if let Some(other) = first.insert(id, &index.at) {
+                    report.add(
+                        Problem::error(index.at.clone(), "a second drive with an `index` in one station")
+                            .also(other, "the first")
+                            .hint("a station of its own for each such axis"),
+                    );
+                }
+                places_come_out_even(by, raw, index, report);
+                ends_where_the_drive_says(axis, drive, index, station, report);
+            }
+            (Some(_), ..) => report.add(
+                Problem::error(
+                    name.at.clone(),
+                    format!("a drive of the endless axis `{}` without an `index`", name.value),
+                )
+                .hint(
+                    "it goes from place to place: `index = { output = \"…\", at = \"…\", turn = 360, to = […], place = \
+                         […] }` instead of `targets`",
+                ),
+            ),
+            (None, _, Some(index)) => report.add(
+                Problem::error(index.at.clone(), format!("an `index` of `{}`, which is not endless", name.value))
+                    .hint("`targets`; or an operation that moves it `by` so much, which makes it endless"),
+            ),
+            (None, _, None) => {}
+        }
+    }
+}
+
+/// Its places are told apart by number and by position.
+fn places_come_out_even(by: f64, drive: &RawDrive, index: &RawDriveIndex, report: &mut Report) {
+    if let Some(window) = drive.window.as_ref().filter(|window| window.value * 2.0 >= by) {
+        report.add(
+            Problem::error(window.at.clone(), format!("a window of {} where places are {by} apart", window.value))
+                .hint("less than half the way from place to place, so that it is never at two"),
+        );
+    }
+    let Some(turn) = &index.turn else { return };
+    let Some(count) = places(turn.value, by) else {
+        report.add(
+            Problem::error(turn.at.clone(), format!("a turn of {} is {} indexes of {by}", turn.value, turn.value / by))
+                .hint(format!(
+                    "a whole number of them, from 2 to {PLACES_MAX}: with one place its position would not tell before an \
+                     index from after it"
+                )),
+        );
+        return;
+    };
+    let needed = (u16::BITS - count.leading_zeros()) as usize;
+    for (bits, key) in [(&index.to, "to"), (&index.place, "place")] {
+        if let Some(bit) = bits.iter().find(|bit| bit.value.is_empty()) {
             report.add(
-                Problem::error(name.at.clone(), format!("a drive of the endless axis `{}`", name.value))
-                    .hint("turn it by an output to a switch; drives go to places, from zero to the end of an axis"),
+                Problem::error(bit.at.clone(), format!("a bit of `{key}` without a name"))
+                    .hint("all bits of the number have names"),
+            );
+        } else if bits.len() != needed {
+            let has = bits.len();
+            report.add(
+                Problem::error(index.at.clone(), format!("`{key}` has {has} bits for {count} places, not {needed}"))
+                    .hint("names, the lowest bit first; places are numbered from 1, and 0 is none of them"),
+            );
+        }
+    }
+}
+
+/// An index ends where its drive says that it is in place.
+fn ends_where_the_drive_says(
+    axis: AxisId,
+    drive: &DraftIndex,
+    raw: &RawDriveIndex,
+    station: &DraftStation<'_>,
+    report: &mut Report,
+) {
+    let of_axis = |op: &&DraftOperation<'_>| op.motion.as_ref().is_some_and(|motion| motion.value.axis == axis);
+    for operation in station.operations.iter().filter(of_axis) {
+        if let (Some(complete), Some(at), Some(input)) = (&operation.normal.complete, drive.target.at, &raw.input)
+            && complete.value != at
+        {
+            report.add(
+                Problem::error(
+                    complete.at.clone(),
+                    format!("`{}` ends where another input than `{}` is on", operation.name, input.value),
+                )
+                .also(&input.at, "on while the drive is at a place"),
             );
         }
     }

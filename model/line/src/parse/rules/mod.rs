@@ -32,6 +32,7 @@ pub(super) use operations::same_motion;
 use linewright_text::Report;
 
 use super::draft::DraftLine;
+use crate::StationId;
 
 /// Applies every rule.
 pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
@@ -43,14 +44,15 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     devices::comments_are_of_signals(draft, report);
     devices::own_buses_are_not_shared(draft, report);
     drives::check(draft, report);
-    endless::axes_have_no_drive(draft, report);
+    endless::drives_go_to_places(draft, report);
     setups::check(draft, report);
     sync::check(draft, report);
     frames::check(draft, report);
     modbus::check(draft, report);
     analogue::check(draft, report);
     let stale = draft.raw.timing.stale.as_ref().map_or(crate::Timing::default().stale, |stale| stale.value);
-    for station in &draft.stations {
+    for (nth, station) in draft.stations.iter().enumerate() {
+        let id = StationId::at(nth);
         stations::station_has_operations(station, report);
         stations::panel_is_complete(station, report);
         stations::bus_is_an_interface(station, report);
@@ -71,7 +73,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
             motion::motions_chain(station, report);
             hand::sequences_end(station, report);
         }
-        endless::check(station, stale, report);
+        endless::check(draft, id, stale, report);
         motion::axes_are_moved(station, report);
         recovery::paths_are_reversible_and_earlier(station, report);
         recovery::paths_lead_home(station, report);
@@ -81,8 +83,8 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
         hand::sequences_begin(station, report);
         hand::next_is_the_following_forward(station, report);
         operations::one_motion_takes_one_time(station, report);
-        signals::inputs_mean_one_thing(station, report);
-        signals::outputs_mean_one_thing(station, report);
+        signals::inputs_mean_one_thing(station, draft.indexes_of(id), report);
+        signals::outputs_mean_one_thing(station, draft.indexes_of(id), report);
     }
     handling::check(draft, report);
     console::console_exists(draft, report);

@@ -10,7 +10,7 @@ use std::ops::Range;
 use linewright_text::{Located, Problem, Report};
 
 use super::operations::same_place;
-use crate::parse::draft::DraftStation;
+use crate::parse::draft::{DraftIndex, DraftStation};
 
 /// Meaning of a signal.
 #[derive(Clone, Debug)]
@@ -25,6 +25,8 @@ pub(super) enum SignalUse {
     Lamp,
     /// A bit of a task's parameter, by its name.
     Number(String, usize),
+    /// A bit of the number of a place of an endless axis, by its key.
+    Place(&'static str, usize),
     /// It sees parts.
     Part,
     /// A lamp of the console, by its key.
@@ -53,6 +55,7 @@ impl fmt::Display for SignalUse {
             SignalUse::Drive(axis, to) => write!(f, "drive `{axis}` to {to}"),
             SignalUse::Lamp => f.write_str("a fault lamp"),
             SignalUse::Number(parameter, bit) => write!(f, "bit {bit} of parameter `{parameter}`"),
+            SignalUse::Place(key, bit) => write!(f, "bit {bit} of `{key}`, the number of a place"),
             SignalUse::Part => f.write_str("a sensor sees parts"),
             SignalUse::ModeLamp(key) => write!(f, "the lamp for `{key}`"),
         }
@@ -104,7 +107,11 @@ impl<'d> Uses<'d> {
     }
 }
 
-pub(super) fn inputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Report) {
+pub(super) fn inputs_mean_one_thing<'d>(
+    station: &DraftStation<'_>,
+    drives: impl Iterator<Item = &'d DraftIndex>,
+    report: &mut Report,
+) {
     let mut uses = Uses::of(&station.wiring.inputs);
     for operation in &station.operations {
         for (signals, _) in operation.motions() {
@@ -132,13 +139,23 @@ pub(super) fn inputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Rep
             uses.note(input.value.index(), SignalUse::Control(key.to_owned()), &input.at);
         }
     }
+    for (nth, bit) in drives.flat_map(|index| index.place.iter().enumerate()) {
+        if let Some(bit) = bit {
+            let at = &station.wiring.inputs[bit.index()].at;
+            uses.note(bit.index(), SignalUse::Place("place", nth), at);
+        }
+    }
     for input in &station.sensed {
         uses.note(input.value.index(), SignalUse::Part, &input.at);
     }
     uses.report(report);
 }
 
-pub(super) fn outputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Report) {
+pub(super) fn outputs_mean_one_thing<'d>(
+    station: &DraftStation<'_>,
+    drives: impl Iterator<Item = &'d DraftIndex>,
+    report: &mut Report,
+) {
     let mut uses = Uses::of(&station.wiring.outputs);
     for operation in &station.operations {
         let axis = operation.motion.as_ref().map(|m| station.axes[m.value.axis.index()].name.clone());
@@ -153,6 +170,12 @@ pub(super) fn outputs_mean_one_thing(station: &DraftStation<'_>, report: &mut Re
             if let Some(lamp) = &signals.lamp {
                 uses.note(lamp.value.index(), SignalUse::Lamp, &lamp.at);
             }
+        }
+    }
+    for (nth, bit) in drives.flat_map(|index| index.to.iter().enumerate()) {
+        if let Some(bit) = bit {
+            let at = &station.wiring.outputs[bit.index()].at;
+            uses.note(bit.index(), SignalUse::Place("to", nth), at);
         }
     }
     for parameter in station.tasks.iter().flat_map(|task| &task.parameters) {

@@ -1,0 +1,115 @@
+//! The places of an endless axis that a drive turns: they have numbers, and it is measured at which one it stands.
+//!
+//! A switch says that the axis is at a place; a drive says at which. So an index is an order to a place: to the one after the
+//! place from which it began, which is remembered from before it begins until it is complete. An order that comes late or
+//! twice, or again after a restart, leads to the same place.
+//!
+//! | the place it is at, or has left last | at a place | between places |
+//! |---|---|---|
+//! | from which the index began | has not left yet | under way |
+//! | the next one | complete | gone too far: under way while its drive moves it, else in doubt |
+//! | any other | in doubt | in doubt |
+//! | not known: the drive is not homed | – | under way; only a person who holds it has it homed |
+//!
+//! At rest the place is the one where the last index ended. Another one is in doubt: it was turned while nothing looked.
+
+use linewright_line::OpId;
+
+use crate::controller::Controller;
+use crate::parts::{IndexProgress, RunCommand, Token};
+
+impl Controller {
+    /// The place that the drive reports; 0 while it tells none, or there is no such drive.
+    fn measured_place(&self) -> u16 {
+        let axis = self.program.places_of_axis.as_ref().filter(|_| self.image.valid);
+        axis.map_or(0, |(_, index)| index.reported(self.image.bits))
+    }
+
+    /// Follows the axis as it stands: its place is learned where it is not known, and is not to change.
+    pub(crate) fn follow_place(&mut self) {
+        let is_under_way = |token: &Token| self.program.places[usize::from(token.place)].turns != 0;
+        let measured = self.measured_place();
+        if measured == 0 || self.tokens().iter().any(is_under_way) {
+            return;
+        }
+        let Some(op) = self.measured_index() else { return };
+        let is_at_one = self.image.bits & self.program.index_switch(op) != 0;
+        if self.marking.place == 0 && self.marking.doubtful.is_none() && is_at_one {
+            self.marking.place = measured;
+            self.due.report = true;
+        } else if self.marking.place != 0 && self.marking.place != measured {
+            self.doubt(op);
+        }
+    }
+
+    /// The operation that is an index of the axis.
+    fn measured_index(&self) -> Option<OpId> {
+        let of_index = |table: &&crate::program::PlaceTable| table.is_measured && table.turns != 0;
+        self.program.places.iter().find(of_index).map(|table| table.place.op)
+    }
+
+    /// What this image makes of an index of the axis; none for a doubt.
+    pub(crate) fn measured_progress(&mut self, token: &Token) -> Option<IndexProgress> {
+        let measured = self.measured_place();
+        let turns = self.program.places[usize::from(token.place)].turns;
+        let is_at_one = self.image.bits & turns != 0;
+        if measured == 0 {
+            // Without its devices, or before it is homed: its switch alone.
+            return self.progress(token);
+        }
+        if self.marking.place == 0 {
+            if is_at_one {
+                // It was led on to here, from where nobody knew.
+                return self.is_by_itself(token).then_some(IndexProgress::Arrived);
+            }
+            // The place it has left last is the one from which this index began.
+            self.marking.place = measured;
+            self.due.report = true;
+        }
+        let next = self.next_place();
+        match (measured == self.marking.place, is_at_one) {
+            (true, true) => Some(IndexProgress::AtStart),
+            (true, false) => Some(IndexProgress::Away),
+            (false, true) => (measured == next).then_some(IndexProgress::Arrived),
+            // A drive that overshoots comes back, if it can.
+            (false, false) => (measured == next && self.is_by_itself(token)).then_some(IndexProgress::Away),
+        }
+    }
+
+    /// The place after the one that is known.
+    fn next_place(&self) -> u16 {
+        let count = self.program.places_of_axis.as_ref().map_or(1, |&(count, _)| count);
+        self.marking.place % count + 1
+    }
+
+    /// The outputs that say to which place an index goes. To none, an order that only homes the drive, where its place is
+    /// not known: an axis that looks for its zero moves, so a person has to hold it.
+    pub(crate) fn place_order(&self, index: usize) -> u128 {
+        let token = &self.marking.tokens[index];
+        let table = &self.program.places[usize::from(token.place)];
+        let Some((_, places)) = self.program.places_of_axis.as_ref().filter(|_| table.is_measured) else { return 0 };
+        let is_known = self.marking.place != 0 && (self.measured_place() != 0 || token.run == RunCommand::Auto);
+        if is_known { places.order(self.next_place()) } else { 0 }
+    }
+
+    /// For an operator: at which place the axis is measured, and which one was the last that was known.
+    pub(crate) fn place_text(&self) -> Option<String> {
+        let (measured, known) = (self.measured_place(), self.marking.place);
+        let differ = measured != 0 && known != 0 && measured != known;
+        differ.then(|| format!("measured at or after place {measured}, last known at place {known}"))
+    }
+
+    /// Whether the output image says another place than it is to: since it was worked out, the place has become known or lost.
+    pub(crate) fn orders_another_place(&self, index: usize) -> bool {
+        let bits = self.program.places_of_axis.as_ref().map_or(0, |(_, places)| places.order(u16::MAX));
+        self.output.bits & bits != self.place_order(index)
+    }
+
+    /// An index is complete: the axis stands at another place.
+    pub(crate) fn index_completes(&mut self, index: usize) {
+        let table = &self.program.places[usize::from(self.marking.tokens[index].place)];
+        if table.is_measured {
+            self.marking.place = self.measured_place();
+        }
+    }
+}
