@@ -6,7 +6,7 @@ use linewright_line::net::ControlMode;
 use linewright_proof::explore::{
     Grants, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits, Verdict, explore,
 };
-use linewright_proof::parts::{SubLine, cyclic, on_order, parts};
+use linewright_proof::parts::{SubLine, cyclic, on_order, parts, smallest_parts};
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
@@ -279,12 +279,27 @@ impl ExploreOptions {
     /// in it.
     fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = self.each(line, what)?;
+        if self.lost_memories(line).modes.is_empty() || !found.iter().all(Exploration::holds) {
+            return Ok(found);
+        }
+        // All that is asked of restarts is what must never be: where the smallest parts hold, so does what they are of. Where
+        // they do not, that may come of what was left out of them.
+        let small = if self.whole { Vec::new() } else { smallest_parts(line) };
+        let of_parts = self.by_parts(small, "part", ExploreOptions::restarted)?;
+        let decided = !of_parts.is_empty() && of_parts.iter().all(Exploration::holds);
+        found.extend(if decided { of_parts } else { self.restarted(line, what)? });
+        Ok(found)
+    }
+
+    fn restarted(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
+        let what = format!("{what}, restarted with memories, and in auto and hand without");
+        Ok(vec![self.one(&self.lost_memories(line), &what)?])
+    }
+
+    fn lost_memories(&self, line: &Line) -> LineExploration {
         let mut setting = self.setting(line).with_lost_memories();
         setting.rules.generations = !self.without.contains(&SafetyRule::Generations);
-        if !setting.modes.is_empty() && found.iter().all(Exploration::holds) {
-            found.push(self.one(&setting, &format!("{what}, restarted with memories, and in auto and hand without"))?);
-        }
-        Ok(found)
+        setting
     }
 
     fn each(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {

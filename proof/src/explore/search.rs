@@ -48,8 +48,11 @@ pub(crate) struct LineSearch<const N: usize> {
     pub layout: StateLayout,
     pub store: StateStore<N>,
     pub start: ComposedState,
+    /// Of how many states it is known what follows them.
+    pub looked_at: usize,
+    /// For each state, whether all stations are at home; only where ways home and back are asked for.
     pub at_home: Vec<bool>,
-    /// For each state, the mode granted and who acts on it.
+    /// For each state, the mode granted and who acts on it; only there, too.
     pub grants: Vec<Granted>,
     /// What the states looked at stand for.
     pub tally: StateTally,
@@ -65,8 +68,8 @@ pub(crate) fn search<const N: usize>(
 ) -> Result<LineSearch<N>, Box<(System, ComposedState, FieldOverflow)>> {
     let layout = system.layout(widths);
     let (at_home, grants, tally) = (Vec::new(), Vec::new(), StateTally::default());
-    let mut search =
-        LineSearch { system, layout, store: StateStore::new(), start, at_home, grants, tally, end: SearchEnd::Limit };
+    let (store, end) = (StateStore::new(system.setting.asks_for_ways()), SearchEnd::Limit);
+    let mut search = LineSearch { system, layout, store, start, looked_at: 0, at_home, grants, tally, end };
     match search.run(limits) {
         Ok(end) => {
             search.end = end;
@@ -96,7 +99,8 @@ impl<const N: usize> LineSearch<N> {
     /// Two threads share the work: this one plays, the other keeps the states. States are numbered in the order in
     /// which one thread alone would meet them, so the result does not depend on how the two take turns.
     fn run(&mut self, limits: SearchLimits) -> Result<SearchEnd, FieldOverflow> {
-        let LineSearch { system, layout, store, start, at_home, grants, tally, .. } = self;
+        let LineSearch { system, layout, store, start, looked_at, at_home, grants, tally, .. } = self;
+        let asks_for_ways = system.setting.asks_for_ways();
         let mut here = start.clone();
         system.settle(&mut here);
         let first = layout.pack(&here)?;
@@ -132,15 +136,18 @@ impl<const N: usize> LineSearch<N> {
                 let mut batch = Batch { keys: Vec::with_capacity(BATCH * 12), ends: Vec::new(), bytes: 0 };
                 while batch.ends.len() < BATCH && batch.keys.len() < BATCH_KEYS_MAX {
                     let Some(key) = queue.pop_front() else { break };
-                    if at_home.len() == limits.states {
+                    if *looked_at == limits.states {
                         return Ok(SearchEnd::Limit);
                     }
                     player.layout.unpack(&key, &mut player.here);
-                    at_home.push(player.system.all_at_home(&player.here));
-                    grants.push(player.system.granted(&player.here));
+                    *looked_at += 1;
+                    if asks_for_ways {
+                        at_home.push(player.system.all_at_home(&player.here));
+                        grants.push(player.system.granted(&player.here));
+                    }
                     tally.add(player.system.tally(&player.here));
                     if player.system.wrong(&player.here).is_some() {
-                        return Ok(SearchEnd::Wrong(at_home.len() as u32 - 1));
+                        return Ok(SearchEnd::Wrong(*looked_at as u32 - 1));
                     }
                     match player.expand(&key, &mut batch) {
                         Ok(()) => {}
@@ -171,11 +178,6 @@ impl<const N: usize> LineSearch<N> {
     /// How many states are kept; each may stand for several.
     pub fn kept(&self) -> usize {
         self.store.len()
-    }
-
-    /// How many of those have been looked at.
-    pub fn looked_at(&self) -> usize {
-        self.grants.len()
     }
 
     /// The state with a number, as it is kept.

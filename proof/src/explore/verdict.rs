@@ -74,7 +74,7 @@ pub(crate) fn judge<const N: usize>(mut search: LineSearch<N>) -> LineExplored {
     properties.extend(of_all_states(&mut search));
     LineExplored {
         states: search.tally.states,
-        kept: search.looked_at(),
+        kept: search.looked_at,
         arcs: search.tally.arcs,
         bytes: search.bytes(),
         exhausted: search.end == SearchEnd::Exhausted,
@@ -177,9 +177,7 @@ fn of_all_states<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty
         found => Err((format!("nothing can follow {found} states"), None)),
     });
     properties.push(ask("no deadlock", deadlocks, &open));
-    // Without manual mode a stopped motion cannot be recovered: then home is promised only where nothing fails.
-    let setting = &search.system.setting;
-    if setting.modes.contains(&ControlMode::Manual) || !setting.faults {
+    if search.system.setting.asks_for_ways() {
         let cut_off = exhausted.then(|| cut_off(search));
         let homes = cut_off.map(|(stranded, _)| home(search, stranded));
         properties.push(ask("home can be reached from every state", homes, &open));
