@@ -30,6 +30,15 @@ impl Default for SearchLimits {
     }
 }
 
+/// What there is more of than allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LimitReached {
+    /// States that are kept and looked at.
+    States,
+    /// Memory, or numbers for states, which end at some billions.
+    Memory,
+}
+
 /// Why a search ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum SearchEnd {
@@ -37,8 +46,8 @@ pub(crate) enum SearchEnd {
     Exhausted,
     /// Something is wrong in the state with this number.
     Wrong(u32),
-    /// There are more states, or they take more memory, than allowed.
-    Limit,
+    /// Not every state has been seen.
+    Limit(LimitReached),
 }
 
 /// What a search has seen.
@@ -68,7 +77,7 @@ pub(crate) fn search<const N: usize>(
 ) -> Result<LineSearch<N>, Box<(System, ComposedState, FieldOverflow)>> {
     let layout = system.layout(widths);
     let (at_home, grants, tally) = (Vec::new(), Vec::new(), StateTally::default());
-    let (store, end) = (StateStore::new(system.setting.asks_for_ways()), SearchEnd::Limit);
+    let (store, end) = (StateStore::new(system.setting.asks_for_ways()), SearchEnd::Limit(LimitReached::Memory));
     let mut search = LineSearch { system, layout, store, start, looked_at: 0, at_home, grants, tally, end };
     match search.run(limits) {
         Ok(end) => {
@@ -120,7 +129,7 @@ impl<const N: usize> LineSearch<N> {
             let mut queue = VecDeque::new();
             let mut under_way = 1;
             if batches.send(Batch { keys: vec![first], ends: Vec::new(), bytes: 0 }).is_err() {
-                return Ok(SearchEnd::Limit);
+                return Ok(SearchEnd::Limit(LimitReached::Memory));
             }
             loop {
                 let wait = queue.is_empty() || under_way == BATCHES_MAX;
@@ -129,7 +138,7 @@ impl<const N: usize> LineSearch<N> {
                     under_way -= 1;
                     queue.extend(result.new);
                     if result.full {
-                        return Ok(SearchEnd::Limit);
+                        return Ok(SearchEnd::Limit(LimitReached::Memory));
                     }
                     continue;
                 }
@@ -137,7 +146,7 @@ impl<const N: usize> LineSearch<N> {
                 while batch.ends.len() < BATCH && batch.keys.len() < BATCH_KEYS_MAX {
                     let Some(key) = queue.pop_front() else { break };
                     if *looked_at == limits.states {
-                        return Ok(SearchEnd::Limit);
+                        return Ok(SearchEnd::Limit(LimitReached::States));
                     }
                     player.layout.unpack(&key, &mut player.here);
                     *looked_at += 1;
@@ -152,20 +161,20 @@ impl<const N: usize> LineSearch<N> {
                     match player.expand(&key, &mut batch) {
                         Ok(()) => {}
                         Err(SearchStop::Unfit(unfit)) => return Err(unfit),
-                        Err(SearchStop::Limit) => return Ok(SearchEnd::Limit),
+                        Err(SearchStop::Limit) => return Ok(SearchEnd::Limit(LimitReached::Memory)),
                     }
                 }
                 batch.bytes = player.system.bytes() + at_home.capacity() + grants.capacity() * size_of::<Granted>();
                 if batches.send(batch).is_err() {
-                    return Ok(SearchEnd::Limit);
+                    return Ok(SearchEnd::Limit(LimitReached::Memory));
                 }
                 under_way += 1;
                 while queue.is_empty() && under_way > 0 {
-                    let Ok(result) = results.recv() else { return Ok(SearchEnd::Limit) };
+                    let Ok(result) = results.recv() else { return Ok(SearchEnd::Limit(LimitReached::Memory)) };
                     under_way -= 1;
                     queue.extend(result.new);
                     if result.full {
-                        return Ok(SearchEnd::Limit);
+                        return Ok(SearchEnd::Limit(LimitReached::Memory));
                     }
                 }
                 if queue.is_empty() {
