@@ -34,6 +34,12 @@
 //! back by K that B would leave alone. Such a station brings the others along, as does one with more sequences than there
 //! are buttons. `tests/parts.rs` holds generated lines and stars against their parts.
 //!
+//! # Restarts
+//! A station that restarts does so in the part as in the line, with its buttons released in both. One without its memory knows no
+//! counts: every arrow into it blocks, and those that the part leaves out do not. Manual mode ends for the line once any station
+//! has lost its memory, for the part once one of its own has. So this holds of restarts as well
+//! (`docs/decisions/0025-restarts-in-parts.md`).
+//!
 //! The converse does not hold: a conflict reached in a part may be prevented by somebody outside it, and stations that
 //! run away from each other in a part may be held back.
 
