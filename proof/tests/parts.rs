@@ -167,7 +167,8 @@ fn wrong_with_restarts(what: &str, line: &Line, change: fn(&mut LineExploration)
 #[test]
 fn what_restarts_make_wrong_in_the_whole_line_is_wrong_in_a_smallest_part() {
     // Without the rule that a round is redone a station's own record contradicts itself, and it does not come up again.
-    let rules: [(&str, fn(&mut LineExploration)); 3] = [
+    type Change = fn(&mut LineExploration);
+    let rules: [(&str, Change); 3] = [
         ("generations", |setting| setting.rules.generations = false),
         ("agreement", |setting| setting.rules.ask = false),
         ("withdraw first", |setting| setting.rules.withdraw_first = false),
