@@ -13,14 +13,17 @@ fn the_shipped_line_passes_every_check() {
     let found = json(&output);
     assert_eq!((&found["line"], &found["ok"]), (&"transfer_line".into(), &true.into()));
     let explorations = found["explorations"].as_array().unwrap();
-    assert_eq!(explorations.len(), 3, "auto undisturbed, everything, and memories that get lost");
+    assert_eq!(explorations.len(), 4, "auto undisturbed, everything, and memories that get lost, in two parts");
     for exploration in explorations {
         assert_eq!(exploration["exhausted"], true, "{exploration}");
         let properties = exploration["properties"].as_array().unwrap();
-        assert!(properties.len() >= 4 && properties.iter().all(|p| p["verdict"] == "holds"), "{exploration}");
+        assert!(properties.len() >= 3 && properties.iter().all(|p| p["verdict"] == "holds"), "{exploration}");
         assert!(exploration["arcs"].as_u64() > exploration["states"].as_u64(), "{exploration}");
     }
     assert!(explorations[1]["states"].as_u64().unwrap() > 1_000_000, "{}", explorations[1]["states"]);
+    let parts: Vec<&str> = explorations[2..].iter().map(|part| part["scope"].as_str().unwrap()).collect();
+    assert!(parts[0].starts_with("part: transfer, clamp_1, restarted"), "{parts:?}");
+    assert!(parts[1].starts_with("part: clamp_1, mill_1, restarted"), "{parts:?}");
     let last = explorations[1]["properties"].as_array().unwrap().last().unwrap();
     assert_eq!(last["name"], "every transition fires");
     let station = |index: usize| {
@@ -153,6 +156,35 @@ fn a_limit_leaves_it_undecided_and_is_no_yes() {
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let out = text(&output.stdout);
     assert!(out.contains("undecided after") && out.contains("? transfer_line:") && !out.contains('✗'), "{out}");
+    assert!(out.contains("the limit of states was reached") && out.contains("help: 1000 states are kept"), "{out}");
+    assert!(out.contains("`--states 2000`"), "{out}");
+    // A station that can do much is in memory before the first state is looked at.
+    let output = linewright(&["check", shipped().to_str().unwrap(), "--memory", "1"]);
+    let out = text(&output.stdout);
+    assert!(out.contains("the limit of memory was reached") && out.contains("`--memory 2`"), "{out}");
+}
+
+/// Enough for parts and not for the whole: what must never be is decided, and the ways home are not.
+#[test]
+fn conflicts_are_decided_in_parts_where_the_whole_line_is_too_much() {
+    let output = linewright(&["check", shipped().to_str().unwrap(), "--states", "100000", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "what was not seen is not taken for right");
+    let found = json(&output);
+    let explorations = found["explorations"].as_array().unwrap();
+    let properties = || explorations.iter().flat_map(|exploration| exploration["properties"].as_array().unwrap());
+    let with = |verdict: &str| {
+        let of_it = properties().filter(|property| property["verdict"] == verdict);
+        of_it.map(|property| property["name"].as_str().unwrap()).collect::<Vec<_>>()
+    };
+    let conflicts = found["line_checks"].to_string().matches("separated: ").count();
+    let (undecided, holds) = (with("undecided"), with("holds"));
+    assert!(undecided.iter().any(|name| name.starts_with("home can be reached")), "{undecided:?}");
+    assert!(!undecided.iter().any(|name| name.starts_with("never: ")), "{undecided:?}");
+    let mut never: Vec<&str> = holds.into_iter().filter(|name| name.starts_with("never: ")).collect();
+    never.sort_unstable();
+    never.dedup();
+    assert_eq!((conflicts, never.len(), with("fails").len()), (2, 2, 0));
+    assert!(explorations[1]["help"].as_str().unwrap().contains("`--states 200000`"), "{}", explorations[1]);
 }
 
 #[test]

@@ -124,6 +124,31 @@ fn an_io_list_goes_out_and_comes_back() {
     assert_eq!(scratch.read("line.toml"), after);
 }
 
+/// A table of tags from a controller's tool: its own words, its own encoding, and addresses counted through it.
+#[test]
+fn a_controllers_tag_table_is_taken_with_where_devices_begin() {
+    let scratch = Scratch::new();
+    let before = std::fs::read_to_string(shipped().join("line.toml")).expect("the shipped line");
+    let copy = scratch.file("line.toml", &before);
+    let table = "Name;Path;Data Type;Logical Address;Comment\r\nLS_closed;Tags;Bool;%I12.0;r\u{fc}ckseitig\r\n\
+         LS_open;Tags;Bool;E 12.1;\r\nlow_pressure;Tags;Bool;%I12.2;\r\ncycles;Tags;Int;%MW20;\r\n";
+    let bytes: Vec<u8> = table.chars().map(|letter| u8::try_from(letter).expect("Latin")).collect();
+    let list = scratch.path("tags.csv");
+    std::fs::write(&list, bytes).expect("written");
+    let refused = linewright(&["io", "import", &copy, &list]);
+    assert!(!refused.status.success() && text(&refused.stderr).contains("--begin"), "{refused:?}");
+    let output = linewright(&["io", "import", &copy, &list, "--begin", "clamp 1 io=%I12"]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(text(&output.stderr).contains("read as Windows-1252"), "{output:?}");
+    let shown = text(&output.stdout);
+    assert!(shown.starts_with("1 row is left out: it is of no digital input or output"), "{shown}");
+    assert!(shown.contains("LS_closed: clamp 1 io %IX0.1 → clamp 1 io %IX0.0"), "{shown}");
+    let after = scratch.read("line.toml");
+    assert!(after.contains("[\"LS_closed\", \"LS_open\", \"low_pressure\"") && after.contains("rückseitig"));
+    let twice = linewright(&["io", "import", &copy, &list, "--begin", "clamp 1 io"]);
+    assert!(!twice.status.success() && text(&twice.stderr).contains("drill io=%I4,%Q2"), "{twice:?}");
+}
+
 #[test]
 fn a_cell_is_recognised_whatever_its_file_is_called() {
     let scratch = Scratch::new();

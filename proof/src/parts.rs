@@ -34,7 +34,13 @@
 //! back by K that B would leave alone. Such a station brings the others along, as does one with more sequences than there
 //! are buttons. `tests/parts.rs` holds generated lines and stars against their parts.
 //!
-//! The converse does not hold: a conflict reached in a part may be prevented by a station outside it, and stations that
+//! # Restarts
+//! A station that restarts does so in the part as in the line, with its buttons released in both. One without its memory knows no
+//! counts: every arrow into it blocks, and those that the part leaves out do not. Manual mode ends for the line once any station
+//! has lost its memory, for the part once one of its own has. So this holds of restarts as well
+//! (`docs/decisions/0026-restarts-in-parts.md`).
+//!
+//! The converse does not hold: a conflict reached in a part may be prevented by somebody outside it, and stations that
 //! run away from each other in a part may be held back.
 
 use linewright_line::net::{ControlMode, StationNet, Var};
@@ -85,28 +91,48 @@ impl SubLine {
 
 /// Parts that decide every conflict of a line but for those of tasks, each part once, in the order of the conflicts.
 pub fn parts(line: &Line) -> Vec<SubLine> {
+    parts_around(line, &of_conflicts(line), TOGETHER_MAX)
+}
+
+/// The same with every part as small as it can be, and every station in one: a station without a conflict alone, or with
+/// those that it brings along. None if one of them has all stations of the line.
+pub fn smallest_parts(line: &Line) -> Vec<SubLine> {
+    let mut parts = parts_around(line, &of_conflicts(line), 0);
+    let in_none = |id: &StationId| !parts.iter().any(|part| part.stations.contains(id));
+    let alone: Vec<PartCore> = line.station_ids().filter(in_none).map(|id| ([id, id], None)).collect();
+    parts.extend(parts_around(line, &alone, 0));
+    if parts.iter().any(|part| part.stations.len() == line.stations.len()) { Vec::new() } else { parts }
+}
+
+/// What a part is made around: two stations, and the conflict between them if it is one.
+type PartCore = ([StationId; 2], Option<usize>);
+
+fn of_conflicts(line: &Line) -> Vec<PartCore> {
+    let of_arrows = line.conflicts.iter().enumerate().filter(|(_, conflict)| !line.is_of_tasks(conflict));
+    of_arrows.map(|(nth, conflict)| ([conflict.a.station, conflict.b.station], Some(nth))).collect()
+}
+
+fn parts_around(line: &Line, cores: &[PartCore], together_max: usize) -> Vec<SubLine> {
     let reads_absence = absence_read(line);
     let divided: Vec<Option<Sequences>> = line.stations.iter().map(Sequences::of).collect();
     let inseparable: Vec<Vec<StationId>> = std::iter::zip(&reads_absence, &divided)
         .map(|(read, divided)| if divided.is_some() { Vec::new() } else { read.clone() })
         .collect();
     let mut parts: Vec<SubLine> = Vec::new();
-    let of_arrows = line.conflicts.iter().enumerate().filter(|(_, conflict)| !line.is_of_tasks(conflict));
-    for (nth, conflict) in of_arrows {
-        let pair = [conflict.a.station, conflict.b.station];
+    for &(pair, conflict) in cores {
         let mut stations = closure(&reads_absence, pair);
-        if stations.len() > TOGETHER_MAX {
+        if stations.len() > together_max {
             stations = closure(&inseparable, pair);
         }
         if let Some(part) = parts.iter_mut().find(|part| part.stations == stations) {
-            part.conflicts.push(nth);
+            part.conflicts.extend(conflict);
             continue;
         }
         let mut part = part_of(line, &stations);
         let all_here = |id: StationId| reads_absence[id.index()].iter().all(|read| stations.contains(read));
         let outside: Vec<usize> = (0..stations.len()).filter(|&nth| !all_here(stations[nth])).collect();
         outside.iter().for_each(|&nth| divide(&mut part, nth, &divided[stations[nth].index()]));
-        parts.push(SubLine { line: part, stations, conflicts: vec![nth] });
+        parts.push(SubLine { line: part, stations, conflicts: conflict.into_iter().collect() });
     }
     parts
 }

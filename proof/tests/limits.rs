@@ -1,7 +1,9 @@
 //! Beyond the limits the verdict is undecided, or a refusal, never a yes, and memory stays within its limit.
 
 use linewright_line::{Line, parse};
-use linewright_proof::explore::{LineExploration, LineExplored, LineNotExplorable, SearchLimits, Verdict, explore};
+use linewright_proof::explore::{
+    LimitReached, LineExploration, LineExplored, LineNotExplorable, SearchLimits, Verdict, explore,
+};
 use linewright_proof::generate::{self, LineShape};
 
 const MEBIBYTE: usize = 1 << 20;
@@ -71,6 +73,7 @@ fn a_station_that_can_do_very_much_by_itself_takes_no_more_memory_than_allowed()
             explore(&setting, SearchLimits { bytes, ..SearchLimits::default() }).expect("one station can be explored");
         println!("lumped {lumped}: {} states, {} kept, {} MiB", explored.states, explored.kept, explored.bytes >> 20);
         is_no_yes(&explored);
+        assert_eq!(explored.limit, Some(LimitReached::Memory));
         // One class of situations, and one batch of states, may come on top.
         assert!(explored.bytes < 2 * bytes, "{}", explored.bytes);
     }

@@ -3,10 +3,10 @@
 use linewright_line::Line;
 use linewright_proof::explore::{LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, break_it, breakages, text};
-use linewright_proof::parts::parts;
+use linewright_proof::parts::{parts, smallest_parts};
 use linewright_station_logic::Program;
 
-use crate::common::{APART, begins_well, explored, lines, met, verdict, with_conflict};
+use crate::common::{APART, SOUND, begins_well, explored, lines, met, verdict, with_conflict};
 
 /// Whether the whole line meets its conflict, as far as it is explored; and whether the part that decides it is smaller
 /// and meets it too. A part whose stations run away from each other, while others hold them back in the whole line, is
@@ -139,4 +139,64 @@ fn a_star_of_two_hundred_stations_is_decided_by_one_part() {
         assert!(program.is_ok(), "{}: {program:?}", line.station(station).name);
     }
     assert!(found.exhausted && found.holds(), "{:?}", found.properties);
+}
+
+/// Whether the whole line, with stations that are restarted and lose their memories, does something wrong as far as it is
+/// looked at. Then one of its smallest parts does, too.
+fn wrong_with_restarts(what: &str, line: &Line, change: fn(&mut LineExploration)) -> bool {
+    let setting = |line: &Line| {
+        let mut setting = LineExploration::new(line).with_lost_memories();
+        change(&mut setting);
+        setting
+    };
+    let whole = explored(&setting(line), 6_000);
+    if !met(&whole) && verdict(&whole, SOUND) != Verdict::Fails {
+        return false;
+    }
+    let parts = smallest_parts(line);
+    let is_wrong = |part: &Line| explored(&setting(part), 400_000).counterexample().is_some();
+    assert!(
+        parts.is_empty() || parts.iter().any(|part| is_wrong(&part.line)),
+        "{what}: the whole is wrong, its parts are not: {:?}\n{}",
+        whole.properties,
+        text(line)
+    );
+    !parts.is_empty()
+}
+
+#[test]
+fn what_restarts_make_wrong_in_the_whole_line_is_wrong_in_a_smallest_part() {
+    // Without the rule that a round is redone a station's own record contradicts itself, and it does not come up again.
+    type Change = fn(&mut LineExploration);
+    let rules: [(&str, Change); 3] = [
+        ("generations", |setting| setting.rules.generations = false),
+        ("agreement", |setting| setting.rules.ask = false),
+        ("withdraw first", |setting| setting.rules.withdraw_first = false),
+    ];
+    let shape = LineShape { stations: 3..=3, operations: 2..=3, ..LineShape::small() };
+    let generated = (0..lines(4)).map(|seed| (format!("seed {seed}"), generate::line(&shape, seed)));
+    let stars = (0..lines(2) as u32).map(|longer| (format!("star {longer:b}"), star(2, longer)));
+    let (mut found, mut broken_found) = (0, 0);
+    for (what, line) in generated.chain(stars) {
+        for (rule, change) in rules {
+            found += u32::from(wrong_with_restarts(&format!("{what} without {rule}"), &line, change));
+        }
+        for breakage in breakages(&line).into_iter().step_by(6) {
+            let Some(broken) = break_it(&line, breakage) else { continue };
+            broken_found += u32::from(wrong_with_restarts(&format!("{what}, {breakage:?}"), &broken, |_| {}));
+        }
+    }
+    println!("{found} without a rule, {broken_found} broken ones wrong, and so in a part");
+    assert!(found >= 4 && broken_found >= 4, "too few to tell: {found}, {broken_found}");
+}
+
+#[test]
+fn the_smallest_parts_have_every_station() {
+    for (line, pairs) in [(star(2, 0), 2), (star(1, 0), 0)] {
+        let parts = smallest_parts(&line);
+        assert_eq!(parts.len(), pairs);
+        assert!(parts.iter().all(|part| part.stations.len() == 2));
+    }
+    let line = Line { conflicts: Vec::new(), ..star(2, 0) };
+    assert!(smallest_parts(&line).iter().map(|part| part.stations.len()).eq([1, 1, 1]), "each alone, with its buttons");
 }

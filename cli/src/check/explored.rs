@@ -4,9 +4,10 @@ use clap::{Args, ValueEnum};
 use linewright_line::Line;
 use linewright_line::net::ControlMode;
 use linewright_proof::explore::{
-    Grants, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits, Verdict, explore,
+    Grants, LimitReached, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits,
+    Verdict, explore,
 };
-use linewright_proof::parts::{SubLine, cyclic, on_order, parts};
+use linewright_proof::parts::{SubLine, cyclic, on_order, parts, smallest_parts};
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
@@ -97,6 +98,9 @@ enum SafetyRule {
 /// A line of more stations than this is explored in parts.
 const WHOLE_STATIONS_MAX: usize = 3;
 
+/// What holds of a line if it holds of its parts: that no state of some stations is reached, and each station by itself.
+const BY_PARTS: [&str; 2] = ["never: ", "stations sound: "];
+
 /// One exploration, for people and programs.
 #[derive(Debug, Serialize)]
 pub struct Exploration {
@@ -113,6 +117,9 @@ pub struct Exploration {
     pub bytes: usize,
     /// Every state was seen.
     pub exhausted: bool,
+    /// What ended it before that, and what lets it look further.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub help: Option<String>,
     /// One by one.
     pub properties: Vec<LineFinding>,
 }
@@ -279,12 +286,33 @@ impl ExploreOptions {
     /// in it.
     fn both(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
         let mut found = self.each(line, what)?;
+        let fails = found.iter().any(|exploration| exploration.has("fails"));
+        if fails || self.lost_memories(line).modes.is_empty() {
+            return Ok(found);
+        }
+        let open = !found.iter().all(Exploration::holds);
+        // What must never be is decided by the smallest parts: where they hold, so does what they are of. Where they do not,
+        // that may come of what was left out of them.
+        let small = if self.whole { Vec::new() } else { smallest_parts(line) };
+        let each = if open { ExploreOptions::both } else { ExploreOptions::restarted };
+        let of_parts = self.by_parts(small, "part", each)?;
+        let decided = !of_parts.is_empty() && of_parts.iter().all(Exploration::holds);
+        if decided {
+            found.iter_mut().for_each(|exploration| exploration.leave_to(&of_parts));
+        }
+        found.extend(if open || decided { of_parts } else { self.restarted(line, what)? });
+        Ok(found)
+    }
+
+    fn restarted(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
+        let what = format!("{what}, restarted with memories, and in auto and hand without");
+        Ok(vec![self.one(&self.lost_memories(line), &what)?])
+    }
+
+    fn lost_memories(&self, line: &Line) -> LineExploration {
         let mut setting = self.setting(line).with_lost_memories();
         setting.rules.generations = !self.without.contains(&SafetyRule::Generations);
-        if !setting.modes.is_empty() && found.iter().all(Exploration::holds) {
-            found.push(self.one(&setting, &format!("{what}, restarted with memories, and in auto and hand without"))?);
-        }
-        Ok(found)
+        setting
     }
 
     fn each(&self, line: &Line, what: &str) -> Result<Vec<Exploration>, LineNotExplorable> {
@@ -296,14 +324,35 @@ impl ExploreOptions {
         let faults = if setting.faults { "anything may fail" } else { "nothing fails" };
         let views = if setting.lag == 0 { "reports heard at once" } else { "late and lost reports" };
         let scope = format!("{what}: {}; {faults}; {views}", modes.join(", "));
-        Ok(Exploration::of(scope, explore(setting, self.limits())?))
+        self.explored(scope, setting)
+    }
+
+    fn explored(&self, scope: String, setting: &LineExploration) -> Result<Exploration, LineNotExplorable> {
+        let explored = explore(setting, self.limits())?;
+        let help = explored.limit.map(|limit| self.further(limit, explored.kept));
+        Ok(Exploration { help, ..Exploration::of(scope, explored) })
+    }
+
+    /// What lets a search look further. How much there is to see nobody can tell before it has been seen.
+    fn further(&self, limit: LimitReached, kept: usize) -> String {
+        let more = match limit {
+            LimitReached::States => {
+                format!("`--states {}` looks at twice as many, if the memory suffices", self.states.saturating_mul(2))
+            }
+            LimitReached::Memory => {
+                format!("`--memory {}` allows twice the {} MiB", self.memory.saturating_mul(2), self.memory)
+            }
+        };
+        format!(
+            "{kept} states are kept, and how many there are is not known. {more}; fewer modes (`--mode auto`) are fewer states"
+        )
     }
 
     /// Auto mode alone, with nothing failing: whether every wait of the normal cycle ends.
     fn undisturbed(&self, line: &Line) -> Result<Exploration, LineNotExplorable> {
         let mut setting = self.setting(line);
         (setting.modes, setting.faults) = (vec![ControlMode::Auto], false);
-        Ok(Exploration::of("the whole line in auto, undisturbed".to_owned(), explore(&setting, self.limits())?))
+        self.explored("the whole line in auto, undisturbed".to_owned(), &setting)
     }
 }
 
@@ -321,7 +370,7 @@ impl Exploration {
     fn of(scope: String, explored: LineExplored) -> Self {
         let LineExplored { states, kept, arcs, bytes, exhausted, properties, .. } = explored;
         let properties = properties.into_iter().map(LineFinding::from).collect();
-        Exploration { scope, states, kept, arcs, bytes, exhausted, properties }
+        Exploration { scope, states, kept, arcs, bytes, exhausted, help: None, properties }
     }
 
     /// A part that differs in names and times alone from one that has been explored.
@@ -342,11 +391,26 @@ impl Exploration {
             arcs: 0,
             bytes: 0,
             exhausted: verdict == "holds",
+            help: None,
             properties: conflicts.chain(whole).map(property).collect(),
         }
     }
 
-    /// Whether every property holds; a remark counts as holding.
+    fn has(&self, verdict: &str) -> bool {
+        self.properties.iter().any(|property| property.verdict == verdict)
+    }
+
+    /// Leaves out what is undecided here and holds in parts.
+    fn leave_to(&mut self, parts: &[Exploration]) {
+        let of_parts = || parts.iter().flat_map(|part| &part.properties);
+        self.properties.retain(|property| {
+            property.verdict != "undecided"
+                || !BY_PARTS.iter().any(|begin| property.name.starts_with(begin))
+                || !of_parts().any(|other| other.name == property.name && other.verdict == "holds")
+        });
+    }
+
+    /// Whether every property holds; a remark does not speak against the line.
     pub fn holds(&self) -> bool {
         self.properties.iter().all(|property| matches!(property.verdict, "holds" | "remark"))
     }

@@ -106,7 +106,7 @@ fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
             story(counterexample, out)?;
         }
     }
-    Ok(())
+    exploration.help.iter().try_for_each(|help| writeln!(out, "  help: {help}"))
 }
 
 fn story(counterexample: &LineCounterexample, out: &mut String) -> std::fmt::Result {

@@ -97,3 +97,26 @@ impl SourceCode for Excerpt {
         )))
     }
 }
+
+/// A whole text, to be drawn around each of the places that take part in a problem.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct WholeText {
+    pub file_name: String,
+    pub text: String,
+}
+
+impl SourceCode for WholeText {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        lines_before: usize,
+        lines_after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let found = self.text.read_span(span, lines_before, lines_after)?;
+        // `miette` counts these lines from the beginning of the text. It would take places far apart for neighbours, and draw
+        // every line between them.
+        let lines = found.line_count().saturating_sub(found.line());
+        let (data, line, column) = (found.data(), found.line(), found.column());
+        Ok(Box::new(MietteSpanContents::new_named(self.file_name.clone(), data, *found.span(), line, column, lines)))
+    }
+}

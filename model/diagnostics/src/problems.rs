@@ -3,10 +3,10 @@
 use std::fmt;
 use std::ops::Range;
 
-use miette::{Diagnostic, NamedSource, Severity, SourceCode};
+use miette::{Diagnostic, Severity, SourceCode};
 
 use crate::Problem;
-use crate::excerpt::Excerpt;
+use crate::excerpt::{Excerpt, WholeText};
 use crate::place::{Lines, within};
 
 /// All problems of one file, in the order of the text.
@@ -18,7 +18,7 @@ use crate::place::{Lines, within};
 pub struct Problems {
     file_name: String,
     /// The whole text, unless each problem has its excerpt.
-    source: Option<Box<NamedSource<String>>>,
+    source: Option<Box<WholeText>>,
     problems: Vec<Problem>,
     pub(crate) cut: Cut,
 }
@@ -55,7 +55,7 @@ impl Problems {
             (problem.line, start) = lines.line(problem.span.start);
             problem.column = text[start..problem.span.start].chars().count() + 1;
         }
-        let source = Box::new(NamedSource::new(file_name, text.to_owned()));
+        let source = Box::new(WholeText { file_name: file_name.to_owned(), text: text.to_owned() });
         Problems::sorted(file_name, Some(source), problems)
     }
 
@@ -80,7 +80,7 @@ impl Problems {
         Problems::sorted(file_name, None, problems)
     }
 
-    fn sorted(file_name: &str, source: Option<Box<NamedSource<String>>>, mut problems: Vec<Problem>) -> Self {
+    fn sorted(file_name: &str, source: Option<Box<WholeText>>, mut problems: Vec<Problem>) -> Self {
         for problem in &mut problems {
             if let Some((end, _)) = problem.message.char_indices().nth(MESSAGE_MAX) {
                 problem.message.replace_range(end.., "…");

@@ -120,7 +120,12 @@ fn rows_that_are_wrong_are_named_with_their_column_and_nothing_is_taken() {
     );
     let expected = [
         (2, "device", "no device with inputs and outputs is called `clamp 1 oi`: did you mean `clamp 1 io`?"),
-        (3, "address", "`%IX9.0` is no address of a bit: %IX0.0 to %IX7.7, or %QX0.0 to %QX7.7"),
+        (
+            3,
+            "address",
+            "`%IX9.0` is in byte 9, and a device has bytes 0 to 7, counted in each: of a list that is counted through a \
+             whole controller say where each device begins, as in --begin 'clamp 1 io=9'",
+        ),
         (4, "name", "`LS open` cannot name a signal: one word of letters, digits and signs"),
         (5, "station", "`clamp 1 io` is a device of `clamp_1`, not of `mill_1`"),
         (6, "device", "no device"),

@@ -1,6 +1,6 @@
 //! Report to a user when several things are wrong at once.
 
-use linewright_line::{Problems, parse};
+use linewright_line::{Problem, Problems, parse};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
@@ -66,6 +66,25 @@ fn of_a_very_long_line_a_part_is_drawn() {
         assert!(drawn.len() < 20_000, "{what}: {} bytes\n{}", drawn.len(), &drawn[..2000]);
         assert!(format!("{problems:#}").len() < 20_000, "{what}");
     }
+}
+
+#[test]
+fn of_two_places_far_apart_the_lines_between_are_not_drawn() {
+    let text: String = (1..=100).map(|line| format!("row {line:03}\n")).collect();
+    let place = |line: usize| 8 * (line - 1)..8 * line - 1;
+    let drawn_with = |first: usize| {
+        let problem = Problem::error(place(90), "twice").label("the second").earlier(place(first));
+        drawn(&Problems::new("list", &text, vec![problem]))
+    };
+    let apart = drawn_with(60);
+    assert!(
+        ["row 060", "row 089", "row 090", "the first", "the second"].iter().all(|part| apart.contains(part)),
+        "{apart}"
+    );
+    assert!(!apart.contains("row 075"), "{apart}");
+    assert!(apart.contains("list:90:1"), "{apart}");
+    let near = drawn_with(87);
+    assert!(near.contains("row 088") && near.matches("[list:").count() == 1, "{near}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use linewright_line::{Arrow, Line};
 
 use super::path::tests::check_way;
 use super::properties::StateTally;
-use super::search::{LineSearch, SearchEnd, SearchLimits, search};
+use super::search::{LimitReached, LineSearch, SearchEnd, SearchLimits, search};
 use super::setting::{Grants, LineExploration};
 use super::state::Widths;
 use super::system::System;
@@ -53,7 +53,8 @@ const SETTINGS: u64 = 100;
 
 /// Results for all states, once all have been seen.
 fn of_all(search: &LineSearch<8>) -> (StateTally, bool, bool) {
-    (search.tally, search.stranded().is_some(), search.no_return().is_some())
+    let asked = search.system.setting.asks_for_ways();
+    (search.tally, asked && search.stranded().is_some(), asked && search.no_return().is_some())
 }
 
 #[test]
@@ -63,7 +64,7 @@ fn whatever_is_asked_of_whatever_line_both_say_the_same() {
         let setting = random_setting(seed);
         let plain = searched(&LineExploration { lumped: false, ..setting.clone() }, 10_000);
         let kept = match plain.end {
-            SearchEnd::Limit => continue,
+            SearchEnd::Limit(_) => continue,
             SearchEnd::Exhausted => 10_000,
             // The nearest wrong one need not be among the first that are kept.
             SearchEnd::Wrong(_) => 1_000_000,
@@ -126,7 +127,7 @@ fn home_by_manual_alone_is_not_home_by_another_mode() {
 fn a_limit_of_states_ends_a_search_at_the_same_state_each_time() {
     let setting = LineExploration::new(&generate::line(&LineShape::small(), 1));
     let first = searched(&setting, 5_000);
-    assert_eq!((&first.end, first.looked_at()), (&SearchEnd::Limit, 5_000));
+    assert_eq!((&first.end, first.looked_at), (&SearchEnd::Limit(LimitReached::States), 5_000));
     for _ in 0..5 {
         assert_eq!(searched(&setting, 5_000).tally, first.tally);
     }
@@ -139,5 +140,5 @@ fn a_limit_that_is_just_enough_is_enough() {
     let all = searched(&setting, 1_000_000);
     assert_eq!(all.end, SearchEnd::Exhausted);
     assert_eq!(searched(&setting, all.kept()).end, SearchEnd::Exhausted);
-    assert_eq!(searched(&setting, all.kept() - 1).end, SearchEnd::Limit);
+    assert_eq!(searched(&setting, all.kept() - 1).end, SearchEnd::Limit(LimitReached::States));
 }

@@ -34,7 +34,7 @@ mod view_key;
 pub use counterexample::LinePath;
 pub(crate) use facts::{actuator, bits_of};
 pub use properties::counted;
-pub use search::SearchLimits;
+pub use search::{LimitReached, SearchLimits};
 pub use setting::{Grants, LineExploration};
 pub use verdict::{LineExplored, LineProperty, Verdict};
 

@@ -30,6 +30,15 @@ impl Default for SearchLimits {
     }
 }
 
+/// What there is more of than allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LimitReached {
+    /// States that are kept and looked at.
+    States,
+    /// Memory, or numbers for states, which end at some billions.
+    Memory,
+}
+
 /// Why a search ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum SearchEnd {
@@ -37,8 +46,8 @@ pub(crate) enum SearchEnd {
     Exhausted,
     /// Something is wrong in the state with this number.
     Wrong(u32),
-    /// There are more states, or they take more memory, than allowed.
-    Limit,
+    /// Not every state has been seen.
+    Limit(LimitReached),
 }
 
 /// Result of a search.
@@ -48,8 +57,11 @@ pub(crate) struct LineSearch<const N: usize> {
     pub layout: StateLayout,
     pub store: StateStore<N>,
     pub start: ComposedState,
+    /// Of how many states it is known what follows them.
+    pub looked_at: usize,
+    /// For each state, whether all stations are at home; only where ways home and back are asked for.
     pub at_home: Vec<bool>,
-    /// For each state, the mode granted and the stations that act on it.
+    /// For each state, the mode granted and who acts on it; only there, too.
     pub grants: Vec<Granted>,
     /// Tally of the states explored.
     pub tally: StateTally,
@@ -65,8 +77,8 @@ pub(crate) fn search<const N: usize>(
 ) -> Result<LineSearch<N>, Box<(System, ComposedState, FieldOverflow)>> {
     let layout = system.layout(widths);
     let (at_home, grants, tally) = (Vec::new(), Vec::new(), StateTally::default());
-    let mut search =
-        LineSearch { system, layout, store: StateStore::new(), start, at_home, grants, tally, end: SearchEnd::Limit };
+    let (store, end) = (StateStore::new(system.setting.asks_for_ways()), SearchEnd::Limit(LimitReached::Memory));
+    let mut search = LineSearch { system, layout, store, start, looked_at: 0, at_home, grants, tally, end };
     match search.run(limits) {
         Ok(end) => {
             search.end = end;
@@ -96,7 +108,8 @@ impl<const N: usize> LineSearch<N> {
     /// Two threads share the work: this one plays, the other keeps the states. States are numbered in the order in
     /// which one thread alone would meet them, so the result does not depend on how the two take turns.
     fn run(&mut self, limits: SearchLimits) -> Result<SearchEnd, FieldOverflow> {
-        let LineSearch { system, layout, store, start, at_home, grants, tally, .. } = self;
+        let LineSearch { system, layout, store, start, looked_at, at_home, grants, tally, .. } = self;
+        let asks_for_ways = system.setting.asks_for_ways();
         let mut here = start.clone();
         system.settle(&mut here);
         let first = layout.pack(&here)?;
@@ -116,7 +129,7 @@ impl<const N: usize> LineSearch<N> {
             let mut queue = VecDeque::new();
             let mut under_way = 1;
             if batches.send(Batch { keys: vec![first], ends: Vec::new(), bytes: 0 }).is_err() {
-                return Ok(SearchEnd::Limit);
+                return Ok(SearchEnd::Limit(LimitReached::Memory));
             }
             loop {
                 let wait = queue.is_empty() || under_way == BATCHES_MAX;
@@ -125,40 +138,43 @@ impl<const N: usize> LineSearch<N> {
                     under_way -= 1;
                     queue.extend(result.new);
                     if result.full {
-                        return Ok(SearchEnd::Limit);
+                        return Ok(SearchEnd::Limit(LimitReached::Memory));
                     }
                     continue;
                 }
                 let mut batch = Batch { keys: Vec::with_capacity(BATCH * 12), ends: Vec::new(), bytes: 0 };
                 while batch.ends.len() < BATCH && batch.keys.len() < BATCH_KEYS_MAX {
                     let Some(key) = queue.pop_front() else { break };
-                    if at_home.len() == limits.states {
-                        return Ok(SearchEnd::Limit);
+                    if *looked_at == limits.states {
+                        return Ok(SearchEnd::Limit(LimitReached::States));
                     }
                     player.layout.unpack(&key, &mut player.here);
-                    at_home.push(player.system.all_at_home(&player.here));
-                    grants.push(player.system.granted(&player.here));
+                    *looked_at += 1;
+                    if asks_for_ways {
+                        at_home.push(player.system.all_at_home(&player.here));
+                        grants.push(player.system.granted(&player.here));
+                    }
                     tally.add(player.system.tally(&player.here));
                     if player.system.wrong(&player.here).is_some() {
-                        return Ok(SearchEnd::Wrong(at_home.len() as u32 - 1));
+                        return Ok(SearchEnd::Wrong(*looked_at as u32 - 1));
                     }
                     match player.expand(&key, &mut batch) {
                         Ok(()) => {}
                         Err(SearchStop::Unfit(unfit)) => return Err(unfit),
-                        Err(SearchStop::Limit) => return Ok(SearchEnd::Limit),
+                        Err(SearchStop::Limit) => return Ok(SearchEnd::Limit(LimitReached::Memory)),
                     }
                 }
                 batch.bytes = player.system.bytes() + at_home.capacity() + grants.capacity() * size_of::<Granted>();
                 if batches.send(batch).is_err() {
-                    return Ok(SearchEnd::Limit);
+                    return Ok(SearchEnd::Limit(LimitReached::Memory));
                 }
                 under_way += 1;
                 while queue.is_empty() && under_way > 0 {
-                    let Ok(result) = results.recv() else { return Ok(SearchEnd::Limit) };
+                    let Ok(result) = results.recv() else { return Ok(SearchEnd::Limit(LimitReached::Memory)) };
                     under_way -= 1;
                     queue.extend(result.new);
                     if result.full {
-                        return Ok(SearchEnd::Limit);
+                        return Ok(SearchEnd::Limit(LimitReached::Memory));
                     }
                 }
                 if queue.is_empty() {
@@ -171,11 +187,6 @@ impl<const N: usize> LineSearch<N> {
     /// Number of states kept; each may stand for several.
     pub fn kept(&self) -> usize {
         self.store.len()
-    }
-
-    /// Number of those that have been explored.
-    pub fn looked_at(&self) -> usize {
-        self.grants.len()
     }
 
     /// The state with a number, as it is kept.

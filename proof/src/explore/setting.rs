@@ -126,8 +126,14 @@ impl LineExploration {
         })
     }
 
-    /// Whether this act may happen to a station while this mode is granted. Of the modes, it may receive only the
-    /// granted one and stand-by.
+    /// Whether it is asked of all states together if each leads home and back to the start. Without manual mode a stopped
+    /// motion cannot be recovered: then that is promised only where nothing fails.
+    pub(crate) fn asks_for_ways(&self) -> bool {
+        !self.forgets && (self.modes.contains(&ControlMode::Manual) || !self.faults)
+    }
+
+    /// Whether a station may hear of a mode, or anything else happen to it, while this mode is granted. Of the modes it
+    /// may hear of, only the granted one and stand-by are there to be heard.
     pub(crate) fn lets(&self, granted: usize, act: StationAct) -> bool {
         match act {
             StationAct::Mode(mode) => {

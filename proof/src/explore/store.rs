@@ -9,6 +9,10 @@ pub(crate) struct StateStore<const N: usize> {
     table: StateTable<N>,
     /// For each state, the one it was first reached from.
     came_from: Vec<u32>,
+    /// States of which it is known what follows them.
+    looked_at: u32,
+    /// Whether what follows is kept. It takes most of the memory, and only what is asked of all states together needs it.
+    keeps_arcs: bool,
     /// The numbers of the states that follow each, one state after the other.
     arcs: Vec<u32>,
     /// Index after the last one of each state.
@@ -52,10 +56,12 @@ impl<const N: usize> Batch<N> {
 }
 
 impl<const N: usize> StateStore<N> {
-    pub fn new() -> Self {
+    pub fn new(keeps_arcs: bool) -> Self {
         StateStore {
             table: StateTable::new(),
             came_from: Vec::new(),
+            looked_at: 0,
+            keeps_arcs,
             arcs: Vec::new(),
             arcs_until: Vec::new(),
             scratch: Vec::new(),
@@ -72,15 +78,20 @@ impl<const N: usize> StateStore<N> {
         }
         let (mut newest, mut begin) = (first_new, 0);
         for &end in &batch.ends {
-            let from = self.arcs_until.len() as u32;
             for &number in &self.arcs[first_arc + begin..first_arc + end] {
                 if number == newest {
-                    self.came_from.push(from);
+                    self.came_from.push(self.looked_at);
                     newest += 1;
                 }
             }
             begin = end;
-            self.arcs_until.push((first_arc + end) as u64);
+            self.looked_at += 1;
+            if self.keeps_arcs {
+                self.arcs_until.push((first_arc + end) as u64);
+            }
+        }
+        if !self.keeps_arcs {
+            self.arcs.clear();
         }
         let new = (first_new..self.table.len() as u32).map(|number| *self.table.key(number)).collect();
         let full = self.table.is_full() || self.bytes() + batch.bytes > limits.bytes;
@@ -100,7 +111,7 @@ impl<const N: usize> StateStore<N> {
         self.came_from[number as usize]
     }
 
-    /// The numbers of the states that follow one that has been looked at.
+    /// The numbers of the states that follow one that has been looked at, where they are kept.
     pub fn followers(&self, number: u32) -> &[u32] {
         let number = number as usize;
         let begin = if number == 0 { 0 } else { self.arcs_until[number - 1] };
@@ -110,5 +121,28 @@ impl<const N: usize> StateStore<N> {
     pub fn bytes(&self) -> usize {
         let numbers = (self.came_from.capacity() + self.arcs.capacity()) * size_of::<u32>();
         self.table.bytes() + numbers + self.arcs_until.capacity() * size_of::<u64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_arcs_it_is_known_all_the_same_from_where_a_state_was_reached() {
+        for keeps_arcs in [true, false] {
+            let mut store = StateStore::<1>::new(keeps_arcs);
+            let batch = |keys: &[u64], ends: &[usize]| Batch {
+                keys: keys.iter().map(|&key| [key]).collect(),
+                ends: ends.to_vec(),
+                bytes: 0,
+            };
+            for batch in [batch(&[7], &[]), batch(&[8, 9], &[2]), batch(&[7, 10, 10, 11], &[2, 4])] {
+                store.enter(&batch, SearchLimits::default());
+            }
+            assert_eq!((0..5).map(|number| store.came_from(number)).collect::<Vec<_>>(), [0, 0, 0, 1, 2]);
+            assert_eq!(store.len(), 5);
+            assert_eq!((store.arcs.len(), store.arcs_until.len()), if keeps_arcs { (6, 3) } else { (0, 0) });
+        }
     }
 }

@@ -7,7 +7,7 @@ use linewright_nets::TransitionId;
 
 use super::counterexample::LinePath;
 use super::properties::{Violation, counted};
-use super::search::{LineSearch, SearchEnd};
+use super::search::{LimitReached, LineSearch, SearchEnd};
 use super::station::Situations;
 use super::system::FixedSituation;
 
@@ -51,6 +51,8 @@ pub struct LineExplored {
     pub bytes: usize,
     /// Every state was seen: there are no others.
     pub exhausted: bool,
+    /// What ended it before that, unless something wrong did.
+    pub limit: Option<LimitReached>,
     /// For each station, how many situations its controller, operator and view of the others were met in.
     pub situations: Vec<usize>,
     pub properties: Vec<LineProperty>,
@@ -74,10 +76,14 @@ pub(crate) fn judge<const N: usize>(mut search: LineSearch<N>) -> LineExplored {
     properties.extend(of_all_states(&mut search));
     LineExplored {
         states: search.tally.states,
-        kept: search.looked_at(),
+        kept: search.looked_at,
         arcs: search.tally.arcs,
         bytes: search.bytes(),
         exhausted: search.end == SearchEnd::Exhausted,
+        limit: match search.end {
+            SearchEnd::Limit(limit) => Some(limit),
+            SearchEnd::Exhausted | SearchEnd::Wrong(_) => None,
+        },
         situations: search.system.stations.iter().map(|station| station.all.len()).collect(),
         properties,
     }
@@ -90,7 +96,7 @@ fn never_wrong<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty> 
             let state = search.state(number);
             search.system.wrong(&state).map(|(wrong, pins)| (wrong, story(search, number, wrong, &pins)))
         }
-        SearchEnd::Exhausted | SearchEnd::Limit => None,
+        SearchEnd::Exhausted | SearchEnd::Limit(_) => None,
     };
     let conflicts = search.system.setting.line.conflicts.iter().enumerate();
     let names = conflicts.map(|(nth, conflict)| (format!("never: {}", conflict.why), Violation::Conflict(nth)));
@@ -110,7 +116,7 @@ fn never_wrong<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty> 
             let verdict = match (&story, &search.end) {
                 (Some(_), _) => Verdict::Fails,
                 (None, SearchEnd::Exhausted) => Verdict::Holds,
-                (None, SearchEnd::Wrong(_) | SearchEnd::Limit) => Verdict::Undecided,
+                (None, SearchEnd::Wrong(_) | SearchEnd::Limit(_)) => Verdict::Undecided,
             };
             let reason = match (&story, verdict) {
                 // A violation is not repeated: a conflict's property is named by it.
@@ -136,7 +142,12 @@ fn undecided<const N: usize>(search: &LineSearch<N>) -> String {
     let states = counted(search.tally.states);
     match search.end {
         SearchEnd::Wrong(_) => format!("not met in {states} states; the search ended with the first thing wrong"),
-        SearchEnd::Limit | SearchEnd::Exhausted => format!("undecided after {states} states: the limit was reached"),
+        SearchEnd::Limit(LimitReached::States) => {
+            format!("undecided after {states} states: the limit of states was reached")
+        }
+        SearchEnd::Limit(LimitReached::Memory) | SearchEnd::Exhausted => {
+            format!("undecided after {states} states: the limit of memory was reached")
+        }
     }
 }
 
@@ -177,9 +188,7 @@ fn of_all_states<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty
         found => Err((format!("nothing can follow {found} states"), None)),
     });
     properties.push(ask("no deadlock", deadlocks, &open));
-    // Without manual mode a stopped motion cannot be recovered: then home is promised only where nothing fails.
-    let setting = &search.system.setting;
-    if setting.modes.contains(&ControlMode::Manual) || !setting.faults {
+    if search.system.setting.asks_for_ways() {
         let cut_off = exhausted.then(|| cut_off(search));
         let homes = cut_off.map(|(stranded, _)| home(search, stranded));
         properties.push(ask("home can be reached from every state", homes, &open));

@@ -32,38 +32,57 @@ impl fmt::Display for BitAddress {
 }
 
 impl BitAddress {
-    /// `%IX1.3`, `%I1.3`, also in small letters; or as messages have it, `6000h:02 bit 3` and `6200h:02 bit 3`.
+    /// `%IX1.3`, `%I1.3`, `I 1.3`, also in small letters and with the German `E` and `A`; or as messages have it,
+    /// `6000h:02 bit 3` and `6200h:02 bit 3`.
     pub fn read(text: &str) -> Option<Self> {
-        let text = text.trim().to_ascii_uppercase();
-        let (direction, byte, bit) = match text.strip_prefix('%') {
-            Some(iec) => {
-                let direction = match iec.chars().next()? {
-                    'I' => IoDirection::Input,
-                    'Q' => IoDirection::Output,
-                    _ => return None,
-                };
-                let place = iec[1..].strip_prefix('X').unwrap_or(&iec[1..]);
-                let (byte, bit) = place.split_once('.')?;
-                (direction, number(byte, 10)?, number(bit, 10)?)
-            }
-            None => {
-                let (object, bit) = text.split_once(" BIT ")?;
-                let (index, sub) = object.split_once("H:")?;
-                let direction = match index {
-                    "6000" => IoDirection::Input,
-                    "6200" => IoDirection::Output,
-                    _ => return None,
-                };
-                (direction, number(sub, 16)?.checked_sub(1)?, number(bit, 10)?)
-            }
-        };
+        let (direction, byte, bit) = of_messages(text).or_else(|| counted(text))?;
         (bit < 8 && byte < BITS_MAX / 8).then_some(BitAddress { direction, bit: 8 * byte + bit })
     }
 }
 
-/// Digits alone: no sign.
-fn number(digits: &str, radix: u32) -> Option<usize> {
-    let plain = (1..=2).contains(&digits.len()) && digits.chars().all(|digit| digit.is_digit(radix));
+/// `6000h:02 bit 3`: direction, byte and bit.
+fn of_messages(text: &str) -> Option<(IoDirection, usize, usize)> {
+    let text = text.trim().to_ascii_uppercase();
+    let (object, bit) = text.split_once(" BIT ")?;
+    let (index, sub) = object.split_once("H:")?;
+    let direction = match index {
+        "6000" => IoDirection::Input,
+        "6200" => IoDirection::Output,
+        _ => return None,
+    };
+    Some((direction, number(sub, 16, 2)?.checked_sub(1)?, number(bit, 10, 1)?))
+}
+
+/// `%IX1.3` as it is counted through a controller, with any byte: direction, byte and bit.
+pub(super) fn counted(text: &str) -> Option<(IoDirection, usize, usize)> {
+    let (direction, rest) = area(text)?;
+    let rest = rest.strip_prefix('X').unwrap_or(&rest).trim_start();
+    let (byte, bit) = rest.split_once('.')?;
+    let bit = number(bit, 10, 1).filter(|bit| *bit < 8)?;
+    Some((direction, number(byte, 10, 5)?, bit))
+}
+
+/// `%I4` or `%Q4`: direction and byte.
+pub(super) fn byte(text: &str) -> Option<(IoDirection, usize)> {
+    let (direction, rest) = area(text)?;
+    Some((direction, number(&rest, 10, 5)?))
+}
+
+/// Inputs or outputs, and the rest of the address in capitals.
+fn area(text: &str) -> Option<(IoDirection, String)> {
+    let text = text.trim().to_ascii_uppercase();
+    let text = text.strip_prefix('%').unwrap_or(&text);
+    let direction = match text.chars().next()? {
+        'I' | 'E' => IoDirection::Input,
+        'Q' | 'A' => IoDirection::Output,
+        _ => return None,
+    };
+    Some((direction, text[1..].trim_start().to_owned()))
+}
+
+/// Digits alone, so many at most: no sign.
+pub(super) fn number(digits: &str, radix: u32, most: usize) -> Option<usize> {
+    let plain = (1..=most).contains(&digits.len()) && digits.chars().all(|digit| digit.is_digit(radix));
     plain.then(|| usize::from_str_radix(digits, radix).ok())?
 }
 
@@ -77,16 +96,30 @@ mod tests {
             for bit in 0..BITS_MAX {
                 let address = BitAddress { direction, bit };
                 assert_eq!(BitAddress::read(&address.to_string()), Some(address));
+                let german = address.to_string().replace("%IX", "E ").replace("%QX", "A ");
+                assert_eq!(BitAddress::read(&german), Some(address));
             }
         }
         assert_eq!(BitAddress { direction: IoDirection::Output, bit: 11 }.to_string(), "%QX1.3");
-        for same in ["%IX1.3", "%I1.3", " %ix1.3 ", "6000h:02 bit 3", "%IX01.3"] {
+        for same in ["%IX1.3", "%I1.3", " %ix1.3 ", "6000h:02 bit 3", "%IX01.3", "I1.3", "E    1.3", "%E1.3", "i 1.3"] {
             let address = Some(BitAddress { direction: IoDirection::Input, bit: 11 });
             assert_eq!(BitAddress::read(same), address, "{same}");
         }
-        for wrong in
-            ["", "%", "%IX", "%IX1", "%IX1.8", "%IX8.0", "%MX0.0", "%IW0", "%IX-1.0", "%IX1.3.4", "6000h:00 bit 0", "é"]
-        {
+        for wrong in [
+            "",
+            "%",
+            "%IX",
+            "%IX1",
+            "%IX1.8",
+            "%IX8.0",
+            "%MX0.0",
+            "%IW0",
+            "%IX-1.0",
+            "%IX1.3.4",
+            "6000h:00 bit 0",
+            "é",
+            "E",
+        ] {
             assert_eq!(BitAddress::read(wrong), None, "{wrong}");
         }
     }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use linewright_text::{Problem, TEXT_MAX, suggestion};
 
+use super::address::counted;
 use super::devices::WrittenDevice;
 use super::{BitAddress, IoDirection, IoRow, RowProblem};
 
@@ -132,7 +133,15 @@ fn place<'a>(devices: &[WrittenDevice], row: &'a IoRow, problems: &mut Vec<RowPr
     }
     let at = BitAddress::read(&row.address);
     if at.is_none() {
-        add("address", format!("`{}` is no address of a bit: %IX0.0 to %IX7.7, or %QX0.0 to %QX7.7", row.address));
+        let message = match counted(&row.address) {
+            Some((_, byte, _)) => format!(
+                "`{}` is in byte {byte}, and a device has bytes 0 to 7, counted in each: of a list that is counted through a \
+                 whole controller say where each device begins, as in --begin '{}={byte}'",
+                row.address, row.device
+            ),
+            None => format!("`{}` is no address of a bit: %IX0.0 to %IX7.7, or %QX0.0 to %QX7.7", row.address),
+        };
+        add("address", message);
     }
     if row.comment.as_ref().is_some_and(|comment| comment.len() > TEXT_MAX) {
         add("comment", format!("over {TEXT_MAX} bytes"));

@@ -4,12 +4,14 @@
 //! are bound by the list. Whether the result is sound, [`crate::parse`] has the word. Channels, drives and frames are no
 //! bits and stand in no list.
 
+mod absolute;
 mod address;
 mod change;
 mod devices;
 
 use linewright_text::{Problems, Report, document};
 
+pub use absolute::{DeviceBegin, within_devices};
 pub use address::{BitAddress, IoDirection};
 pub use change::IoChange;
 
