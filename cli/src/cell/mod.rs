@@ -4,6 +4,7 @@
 //! what anybody can use with the stock tools.
 
 mod operate;
+mod why;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,7 +24,8 @@ use tokio::sync::mpsc;
 
 use crate::client::{join, not_heard};
 
-pub use operate::{AnswerArgs, CellJson, OrderArgs, ResourceArgs, WhyArgs, answer, order, resource, why};
+pub use operate::{AnswerArgs, CellJson, OrderArgs, ResourceArgs, answer, order, resource};
+pub use why::{WhyArgs, why};
 
 /// A request that is sent before the other side is discovered gets no answer: so it is asked again, this long each time.
 const ANSWER: Duration = Duration::from_millis(700);

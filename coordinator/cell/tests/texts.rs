@@ -222,6 +222,7 @@ fn waits() -> Vec<CellWait<'static>> {
         CellWait::OutOfService { .. } =>
             CellWait::OutOfService { resource: "M1", seconds: 9.0, why: "sensor contradicts the model" };
         CellWait::InService { .. } => CellWait::InService { resource: "M1" };
+        CellWait::TakesPart { .. } => CellWait::TakesPart { activity: "`load M1`, 3 s left" };
     })
 }
 

@@ -31,6 +31,8 @@ pub enum CellWait<'a> {
     OutOfService { resource: &'a str, seconds: f64, why: &'a str },
     /// A resource is not out of service.
     InService { resource: &'a str },
+    /// What a resource takes part in.
+    TakesPart { activity: &'a str },
 }
 
 impl CellWait<'_> {
@@ -52,6 +54,7 @@ impl CellWait<'_> {
                 format!("{resource} out of service for {seconds} s: {why}")
             }
             CellWait::InService { resource } => format!("{resource} in service"),
+            CellWait::TakesPart { activity } => format!("It takes part in {activity}."),
         }
     }
 }

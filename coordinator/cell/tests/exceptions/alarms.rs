@@ -1,7 +1,10 @@
 //! Alarm given by hand: what the resource has to do with stops, and is put right like anything else that stands half-way.
 
+use linewright_coordinator_cell::dispatch::why_out;
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest};
-use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OngoingActivity, PlayerInput, TaskOutcome};
+use linewright_coordinator_cell::{
+    ActivityFailure, ActivityPhase, OngoingActivity, PlayerInput, StationUnavailable, TaskOutcome,
+};
 use linewright_orders::TaskFailure;
 
 use super::bench::Bench;
@@ -78,4 +81,25 @@ fn alarm_can_be_given_of_what_is_left_out() {
         assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Alarm { text: "smoke".to_owned() })]);
     }
     assert_eq!(bench.state().exceptions().is_down(m1).expect("it is").since, since);
+}
+
+/// That a resource is counted on says nothing of its station, nor of what has failed there.
+#[test]
+fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed() {
+    let mut bench = Bench::c1(&[1, 0]);
+    let (robot, m3) = (bench.resource("R"), bench.resource("M3"));
+    bench.load_fails();
+    bench.at("robot").unable = Some(StationUnavailable::Incomplete);
+    bench.seconds_later(1.0);
+    let (alarm, now) = (bench.alarm().clone(), bench.sim.now);
+    assert_eq!(
+        why_out(&bench.sim.coordination, now, robot),
+        [
+            "R in service.".to_owned(),
+            "robot: operation incomplete; complete or undo it in manual.".to_owned(),
+            format!("It takes part in `load M1` with part 1, which has failed and waits for an answer to {}.", alarm.id),
+            format!("{}: {}", alarm.id, alarm.text),
+        ]
+    );
+    assert_eq!(why_out(&bench.sim.coordination, now, m3), ["M3 in service."]);
 }

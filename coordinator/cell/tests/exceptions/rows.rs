@@ -238,11 +238,11 @@ fn while_m1_is_down_parts_go_over_m2() {
     assert_eq!(all.filter(|name| *name == "load M2<A.new>").count(), 3);
     let m1 = bench.resource("M1");
     let since = bench.state().exceptions().is_down(m1).expect("it is down").since;
-    let why = why_out(bench.state(), since + Duration::from_secs(9), m1);
+    let why = why_out(&bench.sim.coordination, since + Duration::from_secs(9), m1);
     assert_eq!(why, [format!("M1 out of service for 9 s: taken out by the rule for {}.", firing.id)]);
     bench.say(PlayerInput::Resource { resource: m1, up: true });
     assert_eq!(bench.steps().last(), Some(&&ExceptionStep::Up { resource: m1, unchecked: false }));
-    assert_eq!(why_out(bench.state(), bench.sim.now, m1), ["M1 in service."]);
+    assert_eq!(why_out(&bench.sim.coordination, bench.sim.now, m1), ["M1 in service."]);
 }
 
 /// What needs nobody is done without, as often as the rule has it.
@@ -393,7 +393,7 @@ fn after_a_restart_a_part_too_many_is_found() {
     );
     let since = bench.state().exceptions().is_down(m2).expect("it is down").since;
     assert_eq!(
-        why_out(bench.state(), since, m2),
+        why_out(&bench.sim.coordination, since, m2),
         [
             "M2 out of service for 0 s: sensor contradicts the model.".to_owned(),
             format!("{}: {}", bench.alarm().id, bench.alarm().text)
@@ -486,5 +486,5 @@ fn a_resource_taken_out_by_hand_with_a_text_is_no_alarm() {
     let why = OutOfServiceReason::ByHand { text: "new tool".to_owned() };
     let fact = RecordKind::Exception(ExceptionStep::Down { resource: m1, why });
     state.apply(&Record { at, fact }).expect("it fits");
-    assert_eq!(why_out(&state, at, m1), ["M1 out of service for 0 s: taken out by hand: new tool."]);
+    assert_eq!(state.exceptions().is_down(m1).map(|down| down.why.text()), Some("taken out by hand: new tool".into()));
 }
