@@ -129,16 +129,24 @@ fn an_io_list_goes_out_and_comes_back() {
 fn what_is_asked_of_nothing_or_of_a_line_is_refused_with_the_reason() {
     let scratch = Scratch::new();
     let nowhere = scratch.path("nowhere");
-    for words in [&["why", &nowhere][..], &["order", &nowhere], &["answer", &nowhere], &["resource", &nowhere, "M1", "up"]] {
+    for words in
+        [&["why", &nowhere][..], &["order", &nowhere], &["answer", &nowhere], &["resource", &nowhere, "M1", "up"]]
+    {
         let refused = linewright(words);
         assert!(!refused.status.success() && refused.stdout.is_empty(), "{refused:?}");
-        assert!(text(&refused.stderr).contains("cannot read") && text(&refused.stderr).contains("nowhere"), "{refused:?}");
+        assert!(
+            text(&refused.stderr).contains("cannot read") && text(&refused.stderr).contains("nowhere"),
+            "{refused:?}"
+        );
     }
     let line = shipped().display().to_string();
     let refused = linewright(&["order", &line]);
     assert!(text(&refused.stderr).contains("a line has no orders, alarms or resources"), "{refused:?}");
     let unknown = linewright(&["why", &line, "clamp_9"]);
-    assert!(text(&unknown.stderr).contains("no station 'clamp_9'; the line has transfer, clamp_1, mill_1"), "{unknown:?}");
+    assert!(
+        text(&unknown.stderr).contains("no station 'clamp_9'; the line has transfer, clamp_1, mill_1"),
+        "{unknown:?}"
+    );
 }
 
 #[test]

@@ -98,6 +98,9 @@ fn option(
     if let Some(why) = coordination.unready(now, mode) {
         return unready(table, why);
     }
+    if let Some(resource) = coordination.uncompared(mode) {
+        return CellWait::Uncompared { resource: table.handling().resource_name(resource) }.text();
+    }
     match state.held().iter().find(|(held, _)| *held == mode) {
         Some((_, why)) => reason(table, why),
         None => CellWait::Ready.text(),
@@ -114,7 +117,9 @@ pub fn why_out(coordination: &Coordination, now: Tick, resource: ResourceId) -> 
     let trouble = station.and_then(|station| coordination.objection(now, station));
     lines.extend(trouble.map(|why| format!("{}.", unready(state.table(), why))));
     let its: Vec<_> = state.firings().filter(|firing| state.concerns(firing, resource)).collect();
-    lines.extend(its.iter().take(NAMED_MAX).map(|firing| CellWait::TakesPart { activity: &progress(state, firing, now) }.text()));
+    lines.extend(
+        its.iter().take(NAMED_MAX).map(|firing| CellWait::TakesPart { activity: &progress(state, firing, now) }.text()),
+    );
     let is_its = |about: AlarmSubject| match about {
         AlarmSubject::Resource(of) => of == resource,
         AlarmSubject::Firing(id) => its.iter().any(|firing| firing.id == id),

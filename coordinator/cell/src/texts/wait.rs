@@ -27,6 +27,8 @@ pub enum CellWait<'a> {
     InProgress,
     /// Nothing is missing.
     Ready,
+    /// The sensor of a resource was not compared with the model yet.
+    Uncompared { resource: &'a str },
     /// A resource is out of service.
     OutOfService { resource: &'a str, seconds: f64, why: &'a str },
     /// A resource is not out of service.
@@ -50,6 +52,9 @@ impl CellWait<'_> {
             }
             CellWait::InProgress => "maximum number in progress".to_owned(),
             CellWait::Ready => "ready; starts in auto, when states of all its stations are received".to_owned(),
+            CellWait::Uncompared { resource } => {
+                format!("{resource}: presence sensor not read yet; after a restart it is compared with the model first")
+            }
             CellWait::OutOfService { resource, seconds, why } => {
                 format!("{resource} out of service for {seconds} s: {why}")
             }

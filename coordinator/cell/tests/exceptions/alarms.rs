@@ -25,13 +25,20 @@ fn a_person_can_give_alarm_of_a_machine() {
     // The other part is made meanwhile: B needs M3 and M2 only.
     bench.until_that(|bench| bench.state().left() == 1);
     bench.answer("as-before");
-    bench.closed(firing.id);
-    bench.say(PlayerInput::Resource { resource: m1, up: true });
-    let station = bench.station("m1");
-    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(m1), AlarmAnswerRefusal::NotAtRest(station))));
+    let (station, asked) = (bench.station("m1"), ResourceRequest::Answer(bench.alarm().id));
+    assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(station))));
     // It was stopped where it was: a person leads it to a rest.
     let now = bench.sim.now;
     bench.at("m1").bring_to_rest(now);
+    bench.seconds_later(2.0);
+    bench.answer("as-before");
+    bench.closed(firing.id);
+    // Led away again it is not up.
+    bench.at("m1").is_held = true;
+    bench.seconds_later(2.0);
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
+    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(m1), AlarmAnswerRefusal::NotAtRest(station))));
+    bench.at("m1").is_held = false;
     bench.seconds_later(2.0);
     bench.say(PlayerInput::Resource { resource: m1, up: true });
     bench.all_leave(2);
@@ -97,7 +104,10 @@ fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed()
         [
             "R in service.".to_owned(),
             "robot: operation incomplete; complete or undo it in manual.".to_owned(),
-            format!("It takes part in `load M1` with part 1, which has failed and waits for an answer to {}.", alarm.id),
+            format!(
+                "It takes part in `load M1` with part 1, which has failed and waits for an answer to {}.",
+                alarm.id
+            ),
             format!("{}: {}", alarm.id, alarm.text),
         ]
     );

@@ -192,24 +192,21 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
     assert_eq!(bench.alarm().text, "R holds part 1. Move it to M1 or back to ST, then answer which.");
     assert_eq!(bench.firing(LOAD).map(|firing| firing.id), Some(firing.id));
-    // Somebody brings it, and leaves the robot where it stands.
+    // Somebody brings it, and leaves the robot where it stands: M1 is not given free with the robot in it.
     bench.sim.truth.put(PART, Some(bench.resource("M1")));
+    bench.seconds_later(1.0);
+    bench.answer("as-done");
+    let (station, asked) = (bench.station("robot"), ResourceRequest::Answer(bench.alarm().id));
+    assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(station))));
+    let now = bench.sim.now;
+    bench.at("robot").bring_to_rest(now);
+    bench.at("robot").holds = false;
     bench.seconds_later(1.0);
     bench.answer("as-done");
     bench.closed(firing.id);
     assert!(
         bench.steps().iter().any(|step| matches!(step, ExceptionStep::Secured { standing: SecuredState::Held, .. }))
     );
-    assert_eq!(bench.down(), [("R".to_owned(), OutOfServiceReason::Station(firing.id))]);
-    // It is up when it could work again, and not before.
-    bench.say(PlayerInput::Resource { resource: robot, up: true });
-    let stands = AlarmAnswerRefusal::NotAtRest(bench.station("robot"));
-    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(robot), stands)));
-    let now = bench.sim.now;
-    bench.at("robot").bring_to_rest(now);
-    bench.at("robot").holds = false;
-    bench.seconds_later(1.0);
-    bench.say(PlayerInput::Resource { resource: robot, up: true });
     assert_eq!(bench.down(), []);
     bench.all_leave(1);
 }

@@ -35,7 +35,7 @@ use super::topics::{CellInbound, CellPublishers, open};
 use super::why::why;
 use super::wire;
 use super::words::describe;
-use crate::situation::{IsolatedStations, LineSituation};
+use crate::situation::{IsolatedStations, LineSituation, NotedFaults};
 
 /// Why a cell cannot be played, or not any more.
 #[derive(Debug, Error)]
@@ -204,6 +204,7 @@ struct CellLoop {
     chronicle: Option<HistoryFeeder>,
     /// How the line stands, as the database was told.
     noted: LineSituation,
+    faults: NotedFaults,
     says: CellPublishers,
     from: mpsc::Receiver<CellInbound>,
     situation: watch::Receiver<LineSituation>,
@@ -262,6 +263,7 @@ impl CellLoop {
             log,
             chronicle,
             noted: LineSituation::new(line.stations.len()),
+            faults: NotedFaults::new(line.stations.len()),
             says,
             from,
             situation,
@@ -319,7 +321,7 @@ impl CellLoop {
                 let newest = known.is_some_and(|known| known.offer(now, message.boot_id, message.sequence));
                 if newest && message.station == self.line.station(station).name {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
-                    let (heard, refused) = wire::heard(&message, unable, sensor);
+                    let (heard, refused) = wire::heard(&message, self.line.station(station), unable, sensor);
                     let secured = wire::secured(&message, &heard);
                     self.told.push(PlayerMessage::State(station, heard));
                     self.told.extend(secured.map(|(key, reply)| PlayerMessage::Secured(station, key, reply)));
@@ -329,6 +331,10 @@ impl CellLoop {
             CellInbound::State(station, message) => {
                 if message.station == self.line.station(station).name {
                     self.unable[station.index()] = wire::unable(&message);
+                    let (now, fault) = (self.now(), self.faults.note_of(station, &message.fault));
+                    if let (Some(chronicle), Some(fault)) = (&mut self.chronicle, fault) {
+                        chronicle.note(now, fault);
+                    }
                 }
             }
             CellInbound::Answer(alarm, word, by, reply) => {
