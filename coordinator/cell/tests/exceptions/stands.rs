@@ -33,8 +33,7 @@ fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
         (
             AlarmSubject::Resource(m1),
             "m1 stands at rest \"clamped\", but M1 has no part, and load M1 begins at \"open\": M1 is not used. Bring m1 to \
-             \"open\": in hand mode hold PB_unload_1 (task \"release\", which waits for inputs), or in manual hold return at its \
-             panel. Then answer \"up\"."
+             \"open\": in hand mode hold PB_clear_1 (task \"clear\"). Then answer \"up\"."
         )
     );
     bench.answer("up");
