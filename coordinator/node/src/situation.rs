@@ -1,7 +1,7 @@
 //! How the line stands, for the cell and for the database of the line or cell; and what the cell answers: which stations are
 //! not treated like the others.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_coordinator_cell::Coordination;
 use linewright_coordinator_cell::exception::isolated;
@@ -76,21 +76,16 @@ fn changed(now: &[bool], before: &[bool]) -> impl Iterator<Item = (u16, bool)> {
 
 /// The fault of each station as it was last noted; none before the station was heard.
 #[derive(Clone, Debug, Default)]
-pub struct NotedFaults(Vec<Option<String>>);
+pub struct NotedFaults(BTreeMap<StationId, String>);
 
 impl NotedFaults {
-    pub fn new(stations: usize) -> Self {
-        NotedFaults(vec![None; stations])
-    }
-
     /// The note of a station's fault, with its cause and place as operators read it, if that has changed. What a station says first
     /// in a life is noted in any case: a fault that has gone meanwhile is over.
     pub fn note_of(&mut self, station: StationId, fault: &str) -> Option<Note> {
-        let noted = self.0.get_mut(station.index())?;
-        if noted.as_deref() == Some(fault) {
+        if self.0.get(&station).is_some_and(|noted| noted == fault) {
             return None;
         }
-        *noted = Some(fault.to_owned());
+        self.0.insert(station, fault.to_owned());
         Some(Note::Fault { station: station.0, text: fault.to_owned() })
     }
 }
@@ -101,14 +96,13 @@ mod tests {
 
     #[test]
     fn a_fault_is_noted_when_it_comes_and_when_it_goes() {
-        let mut faults = NotedFaults::new(2);
+        let mut faults = NotedFaults::default();
         let watchdog = "cut: watchdog: motion not complete in time (LS_100 off)";
         let note = |text: &str| Some(Note::Fault { station: 1, text: text.to_owned() });
         for (fault, noted) in [("", note("")), ("", None), (watchdog, note(watchdog)), (watchdog, None), ("", note(""))]
         {
             assert_eq!(faults.note_of(StationId(1), fault), noted, "{fault}");
         }
-        assert_eq!(faults.note_of(StationId(2), "of another line"), None);
     }
 
     #[test]

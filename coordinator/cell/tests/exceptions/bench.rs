@@ -68,7 +68,16 @@ impl Bench {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../launch-config/lines/workcell-c1/line.toml");
         let line = std::fs::read_to_string(path).expect("it is there");
         let line = linewright_line::parse("line.toml", &line).expect("it is sound").line;
-        Self::of(table_of(&workcell(), Some(&line), parts))
+        let mut bench = Self::of(table_of(&workcell(), Some(&line), parts));
+        // All stations are heard at once, so M1 is loaded first.
+        bench.sim.options.delay = (Duration::from_millis(1), Duration::from_millis(1));
+        bench
+    }
+
+    /// What stations say now is heard, also while nothing else happens.
+    pub fn hear(&mut self) {
+        let later = self.sim.now + Duration::from_secs(2);
+        self.sim.run_on(&mut Fifo, later);
     }
 
     fn of((cell, table): (Cell, Arc<CellTable>)) -> Self {

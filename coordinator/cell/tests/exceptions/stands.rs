@@ -1,12 +1,10 @@
 //! Where stations stand when an answer is given, and when their resources are counted on again.
 
-use std::time::Duration;
-
 use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes, why_not, why_out};
 use linewright_coordinator_cell::exception::{
     AlarmAnswerRefusal, AlarmSubject, ExceptionStep, OutOfServiceReason, ResourceRequest,
 };
-use linewright_coordinator_cell::{Fifo, PartId, PlayerInput, Presence, StationUnavailable};
+use linewright_coordinator_cell::{PartId, PlayerInput, Presence, StationUnavailable};
 use linewright_line::RestId;
 
 use super::bench::{Bench, workcell};
@@ -42,7 +40,7 @@ fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
     // Nothing was ordered of it meanwhile.
     assert!(bench.firing(LOAD).is_none() && bench.state().exceptions().is_down(m1).is_some());
     bench.at("m1").rest = Some(OPEN);
-    bench.seconds_later(1.0);
+    bench.hear();
     bench.answer("up");
     assert_eq!((bench.down(), bench.state().exceptions().alarms().len()), (vec![], 0));
 }
@@ -54,7 +52,7 @@ fn an_answer_that_leaves_a_station_at_the_wrong_rest_is_followed_by_an_alarm() {
         let mut bench = Bench::c1_of_its_line(&[1, 0]);
         let firing = bench.load_fails();
         bench.at("m1").rest = Some(CLAMPED);
-        bench.seconds_later(1.0);
+        bench.hear();
         if crash {
             bench.sim.options.crash_at = vec![bench.sim.steps + 1];
         }
@@ -63,7 +61,7 @@ fn an_answer_that_leaves_a_station_at_the_wrong_rest_is_followed_by_an_alarm() {
         }
         bench.answer(word);
         if crash {
-            bench.seconds_later(2.0);
+            bench.hear();
             bench.answer(word);
         }
         bench.closed(firing.id);
@@ -86,7 +84,7 @@ fn a_station_at_the_rest_of_the_model_is_left_in_service() {
     let firing = bench.load_fails();
     bench.sim.truth.put(PartId(1), Some(bench.resource("M1")));
     bench.at("m1").rest = Some(CLAMPED);
-    bench.seconds_later(1.0);
+    bench.hear();
     bench.answer("in-machine");
     bench.closed(firing.id);
     assert_eq!(bench.down(), []);
@@ -105,12 +103,12 @@ fn no_answer_closes_an_activity_whose_station_stands_half_way() {
         bench.answer(word);
         assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(robot))), "{word}");
     }
-    bench.seconds_later(30.0);
+    bench.hear();
     assert!(bench.firing(LOAD).is_some() && bench.count("M1.available-capacity") == 0, "M1 is kept");
     let now = bench.sim.now;
     bench.at("robot").holds = false;
     bench.at("robot").bring_to_rest(now);
-    bench.seconds_later(1.0);
+    bench.hear();
     bench.answer("in-store");
     bench.closed(firing.id);
     assert_eq!(bench.down(), []);
@@ -139,13 +137,12 @@ fn nothing_starts_at_a_machine_whose_sensor_was_not_read_yet() {
     );
     // Read at last, it sees a part that no log knows.
     bench.at("m1").presence = Presence::On;
-    let later = bench.sim.now + Duration::from_secs(2);
-    bench.sim.run_on(&mut Fifo, later);
+    bench.hear();
     assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Mismatch)]);
     bench.at("m1").presence = Presence::Off;
-    bench.sim.run_on(&mut Fifo, later + Duration::from_secs(2));
+    bench.hear();
     let up = PlayerInput::Resource { resource: bench.resource("M1"), up: true };
     bench.say(up);
-    bench.sim.run_on(&mut Fifo, later + Duration::from_secs(4));
+    bench.hear();
     assert!(bench.firing(LOAD).is_some());
 }

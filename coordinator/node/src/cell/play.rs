@@ -35,7 +35,7 @@ use super::topics::{CellInbound, CellPublishers, open};
 use super::why::why;
 use super::wire;
 use super::words::describe;
-use crate::situation::{IsolatedStations, LineSituation, NotedFaults};
+use crate::situation::{IsolatedStations, LineSituation};
 
 /// Why a cell cannot be played, or not any more.
 #[derive(Debug, Error)]
@@ -204,7 +204,6 @@ struct CellLoop {
     chronicle: Option<HistoryFeeder>,
     /// How the line stands, as the database was told.
     noted: LineSituation,
-    faults: NotedFaults,
     says: CellPublishers,
     from: mpsc::Receiver<CellInbound>,
     situation: watch::Receiver<LineSituation>,
@@ -263,7 +262,6 @@ impl CellLoop {
             log,
             chronicle,
             noted: LineSituation::new(line.stations.len()),
-            faults: NotedFaults::new(line.stations.len()),
             says,
             from,
             situation,
@@ -331,10 +329,8 @@ impl CellLoop {
             CellInbound::State(station, message) => {
                 if message.station == self.line.station(station).name {
                     self.unable[station.index()] = wire::unable(&message);
-                    let (now, fault) = (self.now(), self.faults.note_of(station, &message.fault));
-                    if let (Some(chronicle), Some(fault)) = (&mut self.chronicle, fault) {
-                        chronicle.note(now, fault);
-                    }
+                    let now = self.now();
+                    self.chronicle.iter_mut().for_each(|chronicle| chronicle.fault(now, station, &message.fault));
                 }
             }
             CellInbound::Answer(alarm, word, by, reply) => {
