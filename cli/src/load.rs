@@ -71,10 +71,16 @@ pub fn cell_of(path: &Path, line: &Line) -> miette::Result<Option<linewright_cel
 pub fn line_of_cell(path: &Path) -> miette::Result<Line> {
     let files = files_of(path);
     let file = files.line.ok_or_else(|| miette!("{} has no line.toml: its stations cannot run", path.display()))?;
+    // First what is wrong with the path itself: what is not there is no line either.
+    let line = line(&file, true)?;
     if files.cell.is_none() {
-        return Err(miette!("{} has no cell.toml: it is a line without orders", path.display()));
+        return Err(miette!(
+            help = "`linewright why` and `linewright watch` show what a line waits for",
+            "{} has no cell.toml: it is a line, and a line has no orders, alarms or resources",
+            path.display()
+        ));
     }
-    line(&file, true)
+    Ok(line)
 }
 
 /// Reads and checks a description; warnings go to standard error unless `quiet`.

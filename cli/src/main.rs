@@ -88,7 +88,7 @@ enum CliCommand {
     Fail(can::FailArgs),
     /// Order parts of a running cell, see what is on order, cancel or withdraw.
     Order(cell::OrderArgs),
-    /// Ask why a part or a production order of a running cell does not go on.
+    /// Ask why a line, a part, a production order or a resource does not go on.
     Why(cell::WhyArgs),
     /// Answer an alarm of a running cell, or show those that stand.
     Answer(cell::AnswerArgs),

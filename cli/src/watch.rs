@@ -234,7 +234,7 @@ impl WatchState {
 }
 
 /// The mode, with an empty line below it.
-fn mode(title: &str, line: Option<&LineState>, width: usize) -> Vec<String> {
+pub fn mode(title: &str, line: Option<&LineState>, width: usize) -> Vec<String> {
     let mut lines = match line {
         Some(state) => wrapped(&format!("{title} — mode: {}", state.text), 4, width),
         None => wrapped(&format!("{title}: no state received from the coordinator"), 4, width),
@@ -247,7 +247,7 @@ fn mode(title: &str, line: Option<&LineState>, width: usize) -> Vec<String> {
 }
 
 /// A station with its fault and what it waits for.
-fn station(name: &str, state: Option<&StationState>, width: usize) -> Vec<String> {
+pub fn station(name: &str, state: Option<&StationState>, width: usize) -> Vec<String> {
     let Some(state) = state else { return vec![format!("{name:12} no state received")] };
     let mut lines = wrapped(&format!("{name:12} cycle {:<4} {}", state.cycle, state.operation), 15, width);
     if !state.fault.is_empty() {

@@ -149,6 +149,31 @@ fn a_controllers_tag_table_is_taken_with_where_devices_begin() {
     assert!(!twice.status.success() && text(&twice.stderr).contains("drill io=%I4,%Q2"), "{twice:?}");
 }
 
+/// What is not there is said with its path; of a line it is said what has no sense there.
+#[test]
+fn what_is_asked_of_nothing_or_of_a_line_is_refused_with_the_reason() {
+    let scratch = Scratch::new();
+    let nowhere = scratch.path("nowhere");
+    for words in
+        [&["why", &nowhere][..], &["order", &nowhere], &["answer", &nowhere], &["resource", &nowhere, "M1", "up"]]
+    {
+        let refused = linewright(words);
+        assert!(!refused.status.success() && refused.stdout.is_empty(), "{refused:?}");
+        assert!(
+            text(&refused.stderr).contains("cannot read") && text(&refused.stderr).contains("nowhere"),
+            "{refused:?}"
+        );
+    }
+    let line = shipped().display().to_string();
+    let refused = linewright(&["order", &line]);
+    assert!(text(&refused.stderr).contains("a line has no orders, alarms or resources"), "{refused:?}");
+    let unknown = linewright(&["why", &line, "clamp_9"]);
+    assert!(
+        text(&unknown.stderr).contains("no station 'clamp_9'; the line has transfer, clamp_1, mill_1"),
+        "{unknown:?}"
+    );
+}
+
 #[test]
 fn a_cell_is_recognised_whatever_its_file_is_called() {
     let scratch = Scratch::new();

@@ -4,6 +4,7 @@
 //! uses only what the stock tools can use.
 
 mod operate;
+mod why;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,7 +24,8 @@ use tokio::sync::mpsc;
 
 use crate::client::{join, not_heard};
 
-pub use operate::{AnswerArgs, CellJson, OrderArgs, ResourceArgs, WhyArgs, answer, order, resource, why};
+pub use operate::{AnswerArgs, CellJson, OrderArgs, ResourceArgs, answer, order, resource};
+pub use why::{WhyArgs, why};
 
 /// Time for an answer. A request sent before the other side is discovered gets none, so it is repeated.
 const ANSWER: Duration = Duration::from_millis(700);

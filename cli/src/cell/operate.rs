@@ -1,4 +1,4 @@
-//! Commands for a running cell from a shell: `order`, `why`, `answer` and `resource`.
+//! What a person asks of a running cell from a shell, says and answers: `order`, `answer` and `resource`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,8 +15,8 @@ use super::{CellClient, request};
 use crate::load;
 use crate::out::{self, say};
 
-/// Most time until a cell's state is received.
-const CONNECT: Duration = Duration::from_secs(5);
+/// How long to wait for a cell to be heard.
+pub(super) const CONNECT: Duration = Duration::from_secs(5);
 
 /// Order parts of a running cell, see what is on order, cancel or withdraw.
 #[derive(Debug, Args)]
@@ -105,7 +105,7 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 }
 
 /// Prints what was done, as text or as JSON.
-fn done(as_json: bool, text: &str, object: Value) -> miette::Result<()> {
+pub(super) fn done(as_json: bool, text: &str, object: Value) -> miette::Result<()> {
     if as_json {
         return out::json(&object);
     }
@@ -194,29 +194,6 @@ fn list(state: &CellState) -> String {
     }
     lines.extend(state.alarms.as_slice().iter().map(|alarm| format!("alarm {}: {}", alarm.id, alarm.text)));
     lines.join("\n")
-}
-
-/// Ask why a part or a production order does not go on, or a resource is left out.
-#[derive(Debug, Args)]
-pub struct WhyArgs {
-    /// The cell's directory.
-    cell: PathBuf,
-    /// A part, by its number (7, or "part 7"), or a production order or a resource, by its name.
-    about: Vec<String>,
-    /// One JSON object on standard output.
-    #[arg(long)]
-    json: bool,
-}
-
-/// `linewright why`
-pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
-    let line = load::line_of_cell(&args.cell)?;
-    let mut client = CellClient::open(&line, ros, "why")?;
-    client.until_heard(CONNECT).await?;
-    let about = args.about.join(" ");
-    let reasons = client.why(&about).await?;
-    done(args.json, &reasons.join("\n"), json!({ "about": about, "reasons": reasons }))?;
-    Ok(ExitCode::SUCCESS)
 }
 
 /// Answer an alarm of a running cell, or show the alarms that stand.

@@ -64,6 +64,14 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
     assert!(alarm.contains("in-store, in-machine, scrap"), "{alarm}");
     let why = rig.said(&["why"], &["part", "1"]).expect("it is known");
     assert!(why.contains("waits for an answer to alarm 1"), "{why}");
+    let why = rig.said(&["why"], &["R"]).expect("a resource is known");
+    for part in
+        ["R in service.", "It takes part in `load M1` with part 1, which has failed", "alarm 1: R came to", "\nrobot "]
+    {
+        assert!(why.contains(part), "{part}: {why}");
+    }
+    let why = rig.said(&["why"], &["robot"]).expect("a station is known");
+    assert!(why.starts_with("robot "), "{why}");
     is_watched(&rig);
     let wrong = rig.said(&["answer"], &["1", "somewhere"]).expect_err("that is no answer");
     assert!(wrong.contains("in-store"), "{wrong}");

@@ -63,6 +63,11 @@ fn a_fault_stops_its_station(rig: &Rig, operator: &Operator, station: &str, oper
     operator.wait(&format!("{operation} fails"), |heard| heard.events.iter().any(is_it));
     rig.eye.wait("its actuator is off", |seen| !seen.output(station, output));
     operator.wait("the station says what is wrong", |heard| !heard.station(station).fault.is_empty());
+    let why = rig.said(&["why"], &[]).expect("every station is heard");
+    assert!(why.contains("mode: stand-by") && why.contains(&format!("FAULT {operation}: ")), "{why}");
+    assert!(why.lines().any(|line| line.trim_start().starts_with("waits for ")), "{why}");
+    let of_one = rig.said(&["why"], &[station]).expect("a station can be named");
+    assert!(of_one.starts_with(station) && !of_one.contains("transfer "), "{of_one}");
     operator.wait("stand-by everywhere", |heard| heard.in_mode(StationState::MODE_STANDBY));
     let started = rig.eye.seen().starts().len();
     operator.wait("everything stands", |heard| heard.all(|state| state.stopped));

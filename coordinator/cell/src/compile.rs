@@ -138,7 +138,7 @@ pub fn compile_cell(
         grace: pace.grace,
     };
     let table = CellTable::compile(&long, plan)?;
-    let handling = handling::handling(cell, &net, &long, &table, &stations, supply);
+    let handling = handling::handling(cell, &net, &long, &table, (line, &stations), supply);
     let table = table.with_handling(handling);
     Ok(CompiledCell { table, net, long })
 }

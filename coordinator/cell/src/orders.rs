@@ -4,7 +4,7 @@
 //! restarts, and answers an order it already has with its state instead of doing it again; [`super::player`] builds on
 //! that. Nothing here has to arrive: a lost message costs one period.
 
-use linewright_line::{StationId, Tick};
+use linewright_line::{RestId, StationId, Tick};
 use linewright_orders::TaskOrder;
 pub use linewright_orders::{TaskOutcome, TaskReply};
 
@@ -83,7 +83,9 @@ pub struct TaskReport {
     pub results: Vec<(OrderKey, TaskOutcome)>,
     /// It stands between two rests, and does not go on from there by itself.
     pub is_held: bool,
-    /// Reason why it could do nothing now; none if it could.
+    /// The rest at which it stands; none while it moves, between rests, or where it is not known.
+    pub rest: Option<RestId>,
+    /// Why it could not do anything now; none if it could.
     pub unable: Option<StationUnavailable>,
     /// Whether there is a part where its sensor looks.
     pub presence: Presence,

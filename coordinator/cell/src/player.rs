@@ -34,7 +34,7 @@ use thiserror::Error;
 use super::exception::{AlarmAnswerRefusal, StationMonitor};
 use super::fifo::Fifo;
 use super::firing::{ActivityPhase, OrderProgress, PendingRecord};
-use super::ids::{FiringId, ModeId, OrderKey, PartId, ProductionId};
+use super::ids::{FiringId, ModeId, OrderKey, PartId, ProductionId, ResourceId};
 use super::orders::{
     CellEvent, CellMessage, OrderMessage, PlayerInput, PlayerOutbox, ProductionCommand, ProductionCommandError,
     Sending, TaskOutcome, TaskReply, TaskReport,
@@ -405,9 +405,13 @@ impl Coordination {
     /// Whether all stations that a mode needs were received in this life, and can work, and its resources were compared
     /// with the model. Until then it waits; it is not an exception.
     pub(super) fn is_heard(&self, now: Tick, mode: ModeId) -> bool {
-        let table = &self.state.table;
-        self.unready(now, mode).is_none()
-            && !table.handling().mode(mode).resources().any(|id| self.watch.is_to_be_compared(&self.state, id))
+        self.unready(now, mode).is_none() && self.uncompared(mode).is_none()
+    }
+
+    /// The first resource of a mode that has still to be compared with the model.
+    pub(super) fn uncompared(&self, mode: ModeId) -> Option<ResourceId> {
+        let mut resources = self.state.table.handling().mode(mode).resources();
+        resources.find(|&id| self.watch.is_to_be_compared(&self.state, id))
     }
 
     /// The first station that keeps a mode from starting; none if all its stations were received and can be given an

@@ -56,6 +56,7 @@ fn out_of_service() -> Vec<OutOfServiceReason> {
         OutOfServiceReason::Rule(_) => OutOfServiceReason::Rule(FIRING);
         OutOfServiceReason::Station(_) => OutOfServiceReason::Station(FIRING);
         OutOfServiceReason::Mismatch => OutOfServiceReason::Mismatch;
+        OutOfServiceReason::Rest => OutOfServiceReason::Rest;
         OutOfServiceReason::EmergencyStop(_) => OutOfServiceReason::EmergencyStop(FIRING);
     })
 }
@@ -159,12 +160,20 @@ fn standings() -> Vec<StationStanding> {
     })
 }
 
+fn wrong_rest(has_part: bool, way: Option<(&'static str, &'static str, bool)>) -> AlarmText<'static> {
+    let (resource, station, stands, wanted, next) = ("M1", "m1", "clamped", "open", "load M1");
+    AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way }
+}
+
 fn alarms() -> Vec<AlarmText<'static>> {
     let (activity, again, found) = ("load M1", "M1 failed. Answer where the part is.", "M1: part expected, sensor off");
     samples!(AlarmText<'static> {
         AlarmText::Failed { .. } => AlarmText::Failed { activity, part: Some(PART) },
             AlarmText::Failed { activity, part: None };
         AlarmText::WithFacts { .. } => AlarmText::WithFacts { tell: again, facts: "load M1: …" };
+        AlarmText::LeadFirst { .. } => AlarmText::LeadFirst { stations: "robot and m1", then: again };
+        AlarmText::WrongRest { .. } => wrong_rest(false, Some(("PB_clear_1", "clear", false))),
+            wrong_rest(true, Some(("PB_load_1", "clamp", true))), wrong_rest(false, None);
         AlarmText::Facts { .. } => AlarmText::Facts { activity, cause: "m1: time limit exceeded", seconds: 26.0 };
         AlarmText::Contradicted { .. } => AlarmText::Contradicted { word: "in-machine", found, again };
         AlarmText::Moved { .. } => AlarmText::Moved { station: "robot", word: "as-before", again };
@@ -196,6 +205,8 @@ fn answer_refusals() -> Vec<AlarmAnswerRefusal> {
         AlarmAnswerRefusal::NotHeard(_) => AlarmAnswerRefusal::NotHeard(STATION);
         AlarmAnswerRefusal::NotAtRest(_) => AlarmAnswerRefusal::NotAtRest(STATION);
         AlarmAnswerRefusal::CannotWork(..) => AlarmAnswerRefusal::CannotWork(STATION, StationUnavailable::Devices);
+        AlarmAnswerRefusal::Between(_) => AlarmAnswerRefusal::Between(STATION);
+        AlarmAnswerRefusal::WrongRest(_) => AlarmAnswerRefusal::WrongRest(RESOURCE);
         AlarmAnswerRefusal::Open(_) => AlarmAnswerRefusal::Open(RESOURCE);
         AlarmAnswerRefusal::EmergencyStop(_) => AlarmAnswerRefusal::EmergencyStop(STATION);
     });
@@ -219,9 +230,11 @@ fn waits() -> Vec<CellWait<'static>> {
             CellWait::Tokens { owners: "no `slot` yet", held: Some((61.0, "scheduled next: `load M2`")) };
         CellWait::InProgress => CellWait::InProgress;
         CellWait::Ready => CellWait::Ready;
+        CellWait::Uncompared { .. } => CellWait::Uncompared { resource: "M1" };
         CellWait::OutOfService { .. } =>
             CellWait::OutOfService { resource: "M1", seconds: 9.0, why: "sensor contradicts the model" };
         CellWait::InService { .. } => CellWait::InService { resource: "M1" };
+        CellWait::TakesPart { .. } => CellWait::TakesPart { activity: "`load M1`, 3 s left" };
     })
 }
 

@@ -47,7 +47,9 @@ pub enum Note {
         #[serde(with = "micros")]
         to: Tick,
     },
-    /// Records of the log that are not in the database, since they were no longer in the log when it was read.
+    /// A station's fault has come, with its cause and place as operators read it, or is over if the text is empty.
+    Fault { station: u16, text: String },
+    /// Records of the log that are not in the database, since the log had forgotten them when it was read.
     Missing {
         /// The first.
         from: u64,
@@ -79,8 +81,6 @@ pub enum Note {
         #[serde(with = "micros")]
         to: Tick,
     },
-    /// A station's fault has come, or is over if the text is empty.
-    Fault { station: u16, text: String },
     /// The line has completed a cycle.
     Cycle { number: i32, took_us: u64 },
     /// There was no other note for a while, and the line is still observed.

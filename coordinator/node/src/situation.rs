@@ -1,7 +1,7 @@
 //! Situation of the line, for the cell and for the database; and the answer of the cell: the stations that are not treated
 //! like the others.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_coordinator_cell::Coordination;
 use linewright_coordinator_cell::exception::isolated;
@@ -73,9 +73,36 @@ fn changed(now: &[bool], before: &[bool]) -> impl Iterator<Item = (u16, bool)> {
     both.filter(|(_, (now, before))| now != before).map(|(station, (&now, _))| (station, now))
 }
 
+/// The fault of each station as it was last noted; none before the station was heard.
+#[derive(Clone, Debug, Default)]
+pub struct NotedFaults(BTreeMap<StationId, String>);
+
+impl NotedFaults {
+    /// The note of a station's fault, with its cause and place as operators read it, if that has changed. What a station says first
+    /// in a life is noted in any case: a fault that has gone meanwhile is over.
+    pub fn note_of(&mut self, station: StationId, fault: &str) -> Option<Note> {
+        if self.0.get(&station).is_some_and(|noted| noted == fault) {
+            return None;
+        }
+        self.0.insert(station, fault.to_owned());
+        Some(Note::Fault { station: station.0, text: fault.to_owned() })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_fault_is_noted_when_it_comes_and_when_it_goes() {
+        let mut faults = NotedFaults::default();
+        let watchdog = "cut: watchdog: motion not complete in time (LS_100 off)";
+        let note = |text: &str| Some(Note::Fault { station: 1, text: text.to_owned() });
+        for (fault, noted) in [("", note("")), ("", None), (watchdog, note(watchdog)), (watchdog, None), ("", note(""))]
+        {
+            assert_eq!(faults.note_of(StationId(1), fault), noted, "{fault}");
+        }
+    }
 
     #[test]
     fn only_what_has_changed_is_noted() {

@@ -14,6 +14,7 @@ pub fn heard(report: &TaskOrderReport) -> TaskReport {
         slot: report.slot.map(|slot| slot.key),
         results: report.results.clone(),
         is_held: report.slot.is_none() && report.rest.is_none(),
+        rest: report.rest,
         ..TaskReport::default()
     }
 }

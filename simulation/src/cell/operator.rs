@@ -45,13 +45,17 @@ impl SimulatedOperator {
     /// Brings its stations to a rest, and returns the answer for the places found, or changes them so that one fits.
     fn put_right(&mut self, sim: &mut CellSim, alarm: AlarmId, firing: FiringId) -> Option<String> {
         let orders = sim.state().firing(firing)?.orders.clone();
-        for order in orders {
+        for order in &orders {
             let now = sim.now;
             let station = sim.stations.get_mut(order.station.index())?;
             station.is_stuck = false;
             if station.doing() == Some(order.key) || station.is_held {
                 station.bring_to_rest(now);
             }
+        }
+        // No answer is taken before the coordinator has heard it as well.
+        if sim.coordination.held_stations().any(|id| orders.iter().any(|order| order.station == id)) {
+            return None;
         }
         let found = sim.truth.found(&sim.table, firing)?.part;
         let can_say = sim.coordination.rulings(alarm);

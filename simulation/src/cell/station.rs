@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_coordinator_cell::{OrderMessage, PartId, Presence, StationUnavailable, TaskReport};
-use linewright_line::Tick;
+use linewright_line::{RestId, Tick};
 use linewright_orders::{OrderKey, RESULTS_MAX, TaskFailure, TaskOutcome, TaskRefusal, TaskReply};
 
 use crate::rng::Rng;
@@ -68,7 +68,9 @@ pub struct SimulatedStation {
     pub holds: bool,
     /// It stands between rests.
     pub is_held: bool,
-    /// Reason why it takes nothing on.
+    /// The rest at which it says that it stands.
+    pub rest: Option<RestId>,
+    /// Why it takes nothing on.
     pub unable: Option<StationUnavailable>,
     /// State of its sensor.
     pub presence: Presence,
@@ -79,8 +81,8 @@ pub struct SimulatedStation {
 impl SimulatedStation {
     /// Its report.
     pub fn heard(&self) -> TaskReport {
-        let SimulatedStation { is_held, unable, presence, .. } = *self;
-        TaskReport { is_held, unable, presence, ..self.heard.clone() }
+        let SimulatedStation { is_held, rest, unable, presence, .. } = *self;
+        TaskReport { is_held, rest, unable, presence, ..self.heard.clone() }
     }
 
     /// The order it is doing, or going back from.

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use linewright_cell::net::{CellNet, PlaceMeaning, ResourcePosition, Supply};
 use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, Resource, ResourceId as Of, Role, StopOf};
-use linewright_line::StationId;
+use linewright_line::{Line, Station, StationId};
 use linewright_nets::coloured::Unfolding;
 
 use crate::exception::{
     FailureMatch, ModeHandling, PermittedAnswer, RecoveryDecision, RecoveryPolicy, RecoveryRule, ResourcePolicy,
-    Strategy, Whereabouts,
+    RestTask, StationRests, Strategy, Whereabouts,
 };
-use crate::{CellId, CellTable, ModeId, ResourceId};
+use crate::{CellId, CellTable, ModeId, PlayedOrderTemplate, ResourceId};
 
 /// Recovery policy of a cell.
 pub(super) fn handling(
@@ -19,10 +19,17 @@ pub(super) fn handling(
     net: &CellNet,
     long: &Unfolding,
     table: &CellTable,
-    stations: &[StationId],
+    (line, stations): (Option<&Line>, &[StationId]),
     supply: Supply<'_>,
 ) -> RecoveryPolicy {
     let made = BuiltPolicy::new(cell, net, long, table, supply);
+    let begins = |mode: ModeId| {
+        let begin = |order: &PlayedOrderTemplate| {
+            let station = line?.station(order.station);
+            Some((order.station, station.task(station.task_named(&order.task)?).from))
+        };
+        table.activity(mode).orders.iter().filter_map(begin).collect()
+    };
     let resource = |id: Of| {
         let of = cell.resource(id);
         ResourcePolicy {
@@ -31,14 +38,36 @@ pub(super) fn handling(
             is_sensed: of.presence.is_some() && of.controller.is_some(),
             has: made.cells_of(Some(id), |meaning| matches!(meaning, PlaceMeaning::Held(..))).collect(),
             sees: made.cells_of(Some(id), |meaning| is_seen(of, meaning)).collect(),
+            is_single: of.capacity == 1,
         }
     };
     RecoveryPolicy {
         resources: cell.resource_ids().map(resource).collect(),
-        modes: table.modes().map(|mode| made.mode(mode)).collect(),
+        modes: table.modes().map(|mode| ModeHandling { begins: begins(mode), ..made.mode(mode) }).collect(),
         rules: cell.exceptions.iter().map(|of| rule(of, stations)).collect(),
         stations: stations.iter().zip(&cell.controllers).map(|(&id, name)| (id, name.as_str().into())).collect(),
+        rests: line.into_iter().flat_map(|line| stations.iter().map(|&id| rests(line, id))).collect(),
         ..RecoveryPolicy::default()
+    }
+}
+
+fn rests(line: &Line, id: StationId) -> StationRests {
+    let station: &Station = line.station(id);
+    let task = |of: linewright_line::TaskId| {
+        let (task, mut operations) = (station.task(of), station.operations_of(of));
+        let forward = station.operations[station.first_of(of).index()].hand.forward();
+        RestTask {
+            name: task.name.as_str().into(),
+            from: task.from,
+            to: task.to,
+            button: line.buttons[usize::from(forward.0)].as_str().into(),
+            waits: operations.any(|op| !station.operations[op.index()].waits.is_empty()),
+        }
+    };
+    StationRests {
+        station: id,
+        names: station.rests.iter().map(|rest| rest.name.as_str().into()).collect(),
+        tasks: station.task_ids().map(task).collect(),
     }
 }
 
@@ -110,6 +139,7 @@ impl<'a> BuiltPolicy<'a> {
             to: worker.or_else(|| id(Role::Target)),
             carrier: id(Role::Carrier),
             rules,
+            begins: Vec::new(),
             gone: self.gone(mode, activity, of.from),
         }
     }

@@ -98,16 +98,33 @@ fn option(
     if let Some(why) = coordination.unready(now, mode) {
         return unready(table, why);
     }
+    if let Some(resource) = coordination.uncompared(mode) {
+        return CellWait::Uncompared { resource: table.handling().resource_name(resource) }.text();
+    }
     match state.held().iter().find(|(held, _)| *held == mode) {
         Some((_, why)) => reason(table, why),
         None => CellWait::Ready.text(),
     }
 }
 
-/// Reason why a resource is not counted on, if it is not, and its alarm, in sentences.
-pub fn why_out(state: &PlayerState, now: Tick, resource: ResourceId) -> Vec<String> {
+/// How a resource is, in sentences: whether it is counted on, what keeps its station from an order, what it takes part in, and
+/// the alarms about it.
+pub fn why_out(coordination: &Coordination, now: Tick, resource: ResourceId) -> Vec<String> {
+    let state = coordination.state();
+    let handling = state.table().handling();
     let mut lines = vec![format!("{}.", left_out(state, now, resource))];
-    let asks = state.exceptions().alarms().find(|alarm| alarm.about == AlarmSubject::Resource(resource));
+    let station = handling.resource(resource).and_then(|of| of.station);
+    let trouble = station.and_then(|station| coordination.objection(now, station));
+    lines.extend(trouble.map(|why| format!("{}.", unready(state.table(), why))));
+    let its: Vec<_> = state.firings().filter(|firing| state.concerns(firing, resource)).collect();
+    lines.extend(
+        its.iter().take(NAMED_MAX).map(|firing| CellWait::TakesPart { activity: &progress(state, firing, now) }.text()),
+    );
+    let is_its = |about: AlarmSubject| match about {
+        AlarmSubject::Resource(of) => of == resource,
+        AlarmSubject::Firing(id) => its.iter().any(|firing| firing.id == id),
+    };
+    let asks = state.exceptions().alarms().filter(|alarm| is_its(alarm.about));
     lines.extend(asks.map(|alarm| format!("{}: {}", alarm.id, alarm.text)));
     lines
 }

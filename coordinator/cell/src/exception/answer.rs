@@ -81,8 +81,18 @@ impl Coordination {
             (Some((id, Presence::Off)), Whereabouts::Carrier) => Err(AlarmAnswerRefusal::HasNoPart(id)),
             (Some((_, Presence::On)), Whereabouts::Carrier)
             | (Some((_, Presence::Off)), Whereabouts::From | Whereabouts::To | Whereabouts::Gone)
-            | (Some((_, Presence::Unknown)) | None, _) => Ok(ruling),
+            | (Some((_, Presence::Unknown | Presence::Unread)) | None, _) => Ok(()),
+        }?;
+        // Where a station between two rests has the part says whoever leads it on, later. And it may stand in a resource whose room
+        // closing would give to others: until it stands at a rest the activity keeps all it has taken. With `carrier` it stays open.
+        let ordered = firing.orders.iter().map(|order| order.station);
+        let held = ordered
+            .filter(|_| ruling.part != Whereabouts::Carrier)
+            .find(|&station| fresh(station).is_some_and(|of| of.is_held));
+        if let Some(station) = held {
+            return Err(AlarmAnswerRefusal::Between(station));
         }
+        Ok(ruling)
     }
 
     /// Takes an alarm given by hand of a resource: it is left out, and its activities have failed and are stopped.
@@ -138,6 +148,10 @@ impl Coordination {
             return Err(AlarmAnswerRefusal::HasPart(resource));
         }
         self.except(now, ExceptionStep::Missing { resource, mode, part }, out);
+        // The answer is taken; what is left to be done has an alarm of its own.
+        if self.stands_wrong(now, resource, out) {
+            return Ok(());
+        }
         self.try_up(now, resource, out)
     }
 
@@ -161,7 +175,10 @@ impl Coordination {
             self.mismatch(now, found, out);
             return Ok(());
         }
-        let unchecked = is_sensed && self.presence(resource) == Presence::Unknown;
+        if self.stands_wrong(now, resource, out) {
+            return Err(AlarmAnswerRefusal::WrongRest(resource));
+        }
+        let unchecked = is_sensed && !self.presence(resource).is_known();
         self.watch.uncompared.remove(&resource);
         self.except(now, ExceptionStep::Up { resource, unchecked }, out);
         Ok(())

@@ -249,12 +249,14 @@ impl Coordination {
                 }
                 Whereabouts::From | Whereabouts::To | Whereabouts::Gone => {
                     let down = self.left_out(now, firing, cause, &ruling);
+                    let involved: Vec<_> = self.state.table().handling().mode(mode).resources().collect();
                     self.except(now, ExceptionStep::Closed { firing: id, mode, part, ruling, unchecked }, out);
                     for (resource, why) in down {
                         if self.state.exceptions().is_down(resource).is_none() {
                             self.except(now, ExceptionStep::Down { resource, why }, out);
                         }
                     }
+                    involved.into_iter().for_each(|resource| _ = self.stands_wrong(now, resource, out));
                 }
             },
         }
@@ -348,7 +350,7 @@ impl Coordination {
                 false => self.expected(id),
             };
             match (seen.heard.presence, model) {
-                (Presence::Unknown, _) | (_, None) => unchecked.push(id),
+                (Presence::Unknown | Presence::Unread, _) | (_, None) => unchecked.push(id),
                 (Presence::On, Some(model @ false)) => {
                     found.push(SensorMismatch { resource: id, model, plant: true });
                 }
@@ -379,7 +381,7 @@ impl Coordination {
         match self.presence(id) {
             Presence::On if !model => Some(SensorMismatch { resource: id, model, plant: true }),
             Presence::Off if model => Some(SensorMismatch { resource: id, model, plant: false }),
-            Presence::Unknown | Presence::On | Presence::Off => None,
+            Presence::Unknown | Presence::Unread | Presence::On | Presence::Off => None,
         }
     }
 
@@ -394,7 +396,7 @@ impl Coordination {
             }
             let station = self.state.table().handling().resource(id).and_then(|of| of.station);
             let seen = station.and_then(|station| self.watch.seen(station)).filter(|seen| seen.at >= from);
-            if seen.is_none_or(|seen| seen.heard.presence == Presence::Unknown) {
+            if seen.is_none_or(|seen| !seen.heard.presence.is_known()) {
                 continue;
             }
             self.watch.uncompared.remove(&id);

@@ -184,6 +184,8 @@ pub enum OutOfServiceReason {
     Station(FiringId),
     /// Its sensor contradicts the model.
     Mismatch,
+    /// Its station stands at a rest where nothing can be done with it as the model has it.
+    Rest,
     /// Its station went into emergency stop when this activity failed.
     EmergencyStop(FiringId),
 }
@@ -197,6 +199,7 @@ impl OutOfServiceReason {
             | OutOfServiceReason::Rule(_)
             | OutOfServiceReason::Station(_)
             | OutOfServiceReason::Mismatch
+            | OutOfServiceReason::Rest
             | OutOfServiceReason::EmergencyStop(_) => false,
         }
     }

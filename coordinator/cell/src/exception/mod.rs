@@ -34,6 +34,7 @@ mod kept;
 mod policy;
 mod request;
 mod secure;
+mod standing;
 mod watch;
 
 pub use book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService};
@@ -43,6 +44,9 @@ pub use fact::{
 };
 pub use isolation::isolated;
 pub use kept::SavedExceptions;
-pub use policy::{FailureMatch, ModeHandling, PermittedAnswer, RecoveryPolicy, RecoveryRule, ResourcePolicy};
+pub use policy::{
+    FailureMatch, ModeHandling, PermittedAnswer, RecoveryPolicy, RecoveryRule, ResourcePolicy, RestTask, StationRests,
+};
 pub use request::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
+pub(crate) use standing::WrongRest;
 pub(super) use watch::StationMonitor;

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use linewright_line::StationId;
+use linewright_line::{RestId, StationId};
 
 use super::super::ids::{CellId, ModeId, ResourceId, TokenDemand};
 use super::super::record::{ActivityFailure, OrderFailure, TaskRefusal};
@@ -23,7 +23,9 @@ pub struct RecoveryPolicy {
     pub rules: Vec<RecoveryRule>,
     /// Stations, by operators' names.
     pub stations: Vec<(StationId, Arc<str>)>,
-    /// A station with an order is lost after this time without a report; none if it never is.
+    /// Where stations rest and how they come from rest to rest; none without a line.
+    pub rests: Vec<StationRests>,
+    /// A station that has an order and was not heard for so long is lost; none if it never is.
     pub stale: Option<Duration>,
     /// Longest wait for a station that was ordered to come to rest.
     pub secure: Duration,
@@ -40,6 +42,29 @@ pub struct ResourcePolicy {
     pub has: Vec<CellId>,
     /// Those on which its sensor sees them: of a row the end from which parts are taken.
     pub sees: Vec<CellId>,
+    /// It has room for one part.
+    pub is_single: bool,
+}
+
+/// The rests of a station and the tasks between them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StationRests {
+    pub station: StationId,
+    /// What the rests are called, by number.
+    pub names: Vec<Arc<str>>,
+    pub tasks: Vec<RestTask>,
+}
+
+/// A task as a way from rest to rest.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RestTask {
+    pub name: Arc<str>,
+    pub from: RestId,
+    pub to: RestId,
+    /// The button that begins it in hand mode.
+    pub button: Arc<str>,
+    /// One of its motions waits for inputs.
+    pub waits: bool,
 }
 
 /// Recovery data of a mode.
@@ -55,7 +80,9 @@ pub struct ModeHandling {
     pub carrier: Option<ResourceId>,
     /// The rules that are about it, as positions.
     pub rules: Vec<usize>,
-    /// Tokens given back if its part is no more; none if they are uncertain.
+    /// The rests at which the tasks begin that stations are told; none without a line.
+    pub begins: Vec<(StationId, RestId)>,
+    /// What is given back if its part is no more; none if it cannot be said.
     pub gone: Option<Vec<TokenDemand>>,
 }
 
@@ -103,6 +130,7 @@ impl Default for RecoveryPolicy {
             modes: Vec::new(),
             rules: Vec::new(),
             stations: Vec::new(),
+            rests: Vec::new(),
             stale: None,
             secure: Duration::from_secs(30),
         }

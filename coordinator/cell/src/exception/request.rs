@@ -7,16 +7,28 @@ use super::super::ids::{AlarmId, ResourceId};
 /// Presence of a part, by a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Presence {
-    /// Not known: no sensor, or its image is not valid.
+    /// There is no sensor.
     #[default]
     Unknown,
+    /// There is one, and its image is not valid.
+    Unread,
     /// There is one.
     On,
     /// There is none.
     Off,
 }
 
-/// Reason why a station could do nothing now. The mode of the line is none of these.
+impl Presence {
+    /// Whether a sensor says something.
+    pub fn is_known(self) -> bool {
+        match self {
+            Presence::On | Presence::Off => true,
+            Presence::Unknown | Presence::Unread => false,
+        }
+    }
+}
+
+/// Why a station could not do anything now. The mode of the line is none of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StationUnavailable {
     /// Its devices are not there.
@@ -64,6 +76,10 @@ pub enum AlarmAnswerRefusal {
     NotAtRest(StationId),
     /// The station could not do anything.
     CannotWork(StationId, StationUnavailable),
+    /// A station of the activity stands between two rests.
+    Between(StationId),
+    /// The resource's station stands at a rest from which nothing can be done with the resource as the model has it.
+    WrongRest(ResourceId),
     /// The resource's activity is open: its alarm has to be answered first.
     Open(ResourceId),
     /// The station is in emergency stop, and has to be reset first.

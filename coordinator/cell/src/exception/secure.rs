@@ -27,7 +27,7 @@ pub(super) struct SecureOrderRequest {
 
 impl PlayerState {
     /// Whether an activity has to do with a resource: it takes part, or its station has an order.
-    pub(super) fn concerns(&self, firing: &OngoingActivity, resource: ResourceId) -> bool {
+    pub(in super::super) fn concerns(&self, firing: &OngoingActivity, resource: ResourceId) -> bool {
         let handling = self.table().handling();
         let station = handling.resource(resource).and_then(|of| of.station);
         let has_order = station.is_some_and(|station| firing.orders.iter().any(|order| order.station == station));

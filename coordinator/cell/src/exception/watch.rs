@@ -74,7 +74,8 @@ impl StationMonitor {
     /// A report that an order is done.
     pub fn done(&mut self, station: StationId, key: OrderKey) {
         if let Some(seen) = self.seen.get_mut(&station).filter(|seen| seen.heard.slot == Some(key)) {
-            seen.heard.slot = None;
+            // Where it has come to it says in its next report.
+            (seen.heard.slot, seen.heard.rest) = (None, None);
             self.strays.remove(&station);
         }
     }
@@ -114,7 +115,8 @@ impl StationMonitor {
         heard.unable.map(|unable| AlarmAnswerRefusal::CannotWork(station, unable))
     }
 
-    /// Whether a resource has still to be compared, and can be, or may be when its station reports.
+    /// Whether a resource has still to be compared, and can be, or may be when its station is heard, or its sensor is read. Only
+    /// a station that has no such sensor leaves nothing to be compared.
     pub fn is_to_be_compared(&self, state: &PlayerState, resource: ResourceId) -> bool {
         let station = |id: ResourceId| state.table().handling().resource(id)?.station;
         let knows = |station| self.seen.get(&station).is_none_or(|seen| seen.heard.presence != Presence::Unknown);

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use linewright_line::{StationId, Tick};
+use linewright_line::{RestId, StationId, Tick};
 
-use crate::exception::{RecoveryDecision, RecoveryPolicy, SecuredState, SensorMismatch};
-use crate::firing::{OngoingActivity, OrderProgress};
+use crate::exception::{RecoveryDecision, RecoveryPolicy, SecuredState, SensorMismatch, WrongRest};
+use crate::firing::{OngoingActivity, OngoingOrder, OrderProgress};
 use crate::ids::{ModeId, PartId, ResourceId};
 use crate::record::{ActivityFailure, OrderFailure};
 use crate::state::PlayerState;
@@ -21,7 +21,14 @@ pub(crate) fn alarm(state: &PlayerState, firing: &OngoingActivity, cause: Activi
     let tell = handling.rule(firing.mode, cause).map(|rule| filled(&rule.tell, state, firing.mode, firing.part));
     let tell = tell
         .unwrap_or_else(|| AlarmText::Failed { activity: state.table().called(firing.mode), part: firing.part }.text());
-    AlarmText::WithFacts { tell: &tell, facts: &facts(state, firing, cause, now) }.text()
+    let is_held = |order: &&OngoingOrder| {
+        state.exceptions().stands(firing.id, order.key) == Some(SecuredState::Held)
+            && !state.exceptions().is_stopped(order.station)
+    };
+    let held: Vec<String> =
+        firing.orders.iter().filter(is_held).map(|order| handling.station_name(order.station)).collect();
+    let text = AlarmText::WithFacts { tell: &tell, facts: &facts(state, firing, cause, now) }.text();
+    if held.is_empty() { text } else { AlarmText::LeadFirst { stations: &held.join(" and "), then: &text }.text() }
 }
 
 /// Facts: `load M1: m1: time limit exceeded, after 26 s; robot: at rest, m1: at rest`.
@@ -147,6 +154,27 @@ pub(crate) fn mismatch(handling: &RecoveryPolicy, found: &SensorMismatch, missin
     AlarmText::Mismatch { found: &difference(handling, found), missing }.text()
 }
 
+/// A station at another rest than its next task begins at.
+pub(crate) fn wrong_rest(state: &PlayerState, found: &WrongRest) -> String {
+    let handling = state.table().handling();
+    let rests = handling.rests.iter().find(|of| of.station == found.station);
+    let rest = |id: RestId| rests.and_then(|of| of.names.get(id.index())).map_or("?", |name| name);
+    let tasks = rests.map(|of| &of.tasks[..]).unwrap_or_default();
+    let way = tasks.iter().filter(|task| (task.from, task.to) == (found.stands, found.wanted));
+    // One that waits for nothing goes before one that may wait for ever.
+    let way = way.min_by_key(|task| task.waits);
+    AlarmText::WrongRest {
+        resource: handling.resource_name(found.resource),
+        station: &handling.station_name(found.station),
+        stands: rest(found.stands),
+        wanted: rest(found.wanted),
+        next: state.table().called(found.next),
+        has_part: found.has_part,
+        way: way.map(|task| (&*task.button, &*task.name, task.waits)),
+    }
+    .text()
+}
+
 fn difference(handling: &RecoveryPolicy, found: &SensorMismatch) -> String {
     let resource = handling.resource_name(found.resource);
     if found.model { AlarmText::PartMissing { resource }.text() } else { AlarmText::PartUnexpected { resource }.text() }
@@ -159,6 +187,8 @@ pub enum AlarmText<'a> {
     Failed { activity: &'a str, part: Option<PartId> },
     /// Instruction, and the facts.
     WithFacts { tell: &'a str, facts: &'a str },
+    /// Stations between two rests; the alarm follows.
+    LeadFirst { stations: &'a str, then: &'a str },
     /// The facts of a failed activity; how its stations stand follows.
     Facts { activity: &'a str, cause: &'a str, seconds: f64 },
     /// Sensors contradict an answer; the alarm follows again.
@@ -169,6 +199,17 @@ pub enum AlarmText<'a> {
     Carried,
     /// A sensor contradicts the model; a part that is missing may have been removed.
     Mismatch { found: &'a str, missing: Option<PartId> },
+    /// A station that stands at another rest than its next task begins at; the button and the task of a way there, and whether
+    /// that waits for inputs.
+    WrongRest {
+        resource: &'a str,
+        station: &'a str,
+        stands: &'a str,
+        wanted: &'a str,
+        next: &'a str,
+        has_part: bool,
+        way: Option<(&'a str, &'a str, bool)>,
+    },
     /// A sensor that should be on.
     PartMissing { resource: &'a str },
     /// A sensor that should be off.
@@ -183,6 +224,7 @@ impl AlarmText<'_> {
             }
             AlarmText::Failed { activity, part: None } => format!("{activity} failed. Answer where the part is."),
             AlarmText::WithFacts { tell, facts } => format!("{tell} ({facts})"),
+            AlarmText::LeadFirst { stations, then } => format!("First lead {stations} to a rest in manual. {then}"),
             AlarmText::Facts { activity, cause, seconds } => format!("{activity}: {cause}, after {seconds} s"),
             AlarmText::Contradicted { word, found, again } => {
                 format!("Answer \"{word}\" contradicts the sensors: {found}. {again}")
@@ -196,6 +238,20 @@ impl AlarmText<'_> {
             AlarmText::Mismatch { found, missing: None } => format!("{found}. Correct it, then answer \"{UP}\"."),
             AlarmText::Mismatch { found, missing: Some(part) } => {
                 format!("{found}. Correct it, then answer \"{UP}\"; if {part} was removed, answer \"{GONE}\".")
+            }
+            AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way } => {
+                let part = if has_part { "a part" } else { "no part" };
+                let way = match way {
+                    Some((button, task, false)) => format!("in hand mode hold {button} (task \"{task}\")"),
+                    Some((button, task, true)) => format!(
+                        "in hand mode hold {button} (task \"{task}\", which waits for inputs), or in manual hold return at its panel"
+                    ),
+                    None => "in manual hold return at its panel, or in hand mode run its tasks".to_owned(),
+                };
+                format!(
+                    "{station} stands at rest \"{stands}\", but {resource} has {part}, and {next} begins at \"{wanted}\": {resource} \
+                     is not used. Bring {station} to \"{wanted}\": {way}. Then answer \"{UP}\"."
+                )
             }
             AlarmText::PartMissing { resource } => format!("{resource}: part expected, sensor off"),
             AlarmText::PartUnexpected { resource } => format!("{resource}: no part expected, sensor on"),

@@ -53,6 +53,15 @@ impl AlarmAnswerRefusal {
             AlarmAnswerRefusal::NotAtRest(id) => {
                 format!("{}: between two rests; lead it to a rest in manual", station(id))
             }
+            AlarmAnswerRefusal::Between(id) => {
+                format!(
+                    "{}: between two rests; lead it to a rest in manual, check where the part is, then answer",
+                    station(id)
+                )
+            }
+            AlarmAnswerRefusal::WrongRest(id) => {
+                format!("{}: its station stands at another rest; do what its alarm says, then answer", resource(id))
+            }
             AlarmAnswerRefusal::CannotWork(id, why) => format!("{}: {}", station(id), why.text()),
             AlarmAnswerRefusal::EmergencyStop(id) => {
                 format!("{}: in emergency stop; clear the cause, then give reset", station(id))

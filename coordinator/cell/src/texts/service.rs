@@ -12,6 +12,7 @@ impl OutOfServiceReason {
             OutOfServiceReason::Station(firing) => format!("station not available after {firing}"),
             OutOfServiceReason::EmergencyStop(firing) => format!("station in emergency stop after {firing}"),
             OutOfServiceReason::Mismatch => "sensor contradicts the model".to_owned(),
+            OutOfServiceReason::Rest => "station at another rest than its next task begins at".to_owned(),
         }
     }
 
@@ -25,6 +26,7 @@ impl OutOfServiceReason {
             OutOfServiceReason::Station(_) => "station not available".to_owned(),
             OutOfServiceReason::EmergencyStop(_) => "station in emergency stop".to_owned(),
             OutOfServiceReason::Mismatch => "sensor contradicts the model".to_owned(),
+            OutOfServiceReason::Rest => "station at another rest".to_owned(),
         }
     }
 }

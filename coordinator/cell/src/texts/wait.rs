@@ -27,10 +27,14 @@ pub enum CellWait<'a> {
     InProgress,
     /// Nothing is missing.
     Ready,
+    /// The sensor of a resource was not compared with the model yet.
+    Uncompared { resource: &'a str },
     /// A resource is out of service.
     OutOfService { resource: &'a str, seconds: f64, why: &'a str },
     /// A resource is not out of service.
     InService { resource: &'a str },
+    /// What a resource takes part in.
+    TakesPart { activity: &'a str },
 }
 
 impl CellWait<'_> {
@@ -48,10 +52,14 @@ impl CellWait<'_> {
             }
             CellWait::InProgress => "maximum number in progress".to_owned(),
             CellWait::Ready => "ready; starts in auto, when states of all its stations are received".to_owned(),
+            CellWait::Uncompared { resource } => {
+                format!("{resource}: presence sensor not read yet; after a restart it is compared with the model first")
+            }
             CellWait::OutOfService { resource, seconds, why } => {
                 format!("{resource} out of service for {seconds} s: {why}")
             }
             CellWait::InService { resource } => format!("{resource} in service"),
+            CellWait::TakesPart { activity } => format!("It takes part in {activity}."),
         }
     }
 }

@@ -1,7 +1,10 @@
 //! Alarm given by hand: stations of the resource stop, and are put right like others that stand half-way.
 
+use linewright_coordinator_cell::dispatch::why_out;
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest};
-use linewright_coordinator_cell::{ActivityFailure, ActivityPhase, OngoingActivity, PlayerInput, TaskOutcome};
+use linewright_coordinator_cell::{
+    ActivityFailure, ActivityPhase, OngoingActivity, PlayerInput, StationUnavailable, TaskOutcome,
+};
 use linewright_orders::TaskFailure;
 
 use super::bench::Bench;
@@ -22,13 +25,20 @@ fn a_person_can_give_alarm_of_a_machine() {
     // The other part is made meanwhile: B needs M3 and M2 only.
     bench.until_that(|bench| bench.state().left() == 1);
     bench.answer("as-before");
-    bench.closed(firing.id);
-    bench.say(PlayerInput::Resource { resource: m1, up: true });
-    let station = bench.station("m1");
-    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(m1), AlarmAnswerRefusal::NotAtRest(station))));
+    let (station, asked) = (bench.station("m1"), ResourceRequest::Answer(bench.alarm().id));
+    assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(station))));
     // It was stopped where it was: a person leads it to a rest.
     let now = bench.sim.now;
     bench.at("m1").bring_to_rest(now);
+    bench.seconds_later(2.0);
+    bench.answer("as-before");
+    bench.closed(firing.id);
+    // Led away again it is not up.
+    bench.at("m1").is_held = true;
+    bench.seconds_later(2.0);
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
+    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(m1), AlarmAnswerRefusal::NotAtRest(station))));
+    bench.at("m1").is_held = false;
     bench.seconds_later(2.0);
     bench.say(PlayerInput::Resource { resource: m1, up: true });
     bench.all_leave(2);
@@ -79,4 +89,28 @@ fn alarm_can_be_given_of_what_is_left_out() {
         assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Alarm { text: "smoke".to_owned() })]);
     }
     assert_eq!(bench.state().exceptions().is_down(m1).expect("it is").since, since);
+}
+
+/// That a resource is counted on says nothing of its station, nor of what has failed there.
+#[test]
+fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed() {
+    let mut bench = Bench::c1(&[1, 0]);
+    let (robot, m3) = (bench.resource("R"), bench.resource("M3"));
+    bench.load_fails();
+    bench.at("robot").unable = Some(StationUnavailable::Incomplete);
+    bench.seconds_later(1.0);
+    let (alarm, now) = (bench.alarm().clone(), bench.sim.now);
+    assert_eq!(
+        why_out(&bench.sim.coordination, now, robot),
+        [
+            "R in service.".to_owned(),
+            "robot: operation incomplete; complete or undo it in manual.".to_owned(),
+            format!(
+                "It takes part in `load M1` with part 1, which has failed and waits for an answer to {}.",
+                alarm.id
+            ),
+            format!("{}: {}", alarm.id, alarm.text),
+        ]
+    );
+    assert_eq!(why_out(&bench.sim.coordination, now, m3), ["M3 in service."]);
 }

@@ -12,7 +12,7 @@ use linewright_coordinator_cell::{
     CellId, CellTable, Fifo, ModeId, OngoingActivity, PartId, PlayerInput, PlayerState, Presence, RecordKind,
     ResourceId,
 };
-use linewright_line::{StationId, Tick};
+use linewright_line::{Line, StationId, Tick};
 use linewright_simulation::cell::{CellSim, CellSimOptions, StationSpeed as Takes};
 
 const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
@@ -28,8 +28,12 @@ pub fn workcell() -> String {
 
 /// A cell that is to make so many parts of each type.
 pub fn table(text: &str, parts: &[u32]) -> (Cell, Arc<CellTable>) {
-    let cell = linewright_cell::parse("cell.toml", text, None).expect("it is sound").cell;
-    let table = compile_cell(&cell, None, Supply::Batch(parts), PACE).expect("it can be played").table;
+    table_of(text, None, parts)
+}
+
+fn table_of(text: &str, line: Option<&Line>, parts: &[u32]) -> (Cell, Arc<CellTable>) {
+    let cell = linewright_cell::parse("cell.toml", text, line).expect("it is sound").cell;
+    let table = compile_cell(&cell, line, Supply::Batch(parts), PACE).expect("it can be played").table;
     let mut handling = table.handling().clone();
     (handling.stale, handling.secure) = (Some(STALE), SECURE);
     (cell, Arc::new(table.with_handling(handling)))
@@ -56,7 +60,27 @@ pub struct Bench {
 
 impl Bench {
     pub fn new(text: &str, parts: &[u32]) -> Self {
-        let (cell, table) = table(text, parts);
+        Self::of(table(text, parts))
+    }
+
+    /// C1 with its line, so that it is known where its stations rest.
+    pub fn c1_of_its_line(parts: &[u32]) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../launch-config/lines/workcell-c1/line.toml");
+        let line = std::fs::read_to_string(path).expect("it is there");
+        let line = linewright_line::parse("line.toml", &line).expect("it is sound").line;
+        let mut bench = Self::of(table_of(&workcell(), Some(&line), parts));
+        // All stations are heard at once, so M1 is loaded first.
+        bench.sim.options.delay = (Duration::from_millis(1), Duration::from_millis(1));
+        bench
+    }
+
+    /// What stations say now is heard, also while nothing else happens.
+    pub fn hear(&mut self) {
+        let later = self.sim.now + Duration::from_secs(2);
+        self.sim.run_on(&mut Fifo, later);
+    }
+
+    fn of((cell, table): (Cell, Arc<CellTable>)) -> Self {
         let mut sim = CellSim::new(table.clone(), cell.controllers.len(), options(1));
         sim.senses = true;
         Bench { table, sim, seen: 0 }

@@ -9,4 +9,5 @@ mod missed;
 mod moves;
 mod rows;
 mod rows_of_parts;
+mod stands;
 mod story;

@@ -193,24 +193,21 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
     assert_eq!(bench.alarm().text, "R holds part 1. Move it to M1 or back to ST, then answer which.");
     assert_eq!(bench.firing(LOAD).map(|firing| firing.id), Some(firing.id));
-    // An operator brings it, and leaves the robot where it stands.
+    // Somebody brings it, and leaves the robot where it stands: M1 is not given free with the robot in it.
     bench.sim.truth.put(PART, Some(bench.resource("M1")));
+    bench.seconds_later(1.0);
+    bench.answer("as-done");
+    let (station, asked) = (bench.station("robot"), ResourceRequest::Answer(bench.alarm().id));
+    assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(station))));
+    let now = bench.sim.now;
+    bench.at("robot").bring_to_rest(now);
+    bench.at("robot").holds = false;
     bench.seconds_later(1.0);
     bench.answer("as-done");
     bench.closed(firing.id);
     assert!(
         bench.steps().iter().any(|step| matches!(step, ExceptionStep::Secured { standing: SecuredState::Held, .. }))
     );
-    assert_eq!(bench.down(), [("R".to_owned(), OutOfServiceReason::Station(firing.id))]);
-    // It is up when it could work again, and not before.
-    bench.say(PlayerInput::Resource { resource: robot, up: true });
-    let stands = AlarmAnswerRefusal::NotAtRest(bench.station("robot"));
-    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(robot), stands)));
-    let now = bench.sim.now;
-    bench.at("robot").bring_to_rest(now);
-    bench.at("robot").holds = false;
-    bench.seconds_later(1.0);
-    bench.say(PlayerInput::Resource { resource: robot, up: true });
     assert_eq!(bench.down(), []);
     bench.all_leave(1);
 }
@@ -239,11 +236,11 @@ fn while_m1_is_down_parts_go_over_m2() {
     assert_eq!(all.filter(|name| *name == "load M2<A.new>").count(), 3);
     let m1 = bench.resource("M1");
     let since = bench.state().exceptions().is_down(m1).expect("it is down").since;
-    let why = why_out(bench.state(), since + Duration::from_secs(9), m1);
+    let why = why_out(&bench.sim.coordination, since + Duration::from_secs(9), m1);
     assert_eq!(why, [format!("M1 out of service for 9 s: taken out by the rule for {}.", firing.id)]);
     bench.say(PlayerInput::Resource { resource: m1, up: true });
     assert_eq!(bench.steps().last(), Some(&&ExceptionStep::Up { resource: m1, unchecked: false }));
-    assert_eq!(why_out(bench.state(), bench.sim.now, m1), ["M1 in service."]);
+    assert_eq!(why_out(&bench.sim.coordination, bench.sim.now, m1), ["M1 in service."]);
 }
 
 /// What needs no person is done without, as often as the rule has it.
@@ -394,7 +391,7 @@ fn after_a_restart_a_part_too_many_is_found() {
     );
     let since = bench.state().exceptions().is_down(m2).expect("it is down").since;
     assert_eq!(
-        why_out(bench.state(), since, m2),
+        why_out(&bench.sim.coordination, since, m2),
         [
             "M2 out of service for 0 s: sensor contradicts the model.".to_owned(),
             format!("{}: {}", bench.alarm().id, bench.alarm().text)
@@ -488,5 +485,5 @@ fn a_resource_taken_out_by_hand_with_a_text_is_no_alarm() {
     let why = OutOfServiceReason::ByHand { text: "new tool".to_owned() };
     let fact = RecordKind::Exception(ExceptionStep::Down { resource: m1, why });
     state.apply(&Record { at, fact }).expect("it fits");
-    assert_eq!(why_out(&state, at, m1), ["M1 out of service for 0 s: taken out by hand: new tool."]);
+    assert_eq!(state.exceptions().is_down(m1).map(|down| down.why.text()), Some("taken out by hand: new tool".into()));
 }

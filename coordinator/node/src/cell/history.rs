@@ -11,20 +11,26 @@ use linewright_cell::Cell;
 use linewright_coordinator_cell::compile::{CompiledCell, sheet};
 use linewright_coordinator_cell::{CellSnapshot, PlayerOutbox, PlayerState, Record};
 use linewright_history::{CellAbout, History, HistoryError, HistoryFeed, Note, RecordSource, TimeBase};
-use linewright_line::{Line, Tick};
+use linewright_line::{Line, StationId, Tick};
 use linewright_node_shell::log::{LogEntry, RecordLog};
+
+use crate::situation::NotedFaults;
 
 /// Feeds a database.
 #[derive(Debug)]
 pub struct HistoryFeeder {
     recorder: HistoryFeed,
+    faults: NotedFaults,
 }
 
 impl HistoryFeeder {
     /// Begins a life: `state` is that of the log at `log`, which is the one that is written from here on.
     pub fn begin(history: History, log: &Path, state: &PlayerState) -> Self {
         let source = LogRecords { path: log.to_owned() };
-        HistoryFeeder { recorder: HistoryFeed::start(history, Box::new(source), state.sequence()) }
+        HistoryFeeder {
+            recorder: HistoryFeed::start(history, Box::new(source), state.sequence()),
+            faults: NotedFaults::default(),
+        }
     }
 
     /// Records of a step, after they are in the log. `state` is the state after the step.
@@ -36,6 +42,11 @@ impl HistoryFeeder {
     /// Records an event that is no record of the log.
     pub fn note(&mut self, at: Tick, note: Note) {
         self.recorder.note(at, note);
+    }
+
+    /// Tells what is wrong at a station, as its state says it again and again.
+    pub fn fault(&mut self, at: Tick, station: StationId, text: &str) {
+        self.faults.note_of(station, text).into_iter().for_each(|note| self.recorder.note(at, note));
     }
 
     /// Whether everything that has led to a state is in the database.

@@ -318,7 +318,7 @@ impl CellLoop {
                 let newest = known.is_some_and(|known| known.offer(now, message.boot_id, message.sequence));
                 if newest && message.station == self.line.station(station).name {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
-                    let (heard, refused) = wire::heard(&message, unable, sensor);
+                    let (heard, refused) = wire::heard(&message, self.line.station(station), unable, sensor);
                     let secured = wire::secured(&message, &heard);
                     self.told.push(PlayerMessage::State(station, heard));
                     self.told.extend(secured.map(|(key, reply)| PlayerMessage::Secured(station, key, reply)));
@@ -328,6 +328,8 @@ impl CellLoop {
             CellInbound::State(station, message) => {
                 if message.station == self.line.station(station).name {
                     self.unable[station.index()] = wire::unable(&message);
+                    let now = self.now();
+                    self.chronicle.iter_mut().for_each(|chronicle| chronicle.fault(now, station, &message.fault));
                 }
             }
             CellInbound::Answer(alarm, word, by, reply) => {

@@ -53,7 +53,7 @@ pub fn why(
     }
     let handling = state.table().handling();
     if let Some(resource) = handling.resource_named(about) {
-        return Ok(why_out(state, now, resource));
+        return Ok(why_out(coordination, now, resource));
     }
     let number = about.strip_prefix("part").unwrap_or(about).trim().parse().ok();
     match number.map(PartId).filter(|&part| state.part(part).is_some()) {

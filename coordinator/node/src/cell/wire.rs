@@ -6,7 +6,7 @@ use linewright_cell::Cell;
 use linewright_coordinator_cell::exception::{Presence, ResourceRequest, StationUnavailable};
 use linewright_coordinator_cell::production::ProductionOrderRequest;
 use linewright_coordinator_cell::{OrderMessage, PlayerState, TaskReport};
-use linewright_line::{InputId, Line, Tick, suggestion};
+use linewright_line::{InputId, Line, RestId, Station, Tick, suggestion};
 use linewright_msgs::{
     OrderEnd, OrderState, ProductionRequest, RunTaskGoal, RunTaskResult, SetResourceRequest, StationState, Time,
 };
@@ -39,12 +39,13 @@ pub fn sensors(cell: &Cell, line: &Line) -> Vec<Option<InputId>> {
     sensors
 }
 
-/// State of the sensor that is this input of its station; unknown while the station's inputs are.
+/// What a sensor says that is this input of its station; it is not read while the station's inputs are not known.
 fn presence(message: &OrderState, sensor: Option<InputId>) -> Presence {
     let byte = |input: InputId| Some((message.inputs.as_slice().get(usize::from(input.0) / 8)?, input.0 % 8));
     match sensor.and_then(byte) {
         Some((byte, bit)) if byte & (1 << bit) != 0 => Presence::On,
         Some(_) => Presence::Off,
+        None if sensor.is_some() => Presence::Unread,
         None => Presence::Unknown,
     }
 }
@@ -53,6 +54,7 @@ fn presence(message: &OrderState, sensor: Option<InputId>) -> Presence {
 /// sees its part.
 pub fn heard(
     message: &OrderState,
+    station: &Station,
     unable: Option<StationUnavailable>,
     sensor: Option<InputId>,
 ) -> (TaskReport, Vec<(OrderKey, TaskReply)>) {
@@ -63,6 +65,7 @@ pub fn heard(
         slot: (doing.id != 0).then_some(doing),
         results: message.ended.as_slice().iter().map(|end| (key(end), outcome(end))).collect(),
         is_held: doing.id == 0 && message.rest.is_empty(),
+        rest: station.rests.iter().position(|rest| rest.name == message.rest).map(RestId::at),
         unable,
         presence: presence(message, sensor),
     };
@@ -177,6 +180,23 @@ mod tests {
     use super::*;
     use linewright_msgs::{Bounded, RosMessage};
 
+    fn station() -> Station {
+        let text = linewright_line::TransferLine { machines: 1, time_scale: 1.0 }.text();
+        linewright_line::parse("line.toml", &text).expect("it is sound").line.stations.remove(0)
+    }
+
+    /// Without an image a sensor says nothing, which is not the same as no sensor.
+    #[test]
+    fn a_sensor_without_an_image_is_unread() {
+        let presence = |inputs: &[u8], sensor| {
+            let inputs = Bounded::new(inputs.to_vec()).expect("a few");
+            heard(&OrderState { inputs, ..OrderState::default() }, &station(), None, sensor).0.presence
+        };
+        let sensor = Some(InputId(1));
+        assert_eq!([presence(&[2], sensor), presence(&[1], sensor)], [Presence::On, Presence::Off]);
+        assert_eq!([presence(&[], sensor), presence(&[], None)], [Presence::Unread, Presence::Unknown]);
+    }
+
     #[test]
     fn what_a_station_says_is_heard() {
         let end = |id, end, code| OrderEnd { epoch: 2, id, end, code };
@@ -196,37 +216,37 @@ mod tests {
         };
         message.validate().expect("it is valid");
         let key = |id| OrderKey { epoch: 2, id };
-        let (state, refused) = heard(&message, None, None);
+        let (state, refused) = heard(&message, &station(), None, None);
         assert_eq!((state.memory, state.epoch, state.slot), (9, 2, Some(key(5))));
         assert_eq!(state.results, [(key(3), TaskOutcome::Done), (key(4), TaskOutcome::Failed(TaskFailure::Cancelled))]);
         assert_eq!(refused, [(key(1), TaskReply::Refused(TaskRefusal::Late))], "what is not known is not believed");
         (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
-        assert_eq!(heard(&message, None, None).0.slot, None);
+        assert_eq!(heard(&message, &station(), None, None).0.slot, None);
     }
 
     #[test]
     fn who_was_told_to_leave_an_order_says_so() {
         let key = |id| OrderKey { epoch: 2, id };
         let mut message = OrderState { doing_epoch: 2, doing_id: 5, phase: 2, ..OrderState::default() };
-        assert_eq!(secured(&message, &heard(&message, None, None).0), None, "it was told nothing");
+        assert_eq!(secured(&message, &heard(&message, &station(), None, None).0), None, "it was told nothing");
         (message.secured_epoch, message.secured_id) = (2, 5);
-        assert_eq!(secured(&message, &heard(&message, None, None).0), Some((key(5), TaskReply::Running)));
+        assert_eq!(secured(&message, &heard(&message, &station(), None, None).0), Some((key(5), TaskReply::Running)));
         (message.doing_epoch, message.doing_id, message.phase) = (0, 0, 0);
         let end = OrderEnd { epoch: 2, id: 5, end: RunTaskResult::END_FAILED, code: 1005 };
         message.ended = Bounded::new(vec![end]).expect("one");
         assert_eq!(
-            secured(&message, &heard(&message, None, None).0),
+            secured(&message, &heard(&message, &station(), None, None).0),
             Some((key(5), TaskReply::Ended(TaskOutcome::Failed(TaskFailure::Held))))
         );
         (message.doing_epoch, message.doing_id, message.phase) = (2, 5, 2);
         assert_eq!(
-            secured(&message, &heard(&message, None, None).0),
+            secured(&message, &heard(&message, &station(), None, None).0),
             Some((key(5), TaskReply::Running)),
             "in the slot it has not ended, whatever its results are"
         );
         (message.ended, message.doing_epoch, message.doing_id, message.phase) = (Bounded::default(), 0, 0, 0);
         assert_eq!(
-            secured(&message, &heard(&message, None, None).0),
+            secured(&message, &heard(&message, &station(), None, None).0),
             Some((key(5), TaskReply::Refused(TaskRefusal::Old)))
         );
     }

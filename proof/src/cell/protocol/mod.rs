@@ -110,7 +110,7 @@ pub const ENDED: &str = "a station with an ended order moves only on a secure re
 pub const TWICE: &str = "nothing is done twice";
 /// An alarm given by hand stops the stations.
 pub const STOPPED: &str = "an alarm raised by hand stops the stations; standstill before the operator is asked";
-/// From every state the activity can be closed.
+/// From every state the activity can be closed, if people lead to a rest what stands between two.
 pub const CLOSED: &str = "every activity can be closed";
 /// All rules, as named in verdicts.
 pub const ALL: [&str; 7] = [GIVEN, RESTORED, ANSWERED, ENDED, TWICE, STOPPED, CLOSED];

@@ -124,7 +124,8 @@ pub(super) struct Players {
     pub all: Vec<ProtocolPlayer>,
     /// By situation, what may happen besides hearing stations.
     pub events: Vec<Vec<PlayerMove>>,
-    /// The activity is over.
+    /// The activity is over, or waits for nothing but people: one of its stations stands between two rests, and an answer is taken
+    /// when they have led it to one. That they can is explored of each station by itself.
     pub closed: Vec<bool>,
     /// Something else has started after it.
     pub over: Vec<bool>,
@@ -164,7 +165,10 @@ impl Players {
         let firing = player.firing.and_then(|id| state.firing(id));
         let over = player.starts > 1;
         self.numbers.insert(self.scratch.clone(), number);
-        self.closed.push(firing.is_none());
+        let is_ordered =
+            |id: StationId| firing.is_some_and(|firing| firing.orders.iter().any(|order| order.station == id));
+        let is_led = alarm_of(&player).is_some() && player.coordination.held_stations().any(is_ordered);
+        self.closed.push(firing.is_none() || is_led);
         self.over.push(over);
         let events = if over { Vec::new() } else { self.events_of(&player) };
         self.events.push(events);

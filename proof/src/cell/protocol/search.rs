@@ -247,7 +247,7 @@ impl ProtocolSearch<'_> {
         }
     }
 
-    /// From every state one must lead on in which the activity is closed.
+    /// From every state one must lead on in which the activity is closed, or waits for people alone.
     fn look_for_ends(&mut self) {
         let mut ends: Vec<bool> = self.states.iter().map(|state| self.players.closed[state[PLAYER] as usize]).collect();
         let mut back: Vec<Vec<u32>> = vec![Vec::new(); self.states.len()];

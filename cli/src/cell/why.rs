@@ -1,0 +1,90 @@
+//! Why something does not go on: of a cell a part, a production order or a resource, as its coordinator answers; of any line
+//! what its stations wait for, as `watch` shows it.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use linewright_line::{Line, StationId};
+use linewright_node_shell::RosArgs;
+use serde_json::json;
+
+use super::CellClient;
+use super::operate::CONNECT;
+use crate::client::OperatorClient;
+use crate::load;
+use crate::out::{self, say};
+use crate::states::StationJson;
+use crate::watch;
+
+/// Ask why something does not go on: a line, a station; of a cell also a part, a production order or a resource.
+#[derive(Debug, Args)]
+pub struct WhyArgs {
+    /// The directory of a line or cell, or its description file.
+    line: PathBuf,
+    /// A station, by its name; of a cell also a part, by its number (7, or "part 7"), or a production order or a resource, by its
+    /// name. None: every station.
+    about: Vec<String>,
+    /// One JSON object on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+/// `linewright why`
+pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let about = args.about.join(" ");
+    let is_cell = load::files_of(&args.line).cell.is_some();
+    let line = if is_cell { load::line_of_cell(&args.line)? } else { load::line(&args.line, true)? };
+    let named = line.station_named(&about);
+    let (mut reasons, mut stations) = (Vec::new(), Vec::new());
+    match (about.is_empty(), is_cell) {
+        (true, _) => stations.extend(line.station_ids()),
+        (false, false) => stations.push(load::station(&line, &about)?),
+        (false, true) => {
+            stations.extend(station_of(&args, &line, &about)?.or(named));
+            let mut client = CellClient::open(&line, ros, "why")?;
+            client.until_heard(CONNECT).await?;
+            match client.why(&about).await {
+                Ok(lines) => reasons = lines,
+                // The coordinator answers about resources, the stations answer for themselves.
+                Err(_) if named.is_some() => (),
+                Err(unknown) => return Err(unknown),
+            }
+        }
+    }
+    let mut lines = reasons.clone();
+    let mut objects = Vec::new();
+    if !stations.is_empty() {
+        let client = heard(&line, ros).await?;
+        if about.is_empty() {
+            lines.extend(watch::mode(&line.title, client.coordinator(), usize::MAX));
+        }
+        for id in stations {
+            let (name, state) = (&line.station(id).name, client.station(id));
+            lines.extend(watch::station(name, state, usize::MAX));
+            objects.push(StationJson::of(name, state));
+        }
+    }
+    if args.json {
+        out::json(&json!({ "about": about, "reasons": reasons, "stations": objects }))?;
+    } else {
+        say!("{}", lines.join("\n"));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The station of a resource of that name, if there are both.
+fn station_of(args: &WhyArgs, line: &Line, name: &str) -> miette::Result<Option<StationId>> {
+    let cell = load::cell_of(&args.line, line)?;
+    let resource = cell.as_ref().and_then(|cell| cell.resources.iter().find(|resource| resource.name == name));
+    let controller = resource.and_then(|resource| resource.controller).zip(cell.as_ref());
+    Ok(controller.and_then(|(id, cell)| line.station_named(&cell.controllers[id.index()])))
+}
+
+/// An operator's view of the line in which every station that is there was heard.
+async fn heard(line: &Line, ros: &RosArgs) -> miette::Result<OperatorClient> {
+    let mut client = OperatorClient::open(line, ros, "why_line")?;
+    client.until_connected(CONNECT).await?;
+    client.listen(line.timing.refresh * 4).await?;
+    Ok(client)
+}

@@ -1,0 +1,77 @@
+//! Whether the station of a resource stands where the next can be done with the resource.
+//!
+//! A machine that rests clamped is told to clamp when the next part comes, and takes that on only at its open rest. Where the
+//! model changes and the station does not (a part was taken away by hand, or brought), nothing would ever begin there. Then the
+//! resource is left out, and an alarm names the rest and the way to it. The coordinator does not move the station by itself:
+//! somebody has just reached into it. In hand mode, by a held button, whoever answers sees what moves.
+
+use linewright_line::{RestId, StationId, Tick};
+
+use super::super::ids::{AlarmId, ModeId, ResourceId};
+use super::super::orders::PlayerOutbox;
+use super::super::player::Coordination;
+use super::fact::{AlarmSubject, ExceptionStep, OutOfServiceReason};
+use crate::texts::alarm;
+
+/// A station that stands at another rest than the model has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct WrongRest {
+    pub resource: ResourceId,
+    pub station: StationId,
+    /// Where it stands.
+    pub stands: RestId,
+    /// Where this mode begins, which is next.
+    pub wanted: RestId,
+    pub next: ModeId,
+    /// By the model there is a part.
+    pub has_part: bool,
+}
+
+impl Coordination {
+    /// Where the station of a resource should stand and does not; none as well where that cannot be said: something is under way
+    /// there, its rest is not known, there is room for several parts, or one of the next activities tells the station nothing.
+    fn wrong_rest(&self, resource: ResourceId) -> Option<WrongRest> {
+        let (state, table) = (&self.state, self.state.table());
+        let handling = table.handling();
+        let of = handling.resource(resource).filter(|of| of.is_single && !of.has.is_empty())?;
+        let station = of.station?;
+        let stands = self.watch.seen(station)?.heard.rest?;
+        if self.is_in_use(resource, None) {
+            return None;
+        }
+        let has_part = self.has_parts(resource);
+        let next: Vec<ModeId> = if has_part {
+            let with_part = of.has.iter().filter(|&&cell| state.marking().count(cell) > 0);
+            with_part.flat_map(|&cell| table.consumers(cell)).copied().collect()
+        } else {
+            let brings = |mode: &ModeId| {
+                let handled = handling.mode(*mode);
+                handled.to == Some(resource) && handled.from != Some(resource)
+            };
+            table.modes().filter(brings).collect()
+        };
+        let begins =
+            |mode: ModeId| handling.mode(mode).begins.iter().find(|(id, _)| *id == station).map(|(_, rest)| *rest);
+        let wanted: Vec<(ModeId, RestId)> =
+            next.iter().map(|&mode| Some((mode, begins(mode)?))).collect::<Option<_>>()?;
+        let &(next, rest) = wanted.first().filter(|_| wanted.iter().all(|(_, rest)| *rest != stands))?;
+        Some(WrongRest { resource, station, stands, wanted: rest, next, has_part })
+    }
+
+    /// Leaves a resource out whose station stands at a rest where nothing can be done with it, with an alarm that says what to
+    /// do; whether that is so.
+    pub(super) fn stands_wrong(&mut self, now: Tick, resource: ResourceId, out: &mut PlayerOutbox) -> bool {
+        let Some(found) = self.wrong_rest(resource) else { return false };
+        if self.state.exceptions().is_down(resource).is_none() {
+            self.except(now, ExceptionStep::Down { resource, why: OutOfServiceReason::Rest }, out);
+        }
+        let about = AlarmSubject::Resource(resource);
+        let text = alarm::wrong_rest(&self.state, &found);
+        let stands = self.state.exceptions().alarms().any(|alarm| alarm.about == about && alarm.text == text);
+        if !stands {
+            let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
+            self.except(now, ExceptionStep::Alarmed { alarm, about, text, words: vec![alarm::UP.to_owned()] }, out);
+        }
+        true
+    }
+}

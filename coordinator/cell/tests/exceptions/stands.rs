@@ -1,0 +1,148 @@
+//! Where stations stand when an answer is given, and when their resources are counted on again.
+
+use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes, why_not, why_out};
+use linewright_coordinator_cell::exception::{
+    AlarmAnswerRefusal, AlarmSubject, ExceptionStep, OutOfServiceReason, ResourceRequest,
+};
+use linewright_coordinator_cell::{PartId, PlayerInput, Presence, StationUnavailable};
+use linewright_line::RestId;
+
+use super::bench::{Bench, workcell};
+
+const OPEN: RestId = RestId(0);
+const CLAMPED: RestId = RestId(1);
+const LOAD: &str = "load M1<A.new>";
+
+/// A part is taken out of M1 by hand while the clamp is closed on it: the model has room there, and nothing would open the clamp.
+#[test]
+fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
+    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    bench.at("m1").rest = Some(CLAMPED);
+    let (part, _) = bench.taken_away(LOAD, "m1", "M1.loaded<A.new>");
+    let m1 = bench.resource("M1");
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let missing = bench.alarm().id;
+    bench.answer("gone");
+    assert!(bench.steps().iter().any(|step| matches!(step, ExceptionStep::Missing { part: of, .. } if *of == part)));
+    assert_eq!(bench.objections(), [], "the answer itself is taken");
+    assert!(bench.alarm().id > missing);
+    assert_eq!(
+        (bench.alarm().about, bench.alarm().text.as_str()),
+        (
+            AlarmSubject::Resource(m1),
+            "m1 stands at rest \"clamped\", but M1 has no part, and load M1 begins at \"open\": M1 is not used. Bring m1 to \
+             \"open\": in hand mode hold PB_clear_1 (task \"clear\"). Then answer \"up\"."
+        )
+    );
+    bench.answer("up");
+    let asked = ResourceRequest::Answer(bench.alarm().id);
+    assert_eq!(bench.objections(), [(asked, AlarmAnswerRefusal::WrongRest(m1))]);
+    // Nothing was ordered of it meanwhile.
+    assert!(bench.firing(LOAD).is_none() && bench.state().exceptions().is_down(m1).is_some());
+    bench.at("m1").rest = Some(OPEN);
+    bench.hear();
+    bench.answer("up");
+    assert_eq!((bench.down(), bench.state().exceptions().alarms().len()), (vec![], 0));
+}
+
+/// The same after an activity has failed, whatever was answered; and over a restart of the coordinator.
+#[test]
+fn an_answer_that_leaves_a_station_at_the_wrong_rest_is_followed_by_an_alarm() {
+    for (word, crash) in [("in-store", false), ("scrap", false), ("in-store", true)] {
+        let mut bench = Bench::c1_of_its_line(&[1, 0]);
+        let firing = bench.load_fails();
+        bench.at("m1").rest = Some(CLAMPED);
+        bench.hear();
+        if crash {
+            bench.sim.options.crash_at = vec![bench.sim.steps + 1];
+        }
+        if word == "scrap" {
+            bench.sim.truth.take_away(firing.id);
+        }
+        bench.answer(word);
+        if crash {
+            bench.hear();
+            bench.answer(word);
+        }
+        bench.closed(firing.id);
+        assert_eq!(bench.sim.lives, 1 + usize::from(crash));
+        assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Rest)], "{word}");
+        let text = bench.alarm().text.clone();
+        assert!(text.starts_with("m1 stands at rest \"clamped\", but M1 has no part"), "{word}: {text}");
+        let why = why_out(&bench.sim.coordination, bench.sim.now, bench.resource("M1"));
+        assert!(
+            why[0].ends_with("station at another rest than its next task begins at.") && why[1].contains(&text),
+            "{why:?}"
+        );
+    }
+}
+
+/// At the rest that the model has nothing is asked: with a part at the one where it is worked on.
+#[test]
+fn a_station_at_the_rest_of_the_model_is_left_in_service() {
+    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    let firing = bench.load_fails();
+    bench.sim.truth.put(PartId(1), Some(bench.resource("M1")));
+    bench.at("m1").rest = Some(CLAMPED);
+    bench.hear();
+    bench.answer("in-machine");
+    bench.closed(firing.id);
+    assert_eq!(bench.down(), []);
+}
+
+/// Whoever leads a station on from between two rests may lead the part with it: until then every answer but `carrier` is a guess.
+#[test]
+fn no_answer_closes_an_activity_whose_station_stands_half_way() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.at("robot").holds = true;
+    let firing = bench.load_fails();
+    let text = bench.alarm().text.clone();
+    assert!(text.starts_with("First lead robot to a rest in manual. R came to M1"), "{text}");
+    let (robot, asked) = (bench.station("robot"), ResourceRequest::Answer(bench.alarm().id));
+    for word in ["in-store", "in-machine", "scrap"] {
+        bench.answer(word);
+        assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(robot))), "{word}");
+    }
+    bench.hear();
+    assert!(bench.firing(LOAD).is_some() && bench.count("M1.available-capacity") == 0, "M1 is kept");
+    let now = bench.sim.now;
+    bench.at("robot").holds = false;
+    bench.at("robot").bring_to_rest(now);
+    bench.hear();
+    bench.answer("in-store");
+    bench.closed(firing.id);
+    assert_eq!(bench.down(), []);
+    bench.all_leave(1);
+}
+
+/// A coordinator without its log: a station that was heard before its sensor was read leaves the comparison open, also where the
+/// activity orders nothing of it.
+#[test]
+fn nothing_starts_at_a_machine_whose_sensor_was_not_read_yet() {
+    let order = "  { station = \"m1\", task = \"clamp\", max_s = 26 },\n";
+    assert!(workcell().contains(order));
+    let mut bench = Bench::new(&workcell().replacen(order, "", 1), &[1, 0]);
+    bench.sim.senses = false;
+    for name in ["robot", "m1", "m2", "m3"] {
+        bench.at(name).presence = if name == "m1" { Presence::Unread } else { Presence::Off };
+    }
+    bench.at("m2").unable = Some(StationUnavailable::ByHand);
+    bench.until(20.0);
+    assert_eq!(bench.state().firings().len(), 0);
+    let ways = ShortestRoutes::new(&bench.table);
+    let why = why_not(&ways, &Reasons::default(), &bench.sim.coordination, bench.sim.now, PartId(1));
+    assert_eq!(
+        why[1],
+        "`load M1`: M1: presence sensor not read yet; after a restart it is compared with the model first."
+    );
+    // Read at last, it sees a part that no log knows.
+    bench.at("m1").presence = Presence::On;
+    bench.hear();
+    assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Mismatch)]);
+    bench.at("m1").presence = Presence::Off;
+    bench.hear();
+    let up = PlayerInput::Resource { resource: bench.resource("M1"), up: true };
+    bench.say(up);
+    bench.hear();
+    assert!(bench.firing(LOAD).is_some());
+}
