@@ -224,7 +224,9 @@ impl WatchState {
             }
             None => {
                 let silent = self.line.station_ids().map(|id| client.silent_for(id));
-                states.extend(stations.zip(silent).flat_map(|((name, state), silent)| station(name, state, silent, width)));
+                states.extend(
+                    stations.zip(silent).flat_map(|((name, state), silent)| station(name, state, silent, width)),
+                );
             }
         }
         let head: Vec<String> = self.head.iter().flat_map(|line| wrapped(line, 4, width)).collect();

@@ -383,9 +383,9 @@ impl Session {
         }
         let limit = self.patience.as_secs_f64();
         let has_left_auto = self.phase == RunPhase::Running && now.1 != Some(StationState::MODE_AUTO);
-        if has_left_auto && now.1 != mode && self.ends() {
-            let text = format!("auto ended in {}; lead on and give auto, for {limit:.0} s at most", self.why());
-            self.note(text);
+        if has_left_auto && mode == Some(StationState::MODE_AUTO) && self.ends() {
+            let ends = format!("without a change of the mode the run ends in {limit:.0} s");
+            self.note(format!("auto ended: {}. Recover the line and give auto; {ends}", self.why()));
         }
         let went_on = self.cell.as_ref().map_or(self.progress.1, |cell| self.progress.1.max(cell.since()));
         if self.ends() && went_on.elapsed() > self.patience {

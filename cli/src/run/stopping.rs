@@ -78,9 +78,14 @@ mod tests {
             [(false, 3, StopStep::Command), (true, 3, StopStep::Stands), (false, 4, StopStep::Stands)]
         {
             let line = LineState { mode: stand_by, ..LineState::default() };
-            let at = |round| StationState { mode: stand_by, stopped: true, at_home: true, round, ..StationState::default() };
+            let at =
+                |round| StationState { mode: stand_by, stopped: true, at_home: true, round, ..StationState::default() };
             let stations = [StationState { selector_manual, ..at(3) }, at(round)];
-            assert_eq!(next_step(Some(&line), &[Some(&stations[0]), Some(&stations[1])]), expected, "{selector_manual} {round}");
+            assert_eq!(
+                next_step(Some(&line), &[Some(&stations[0]), Some(&stations[1])]),
+                expected,
+                "{selector_manual} {round}"
+            );
         }
         let line = LineState { mode: stand_by, ..LineState::default() };
         assert_eq!(next_step(Some(&line), &[None]), StopStep::Wait, "not heard");

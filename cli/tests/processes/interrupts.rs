@@ -89,5 +89,5 @@ fn a_run_of_some_cycles_goes_on_after_a_fault_and_ends_with_1() {
     let (code, report) = rig.ended();
     assert_eq!((code, &report["mode"], &report["cycles"]), (1, &"home".into(), &3.into()), "{report}");
     let error = report["error"].as_str().expect("a reason");
-    assert!(error.starts_with("1 fault on the way: clamp_1 advance clamp"), "{error}");
+    assert!(error.starts_with("1 fault on the way: clamp_1 stopped advance clamp"), "{error}");
 }

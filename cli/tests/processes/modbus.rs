@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use linewright_msgs::StationState;
 
-use crate::support::rig::{Rig, line, send_signal};
+use crate::support::rig::{BUS, Rig, line, send_signal};
 use crate::support::{PATIENCE, wait_for};
 
 const UNIT: u8 = 1;
@@ -56,6 +56,17 @@ fn a_station_runs_in_modbus_stops_at_once_and_names_a_device_that_is_gone() {
     assert!(off, "an emergency stop turns its coils off");
     operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
     operator.say("reset");
+    operator.recover();
+    operator.cycles(1);
+
+    // A fault signal that is stuck, by its name.
+    let fail = |more: &[&str]| rig.said(&["fail"], &[more, &["--bus", BUS]].concat());
+    let said = fail(&["clamp_1", "stuck-on", "--input", "low_pressure"]).expect("the simulated device takes it");
+    assert!(said.contains(&format!("clamp 1 io (127.0.0.1:{port} unit 1): low_pressure stuck-on")), "{said}");
+    operator.wait("the clamp says why", |heard| heard.station("clamp_1").fault.contains("low_pressure"));
+    let refused = fail(&["clamp_1", "lossy"]).expect_err("frames are CAN's");
+    assert!(refused.contains("a device in Modbus can be silent, reboot or no-boot"), "{refused}");
+    fail(&["clamp_1", "clear"]).expect("all is well");
     operator.recover();
     operator.cycles(1);
 
