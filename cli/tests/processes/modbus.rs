@@ -49,16 +49,6 @@ fn a_station_runs_in_modbus_stops_at_once_and_names_a_device_that_is_gone() {
     let operator = rig.in_auto();
     operator.cycles(2);
 
-    let caught = wait_for(PATIENCE, || coils(port) & 0b10 != 0);
-    assert!(caught, "the clamp closes");
-    operator.say("estop");
-    let off = wait_for(Duration::from_millis(1500), || coils(port) == 0);
-    assert!(off, "an emergency stop turns its coils off");
-    operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
-    operator.say("reset");
-    operator.recover();
-    operator.cycles(1);
-
     // A fault signal that is stuck, by its name.
     let fail = |more: &[&str]| rig.said(&["fail"], &[more, &["--bus", BUS]].concat());
     let said = fail(&["clamp_1", "stuck-on", "--input", "low_pressure"]).expect("the simulated device takes it");
@@ -67,6 +57,16 @@ fn a_station_runs_in_modbus_stops_at_once_and_names_a_device_that_is_gone() {
     let refused = fail(&["clamp_1", "lossy"]).expect_err("frames are CAN's");
     assert!(refused.contains("a device in Modbus can be silent, reboot or no-boot"), "{refused}");
     fail(&["clamp_1", "clear"]).expect("all is well");
+    operator.recover();
+    operator.cycles(1);
+
+    let caught = wait_for(PATIENCE, || coils(port) & 0b10 != 0);
+    assert!(caught, "the clamp closes");
+    operator.say("estop");
+    let off = wait_for(Duration::from_millis(1500), || coils(port) == 0);
+    assert!(off, "an emergency stop turns its coils off");
+    operator.wait("e-stop", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
+    operator.say("reset");
     operator.recover();
     operator.cycles(1);
 
