@@ -90,10 +90,6 @@ enum RunPhase {
 
 /// Interval of the messages that name what a stop waits for.
 const STOP_SAID_EVERY: Duration = Duration::from_secs(5);
-/// A run goes on from an earlier one's journals, and its simulated machine does not.
-const ANEW: &str = "the simulated machine begins at home, empty, and its stations go on from their journals. Where one was stopped \
-                    elsewhere, `position lost` follows: lead it home in manual or give `linewright rejoin`, or start with \
-                    another --state-dir";
 /// How often a command is repeated until its effect is seen: it is not latched, and discovery takes a moment.
 const REPEAT: Duration = Duration::from_millis(300);
 
@@ -119,7 +115,7 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir), &load::files_of(&args.line))?;
     let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
     if scratch.remembers && !args.no_plant {
-        session.note(ANEW.to_owned());
+        session.note(directory::ANEW.to_owned());
     }
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, &args.parts, &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &scratch.dir, session.virtual_bus) {
