@@ -82,7 +82,7 @@ fn a_station_runs_in_modbus_stops_at_once_and_names_a_device_that_is_gone() {
     operator.wait("the console is lost", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
     send_signal("CONT", plant);
     operator.wait("its devices are back", |heard| heard.all(|state| state.devices_valid));
-    operator.order("reset", StationState::MODE_STANDBY);
+    operator.say("reset");
     operator.recover();
     operator.cycles(1);
     operator.go_home();
