@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use linewright_fieldbus::Clock;
 use linewright_line::{Line, StationId};
-use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
+use linewright_msgs::{Flag, Header, LineState, StationEvent, StationState, Text};
 use linewright_node_shell::{
     Forward, Participant, Publisher, RosArgs, RosNode, TopicError, forward, qos, watch_middleware,
 };
@@ -15,7 +15,9 @@ use linewright_station_shell::NewestBySequence;
 use miette::miette;
 use tokio::sync::mpsc;
 
-/// A newer message was received.
+use crate::pace::MessagePace;
+
+/// Something newer was heard.
 #[derive(Debug)]
 pub enum StateUpdate {
     /// The coordinator's state.
@@ -48,6 +50,8 @@ pub struct OperatorClient {
     clock: Clock,
     newest_line: NewestBySequence,
     newest: Vec<NewestBySequence>,
+    line_pace: MessagePace,
+    paces: Vec<MessagePace>,
     commands: Publisher<Text>,
     buttons: Publisher<Text>,
     node: RosNode,
@@ -90,6 +94,7 @@ impl OperatorClient {
             let event = node.subscription(&format!("{}/event", station.name), qos::event()).map_err(failed)?;
             tasks.push(forward(event, to.clone(), |m, _| Some(RawState::Event(m))));
         }
+        let pace = MessagePace::new(line.timing.refresh, line.timing.stale * SHOWN_FOR);
         Ok(OperatorClient {
             from,
             line_state: None,
@@ -97,6 +102,8 @@ impl OperatorClient {
             clock: Clock::start(),
             newest_line: NewestBySequence::new(line.timing.stale),
             newest: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
+            paces: vec![pace.clone(); line.stations.len()],
+            line_pace: pace,
             commands: node.publisher("mode_cmd", qos::command()).map_err(failed)?,
             buttons: node.publisher("buttons", qos::command()).map_err(failed)?,
             line: line.clone(),
@@ -117,9 +124,24 @@ impl OperatorClient {
         self.line_state.as_ref().filter(|aged| self.is_fresh(aged.at)).map(|aged| &aged.state)
     }
 
+    /// Whether a coordinator was heard at all.
+    pub fn has_heard_coordinator(&self) -> bool {
+        self.line_state.is_some()
+    }
+
     /// A station's newest state, if it is fresh.
     pub fn station(&self, id: StationId) -> Option<&StationState> {
         self.stations[id.index()].as_ref().filter(|aged| self.is_fresh(aged.at)).map(|aged| &aged.state)
+    }
+
+    /// How long the coordinator, which was heard, is not heard any more.
+    pub fn coordinator_silent_for(&self) -> Option<Duration> {
+        self.line_state.as_ref().filter(|aged| !self.is_fresh(aged.at)).map(|aged| aged.at.elapsed())
+    }
+
+    /// How long a station that was heard is not heard any more.
+    pub fn silent_for(&self, id: StationId) -> Option<Duration> {
+        self.stations[id.index()].as_ref().filter(|aged| !self.is_fresh(aged.at)).map(|aged| aged.at.elapsed())
     }
 
     fn is_fresh(&self, at: Instant) -> bool {
@@ -148,6 +170,9 @@ impl OperatorClient {
                 if !self.newest_line.offer(now, state.boot_id, state.sequence) {
                     return None;
                 }
+                if !self.line_pace.offer(now, seconds(&state.header)) {
+                    return None;
+                }
                 self.line_state = Some(StampedState { state, at });
                 Some(StateUpdate::Line)
             }
@@ -157,6 +182,9 @@ impl OperatorClient {
                 if !fits || !self.newest[id.index()].offer(now, state.boot_id, state.sequence) {
                     return None;
                 }
+                if !self.paces[id.index()].offer(now, seconds(&state.header)) {
+                    return None;
+                }
                 self.stations[id.index()] = Some(StampedState { state: *state, at });
                 Some(StateUpdate::Station(id))
             }
@@ -164,7 +192,19 @@ impl OperatorClient {
         }
     }
 
-    /// Takes in all messages for as long as `long`.
+    /// Waits until the coordinator and every station are heard as they are now, for so long at most; gives whether they are.
+    pub async fn until_all_heard(&mut self, within: Duration) -> miette::Result<bool> {
+        let deadline = Instant::now() + within;
+        loop {
+            let is_all = self.coordinator().is_some() && self.line.station_ids().all(|id| self.station(id).is_some());
+            if is_all || Instant::now() >= deadline {
+                return Ok(is_all);
+            }
+            self.listen(Duration::from_millis(30)).await?;
+        }
+    }
+
+    /// Takes in whatever is heard for as long as `long`.
     pub async fn listen(&mut self, long: Duration) -> miette::Result<()> {
         let until = tokio::time::Instant::now() + long;
         while let Ok(heard) = tokio::time::timeout_at(until, self.next()).await {
@@ -212,6 +252,15 @@ impl OperatorClient {
                 return self.listen(Duration::from_millis(150)).await;
             }
         }
-        Err(not_heard(&format!("line '{}'", self.line.name), self.domain_id))
+        Err(self.nobody())
     }
+
+    /// Error: no coordinator of this line is heard.
+    pub fn nobody(&self) -> miette::Report {
+        not_heard(&format!("line '{}'", self.line.name), self.domain_id)
+    }
+}
+
+fn seconds(header: &Header) -> f64 {
+    f64::from(header.stamp.sec) + f64::from(header.stamp.nanosec) * 1e-9
 }

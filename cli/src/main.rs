@@ -23,6 +23,7 @@ mod new;
 mod nodes;
 mod operate;
 mod out;
+mod pace;
 mod report;
 mod run;
 mod schema;

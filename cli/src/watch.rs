@@ -49,26 +49,11 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     };
     let mut client = OperatorClient::open(&line, ros, "watch")?;
     let mut cell = files.cell.map(|_| CellClient::open(&line, ros, "watch_cell")).transpose()?;
-    client.until_connected(Duration::from_secs(5)).await?;
     let mut view = WatchState::new(&line);
     if args.once || args.json || !std::io::stdout().is_terminal() {
-        if let Some(cell) = &mut cell {
-            let down = cell.until_heard(Duration::from_secs(5)).await?.down.clone();
-            view.out_of_service = cell.reasons(down.as_slice().to_vec()).await;
-        }
-        let until = tokio::time::Instant::now() + line.timing.refresh * 4;
-        while let Ok(heard) = tokio::time::timeout_at(until, client.next()).await {
-            drop(view.take(&heard?));
-        }
-        let state = cell.as_ref().and_then(CellClient::state);
-        if args.json {
-            let cell = state.map(|state| CellWatchJson::of(state, &view.out_of_service));
-            crate::out::json(&LineJson::of(&client, cell))?;
-        } else {
-            crate::out::say!("{}", view.picture(&client, state, (100, usize::MAX)).join("\n"));
-        }
-        return Ok(ExitCode::SUCCESS);
+        return once(&args, &mut client, cell, view).await;
     }
+    client.until_connected(HEARD_WITHIN).await?;
     let mut screen = Screen::open()?;
     let mut ticks = tokio::time::interval(PICTURE_EVERY);
     let mut reasons = tokio::time::interval(REASONS_EVERY);
@@ -97,6 +82,44 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// One picture, of what is heard now: 1 where something is not.
+async fn once(
+    args: &Args,
+    client: &mut OperatorClient,
+    mut cell: Option<CellClient>,
+    mut view: WatchState,
+) -> miette::Result<ExitCode> {
+    let is_all = client.until_all_heard(HEARD_WITHIN).await?;
+    let is_any = client.coordinator().is_some() || client.line().station_ids().any(|id| client.station(id).is_some());
+    if !is_any {
+        return Err(client.nobody());
+    }
+    if let Some(cell) = cell.as_mut().filter(|_| client.coordinator().is_some()) {
+        let down = cell.until_heard(HEARD_WITHIN).await?.down.clone();
+        view.out_of_service = cell.reasons(down.as_slice().to_vec()).await;
+    }
+    let until = tokio::time::Instant::now() + client.line().timing.refresh * 4;
+    while let Ok(heard) = tokio::time::timeout_at(until, client.next()).await {
+        drop(view.take(&heard?));
+    }
+    let state = cell.as_ref().and_then(CellClient::heard_lately);
+    if args.json {
+        let cell = state.map(|state| CellWatchJson::of(state, &view.out_of_service));
+        crate::out::json(&LineJson::of(client, cell))?;
+    } else {
+        crate::out::say!("{}", view.picture(client, state, (100, usize::MAX)).join("\n"));
+    }
+    if !is_all {
+        let limit = HEARD_WITHIN.as_secs();
+        let stations = client.line().station_ids().filter(|id| client.station(*id).is_none());
+        let coordinator = client.coordinator().is_none().then_some("the coordinator");
+        let names = stations.map(|id| client.line().station(id).name.as_str());
+        let missing: Vec<&str> = coordinator.into_iter().chain(names).collect();
+        crate::out::complain!("not heard within {limit} s: {}", missing.join(", "));
+    }
+    Ok(if is_all { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
 async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
     match cell {
         Some(cell) => cell.next().await.map(drop),
@@ -111,6 +134,8 @@ async fn answered(asked: &mut Option<LocalBoxFuture<'static, ReasonsByResource>>
     }
 }
 
+/// Who is not heard so long is not heard.
+const HEARD_WITHIN: Duration = Duration::from_secs(5);
 /// Often enough for an eye.
 pub const PICTURE_EVERY: Duration = Duration::from_millis(100);
 /// Period of requests for the reasons why resources are left out.
@@ -190,14 +215,19 @@ impl WatchState {
         (width, height): (usize, usize),
     ) -> Vec<String> {
         let stations = self.line.station_ids().map(|id| (self.line.station(id).name.as_str(), client.station(id)));
-        let mut states = mode(&self.line.title, client.coordinator(), width);
+        let mut states = mode(&self.line.title, client.coordinator(), client.coordinator_silent_for(), width);
         match cell {
             Some(cell) => {
                 let is_stopped = client.coordinator().is_some_and(|state| state.mode == StationState::MODE_ESTOP);
                 let size = (width, height.saturating_sub(states.len()));
                 states.extend(cell::picture(cell, &self.out_of_service, stations, is_stopped, now(), size));
             }
-            None => states.extend(stations.flat_map(|(name, state)| station(name, state, width))),
+            None => {
+                let silent = self.line.station_ids().map(|id| client.silent_for(id));
+                states.extend(
+                    stations.zip(silent).flat_map(|((name, state), silent)| station(name, state, silent, width)),
+                );
+            }
         }
         let head: Vec<String> = self.head.iter().flat_map(|line| wrapped(line, 4, width)).collect();
         let mut messages: Vec<String> = self.messages.iter().flat_map(|line| wrapped(line, 4, width)).collect();
@@ -234,10 +264,10 @@ impl WatchState {
 }
 
 /// The mode, with an empty line below it.
-pub fn mode(title: &str, line: Option<&LineState>, width: usize) -> Vec<String> {
+pub fn mode(title: &str, line: Option<&LineState>, silent: Option<Duration>, width: usize) -> Vec<String> {
     let mut lines = match line {
         Some(state) => wrapped(&format!("{title} — mode: {}", state.text), 4, width),
-        None => wrapped(&format!("{title}: no state received from the coordinator"), 4, width),
+        None => wrapped(&format!("{title}: no state received from the coordinator{}", for_how_long(silent)), 4, width),
     };
     if let Some(state) = line.filter(|state| !state.refusal.is_empty()) {
         lines.extend(wrapped(&format!("last refusal: {}", state.refusal), 4, width));
@@ -246,9 +276,13 @@ pub fn mode(title: &str, line: Option<&LineState>, width: usize) -> Vec<String> 
     lines
 }
 
+fn for_how_long(silent: Option<Duration>) -> String {
+    silent.map_or_else(String::new, |silent| format!(" for {} s", silent.as_secs()))
+}
+
 /// A station with its fault and what it waits for.
-pub fn station(name: &str, state: Option<&StationState>, width: usize) -> Vec<String> {
-    let Some(state) = state else { return vec![format!("{name:12} no state received")] };
+pub fn station(name: &str, state: Option<&StationState>, silent: Option<Duration>, width: usize) -> Vec<String> {
+    let Some(state) = state else { return vec![format!("{name:12} no state received{}", for_how_long(silent))] };
     let mut lines = wrapped(&format!("{name:12} cycle {:<4} {}", state.cycle, state.operation), 15, width);
     if !state.fault.is_empty() {
         lines.extend(wrapped(&format!("{:12} FAULT {}", "", state.fault), 15, width));
@@ -333,14 +367,22 @@ mod tests {
         };
         let line = LineState { text: "e-stop, not reset; give reset, then manual".to_owned(), ..LineState::default() };
         let stations = [("transfer", None), ("clamp_1", Some(&clamp)), ("mill_1", Some(&clamp))];
-        let mut lines = mode("Transfer line", Some(&line), 60);
-        lines.extend(stations.into_iter().flat_map(|(name, state)| station(name, state, 60)));
+        let mut lines = mode("Transfer line", Some(&line), None, 60);
+        lines.extend(stations.into_iter().flat_map(|(name, state)| station(name, state, None, 60)));
         assert!(lines.iter().all(|line| line.chars().count() <= 60), "{lines:#?}");
         assert!(lines.len() < 24, "{lines:#?}");
         let whole = lines.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
         for part in [reason, &clamp.fault, "mode: e-stop, not reset; give reset, then manual"] {
             assert!(whole.contains(part), "{part}: {lines:#?}");
         }
+    }
+
+    #[test]
+    fn what_is_not_heard_any_more_is_so_for_how_long() {
+        assert_eq!(station("mill_1", None, None, 60), ["mill_1       no state received"]);
+        let silent = Some(Duration::from_millis(12_700));
+        assert_eq!(station("mill_1", None, silent, 60), ["mill_1       no state received for 12 s"]);
+        assert_eq!(mode("Line", None, silent, 60)[0], "Line: no state received from the coordinator for 12 s");
     }
 
     #[test]

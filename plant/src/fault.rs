@@ -35,7 +35,46 @@ pub enum MotionFault {
     Drop = 6,
 }
 
-/// Writes to a simulated device: index and subindex, and a number. The order matters.
+/// What goes wrong with an input: a switch, a sensor, a contact of the console. Lasts until it is cleared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum InputFault {
+    /// It stays on.
+    StuckOn,
+    /// It stays off.
+    StuckOff,
+}
+
+impl InputFault {
+    pub const ALL: [InputFault; 2] = [InputFault::StuckOn, InputFault::StuckOff];
+
+    /// The word for it, in scenarios and in `linewright fail`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            InputFault::StuckOn => "stuck-on",
+            InputFault::StuckOff => "stuck-off",
+        }
+    }
+
+    /// What happens, for people.
+    pub const fn about(self) -> &'static str {
+        match self {
+            InputFault::StuckOn => "The input stays on, whatever the machine does.",
+            InputFault::StuckOff => "The input stays off, whatever the machine does.",
+        }
+    }
+
+    /// The value it is held at.
+    pub const fn value(self) -> bool {
+        matches!(self, InputFault::StuckOn)
+    }
+
+    /// What is written to a device to hold its input bit so, or to let it go (`None`).
+    pub fn orders(bit: u8, fault: Option<InputFault>) -> ObjectWrites {
+        vec![((PRESS_INDEX, bit + 1), fault.map_or(2, |fault| u32::from(fault.value())))]
+    }
+}
+
+/// What is written to a simulated device: index and subindex, and a number. The order matters.
 pub type ObjectWrites = Vec<((u16, u8), u32)>;
 
 /// The word for the end of a fault, in scenarios and in `linewright fail`.

@@ -27,8 +27,8 @@ pub use device::{
     PlantEffect,
 };
 pub use fault::{
-    CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, HOLD_INDEX, MotionFault, ObjectWrites, PRESS_INDEX, STUCK_INDEX,
-    TROUBLE_INDEX,
+    CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, HOLD_INDEX, InputFault, MotionFault, ObjectWrites, PRESS_INDEX,
+    STUCK_INDEX, TROUBLE_INDEX,
 };
 pub use parts::{NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
 pub use plant::{Plant, PlantOptions};

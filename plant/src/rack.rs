@@ -3,14 +3,15 @@
 //! Pure: frames and time in, frames out. Every device sees every frame, as on a bus; what one device sends is not
 //! shown to the others, which have no use for it.
 
+use linewright_canopen::codec::Abort;
 use linewright_canopen::{Frame, NodeId};
 use linewright_line::{Device, DeviceBus, DeviceKind, Drive, DriveMode, Line, OutputId, Owner, StationId, Tick};
 
 use crate::device::{
-    CanDevice, DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ModbusNode, ModbusRequest, ModbusResponse,
-    PlantEffect,
+    CanDevice, DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ILLEGAL_VALUE, ModbusNode, ModbusRequest,
+    ModbusResponse, PlantEffect,
 };
-use crate::fault::{DeviceFault, MotionFault};
+use crate::fault::{DeviceFault, FAULT_INDEX, MotionFault};
 use crate::plant::{Plant, PlantOptions};
 use crate::wire::{FaultyWire, FrameFaults};
 
@@ -145,6 +146,16 @@ impl Rack {
     ) -> Option<Result<ModbusResponse, u8>> {
         // Everything else at this moment first: the switches are read as they are now.
         self.poll(now, out);
+        if let ModbusRequest::Suffer { device, object, value } = request {
+            let here = |slot: &RackSlot| {
+                let RackNode::Modbus(node) = &slot.node else { return false };
+                node.is_at(address, unit) && slot.device.name == *device
+            };
+            let at = self.slots.iter().position(here)?;
+            let suffered = self.suffer(now, at, *object, *value);
+            self.carry_inputs(now, out);
+            return Some(suffered.map(|()| ModbusResponse::Written).map_err(|_| ILLEGAL_VALUE));
+        }
         let mut answer = None;
         for slot in &mut self.slots {
             let RackNode::Modbus(node) = &mut slot.node else { continue };
@@ -157,6 +168,28 @@ impl Rack {
         self.carry_axes(now);
         self.carry_inputs(now, out);
         answer
+    }
+
+    /// A device in Modbus is made to fail, as a CANopen device is by its objects 5F00h and 5F01h.
+    fn suffer(&mut self, now: Tick, at: usize, object: (u16, u8), value: u32) -> Result<(), Abort> {
+        if object == (FAULT_INDEX, 0) {
+            let fault = DeviceFault::from_code(value)?;
+            if matches!(fault, Some(DeviceFault::NoHeartbeat)) {
+                return Err(Abort::VALUE);
+            }
+            self.slots[at].node.inject(now, fault);
+            if fault.is_none() {
+                self.perform(now, at, PlantEffect::ClearAll);
+            }
+            return Ok(());
+        }
+        let device = &self.slots[at].device;
+        let effect = PlantEffect::of(object, value, device.input_bits().len(), device.output_bits().len())?;
+        if matches!(effect, PlantEffect::Stick { .. }) {
+            return Err(Abort::NO_OBJECT);
+        }
+        self.perform(now, at, effect);
+        Ok(())
     }
 
     pub fn next_deadline(&self) -> Option<Tick> {

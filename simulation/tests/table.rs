@@ -186,13 +186,13 @@ fn a_table_whose_switch_is_stuck_as_it_turns_is_in_doubt() {
         cycles = 1
         [[step]]
         when = "cycles >= 1 and table: index is operating"
-        input_on = "table: LS_in_place"
+        stuck-on = "table: LS_in_place"
         [[step]]
         when = "line is stand-by and all are stopped"
         after_s = 0.2
         expect = "table is incomplete and table is blocked"
         [[step]]
-        input_free = "table: LS_in_place"
+        clear = "table: LS_in_place"
         [[step]]
         command = "manual"
         [[step]]
@@ -350,10 +350,10 @@ fn a_switch_that_flickers_where_the_index_begins_stops_the_line_in_doubt() {
         stick = "table: index"
         [[step]]
         after_s = 0.05
-        input_off = "table: LS_in_place"
+        stuck-off = "table: LS_in_place"
         [[step]]
         after_s = 0.05
-        input_free = "table: LS_in_place"
+        clear = "table: LS_in_place"
         [[step]]
         when = "line is stand-by and all are stopped"
         after_s = 0.2

@@ -1,4 +1,4 @@
-//! `fail`: a fault of a simulated mechanism or device, injected over its own bus.
+//! `fail`: a simulated mechanism, switch or device goes wrong: over its own bus, or its own connection if it is in Modbus.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -9,9 +9,11 @@ use clap::{Args, ValueEnum};
 use linewright_canopen::NodeId;
 use linewright_canopen::sdo::{ObjectId, TransferOptions};
 use linewright_fieldbus::{Bus, sdo_client};
-use linewright_line::{Device, DeviceBus as BusName, Line, OperationModule, Owner};
+use linewright_line::{Device, DeviceBus as BusName, DeviceKind, InputId, Line, OperationModule, Owner};
 use linewright_node_shell::RosArgs;
-use linewright_plant::{CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, FrameFaults, MotionFault, ObjectWrites};
+use linewright_plant::{
+    CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, FrameFaults, InputFault, MotionFault, ObjectWrites, PRESS_INDEX,
+};
 use miette::{IntoDiagnostic, miette};
 
 use crate::load;
@@ -22,6 +24,8 @@ use crate::nodes::DEFAULT_BUS;
 enum InjectedFault {
     /// With one motion.
     Motion(MotionFault),
+    /// With one input.
+    Input(InputFault),
     /// With a whole device.
     Device(DeviceTrouble),
     /// All is well again.
@@ -55,7 +59,8 @@ enum DeviceTrouble {
 static VARIANTS: LazyLock<Vec<InjectedFault>> = LazyLock::new(|| {
     let motions = MotionFault::ALL.into_iter().map(InjectedFault::Motion);
     let devices = DeviceTrouble::value_variants().iter().copied().map(InjectedFault::Device);
-    motions.chain(devices).chain([InjectedFault::Clear]).collect()
+    let inputs = InputFault::ALL.into_iter().map(InjectedFault::Input);
+    motions.chain(inputs).chain(devices).chain([InjectedFault::Clear]).collect()
 });
 
 impl ValueEnum for InjectedFault {
@@ -67,6 +72,9 @@ impl ValueEnum for InjectedFault {
         match self {
             InjectedFault::Motion(fault) => {
                 Some(PossibleValue::new(fault.name()).help(fault.about().first()?.trim_end_matches('.')))
+            }
+            InjectedFault::Input(fault) => {
+                Some(PossibleValue::new(fault.name()).help(fault.about().trim_end_matches('.')))
             }
             InjectedFault::Device(trouble) => trouble.to_possible_value(),
             InjectedFault::Clear => Some(PossibleValue::new(CLEAR_WORD).help("All is well again")),
@@ -85,7 +93,16 @@ impl InjectedFault {
         match self {
             InjectedFault::Clear => Some(None),
             InjectedFault::Motion(fault) => Some(Some(fault)),
-            InjectedFault::Device(_) => None,
+            InjectedFault::Input(_) | InjectedFault::Device(_) => None,
+        }
+    }
+
+    /// What happens to an input (`Some(None)`: nothing any more), if it happens to one.
+    fn of_an_input(self) -> Option<Option<InputFault>> {
+        match self {
+            InjectedFault::Clear => Some(None),
+            InjectedFault::Input(fault) => Some(Some(fault)),
+            InjectedFault::Motion(_) | InjectedFault::Device(_) => None,
         }
     }
 
@@ -94,7 +111,7 @@ impl InjectedFault {
         const HARDWARE: u32 = 0x0606_0000;
         let trouble = match self {
             InjectedFault::Clear => return Some(vec![CLEAR]),
-            InjectedFault::Motion(_) => return None,
+            InjectedFault::Motion(_) | InjectedFault::Input(_) => return None,
             InjectedFault::Device(trouble) => trouble,
         };
         let faults = match trouble {
@@ -121,12 +138,15 @@ impl InjectedFault {
     }
 }
 
-/// Make a simulated mechanism or device fail.
+/// Make a simulated mechanism, switch or device fail.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "A fault lasts until it is cleared: `clear` with the same --operation, --input or --device ends that one, and without any of them every fault of all devices of the station."
+)]
 pub struct FailArgs {
     /// The line's directory, or its description file.
     line: PathBuf,
-    /// The station.
+    /// The station, or `console`.
     station: String,
     /// What goes wrong.
     what: InjectedFault,
@@ -136,7 +156,10 @@ pub struct FailArgs {
     /// Its recovery motion instead of the normal one.
     #[arg(long, requires = "operation")]
     recovery: bool,
-    /// Which of the station's devices, by its name; the first one without this.
+    /// Which input; needed for what goes wrong with one.
+    #[arg(long, conflicts_with_all = ["operation", "device"])]
+    input: Option<String>,
+    /// Which of the station's devices, by its name; the first one without this, and for `clear` all of them.
     #[arg(long, conflicts_with = "operation")]
     device: Option<String>,
     /// The CAN interface of the line's bus.
@@ -147,45 +170,141 @@ pub struct FailArgs {
 /// `linewright fail`
 pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
-    let (device, orders) = orders(&line, &args)?;
+    let what = args.what.name();
+    for (device, orders) in orders(&line, &args)? {
+        let at = match (device.modbus(), device.node_id().and_then(NodeId::new)) {
+            (Some(modbus), _) => {
+                for (object, value) in orders {
+                    let at = (modbus.address.as_str(), modbus.unit);
+                    let suffered = linewright_racks::suffer(at, &device.name, object, value).await;
+                    suffered.map_err(|error| miette!("{error}; is the simulated plant running?"))?;
+                }
+                format!("{} unit {}", modbus.address, modbus.unit)
+            }
+            (None, Some(node)) => {
+                write(&line, &args, ros, device, node, orders).await?;
+                format!("node {node}")
+            }
+            (None, None) => {
+                return Err(miette!(
+                    help = "a plain CAN device takes no faults; faults of motions, inputs and devices are for CANopen and Modbus",
+                    "{} cannot be made to fail",
+                    device.name
+                ));
+            }
+        };
+        let named = [&args.input, &args.operation].into_iter().flatten().map(|name| format!(" {name}"));
+        crate::out::say!("{} ({at}):{} {what}", device.name, named.collect::<String>());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+async fn write(
+    line: &Line,
+    args: &FailArgs,
+    ros: &RosArgs,
+    device: &Device,
+    node: NodeId,
+    orders: ObjectWrites,
+) -> miette::Result<()> {
     let interface = match &device.bus {
         BusName::Line => &args.bus,
         BusName::Own(interface) => interface,
     };
     let mut bus =
-        Bus::open(interface, &super::options(interface, Some(&super::run_of(&line, ros)?))?).into_diagnostic()?;
-    let node = device
-        .node_id()
-        .and_then(NodeId::new)
-        .ok_or_else(|| miette!("{}: not a CANopen device; faults cannot be injected", device.name))?;
+        Bus::open(interface, &super::options(interface, Some(&super::run_of(line, ros)?))?).into_diagnostic()?;
     for ((index, sub), value) in orders {
         sdo_client::write(&mut bus, node, ObjectId::new(index, sub), &value.to_le_bytes(), TransferOptions::default())
             .await
             .map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))?;
     }
-    crate::out::say!("{} (node {node}): {}", device.name, args.what.name());
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
-/// The device, and what is written to it.
-fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, ObjectWrites)> {
+/// Names as they are read apart, whatever is in them.
+fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {
+    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// Each device, and what is written to it.
+fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device, ObjectWrites)>> {
     let what = args.what;
     if args.operation.is_some() {
-        let fault = what
-            .of_a_motion()
-            .ok_or_else(|| miette!("{} is a fault of a whole device; omit --operation", what.name()))?;
+        let fault =
+            what.of_a_motion().ok_or_else(|| miette!("{} is no fault of a motion; omit --operation", what.name()))?;
         let (device, sub) = moving(line, args)?;
-        return Ok((device, vec![((FAULT_INDEX, sub), fault.map_or(0, MotionFault::code))]));
+        return Ok(vec![(device, vec![((FAULT_INDEX, sub), fault.map_or(0, MotionFault::code))])]);
     }
-    let orders = what.of_a_device().ok_or_else(|| miette!("{} needs --operation", what.name()))?;
-    let id = load::station(line, &args.station)?;
-    let devices: Vec<&Device> = line.devices_of(Owner::Station(id)).collect();
-    let named = |device: &&&Device| args.device.as_ref().is_none_or(|name| device.name == *name);
-    let device = devices.iter().find(named).ok_or_else(|| {
-        let known: Vec<&str> = devices.iter().map(|device| device.name.as_str()).collect();
-        miette!("{} has no such device; it has {}", args.station, known.join(", "))
-    })?;
-    Ok((device, orders))
+    let owner = owner(line, args)?;
+    if let Some(name) = &args.input {
+        let fault =
+            what.of_an_input().ok_or_else(|| miette!("{} is no fault of an input; omit --input", what.name()))?;
+        let (device, bit) = input(line, owner, &args.station, name)?;
+        return Ok(vec![(device, InputFault::orders(bit, fault))]);
+    }
+    let needed = if matches!(what, InjectedFault::Input(_)) { "--input" } else { "--operation" };
+    let orders = what.of_a_device().ok_or_else(|| miette!("{} needs {needed}", what.name()))?;
+    let named = |device: &&Device| args.device.as_ref().is_none_or(|name| device.name == *name);
+    let mut devices: Vec<&Device> = line.devices_of(owner).filter(named).collect();
+    if devices.is_empty() {
+        let known = quoted(line.devices_of(owner).map(|device| device.name.as_str()));
+        return Err(miette!("{} has no such device; it has {known}", args.station));
+    }
+    match what {
+        // What takes no faults has none.
+        InjectedFault::Clear if args.device.is_none() => {
+            devices.retain(|device| device.modbus().is_some() || device.node_id().is_some());
+        }
+        _ => devices.truncate(1),
+    }
+    let is_taken = |((index, sub), value): &((u16, u8), u32)| {
+        let whole = (*index, *sub) == (FAULT_INDEX, 0);
+        (whole && DeviceFault::from_code(*value) != Ok(Some(DeviceFault::NoHeartbeat))) || *index == PRESS_INDEX
+    };
+    if devices.iter().any(|device| device.modbus().is_some()) && !orders.iter().all(is_taken) {
+        return Err(miette!("{} is for CANopen; a device in Modbus can be silent, reboot or no-boot", what.name()));
+    }
+    Ok(devices.into_iter().map(|device| (device, orders.clone())).collect())
+}
+
+fn owner(line: &Line, args: &FailArgs) -> miette::Result<Owner> {
+    match args.station.as_str() {
+        "console" => Ok(Owner::Console),
+        name => load::station(line, name).map(Owner::Station),
+    }
+}
+
+/// The device that an input is wired to, and its bit there.
+fn input<'a>(line: &'a Line, owner: Owner, of: &str, name: &str) -> miette::Result<(&'a Device, u8)> {
+    let inputs = match owner {
+        Owner::Station(id) => &line.station(id).inputs,
+        Owner::Console => &line.console.inputs,
+    };
+    let known = || quoted(inputs.iter().map(String::as_str));
+    let at = inputs.iter().position(|input| input == name);
+    let at = InputId::at(at.ok_or_else(|| miette!("{of} has no input `{name}`; it has {}", known()))?);
+    for device in line.devices_of(owner) {
+        if let Some(bit) = device.input_bits().iter().position(|bound| *bound == Some(at)) {
+            return Ok((device, u8::try_from(bit).into_diagnostic()?));
+        }
+        if device.carried_inputs().contains(&at) {
+            let (device, kind) = (&device.name, &device.kind);
+            return Err(match kind {
+                DeviceKind::Drive(..) => {
+                    miette!(
+                        "`{name}` follows from the position of drive {device}: make a motion fail, with --operation"
+                    )
+                }
+                DeviceKind::Io(..) => {
+                    miette!("`{name}` is a limit of an analogue input of {device}: hold its number, object 5F04h")
+                }
+                DeviceKind::Frames(_) | DeviceKind::Modbus(_) => {
+                    miette!("`{name}` comes in a frame of {device}, which takes no faults")
+                }
+            });
+        }
+    }
+    Err(miette!("no device has the input `{name}` of {of}"))
 }
 
 /// The device that drives an operation, and the subindex of its fault object: output bit + 1.
@@ -195,8 +314,8 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
     let devices = line.devices_of(Owner::Station(id));
     let name = args.operation.as_deref().unwrap_or_default();
     let op = station.operation_named(name).ok_or_else(|| {
-        let known: Vec<&str> = station.operations.iter().map(|o| o.name.as_str()).collect();
-        miette!("{} has no operation '{name}'; it has {}", args.station, known.join(", "))
+        let known = quoted(station.operations.iter().map(|o| o.name.as_str()));
+        miette!("{} has no operation `{name}`; it has {known}", args.station)
     })?;
     let operation = &station.operations[op.index()];
     let output = match (&operation.module, args.recovery) {
@@ -224,6 +343,51 @@ mod tests {
 
     const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives.toml");
 
+    fn args(station: &str, what: InjectedFault) -> FailArgs {
+        FailArgs {
+            line: PathBuf::new(),
+            station: station.to_owned(),
+            what,
+            operation: None,
+            recovery: false,
+            input: None,
+            device: None,
+            bus: String::new(),
+        }
+    }
+
+    #[test]
+    fn an_input_is_stuck_by_its_name_and_clear_without_a_name_is_for_every_device() {
+        let text = linewright_line::TransferLine::default().text();
+        let inputs = "\"LS_closed\", \"low_pressure\"";
+        assert!(text.contains(inputs), "the shipped line has changed");
+        let text = text.replace(inputs, "\"LS_closed\", \"\"");
+        let second =
+            "\n[[device]]\nname = \"clamp 1 more\"\nstation = \"clamp_1\"\nnode = 0x2F\ninputs = [\"low_pressure\"]\n";
+        let line = linewright_line::parse("line.toml", &(text + second)).expect("it parses").line;
+        let at = |station: &str, name: &str, what| {
+            let args = FailArgs { input: Some(name.to_owned()), ..args(station, what) };
+            orders(&line, &args).map(|found| found.into_iter().map(|(d, o)| (d.name.clone(), o)).collect::<Vec<_>>())
+        };
+        let stuck = InjectedFault::Input(InputFault::StuckOff);
+        let first = |wanted: ObjectWrites, device: &str| vec![(device.to_owned(), wanted)];
+        let closed = at("clamp_1", "LS_closed", stuck).expect("a switch");
+        assert_eq!(closed, first(vec![((PRESS_INDEX, 2), 0)], "clamp 1 io"));
+        let freed = at("clamp_1", "low_pressure", InjectedFault::Clear).expect("a switch of the second device");
+        assert_eq!(freed, first(vec![((PRESS_INDEX, 1), 2)], "clamp 1 more"));
+        let console = line.console.inputs[0].clone();
+        assert_eq!(at("console", &console, stuck).expect("an input of the console").len(), 1);
+        let unknown = at("clamp_1", "LS_shut", stuck).expect_err("there is none").to_string();
+        assert!(unknown.starts_with("clamp_1 has no input `LS_shut`; it has `LS_open`, "), "{unknown}");
+        assert!(unknown.contains("`low_pressure`"), "{unknown}");
+        let all = orders(&line, &args("clamp_1", InjectedFault::Clear)).expect("all of them");
+        let names: Vec<&str> = all.iter().map(|(device, _)| device.name.as_str()).collect();
+        assert_eq!(names, ["clamp 1 io", "clamp 1 more"]);
+        assert!(all.iter().all(|(_, orders)| *orders == [CLEAR]));
+        let bare = orders(&line, &args("clamp_1", stuck)).expect_err("which input?").to_string();
+        assert_eq!(bare, "stuck-off needs --input");
+    }
+
     #[test]
     fn each_motion_of_a_drive_has_a_fault_of_its_own() {
         let line = linewright_line::parse("drives.toml", DRIVES).expect("it parses").line;
@@ -233,16 +397,9 @@ mod tests {
         let driven = line.stations[0].operations.iter().filter(|op| outputs.contains(&op.normal.actuator));
         let mut subs = Vec::new();
         for operation in driven {
-            let args = FailArgs {
-                line: PathBuf::new(),
-                station: station.clone(),
-                what: InjectedFault::Motion(MotionFault::Stick),
-                operation: Some(operation.name.clone()),
-                recovery: false,
-                device: None,
-                bus: String::new(),
-            };
-            let (device, orders) = orders(&line, &args).expect("it can stick");
+            let stick = InjectedFault::Motion(MotionFault::Stick);
+            let args = FailArgs { operation: Some(operation.name.clone()), ..args(&station, stick) };
+            let (device, orders) = orders(&line, &args).expect("it can stick").remove(0);
             let [((FAULT_INDEX, sub), 1)] = orders[..] else { panic!("{orders:X?}") };
             assert_eq!((&device.name, outputs[usize::from(sub) - 1]), (&drive.name, operation.normal.actuator));
             subs.push(sub);

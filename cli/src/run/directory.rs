@@ -5,10 +5,17 @@ use std::path::{Path, PathBuf};
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
+/// A run goes on from an earlier one's journals, and its simulated machine does not.
+pub const ANEW: &str = "the simulated machine begins at home, empty, and its stations go on from their journals. Where one was stopped \
+                    elsewhere, `position lost` follows: lead it home in manual or give `linewright rejoin`, or start with \
+                    another --state-dir";
+
 /// The directory that was given, or a temporary one.
 pub struct RunDirectory {
     pub dir: PathBuf,
     temporary: bool,
+    /// There are journals of an earlier run in it.
+    pub remembers: bool,
 }
 
 impl RunDirectory {
@@ -16,7 +23,8 @@ impl RunDirectory {
         let cannot = |dir: &Path| format!("cannot use {}", dir.display());
         if let Some(dir) = given {
             std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| cannot(dir))?;
-            return Ok(RunDirectory { dir: dir.to_owned(), temporary: false });
+            let remembers = has_journals(dir);
+            return Ok(RunDirectory { dir: dir.to_owned(), temporary: false, remembers });
         }
         let first = std::env::temp_dir().join(format!("linewright-run-{}", std::process::id()));
         // A run that failed has left its own, and its number may be this process's now. Its journals are of another line.
@@ -26,7 +34,7 @@ impl RunDirectory {
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 outcome => {
                     outcome.into_diagnostic().wrap_err_with(|| cannot(&dir))?;
-                    return Ok(RunDirectory { dir, temporary: true });
+                    return Ok(RunDirectory { dir, temporary: true, remembers: false });
                 }
             }
         }
@@ -38,5 +46,24 @@ impl RunDirectory {
         if self.temporary && ok {
             let _ = std::fs::remove_dir_all(&self.dir);
         }
+    }
+}
+
+fn has_journals(dir: &Path) -> bool {
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).any(|path| path.extension().is_some_and(|extension| extension == "journal"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_directory_with_a_journal_in_it_remembers_an_earlier_run() {
+        let dir = tempfile::tempdir().expect("a directory");
+        std::fs::write(dir.path().join("clamp_1.log"), "").expect("a file");
+        assert!(!RunDirectory::new(Some(dir.path())).expect("it can be used").remembers);
+        std::fs::write(dir.path().join("clamp_1.journal"), "").expect("a file");
+        assert!(RunDirectory::new(Some(dir.path())).expect("it can be used").remembers);
     }
 }

@@ -22,7 +22,7 @@ use clap::Args as ClapArgs;
 use linewright_canopen::Frame;
 use linewright_fieldbus::{Bus as CanBus, BusError, BusOptions, OwnBuses};
 use linewright_line::{DeviceBus, Line};
-use linewright_msgs::{LineState, StationState};
+use linewright_msgs::StationState;
 use linewright_node_shell::{Claim, RosArgs};
 use miette::{IntoDiagnostic, miette};
 use tokio::sync::mpsc;
@@ -46,7 +46,7 @@ use tally::RunTally;
 pub struct Args {
     /// The line's directory, or its description file.
     line: PathBuf,
-    /// End after this many cycles, at home.
+    /// End after this many cycles, at home. After a fault an operator can lead on; the run then ends with 1 all the same.
     #[arg(long)]
     cycles: Option<usize>,
     /// Make these parts of a cell and end, as A=2,B=1.
@@ -70,8 +70,9 @@ pub struct Args {
     /// Host this many stations per process.
     #[arg(long, default_value_t = 1)]
     stations_per_process: usize,
-    /// Fail when no cycle ends for this many seconds, or when the line is not at home this long after Ctrl-C; by default 30,
-    /// or four times what the chart's operations take together if that is more.
+    /// With --cycles or --parts, fail when no cycle ends and no mode changes for this many seconds; always, when the line is
+    /// not at home this long after Ctrl-C. By default 30, or four times what the chart's operations take together if that is
+    /// more.
     #[arg(long)]
     patience: Option<f64>,
 }
@@ -79,7 +80,7 @@ pub struct Args {
 /// Phase of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum RunPhase {
-    /// Waiting for all nodes, then giving start and auto.
+    /// Waiting for everybody, then giving start and auto; with --no-auto until it is stopped.
     Starting,
     /// In auto.
     Running,
@@ -113,6 +114,9 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     nothing_runs_yet(&line, &args, &ros, &bus)?;
     let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir), &load::files_of(&args.line))?;
     let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
+    if scratch.remembers && !args.no_plant {
+        session.note(directory::ANEW.to_owned());
+    }
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, &args.parts, &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &scratch.dir, session.virtual_bus) {
         Ok(()) => session.drive(&mut children).await,
@@ -146,7 +150,8 @@ struct Session {
     said: Option<Instant>,
     /// Time of the next message that names what a stop waits for.
     stop_said_at: Instant,
-    progress: (usize, Instant),
+    /// Cycles and mode, and since when they are so.
+    progress: ((usize, Option<u8>), Instant),
     patience: Duration,
 }
 
@@ -202,7 +207,7 @@ impl Session {
             mode_text: String::new(),
             said: None,
             stop_said_at: Instant::now(),
-            progress: (0, Instant::now()),
+            progress: ((0, None), Instant::now()),
             patience: Duration::from_secs_f64(args.patience.unwrap_or_else(|| (works * 4.0).max(30.0)).clamp(0.1, 1e6)),
             line: line.clone(),
         })
@@ -229,10 +234,14 @@ impl Session {
                     }
                 }
                 () = interrupts.next() => {
-                    if self.phase != RunPhase::Running {
-                        return Ok(());
+                    match self.phase {
+                        RunPhase::Stopping(_) => {
+                            return Err(miette!("ended before the line was at home: {}", self.reasons().join(", ")));
+                        }
+                        // No coordinator has come up: there is nothing to stop.
+                        RunPhase::Starting if !self.client.has_heard_coordinator() => return Ok(()),
+                        RunPhase::Starting | RunPhase::Running => self.begin_stop(),
                     }
-                    self.begin_stop();
                     let limit = self.patience.as_secs_f64();
                     self.note(format!("stopping at home, for {limit:.0} s at most; Ctrl-C again ends at once"));
                 }
@@ -282,7 +291,8 @@ impl Session {
                         self.print(&format!("cycle {}{of} ended", self.tally.cycles()));
                     }
                     let begun = self.tally.begun(id, &state);
-                    if self.phase == RunPhase::Running && self.target.is_some_and(|target| begun >= target) {
+                    let is_enough = self.tally.has_begun() && self.target.is_some_and(|target| begun >= target);
+                    if is_enough && !matches!(self.phase, RunPhase::Stopping(_)) {
                         self.begin_stop();
                     }
                 }
@@ -319,11 +329,11 @@ impl Session {
     /// Why it cannot come home by itself, or has not within the time limit.
     fn stop(&mut self, since: Instant) -> miette::Result<bool> {
         let state = self.client.coordinator();
-        let stations = self.line.station_ids().map(|id| self.client.station(id));
-        match next_step(state, stations) {
+        let stations: Vec<_> = self.line.station_ids().map(|id| self.client.station(id)).collect();
+        match next_step(state, &stations) {
             StopStep::Home => return Ok(true),
             StopStep::Stands => {
-                return Err(miette!("the stop ended in {}", state.map_or_else(String::new, |state| self.why(state))));
+                return Err(miette!("the stop ended in {}", self.why()));
             }
             StopStep::Command => self.say("stop"),
             StopStep::Wait => {}
@@ -361,22 +371,30 @@ impl Session {
                 self.tally.begin(&state.header)
             }
             RunPhase::Starting => {}
-            RunPhase::Running if state.mode == StationState::MODE_STANDBY && self.ends() => {
-                return Err(miette!("auto ended: {}", self.why(&state)));
-            }
             RunPhase::Running | RunPhase::Stopping(_) => {}
         }
         self.wait()
     }
 
-    /// Waits, but not for ever where there is no operator.
+    /// Nothing to do now; but not for ever where nobody is looking. Whoever operates the line is given the time anew with every
+    /// change of the mode: after a fault it may be recovered.
     fn wait(&mut self) -> miette::Result<bool> {
-        if self.tally.cycles() != self.progress.0 {
-            self.progress = (self.tally.cycles(), Instant::now());
+        let ((cycles, mode), _) = self.progress;
+        let now = (self.tally.cycles(), self.client.coordinator().map(|state| state.mode).or(mode));
+        if now != (cycles, mode) {
+            self.progress = (now, Instant::now());
+        }
+        let limit = self.patience.as_secs_f64();
+        let has_left_auto = self.phase == RunPhase::Running && now.1 != Some(StationState::MODE_AUTO);
+        if has_left_auto && mode == Some(StationState::MODE_AUTO) && self.ends() {
+            let ends = format!("without a change of the mode the run ends in {limit:.0} s");
+            self.note(format!("auto ended: {}. Recover the line and give auto; {ends}", self.why()));
         }
         let went_on = self.cell.as_ref().map_or(self.progress.1, |cell| self.progress.1.max(cell.since()));
         if self.ends() && went_on.elapsed() > self.patience {
-            let limit = self.patience.as_secs_f64();
+            if has_left_auto {
+                return Err(miette!("auto ended, and was not given again within {limit:.0} s: {}", self.why()));
+            }
             return Err(miette!("nothing was done for {limit:.0} s: {}", self.reasons().join(", ")));
         }
         Ok(false)
@@ -409,9 +427,11 @@ impl Session {
         self.line.station_ids().all(|id| self.client.station(id).is_some_and(|state| state.devices_valid))
     }
 
-    fn why(&self, state: &LineState) -> String {
+    /// The mode, and what has failed.
+    fn why(&self) -> String {
+        let mode = self.client.coordinator().map_or("an unknown mode", |state| &state.text);
         let faults = self.tally.fault_texts();
-        if faults.is_empty() { state.text.clone() } else { format!("{} ({})", state.text, faults.join("; ")) }
+        if faults.is_empty() { mode.to_owned() } else { format!("{mode} ({})", faults.join("; ")) }
     }
 
     fn say(&mut self, word: &str) {
@@ -434,6 +454,10 @@ impl Session {
                 Some(format!("{made} of {wanted} parts finished"))
             }
             Ok(()) if short => Some(format!("{} of {} cycles ended", self.tally.cycles(), args.cycles.unwrap_or(0))),
+            Ok(()) if self.ends() && faults > 0 => {
+                let number = if faults == 1 { "1 fault".to_owned() } else { format!("{faults} faults") };
+                Some(format!("{number} on the way: {}", self.tally.fault_texts().join("; ")))
+            }
             Ok(()) => None,
         };
         let mode = self.client.coordinator().map_or("no state received", |state| mode_name(state.mode));

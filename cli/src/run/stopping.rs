@@ -1,7 +1,8 @@
 //! End of a run: the line is stopped at home if it can be.
 //!
-//! In auto and hand a master stop leads home. After a fault, in manual and in an emergency stop only an operator
-//! can lead home: the run ends as soon as everything stands. A time limit holds for all of it.
+//! In auto and hand a master stop leads home, and in stand-by where every station is there already. After a fault, in manual
+//! and in an emergency stop only an operator can lead home: the run ends as soon as everything stands. A time limit holds for
+//! all of it.
 
 use linewright_msgs::{LineState, StationState};
 
@@ -18,28 +19,28 @@ pub enum StopStep {
     Stands,
 }
 
-/// The next step, from the coordinator's state and those of all stations; `None` of one that is silent.
-pub fn next_step<'s>(
-    line: Option<&LineState>,
-    mut stations: impl Iterator<Item = Option<&'s StationState>>,
-) -> StopStep {
+/// The next step, from the coordinator's state and those of all stations; `None` of one that is not heard.
+pub fn next_step(line: Option<&LineState>, stations: &[Option<&StationState>]) -> StopStep {
+    let all = |holds: &dyn Fn(&StationState) -> bool| stations.iter().all(|state| state.is_some_and(holds));
     let Some(line) = line else { return StopStep::Wait };
     match line.mode {
         StationState::MODE_AUTO if line.master_stop => StopStep::Wait,
         StationState::MODE_AUTO | StationState::MODE_HAND => StopStep::Command,
-        // The coordinator's state may arrive before the states that it has decided by.
-        StationState::MODE_HOME
-            if stations.all(|state| state.is_some_and(|state| state.mode == StationState::MODE_HOME)) =>
-        {
-            StopStep::Home
-        }
+        // The coordinator may be heard before the states that it has decided by.
+        StationState::MODE_HOME if all(&|state| state.mode == StationState::MODE_HOME) => StopStep::Home,
         StationState::MODE_HOME => StopStep::Wait,
-        // A station that has not received the mode may still start something.
-        mode if stations.all(|state| state.is_some_and(|state| state.stopped && obeys(state.mode, mode))) => {
-            StopStep::Stands
-        }
+        StationState::MODE_STANDBY if is_at_home(stations) => StopStep::Command,
+        // One that has not heard of the mode may still start something.
+        mode if all(&|state| state.stopped && obeys(state.mode, mode)) => StopStep::Stands,
         _ => StopStep::Wait,
     }
+}
+
+/// Whether all stations are at home, at the end of one round, and none of their selectors is in the way of a stop.
+fn is_at_home(stations: &[Option<&StationState>]) -> bool {
+    let round = stations.first().copied().flatten().map(|state| state.round);
+    let is_there = |state: &StationState| state.at_home && state.stopped && Some(state.round) == round;
+    stations.iter().all(|state| state.is_some_and(|state| is_there(state) && !state.selector_manual))
 }
 
 /// A station may be in an emergency stop of its own.
@@ -71,10 +72,23 @@ mod tests {
         ] {
             let line = LineState { mode, master_stop, ..LineState::default() };
             let station = StationState { mode: of_station, stopped: stands, ..StationState::default() };
-            assert_eq!(next_step(Some(&line), [Some(&station)].into_iter()), expected, "{mode} {master_stop} {stands}");
+            assert_eq!(next_step(Some(&line), &[Some(&station)]), expected, "{mode} {master_stop} {stands}");
+        }
+        for (selector_manual, round, expected) in
+            [(false, 3, StopStep::Command), (true, 3, StopStep::Stands), (false, 4, StopStep::Stands)]
+        {
+            let line = LineState { mode: stand_by, ..LineState::default() };
+            let at =
+                |round| StationState { mode: stand_by, stopped: true, at_home: true, round, ..StationState::default() };
+            let stations = [StationState { selector_manual, ..at(3) }, at(round)];
+            assert_eq!(
+                next_step(Some(&line), &[Some(&stations[0]), Some(&stations[1])]),
+                expected,
+                "{selector_manual} {round}"
+            );
         }
         let line = LineState { mode: stand_by, ..LineState::default() };
-        assert_eq!(next_step(Some(&line), [None].into_iter()), StopStep::Wait, "not heard");
-        assert_eq!(next_step(None, std::iter::empty()), StopStep::Wait);
+        assert_eq!(next_step(Some(&line), &[None]), StopStep::Wait, "not heard");
+        assert_eq!(next_step(None, &[]), StopStep::Wait);
     }
 }

@@ -21,9 +21,15 @@ pub struct RunTally {
 
 #[derive(Default)]
 struct StationTally {
+    /// The generation of its counts: those of different ones mean nothing to each other.
+    generation: u64,
+    /// Counts of this generation when it was first heard, and now.
     first_done: Option<Vec<i32>>,
-    first_round: Option<i32>,
+    first_round: i32,
     done: Vec<i32>,
+    /// What was done in the generations before it: cycles, and each operation.
+    cycles_before: i32,
+    done_before: Vec<i32>,
     started: HashMap<OpId, f64>,
     durations: Vec<Vec<f64>>,
     faults: u64,
@@ -74,6 +80,7 @@ impl RunTally {
     pub fn new(line: &Line) -> Self {
         let station = |s: &linewright_line::Station| StationTally {
             durations: vec![Vec::new(); s.operations.len()],
+            done_before: vec![0; s.operations.len()],
             ..StationTally::default()
         };
         RunTally { stations: line.stations.iter().map(station).collect(), line: line.clone(), ends: Vec::new() }
@@ -84,6 +91,11 @@ impl RunTally {
         if self.ends.is_empty() {
             self.ends.push(seconds(header));
         }
+    }
+
+    /// Whether auto has begun.
+    pub fn has_begun(&self) -> bool {
+        !self.ends.is_empty()
     }
 
     /// Cycles of the line that have ended: every operation of every station is done in them.
@@ -107,9 +119,7 @@ impl RunTally {
     /// Takes a station's state.
     pub fn state(&mut self, id: StationId, state: &StationState) {
         let station = &mut self.stations[id.index()];
-        station.first_done.get_or_insert_with(|| state.done.clone());
-        station.first_round.get_or_insert(state.round - i32::from(!state.at_home));
-        station.done.clone_from(&state.done);
+        station.count(state);
         if !state.fault.is_empty() {
             station.fault = Some(state.fault.clone());
         }
@@ -121,21 +131,16 @@ impl RunTally {
         }
     }
 
-    /// The last cycle done by all: counted from the stations' first received counts, which for a line at home is before
-    /// its first cycle.
+    /// Cycles in which everything is done.
     fn ended(&self) -> usize {
-        let least = |s: &StationTally| {
-            let base = *s.first_done.as_ref()?.iter().min()?;
-            s.done.iter().map(|done| done - base).min()
-        };
-        let least = self.stations.iter().map(|s| least(s).unwrap_or(0)).min().unwrap_or(0);
+        let least = self.stations.iter().map(StationTally::cycles).min().unwrap_or(0);
         usize::try_from(least).unwrap_or(0)
     }
 
     /// Number of rounds that the station has begun in this run. A round leads from home to home, as the stop does.
     pub fn begun(&self, id: StationId, state: &StationState) -> usize {
-        let first = self.stations[id.index()].first_round.unwrap_or(state.round);
-        usize::try_from(state.round - first).unwrap_or(0)
+        let station = &self.stations[id.index()];
+        usize::try_from(station.cycles_before + state.round - station.first_round).unwrap_or(0)
     }
 
     /// Takes an event.
@@ -184,8 +189,7 @@ impl RunTally {
         let mut operations = serde_json::Map::new();
         let mut least = i32::MAX;
         for (index, operation) in self.line.station(id).operations.iter().enumerate() {
-            let first = tally.first_done.as_ref().and_then(|done| done.get(index)).copied().unwrap_or(0);
-            let count = tally.done.get(index).copied().unwrap_or(first) - first;
+            let count = tally.done_of(index);
             least = least.min(count);
             let durations = &tally.durations[index];
             let mean = (!durations.is_empty()).then(|| round(durations.iter().sum::<f64>() / durations.len() as f64));
@@ -195,7 +199,71 @@ impl RunTally {
     }
 }
 
-/// To the microsecond: the rest is noise.
+impl StationTally {
+    fn count(&mut self, state: &StationState) {
+        if self.first_done.is_none() || self.generation != state.generation {
+            self.cycles_before = self.cycles();
+            self.done_before = (0..self.done_before.len()).map(|op| self.done_of(op)).collect();
+            self.generation = state.generation;
+            self.first_done = Some(state.done.clone());
+            self.first_round = state.round - i32::from(!state.at_home);
+        }
+        self.done.clone_from(&state.done);
+    }
+
+    /// Cycles in which all of the station is done: counted from where it stood when this generation was first heard, which
+    /// for one at home is before its first cycle.
+    fn cycles(&self) -> i32 {
+        let first = self.first_done.iter().flatten().min();
+        let done = self.done.iter().min();
+        self.cycles_before + first.zip(done).map_or(0, |(first, done)| done - first)
+    }
+
+    /// How often an operation was done.
+    fn done_of(&self, op: usize) -> i32 {
+        let first = self.first_done.as_ref().and_then(|first| first.get(op));
+        let done = self.done.get(op).zip(first).map_or(0, |(done, first)| done - first);
+        self.done_before.get(op).copied().unwrap_or(0) + done
+    }
+}
+
+/// To the microsecond: what lies below is noise.
 fn round(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_line::TransferLine;
+
+    /// All stations, each operation done this often, in a generation.
+    fn heard(tally: &mut RunTally, generation: u64, done: i32) -> Vec<usize> {
+        let line = tally.line.clone();
+        let begun = line.station_ids().map(|id| {
+            let done = vec![done; line.station(id).operations.len()];
+            let round = done[0];
+            let state = StationState { generation, done, round, at_home: true, ..StationState::default() };
+            tally.state(id, &state);
+            tally.begun(id, &state)
+        });
+        begun.collect()
+    }
+
+    #[test]
+    fn a_new_generation_counts_on_from_what_was_done_before_it() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let mut tally = RunTally::new(&line);
+        heard(&mut tally, 7, 40);
+        tally.begin(&Header::default());
+        assert_eq!(heard(&mut tally, 7, 42), [2, 2, 2]);
+        assert_eq!(tally.cycles(), 2);
+        // The memory is lost: a new generation begins to count from nothing.
+        heard(&mut tally, 8, 0);
+        assert_eq!(tally.cycles(), 2);
+        assert_eq!(heard(&mut tally, 8, 1), [3, 3, 3]);
+        assert_eq!(tally.cycles(), 3);
+        let report = tally.station_report(StationId(0), &tally.stations[0]);
+        assert_eq!(report["cycles"], 3, "{report}");
+    }
 }

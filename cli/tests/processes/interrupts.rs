@@ -60,3 +60,34 @@ fn one_ctrl_c_ends_a_run_in_an_emergency_stop_and_says_why_it_is_not_at_home() {
     let error = report["error"].as_str().expect("it is not at home");
     assert!(error.starts_with("the stop ended in e-stop, not reset"), "{error}");
 }
+
+/// Somebody else has given auto: it is stopped like any other run.
+#[test]
+fn ctrl_c_ends_a_line_that_others_operate_at_home() {
+    let mut rig = Rig::new(&line(0.3));
+    let operator = rig.in_auto();
+    operator.cycles(1);
+    rig.eye.wait("the bar advances", |seen| seen.output("transfer", "advance"));
+    rig.signal("INT");
+    let (code, report) = rig.ended();
+    assert_eq!((code, &report["mode"]), (0, &"home".into()), "{report}");
+    let cycles = usize::try_from(report["cycles"].as_u64().expect("a number")).expect("few");
+    crate::support::chart::starts_follow_the_chart(rig.eye.seen().starts(), cycles);
+}
+
+/// A fault in the middle: the run waits for its operator, counts on, and does not end well.
+#[test]
+fn a_run_of_some_cycles_goes_on_after_a_fault_and_ends_with_1() {
+    let mut rig = Rig::new(&line(0.3));
+    rig.start(&["--cycles", "3"]);
+    let operator = Operator::join(&rig);
+    operator.wait("auto", |heard| heard.in_mode(StationState::MODE_AUTO));
+    rig.fail("clamp_1", "advance clamp", "stick");
+    operator.wait("stand-by", |heard| heard.in_mode(StationState::MODE_STANDBY));
+    rig.fail("clamp_1", "advance clamp", "clear");
+    operator.recover();
+    let (code, report) = rig.ended();
+    assert_eq!((code, &report["mode"], &report["cycles"]), (1, &"home".into(), &3.into()), "{report}");
+    let error = report["error"].as_str().expect("a reason");
+    assert!(error.starts_with("1 fault on the way: clamp_1 stopped advance clamp"), "{error}");
+}

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use linewright_msgs::StationState;
 
-use crate::support::rig::{Rig, line, send_signal};
+use crate::support::rig::{BUS, Rig, line, send_signal};
 use crate::support::{PATIENCE, wait_for};
 
 const UNIT: u8 = 1;
@@ -49,6 +49,17 @@ fn a_station_runs_in_modbus_stops_at_once_and_names_a_device_that_is_gone() {
     let operator = rig.in_auto();
     operator.cycles(2);
 
+    // A fault signal that is stuck, by its name.
+    let fail = |more: &[&str]| rig.said(&["fail"], &[more, &["--bus", BUS]].concat());
+    let said = fail(&["clamp_1", "stuck-on", "--input", "low_pressure"]).expect("the simulated device takes it");
+    assert!(said.contains(&format!("clamp 1 io (127.0.0.1:{port} unit 1): low_pressure stuck-on")), "{said}");
+    operator.wait("the clamp says why", |heard| heard.station("clamp_1").fault.contains("low_pressure"));
+    let refused = fail(&["clamp_1", "lossy"]).expect_err("frames are CAN's");
+    assert!(refused.contains("a device in Modbus can be silent, reboot or no-boot"), "{refused}");
+    fail(&["clamp_1", "clear"]).expect("all is well");
+    operator.recover();
+    operator.cycles(1);
+
     let caught = wait_for(PATIENCE, || coils(port) & 0b10 != 0);
     assert!(caught, "the clamp closes");
     operator.say("estop");
@@ -71,7 +82,7 @@ fn a_station_runs_in_modbus_stops_at_once_and_names_a_device_that_is_gone() {
     operator.wait("the console is lost", |heard| heard.all(|state| state.mode == StationState::MODE_ESTOP));
     send_signal("CONT", plant);
     operator.wait("its devices are back", |heard| heard.all(|state| state.devices_valid));
-    operator.order("reset", StationState::MODE_STANDBY);
+    operator.say("reset");
     operator.recover();
     operator.cycles(1);
     operator.go_home();

@@ -17,6 +17,7 @@ use linewright_plant::{PlantOptions, Rack};
 use thiserror::Error;
 use tokio::task::JoinSet;
 
+pub use modbus::suffer;
 use modbus::{Asked, Servers};
 
 /// Why a plant cannot run, or had to end.

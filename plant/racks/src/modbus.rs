@@ -3,16 +3,24 @@
 use std::future::Future;
 use std::io;
 use std::pin::Pin;
+use std::time::Duration;
 
 use linewright_line::Table;
 use linewright_plant::{ModbusRequest, ModbusResponse};
-use tokio::net::TcpListener;
+use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinHandle;
+use tokio_modbus::client::{Client, tcp};
 use tokio_modbus::server::Service;
 use tokio_modbus::server::tcp::{Server, accept_tcp_connection};
-use tokio_modbus::{ExceptionCode, Request, Response, SlaveRequest};
+use tokio_modbus::{ExceptionCode, Request, Response, Slave, SlaveRequest};
 
+/// The function code of a fault, one of those that the specification leaves to users (MODBUS Application Protocol V1.1b3 §5). Its
+/// data: index (2 bytes) and subindex of the object, a number (4 bytes), and the device's name. A real device refuses it as an
+/// illegal function.
+const SUFFER: u8 = 65;
+/// How long its answer is waited for.
+const ANSWER: Duration = Duration::from_secs(2);
 /// Requests that wait for the rack.
 const QUEUE: usize = 16;
 
@@ -67,7 +75,7 @@ fn listen(address: &str) -> io::Result<TcpListener> {
 }
 
 async fn serve(server: Server, address: String, to: mpsc::Sender<Asked>) {
-    let connected = |stream: tokio::net::TcpStream, peer| {
+    let connected = |stream: TcpStream, peer| {
         let device = ServedDevice { address: address.clone(), to: to.clone() };
         let is_open = stream.set_nodelay(true);
         std::future::ready(is_open.and_then(|()| accept_tcp_connection(stream, peer, |_| Ok(Some(device.clone())))))
@@ -119,8 +127,37 @@ fn request_of(request: &Request<'_>) -> Option<ModbusRequest> {
         Request::WriteMultipleCoils(first, bits) => ModbusRequest::WriteCoils(*first, bits.to_vec()),
         Request::WriteSingleRegister(at, word) => ModbusRequest::WriteRegisters(*at, vec![*word]),
         Request::WriteMultipleRegisters(first, words) => ModbusRequest::WriteRegisters(*first, words.to_vec()),
+        Request::Custom(SUFFER, data) => {
+            let (object, device) = data.split_first_chunk::<7>()?;
+            let [index @ .., sub, a, b, c, d] = *object;
+            ModbusRequest::Suffer {
+                device: String::from_utf8(device.to_vec()).ok()?,
+                object: (u16::from_be_bytes(index), sub),
+                value: u32::from_be_bytes([a, b, c, d]),
+            }
+        }
         _ => return None,
     })
+}
+
+/// Makes the simulated Modbus device `device` at this address and unit fail: writes a number to one of the objects that a simulated
+/// CANopen device has for it.
+///
+/// # Errors
+/// Why it does not: there is none, or it has no such fault.
+pub async fn suffer(at: (&str, u8), device: &str, object: (u16, u8), value: u32) -> Result<(), String> {
+    let (address, unit) = at;
+    let gone = |error: &dyn std::fmt::Display| format!("no simulated device answers at {address}: {error}");
+    let stream = TcpStream::connect(address).await.map_err(|error| gone(&error))?;
+    let mut context = tcp::attach_slave(stream, Slave(unit));
+    let head = [&object.0.to_be_bytes()[..], &[object.1], &value.to_be_bytes()].concat();
+    let data = [&head, device.as_bytes()].concat();
+    match tokio::time::timeout(ANSWER, context.call(Request::Custom(SUFFER, data.into()))).await {
+        Ok(Ok(Ok(_))) => Ok(()),
+        Ok(Ok(Err(refused))) => Err(format!("{device} at {address} refuses it: {refused}")),
+        Ok(Err(error)) => Err(gone(&error)),
+        Err(_) => Err(gone(&format!("nothing within {} s", ANSWER.as_secs()))),
+    }
 }
 
 fn response_to(request: &Request<'_>, response: ModbusResponse) -> Option<Response> {
@@ -130,6 +167,7 @@ fn response_to(request: &Request<'_>, response: ModbusResponse) -> Option<Respon
         (Request::ReadHoldingRegisters(..), ModbusResponse::Words(words)) => Response::ReadHoldingRegisters(words),
         (Request::ReadInputRegisters(..), ModbusResponse::Words(words)) => Response::ReadInputRegisters(words),
         (Request::WriteSingleCoil(at, on), ModbusResponse::Written) => Response::WriteSingleCoil(*at, *on),
+        (Request::Custom(SUFFER, _), ModbusResponse::Written) => Response::Custom(SUFFER, Default::default()),
         (Request::WriteMultipleCoils(first, bits), ModbusResponse::Written) => {
             Response::WriteMultipleCoils(*first, bits.len() as u16)
         }

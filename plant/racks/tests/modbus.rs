@@ -160,6 +160,34 @@ async fn a_simulated_device_has_the_registers_of_its_description_and_no_others()
     bench.plant.abort();
 }
 
+/// In the objects of a simulated CANopen device: inputs held by 5F01h, the device unplugged by 5F00h:00, all cleared by its 0.
+#[tokio::test]
+async fn an_input_is_stuck_and_a_device_unplugged_until_it_is_cleared() {
+    let bench = Bench::new(false);
+    let mut client = bench.client().await;
+    let address = format!("127.0.0.1:{}", bench.port);
+    let name = line_on(bench.port, false).devices[0].name.clone();
+    let suffer = async |object, value| linewright_racks::suffer((&address, 3), &name, object, value).await;
+    let before = client.read_discrete_inputs(8, 3).await.unwrap().unwrap();
+    suffer((0x5F01, 1), u32::from(!before[0])).await.expect("its first input");
+    let stuck = client.read_discrete_inputs(8, 3).await.unwrap().unwrap();
+    assert_eq!((stuck[0], &stuck[1..]), (!before[0], &before[1..]));
+    for (object, value) in [((0x5F01, 200), 1), ((0x5F01, 1), 3), ((0x5F02, 1), 1), ((0x5F00, 0), 4)] {
+        let refused = suffer(object, value).await.expect_err("there is no such fault");
+        assert!(refused.contains("refuses it"), "{refused}");
+    }
+    suffer((0x5F00, 0), 1).await.expect("it is unplugged");
+    let silent = tokio::time::timeout(Duration::from_millis(300), client.read_discrete_inputs(8, 3)).await;
+    assert!(!matches!(silent, Ok(Ok(Ok(_)))), "it answers nothing");
+    suffer((0x5F00, 0), 0).await.expect("it is plugged in again");
+    let mut client = bench.client().await;
+    assert_eq!(client.read_discrete_inputs(8, 3).await.unwrap().unwrap(), before);
+    let other =
+        linewright_racks::suffer((&address, 3), "another", (0x5F00, 0), 0).await.expect_err("none of that name");
+    assert!(other.starts_with("no simulated device answers at 127.0.0.1"), "{other}");
+    bench.plant.abort();
+}
+
 /// Reads what is compared, turns the press's output on and off again.
 const CLIENT: &str = "
 import sys

@@ -34,6 +34,7 @@ use channels::SimulatedChannels;
 use comm::{Comm, CommChange};
 pub use dbc_device::DbcDeviceNode;
 pub use drive::DriveNode;
+pub(crate) use modbus::ILLEGAL_VALUE;
 pub use modbus::{ModbusNode, ModbusRequest, ModbusResponse};
 use on_error::OnError;
 use pdo::Pdo;

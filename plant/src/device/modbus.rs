@@ -13,7 +13,7 @@ use crate::fault::DeviceFault;
 /// Exception code of an address that is not there (MODBUS Application Protocol V1.1b3 §7).
 const ILLEGAL_ADDRESS: u8 = 2;
 /// Exception code of a count or a value that cannot be.
-const ILLEGAL_VALUE: u8 = 3;
+pub(crate) const ILLEGAL_VALUE: u8 = 3;
 /// The most bits and the most words of one request.
 const BITS_MAX: u16 = 2000;
 const WORDS_MAX: u16 = 125;
@@ -29,6 +29,12 @@ pub enum ModbusRequest {
     WriteCoils(u16, Vec<bool>),
     /// To write holding registers from this address on.
     WriteRegisters(u16, Vec<u16>),
+    /// A fault for the device of this name, in the objects of a simulated CANopen device: index and subindex, and a number.
+    Suffer {
+        device: String,
+        object: (u16, u8),
+        value: u32,
+    },
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -112,6 +118,8 @@ impl ModbusNode {
             ModbusRequest::Read { table, first, count } => self.bits(*table, *first, *count),
             ModbusRequest::WriteCoils(first, bits) => self.write_coils(*first, bits),
             ModbusRequest::WriteRegisters(first, words) => self.write_registers(now, *first, words),
+            // The rack has the faults.
+            ModbusRequest::Suffer { .. } => Err(ILLEGAL_VALUE),
         })
     }
 

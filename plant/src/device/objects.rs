@@ -74,23 +74,29 @@ impl ObjectServer for DeviceNode {
                 self.inject(now, fault);
                 Ok(())
             }
-            (FAULT_INDEX, sub) => {
-                let output = bit_of(sub, self.output_count)?;
-                out.orders.push(PlantEffect::Fail { output, fault: MotionFault::from_code(number(data)?)? });
-                Ok(())
-            }
-            (PRESS_INDEX, sub) => {
-                let input = bit_of(sub, self.input_count)?;
-                out.orders.push(PlantEffect::Press { input, value: held(number(data)?)? });
-                Ok(())
-            }
-            (STUCK_INDEX, sub) => {
-                let output = bit_of(sub, self.output_count)?;
-                out.orders.push(PlantEffect::Stick { output, value: held(number(data)?)? });
+            (FAULT_INDEX | PRESS_INDEX | STUCK_INDEX, _) => {
+                let place = (object.index, object.sub);
+                out.orders.push(PlantEffect::of(place, number(data)?, self.input_count, self.output_count)?);
                 Ok(())
             }
             // Whatever else can be read cannot be written.
             _ => Err(self.read(now, object).err().unwrap_or(Abort::READ_ONLY)),
+        }
+    }
+}
+
+impl PlantEffect {
+    /// What a number means for one bit of a device with so many inputs and outputs: in 5F00h (but for subindex 0, which is the
+    /// device itself), 5F01h and 5F03h.
+    pub fn of((index, sub): (u16, u8), value: u32, inputs: usize, outputs: usize) -> Result<Self, Abort> {
+        match index {
+            FAULT_INDEX => {
+                let output = bit_of(sub, outputs)?;
+                Ok(PlantEffect::Fail { output, fault: MotionFault::from_code(value)? })
+            }
+            PRESS_INDEX => Ok(PlantEffect::Press { input: bit_of(sub, inputs)?, value: held(value)? }),
+            STUCK_INDEX => Ok(PlantEffect::Stick { output: bit_of(sub, outputs)?, value: held(value)? }),
+            _ => Err(Abort::NO_OBJECT),
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::{BUTTONS_MAX, Line, OperationModule, Tick};
+use linewright_plant::InputFault;
 
 use linewright_text::{Fields, Located, Problem, Report, TextRange};
 
@@ -138,8 +139,15 @@ impl Deeds {
         let way = motion.map_or(Some(MotionSelection::Both), |word| vocabulary::way(&word, report));
         let mut fails = false;
         for (fault, word) in super::faults::read(fields, report) {
-            fails = true;
             let at = word.at.clone();
+            // What is cleared may be an input as well.
+            if fault.is_none()
+                && let Some((owner, input)) = vocabulary::known_input(line, &word)
+            {
+                self.add(at, Some(ScriptAction::Act(OperatorAction::Force(owner, input, None))));
+                continue;
+            }
+            fails = true;
             let op = vocabulary::operation(line, &word, report);
             if let (Some(op), Some(MotionSelection::Recovery), Some(at)) = (op, way, &motion_at)
                 && let OperationModule::Irreversible { .. } = line.operation(op).module
@@ -156,9 +164,9 @@ impl Deeds {
             let hint = format!("it says which motions of one of these are meant: {}", words.join(", "));
             report.add(Problem::error(at, "`motion` of nothing").hint(hint));
         }
-        for (key, value) in [("input_on", Some(true)), ("input_off", Some(false)), ("input_free", None)] {
-            let Some(word) = fields.text(report, key) else { continue };
-            let at = word.at.clone();
+        for fault in InputFault::ALL {
+            let Some(word) = fields.text(report, fault.name()) else { continue };
+            let (at, value) = (word.at.clone(), Some(fault.value()));
             let input = vocabulary::input(line, &word, report);
             self.add(at, input.map(|(owner, input)| ScriptAction::Act(OperatorAction::Force(owner, input, value))));
         }

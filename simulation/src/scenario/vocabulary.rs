@@ -105,6 +105,15 @@ pub(super) fn input(line: &Line, name: &LocatedName, report: &mut Report) -> Opt
     Some((owner, one_of(&known, "input", right, report)?))
 }
 
+/// The input that a text names, if it names one and no operation.
+pub(super) fn known_input(line: &Line, name: &LocatedName) -> Option<(Option<StationId>, InputId)> {
+    let mut unread = Report::default();
+    if operation(line, name, &mut unread).is_some() {
+        return None;
+    }
+    input(line, name, &mut unread)
+}
+
 pub(super) fn device(line: &Line, name: &LocatedName, report: &mut Report) -> Option<usize> {
     let known: Vec<(&str, usize)> =
         line.devices.iter().enumerate().map(|(at, device)| (device.name.as_str(), at)).collect();
