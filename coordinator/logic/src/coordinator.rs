@@ -91,6 +91,8 @@ pub struct Coordinator {
     changed: bool,
     modes: Vec<ControlMode>,
     refusals: Vec<RefusedCommand>,
+    /// The last command since the last step was obeyed.
+    obeyed: bool,
     cycle: cycle::OpenCycle,
     cycles: Vec<CompletedCycle>,
     /// The mode that ended by itself, and why; until the next command.
@@ -128,6 +130,7 @@ impl Coordinator {
             changed: true,
             modes: Vec::new(),
             refusals: Vec::new(),
+            obeyed: false,
             cycle: cycle::OpenCycle::default(),
             cycles: Vec::new(),
             ended: None,
@@ -471,6 +474,7 @@ impl Coordinator {
         out.lamps = self.lamps();
         out.changed = std::mem::take(&mut self.changed);
         out.modes.append(&mut self.modes);
+        out.obeyed = (out.obeyed && self.refusals.is_empty()) | std::mem::take(&mut self.obeyed);
         out.refusals.append(&mut self.refusals);
         out.cycles.append(&mut self.cycles);
     }

@@ -71,6 +71,8 @@ pub struct CoordinatorRecord {
 pub enum CoordinatorEffect {
     /// A command is refused.
     Refused(RefusedCommand),
+    /// A command is obeyed: what was refused before is over.
+    Obeyed,
     Entered(ControlMode),
     /// Write this down, and tell [`crate::CoordinatorShell::remembered`] whether it was.
     Remember(CoordinatorRecord),

@@ -101,6 +101,8 @@ pub struct ModeOutbox {
     pub modes: Vec<ControlMode>,
     /// Commands refused, in order. The caller drains it.
     pub refusals: Vec<RefusedCommand>,
+    /// Of the commands since the last step the last one was obeyed: no refusal stands any more.
+    pub obeyed: bool,
     /// Cycles that the line has completed, in order. The caller drains it.
     pub cycles: Vec<CompletedCycle>,
 }

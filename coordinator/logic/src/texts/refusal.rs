@@ -32,7 +32,8 @@ impl ModeRefusal {
         let (station, text) = match self {
             ModeRefusal::WrongMode(takes) => {
                 let takes: Vec<&str> = takes.iter().map(|command| command.name()).collect();
-                return format!("commands in this mode: {}", takes.join(", "));
+                let takes = if takes.is_empty() { String::new() } else { format!("; possible: {}", takes.join(", ")) };
+                return format!("not possible from this mode{takes}");
             }
             ModeRefusal::OtherCoordinator(life) => {
                 return format!(
