@@ -10,6 +10,7 @@ use tokio::time::Instant;
 
 use super::{ANSWER, CONNECT, REPEAT};
 use crate::client::OperatorClient;
+use crate::run::stopping::{StopStep, next_step};
 use crate::states::mode_name;
 
 /// What the states that were heard last say of the stop.
@@ -57,16 +58,14 @@ pub(super) async fn until_stopped(client: &mut OperatorClient) -> miette::Result
 
 fn progress(client: &OperatorClient) -> StopProgress {
     let Some(state) = client.coordinator() else { return StopProgress::UnderWay };
-    // One that has not heard of the mode yet may start what it was about to.
-    let stays = |station: &StationState| station.stopped && station.mode_epoch >= state.epoch;
-    let stands = || client.line().station_ids().all(|id| client.station(id).is_none_or(stays));
-    match state.mode {
-        StationState::MODE_HOME => StopProgress::Ended,
-        StationState::MODE_STANDBY if stands() => StopProgress::Ended,
-        StationState::MODE_STANDBY => StopProgress::UnderWay,
-        StationState::MODE_AUTO if state.master_stop => StopProgress::UnderWay,
-        StationState::MODE_AUTO => StopProgress::Overridden("stop taken back by start; give stop again".to_owned()),
-        mode => StopProgress::Overridden(format!("stop overridden: the mode is {}", mode_name(mode))),
+    let heard = client.line().station_ids().filter_map(|id| client.station(id)).map(Some);
+    match (state.mode, next_step(Some(state), heard)) {
+        (StationState::MODE_HOME, _) | (StationState::MODE_STANDBY, StopStep::Stands) => StopProgress::Ended,
+        (StationState::MODE_STANDBY, _) | (StationState::MODE_AUTO, StopStep::Wait) => StopProgress::UnderWay,
+        (StationState::MODE_AUTO, _) => {
+            StopProgress::Overridden("stop taken back by start; give stop again".to_owned())
+        }
+        (mode, _) => StopProgress::Overridden(format!("stop overridden: the mode is {}", mode_name(mode))),
     }
 }
 

@@ -323,7 +323,7 @@ impl Coordinator {
             all_home,
             away: self.stations.iter().any(|s| s.on_order && self.is_known(s) && !s.heard.at_home),
             all_stopped: self.all(|h| self.is_at_rest(h)),
-            any_manual: self.manual_all || self.any_selector(),
+            any_manual: (self.manual_all || self.any_selector()) && self.now >= self.manual_waits_until(),
         }
     }
 
@@ -368,8 +368,8 @@ impl Coordinator {
             if !station.heard.devices_valid {
                 reasons.push(ModeRefusal::DevicesLost(id));
             }
-            if station.heard.incomplete {
-                reasons.push(ModeRefusal::Incomplete(id));
+            if station.heard.incomplete && !self.is_index_in_doubt(id) {
+                reasons.push(ModeRefusal::Incomplete(id, station.heard.incomplete_op));
             }
             if station.heard.position_lost {
                 reasons.push(ModeRefusal::PositionLost(id));
@@ -483,7 +483,7 @@ impl Coordinator {
     pub fn next_deadline(&self) -> Option<Tick> {
         let views = self.stations.iter().map(|s| s.known_until);
         let rival = self.rival.map_or(Tick::ZERO, |(_, until)| until);
-        views.chain([self.buttons.until(), rival]).filter(|&t| t > self.now).min()
+        views.chain([self.buttons.until(), rival, self.manual_waits_until()]).filter(|&t| t > self.now).min()
     }
 
     fn lamps(&self) -> u128 {

@@ -224,6 +224,42 @@ fn from_home_manual_is_refused_for_what_would_refuse_it_after_start() {
     check(&mut bench, (M::Manual, C::Stop, M::Home, ""));
 }
 
+/// What is moved in manual is counted: so the generation is founded before, as by start.
+#[test]
+fn from_home_manual_comes_once_the_generation_is_founded() {
+    let found = |bench: &mut Bench| {
+        for at in 0..3 {
+            let founding = bench.coordinator.founding(linewright_line::StationId::at(at));
+            bench.heard[at].generation = founding.map_or(bench.heard[at].generation, |(generation, _)| generation);
+            bench.say(at);
+        }
+    };
+    let mut bench = bench_of(M::Home, |bench| bench.heard[1].generation = 0);
+    assert_eq!((bench.command(C::Manual), bench.mode()), (None, M::StandBy));
+    found(&mut bench);
+    bench.beat();
+    assert_eq!((bench.mode(), bench.coordinator.order().enabled), (M::Manual, true));
+
+    // One that cannot take it does not keep the line from manual.
+    let mut bench = bench_of(M::Home, |bench| bench.heard[1].generation = 0);
+    bench.command(C::Manual);
+    let lease = bench.line.timing.lease;
+    let waits_until = bench.now + lease;
+    while bench.now < waits_until {
+        assert_eq!(bench.mode(), M::StandBy);
+        bench.wait(std::time::Duration::from_millis(50));
+        bench.beat();
+    }
+    assert_eq!(bench.mode(), M::Manual);
+    // Another command, given before, is what holds.
+    let mut bench = bench_of(M::Home, |bench| bench.heard[1].generation = 0);
+    bench.command(C::Manual);
+    assert_eq!(bench.command(C::Auto), None);
+    found(&mut bench);
+    bench.beat();
+    assert_eq!(bench.mode(), M::Auto);
+}
+
 #[test]
 fn what_speaks_against_auto_is_said_in_full() {
     let mut bench = Bench::in_mode(M::StandBy);
@@ -234,6 +270,25 @@ fn what_speaks_against_auto_is_said_in_full() {
     let expected = "auto refused in stand-by: \
                     transfer: operation incomplete; complete or undo it in manual; clamp_1: I/O devices lost";
     assert_eq!(refusal.as_deref(), Some(expected));
+}
+
+/// A doubt is ended by a person who looks, not at the panel.
+#[test]
+fn of_an_index_in_doubt_only_the_lost_position_is_named() {
+    let text = include_str!("../../../examples/rotary-table.toml");
+    let line = linewright_line::parse("rotary-table.toml", text).expect("sound").line;
+    let table = line.station_named("table").expect("the table");
+    let index = line.station(table).operation_named("index");
+    let mut bench = Bench::of(line, 0);
+    bench.command(C::Start);
+    (bench.heard[table.index()].incomplete, bench.heard[table.index()].incomplete_op) = (true, index);
+    bench.beat();
+    let stopped = bench.command(C::Auto).expect("it is refused");
+    assert_eq!(stopped, "auto refused in stand-by: table: index incomplete; complete it in manual, it has no way back");
+    bench.heard[table.index()].position_lost = true;
+    bench.beat();
+    let lost = bench.command(C::Auto).expect("it is refused");
+    assert_eq!(lost, "auto refused in stand-by: table: position lost; see its fault, check mechanism and switch");
 }
 
 #[test]

@@ -49,7 +49,7 @@ impl Controller {
                 deadline = deadline.min(token.deadline);
             }
             outputs |= table.lamp;
-            self.image.watched |= table.complete | table.fault | table.rest | table.turns;
+            self.image.watched |= table.complete | table.behind | table.fault | table.rest | table.turns;
         }
         // A motion that begins is a new image even if it drives what was driven before: inputs are asked for under it.
         if begun || outputs != self.output.bits {

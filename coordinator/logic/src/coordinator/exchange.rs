@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{StationId, Tick};
+use linewright_line::{OpId, StationId, Tick};
 
 use super::cycle::CompletedCycle;
 use crate::decision::ModeCommand;
@@ -26,6 +26,8 @@ pub struct StationView {
     pub stopped: bool,
     /// Some operation was stopped before its end.
     pub incomplete: bool,
+    /// The first one that was.
+    pub incomplete_op: Option<OpId>,
     /// Its selector stands at manual.
     pub selector_manual: bool,
     /// Its devices are heard and operational.

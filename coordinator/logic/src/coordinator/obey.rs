@@ -166,13 +166,14 @@ impl Coordinator {
         reasons
     }
 
-    /// From home to stand-by and on to manual in the same breath. Nothing is asked for less than start and manual ask for one
-    /// after the other, and manual moves nothing by itself: each motion is held at a panel.
+    /// From home to stand-by and on to manual, as by start and manual one after the other: a generation that is missing is
+    /// founded before, while all stand at home. Manual moves nothing by itself: each motion is held at a panel.
     fn manual_from_home(&mut self) -> Vec<ModeRefusal> {
         let reasons = self.against_manual();
         if !reasons.is_empty() {
             return reasons;
         }
+        self.found();
         self.decide(Some(ModeCommand::Start));
         self.go_manual()
     }

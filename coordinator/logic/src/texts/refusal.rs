@@ -55,7 +55,10 @@ impl ModeRefusal {
             }
             ModeRefusal::NotHeard(station) => (station, "no state received"),
             ModeRefusal::DevicesLost(station) => (station, "I/O devices lost"),
-            ModeRefusal::Incomplete(station) => (station, "operation incomplete; complete or undo it in manual"),
+            ModeRefusal::Incomplete(station, Some(op)) if line.station(*station).index_of(*op).is_some() => {
+                (station, "index incomplete; complete it in manual, it has no way back")
+            }
+            ModeRefusal::Incomplete(station, _) => (station, "operation incomplete; complete or undo it in manual"),
             ModeRefusal::PositionLost(station) => (station, "position lost; see its fault, check mechanism and switch"),
             ModeRefusal::NoCommonStart(station) => (
                 station,

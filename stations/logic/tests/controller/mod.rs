@@ -12,4 +12,5 @@ mod interlock;
 mod recovery;
 mod restart;
 pub mod rig;
+mod stuck;
 mod undo;
