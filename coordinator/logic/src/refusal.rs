@@ -1,7 +1,7 @@
 //! Refusals: a command that is not obeyed is answered with every reason, never kept for later.
 
-use linewright_line::{OpId, StationId};
 use linewright_line::net::ControlMode;
+use linewright_line::{OpId, StationId};
 
 use crate::decision::ModeCommand;
 

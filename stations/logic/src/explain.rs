@@ -99,8 +99,7 @@ impl Controller {
             Some(step) if is_lost || self.marking().any(not_home) => {
                 let ops = self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0));
                 let index = self.doubtful_index().map(|(op, _)| self.op_name(line, op)).filter(|_| is_doubtful);
-                let advice =
-                    index.map_or(RejoinAdvice::Confirm { ops: &ops }, |op| RejoinAdvice::ConfirmIndex { op });
+                let advice = index.map_or(RejoinAdvice::Confirm { ops: &ops }, |op| RejoinAdvice::ConfirmIndex { op });
                 StationWait::Rejoin(doubt, advice).text()
             }
             None if ends.len() > 1 && (is_lost || self.marking().any(not_home)) => {

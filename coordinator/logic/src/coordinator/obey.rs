@@ -169,7 +169,9 @@ impl Coordinator {
     /// From home to stand-by and on to manual, as by start and manual one after the other: a generation that is missing is
     /// founded before, while all stand at home. Manual moves nothing by itself: each motion is held at a panel.
     fn manual_from_home(&mut self) -> Vec<ModeRefusal> {
-        let reasons = self.against_manual();
+        let mut reasons = self.against_manual();
+        // Nothing is founded before all have acknowledged that they stand.
+        reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), ModeRefusal::Unaware));
         if !reasons.is_empty() {
             return reasons;
         }
