@@ -3,13 +3,15 @@
 //! Each does once, from a shell, what a console does with a finger. The answer is printed: what the line did, or why
 //! it refused, with exit code 1.
 
+mod standstill;
+
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::{Line, StationId};
+use linewright_line::{ButtonId, Line, StationId};
 use linewright_msgs::{Flag, StationState, Text};
 use linewright_node_shell::RosArgs;
 use miette::miette;
@@ -34,6 +36,9 @@ pub struct ModeArgs {
     line: PathBuf,
     /// start, stop, auto, hand, manual, estop or reset; none shows the mode.
     command: Option<String>,
+    /// With stop: return when nothing moves any more, at home or in stand-by. Manual follows from both.
+    #[arg(long)]
+    wait: bool,
     /// One JSON object on standard output.
     #[arg(long)]
     json: bool,
@@ -49,6 +54,9 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         })?),
         None => None,
     };
+    if args.wait && command != Some(ModeCommand::Stop) {
+        return Err(miette!("--wait goes with stop: linewright mode {} stop --wait", args.line.display()));
+    }
     let mut client = OperatorClient::open(&line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     if let Some(command) = command {
@@ -61,6 +69,10 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
                 && state.refusals > refusals
             {
                 crate::out::complain!("{}", state.refusal);
+                // What stands by already, or is at home, has nothing to stop.
+                if args.wait && matches!(state.mode, StationState::MODE_STANDBY | StationState::MODE_HOME) {
+                    break;
+                }
                 if args.json {
                     crate::out::json(&ModeJson::of(state))?;
                 }
@@ -68,13 +80,14 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             }
         }
     }
+    let has_stopped = if args.wait { standstill::until_stopped(&mut client).await? } else { true };
     let state = client.coordinator();
     match state {
         Some(state) if args.json => crate::out::json(&ModeJson::of(state))?,
         Some(state) => crate::out::say!("{}", state.text),
         None => crate::out::complain!("no state received from the coordinator"),
     }
-    Ok(if state.is_some() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(if state.is_some() && has_stopped { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Hold buttons for a while.
@@ -118,7 +131,7 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
     let mut client = OperatorClient::open(line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     let names = args.buttons.join(" ");
-    let stations: Vec<StationId> = line.station_ids().collect();
+    let stations = meant_by(line, &args.buttons);
     if let Err(mode) = until_mode(&mut client, stations[0], StationState::MODE_HAND).await? {
         let why = format!("hand-mode buttons act in hand mode only; the mode is {mode}");
         return answer(&client, args, &stations, Some(why));
@@ -127,6 +140,19 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
     let has_moved = hold(&mut client, args.seconds, &stations, say).await?;
     let refusal = (!has_moved).then(|| refusal(&client, &stations));
     answer(&client, args, &stations, refusal)
+}
+
+/// The stations that one of these hand-mode buttons means anything to.
+fn meant_by(line: &Line, buttons: &[String]) -> Vec<StationId> {
+    let is_pressed = |button: ButtonId| buttons.contains(&line.buttons[usize::from(button.0)]);
+    let means = |id: &StationId| {
+        line.station(*id).operations.iter().any(|operation| {
+            let hand = operation.hand;
+            [Some(hand.forward()), hand.back(), hand.next()].into_iter().flatten().any(is_pressed)
+        })
+    };
+    let meant: Vec<StationId> = line.station_ids().filter(means).collect();
+    if meant.is_empty() { line.station_ids().collect() } else { meant }
 }
 
 async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs) -> miette::Result<ExitCode> {

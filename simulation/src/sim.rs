@@ -357,7 +357,7 @@ impl LineSim {
                     CoordinatorEffect::Inputs { station, sequence, image } => {
                         self.send_inputs(station, sequence, image);
                     }
-                    CoordinatorEffect::Tell { .. } | CoordinatorEffect::Completed(_) => {}
+                    CoordinatorEffect::Obeyed | CoordinatorEffect::Tell { .. } | CoordinatorEffect::Completed(_) => {}
                 }
                 if !goes_on {
                     break;

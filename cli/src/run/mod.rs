@@ -10,7 +10,7 @@ mod children;
 mod directory;
 mod observer;
 mod start;
-mod stopping;
+pub mod stopping;
 mod tally;
 
 use std::io::IsTerminal;

@@ -31,6 +31,7 @@ fn a_line_is_operated_by_topics_through_fault_emergency_stop_and_hand_mode() {
     operator.cycles(1);
     an_emergency_stop_switches_everything_off_and_only_manual_leads_out(&rig, &operator);
     operator.cycles(1);
+    two_commands_lead_to_manual_from_wherever_the_line_is(&rig, &operator);
     operator.go_home();
     a_reader_that_comes_late_hears_the_last_cycle_time(&rig);
     counts_are_what_was_seen(&rig, &operator, &counted_before);
@@ -121,6 +122,21 @@ fn an_emergency_stop_switches_everything_off_and_only_manual_leads_out(rig: &Rig
     assert_eq!(operator.heard().line.mode, StationState::MODE_ESTOP, "a reset leads nowhere");
     assert_eq!(&rig.eye.seen().starts()[started..], [], "and nothing has moved");
     operator.recover();
+}
+
+/// `stop --wait`, then `manual`: out of auto, and again out of manual and home.
+fn two_commands_lead_to_manual_from_wherever_the_line_is(rig: &Rig, operator: &Operator) {
+    assert!(!operator.refused("hand").is_empty());
+    for _ in 0..2 {
+        let stopped = rig.said(&["mode"], &["stop", "--wait"]).expect("it stops");
+        assert!(stopped.starts_with("home"), "{stopped}");
+        assert!(operator.heard().all(|state| state.stopped));
+        assert_eq!(operator.heard().line.refusal, "", "a command was obeyed since");
+        let manual = rig.said(&["mode"], &["manual"]).expect("it is obeyed at home");
+        assert!(manual.starts_with("manual"), "{manual}");
+    }
+    let odd = rig.said(&["mode"], &["auto", "--wait"]).expect_err("there is nothing to wait for");
+    assert!(odd.contains("--wait goes with stop"), "{odd}");
 }
 
 fn a_held_button_runs_a_step_and_its_partner_runs_it_back(rig: &Rig, operator: &Operator) {

@@ -91,6 +91,8 @@ pub struct Coordinator {
     changed: bool,
     modes: Vec<ControlMode>,
     refusals: Vec<RefusedCommand>,
+    /// The last command since the last step was obeyed.
+    obeyed: bool,
     cycle: cycle::OpenCycle,
     cycles: Vec<CompletedCycle>,
     /// The mode that ended by itself, and why; until the next command.
@@ -128,6 +130,7 @@ impl Coordinator {
             changed: true,
             modes: Vec::new(),
             refusals: Vec::new(),
+            obeyed: false,
             cycle: cycle::OpenCycle::default(),
             cycles: Vec::new(),
             ended: None,
@@ -322,7 +325,7 @@ impl Coordinator {
             all_home,
             away: self.stations.iter().any(|s| s.on_order && self.is_known(s) && !s.heard.at_home),
             all_stopped: self.all(|h| self.is_at_rest(h)),
-            any_manual: self.manual_all || self.any_selector(),
+            any_manual: (self.manual_all || self.any_selector()) && self.now >= self.manual_waits_until(),
         }
     }
 
@@ -367,8 +370,8 @@ impl Coordinator {
             if !station.heard.devices_valid {
                 reasons.push(ModeRefusal::DevicesLost(id));
             }
-            if station.heard.incomplete {
-                reasons.push(ModeRefusal::Incomplete(id));
+            if station.heard.incomplete && !self.is_index_in_doubt(id) {
+                reasons.push(ModeRefusal::Incomplete(id, station.heard.incomplete_op));
             }
             if station.heard.position_lost {
                 reasons.push(ModeRefusal::PositionLost(id));
@@ -473,6 +476,7 @@ impl Coordinator {
         out.lamps = self.lamps();
         out.changed = std::mem::take(&mut self.changed);
         out.modes.append(&mut self.modes);
+        out.obeyed = (out.obeyed && self.refusals.is_empty()) | std::mem::take(&mut self.obeyed);
         out.refusals.append(&mut self.refusals);
         out.cycles.append(&mut self.cycles);
     }
@@ -481,7 +485,7 @@ impl Coordinator {
     pub fn next_deadline(&self) -> Option<Tick> {
         let views = self.stations.iter().map(|s| s.known_until);
         let rival = self.rival.map_or(Tick::ZERO, |(_, until)| until);
-        views.chain([self.buttons.until(), rival]).filter(|&t| t > self.now).min()
+        views.chain([self.buttons.until(), rival, self.manual_waits_until()]).filter(|&t| t > self.now).min()
     }
 
     fn lamps(&self) -> u128 {

@@ -1,7 +1,7 @@
 //! Refusals: a command that is not obeyed is answered with every reason, never kept for later.
 
-use linewright_line::StationId;
 use linewright_line::net::ControlMode;
+use linewright_line::{OpId, StationId};
 
 use crate::decision::ModeCommand;
 
@@ -26,8 +26,8 @@ pub enum ModeRefusal {
     ConsoleNeverHeard,
     NotHeard(StationId),
     DevicesLost(StationId),
-    /// A station has an operation that was stopped before its end.
-    Incomplete(StationId),
+    /// A station has an operation that was stopped before its end: the first of them, or none half-way along a recovery path.
+    Incomplete(StationId, Option<OpId>),
     /// A mechanism of a station is not measured where its chart has it.
     PositionLost(StationId),
     /// A station has no memory of counts that the others share.

@@ -1,7 +1,7 @@
 //! Every pair of mode and command, written out.
 //!
 //! One table for a line that stands at home, one for a line in the middle of a cycle. What is not obeyed is refused
-//! with the words an operator reads.
+//! with the words an operator reads. The table of `docs/semantics.md` is held against the code as well.
 
 use ControlMode as M;
 use ModeCommand as C;
@@ -13,20 +13,20 @@ use crate::common::Bench;
 /// The mode after the command, and the refusal's reasons; "" where it is obeyed.
 type Row = (ControlMode, ModeCommand, ControlMode, &'static str);
 
-const TAKES_START: &str = "commands in this mode: start";
+const FROM_HOME: &str = "not possible from this mode; possible: start, manual";
 const ALREADY: &str = "mode already in force";
 const LATCHED: &str = "emergency stop active; reset it, then select manual";
-const FROM_AUTO: &str = "commands in this mode: stop, estop";
-const FROM_HAND: &str = "commands in this mode: auto, stop, estop";
+const FROM_AUTO: &str = "not possible from this mode; possible: stop, estop";
+const FROM_HAND: &str = "not possible from this mode; possible: auto, stop, estop";
 
 const AT_HOME: [Row; 42] = [
     (M::Home, C::Start, M::StandBy, ""),
     (M::Home, C::Stop, M::Home, ALREADY),
-    (M::Home, C::Auto, M::Home, TAKES_START),
-    (M::Home, C::Hand, M::Home, TAKES_START),
-    (M::Home, C::Manual, M::Home, TAKES_START),
+    (M::Home, C::Auto, M::Home, FROM_HOME),
+    (M::Home, C::Hand, M::Home, FROM_HOME),
+    (M::Home, C::Manual, M::Manual, ""),
     (M::Home, C::EStop, M::EStop, ""),
-    (M::Home, C::Reset, M::Home, TAKES_START),
+    (M::Home, C::Reset, M::Home, ""),
     (M::StandBy, C::Start, M::StandBy, ALREADY),
     (M::StandBy, C::Stop, M::Home, ""),
     (M::StandBy, C::Auto, M::Auto, ""),
@@ -95,7 +95,7 @@ fn after_a_reset_only_manual_leads_out_of_the_emergency_stop() {
     for command in [C::Start, C::Stop, C::Auto, C::Hand] {
         let mut bench = Bench::in_mode(M::EStop);
         assert_eq!(bench.command(C::Reset), None);
-        check(&mut bench, (M::EStop, command, M::EStop, "commands in this mode: manual"));
+        check(&mut bench, (M::EStop, command, M::EStop, "not possible from this mode; possible: manual"));
     }
     let mut bench = Bench::in_mode(M::EStop);
     assert_eq!(bench.command(C::Reset), None);
@@ -124,6 +124,142 @@ fn a_line_whose_mill_is_under_way() {
     }
 }
 
+/// A mode that is to be had at home, and what is different then.
+fn bench_of(mode: ControlMode, change: impl Fn(&mut Bench)) -> Bench {
+    let mut bench = Bench::in_mode(mode);
+    change(&mut bench);
+    bench.beat();
+    bench
+}
+
+/// The second column of a cell is for a line that stands away from home; without one it is as at home.
+fn cell(cell: &str) -> (&str, &str) {
+    cell.split_once(", away: ").unwrap_or((cell, cell))
+}
+
+#[test]
+fn the_table_of_the_documentation_is_what_the_commands_do() {
+    let text = include_str!("../../../docs/semantics.md");
+    let (_, table) = text.split_once("### What each command does").expect("the section");
+    let rows: Vec<Vec<&str>> = table
+        .lines()
+        .skip_while(|line| !line.starts_with('|'))
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    let words: Vec<&str> = rows[0][1..].iter().map(|word| word.trim_matches('`')).collect();
+    assert_eq!(words, ModeCommand::ALL.map(ModeCommand::name));
+    let mut modes: Vec<&str> = ControlMode::ALL.iter().map(|mode| mode.name()).collect();
+    modes.push("e-stop, reset");
+    assert_eq!(rows[2..].iter().map(|row| row[0]).collect::<Vec<_>>(), modes);
+    for row in &rows[2..] {
+        for (command, written) in ModeCommand::ALL.into_iter().zip(&row[1..]) {
+            let (home, away) = cell(written);
+            for (is_home, expected) in [(true, home), (false, away)] {
+                let mode = ControlMode::ALL.into_iter().find(|mode| row[0].starts_with(mode.name())).expect("a mode");
+                let mut bench = bench_of(mode, |bench| bench.heard[2].at_home = is_home);
+                if row[0].ends_with(", reset") {
+                    assert_eq!(bench.command(C::Reset), None);
+                }
+                let refusal = bench.command(command);
+                let done = if refusal.is_some() { "refused" } else { bench.mode().name() };
+                assert_eq!(done, expected, "{} in {}, at home: {is_home}: {refusal:?}", command.name(), row[0]);
+            }
+        }
+    }
+}
+
+/// What is refused is not done, not by half either.
+#[test]
+fn a_refused_command_changes_no_mode() {
+    let changes: [fn(&mut Bench); 8] = [
+        |_| {},
+        |bench| bench.heard[2].at_home = false,
+        |bench| (bench.heard[2].at_home, bench.heard[2].stopped) = (false, false),
+        |bench| bench.heard[1].incomplete = true,
+        |bench| bench.heard[1].devices_valid = false,
+        |bench| bench.heard[0].selector_manual = true,
+        |bench| bench.heard[0].generation = 0,
+        |bench| (bench.heard[0].generation, bench.heard[2].at_home) = (0, false),
+    ];
+    let mut refused = 0;
+    for (nth, change) in changes.iter().enumerate() {
+        for mode in ControlMode::ALL {
+            for command in ModeCommand::ALL {
+                let mut bench = bench_of(mode, change);
+                let before = (bench.mode(), bench.coordinator.epoch());
+                if let Some(refusal) = bench.command(command) {
+                    assert_eq!((bench.mode(), bench.coordinator.epoch()), before, "change {nth}: {refusal}");
+                    refused += 1;
+                }
+            }
+        }
+    }
+    assert!(refused > 100, "{refused}");
+}
+
+#[test]
+fn a_command_that_is_obeyed_ends_what_was_refused_before() {
+    let mut bench = Bench::in_mode(M::Auto);
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Command(C::Hand));
+    bench.coordinator.step(bench.now, &mut bench.out);
+    assert!(!bench.out.obeyed);
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Command(C::Stop));
+    bench.coordinator.step(bench.now, &mut bench.out);
+    assert!(bench.out.obeyed);
+    // Of two in one step the last one counts.
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Command(C::EStop));
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Command(C::Auto));
+    bench.coordinator.step(bench.now, &mut bench.out);
+    assert!(!bench.out.obeyed);
+}
+
+#[test]
+fn from_home_manual_is_refused_for_what_would_refuse_it_after_start() {
+    let mut bench = bench_of(M::Home, |bench| bench.heard[1].stopped = false);
+    check(&mut bench, (M::Home, C::Manual, M::Home, "clamp_1: motion in progress"));
+    bench.heard[1].stopped = true;
+    bench.beat();
+    check(&mut bench, (M::Home, C::Manual, M::Manual, ""));
+    check(&mut bench, (M::Manual, C::Stop, M::Home, ""));
+}
+
+/// What is moved in manual is counted: so the generation is founded before, as by start.
+#[test]
+fn from_home_manual_comes_once_the_generation_is_founded() {
+    let found = |bench: &mut Bench| {
+        for at in 0..3 {
+            let founding = bench.coordinator.founding(linewright_line::StationId::at(at));
+            bench.heard[at].generation = founding.map_or(bench.heard[at].generation, |(generation, _)| generation);
+            bench.say(at);
+        }
+    };
+    let mut bench = bench_of(M::Home, |bench| bench.heard[1].generation = 0);
+    assert_eq!((bench.command(C::Manual), bench.mode()), (None, M::StandBy));
+    found(&mut bench);
+    bench.beat();
+    assert_eq!((bench.mode(), bench.coordinator.order().enabled), (M::Manual, true));
+
+    // One that cannot take it does not keep the line from manual.
+    let mut bench = bench_of(M::Home, |bench| bench.heard[1].generation = 0);
+    bench.command(C::Manual);
+    let lease = bench.line.timing.lease;
+    let waits_until = bench.now + lease;
+    while bench.now < waits_until {
+        assert_eq!(bench.mode(), M::StandBy);
+        bench.wait(std::time::Duration::from_millis(50));
+        bench.beat();
+    }
+    assert_eq!(bench.mode(), M::Manual);
+    // Another command, given before, is what holds.
+    let mut bench = bench_of(M::Home, |bench| bench.heard[1].generation = 0);
+    bench.command(C::Manual);
+    assert_eq!(bench.command(C::Auto), None);
+    found(&mut bench);
+    bench.beat();
+    assert_eq!(bench.mode(), M::Auto);
+}
+
 #[test]
 fn what_speaks_against_auto_is_said_in_full() {
     let mut bench = Bench::in_mode(M::StandBy);
@@ -134,6 +270,25 @@ fn what_speaks_against_auto_is_said_in_full() {
     let expected = "auto refused in stand-by: \
                     transfer: operation incomplete; complete or undo it in manual; clamp_1: I/O devices lost";
     assert_eq!(refusal.as_deref(), Some(expected));
+}
+
+/// A doubt is ended by a person who looks, not at the panel.
+#[test]
+fn of_an_index_in_doubt_only_the_lost_position_is_named() {
+    let text = include_str!("../../../examples/rotary-table.toml");
+    let line = linewright_line::parse("rotary-table.toml", text).expect("sound").line;
+    let table = line.station_named("table").expect("the table");
+    let index = line.station(table).operation_named("index");
+    let mut bench = Bench::of(line, 0);
+    bench.command(C::Start);
+    (bench.heard[table.index()].incomplete, bench.heard[table.index()].incomplete_op) = (true, index);
+    bench.beat();
+    let stopped = bench.command(C::Auto).expect("it is refused");
+    assert_eq!(stopped, "auto refused in stand-by: table: index incomplete; complete it in manual, it has no way back");
+    bench.heard[table.index()].position_lost = true;
+    bench.beat();
+    let lost = bench.command(C::Auto).expect("it is refused");
+    assert_eq!(lost, "auto refused in stand-by: table: position lost; see its fault, check mechanism and switch");
 }
 
 #[test]

@@ -21,7 +21,7 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::ConsoleNeverHeard => ModeRefusal::ConsoleNeverHeard;
         ModeRefusal::NotHeard(_) => ModeRefusal::NotHeard(station);
         ModeRefusal::DevicesLost(_) => ModeRefusal::DevicesLost(station);
-        ModeRefusal::Incomplete(_) => ModeRefusal::Incomplete(station);
+        ModeRefusal::Incomplete(..) => ModeRefusal::Incomplete(station, None);
         ModeRefusal::PositionLost(_) => ModeRefusal::PositionLost(station);
         ModeRefusal::NoCommonStart(_) => ModeRefusal::NoCommonStart(station);
         ModeRefusal::Restarted(_) => ModeRefusal::Restarted(station);
@@ -31,6 +31,16 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::NotAtHome(_) => ModeRefusal::NotAtHome(station);
         ModeRefusal::Behind(_) => ModeRefusal::Behind(station);
     })
+}
+
+#[test]
+fn a_stopped_index_is_led_on_and_not_undone() {
+    let text = include_str!("../../../examples/rotary-table.toml");
+    let line = parse("rotary-table.toml", text).expect("sound").line;
+    let table = line.station_named("table").expect("the table");
+    let index = line.station(table).operation_named("index");
+    let text = ModeRefusal::Incomplete(table, index).text(&line);
+    assert_eq!(text, "table: index incomplete; complete it in manual, it has no way back");
 }
 
 #[test]

@@ -10,6 +10,7 @@ pub mod cell;
 mod gateway_topics;
 pub mod line;
 mod node;
+mod refusals;
 mod remembered;
 mod situation;
 mod topics;

@@ -9,7 +9,7 @@ use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, Coordi
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
 use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
-use linewright_msgs::{LineState, ModeOrder, Text, fitting};
+use linewright_msgs::{LineState, ModeOrder, Text};
 use linewright_node_line::devices::{Devices, in_words};
 use linewright_node_line::{Waiting, mode_to_code, open_buses, quoted, report_from_message};
 use linewright_node_shell::{
@@ -22,6 +22,7 @@ use tokio::sync::{mpsc, watch};
 use crate::cell::{CellError, CellNodeOptions, CellThread};
 use crate::gateway_topics::{GatewayTopics, inputs_message};
 use crate::line::LineHistory;
+use crate::refusals::Refusals;
 use crate::remembered::remembered;
 use crate::situation::LineSituation;
 use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
@@ -102,9 +103,7 @@ pub(crate) enum Recorded {
     Interrupted,
 }
 
-/// Shortest time between two refusals in the log.
-const ANSWER_EVERY: Duration = Duration::from_millis(20);
-/// Period of the text of the mode while it does not change.
+/// How often the mode is told in words when it does not change.
 const TEXT_EVERY: Duration = Duration::from_secs(1);
 
 pub(crate) struct CoordinatorLoop {
@@ -128,11 +127,9 @@ pub(crate) struct CoordinatorLoop {
     pub(crate) situation: LineSituation,
     /// The database of a line; none where there is a cell, or none can be used.
     pub(crate) history: Option<LineHistory>,
-    refusals: u64,
-    refusal: String,
+    refusals: Refusals,
     text: String,
     text_due: Tick,
-    refusal_log_due: Tick,
     ignored: u64,
     has_ended: bool,
     // The node must outlive its publishers and subscriptions.
@@ -188,11 +185,9 @@ impl CoordinatorLoop {
             troubles: vec![String::new(); line.stations.len()],
             situation: LineSituation::new(line.stations.len()),
             history,
-            refusals: 0,
-            refusal: String::new(),
+            refusals: Refusals::default(),
             text: String::new(),
             text_due: Tick::ZERO,
-            refusal_log_due: Tick::ZERO,
             ignored: 0,
             has_ended: false,
             clock,
@@ -312,14 +307,7 @@ impl CoordinatorLoop {
     }
 
     fn refuse(&mut self, text: String) {
-        self.refusals += 1;
-        let now = self.clock.now();
-        if now >= self.refusal_log_due {
-            self.refusal_log_due = now + ANSWER_EVERY;
-            tracing::warn!(refusals = self.refusals, "{text}");
-        }
-        // With many devices lost the text is longer than a message carries.
-        self.refusal = fitting(text);
+        self.refusals.refuse(self.clock.now(), text);
         self.shell.answer_soon();
     }
 
@@ -402,6 +390,7 @@ impl CoordinatorLoop {
     fn perform(&mut self, now: Tick, effect: CoordinatorEffect) {
         match effect {
             CoordinatorEffect::Refused(refusal) => self.refused(&refusal),
+            CoordinatorEffect::Obeyed => self.refusals.obey(),
             CoordinatorEffect::Entered(mode) => {
                 tracing::info!(epoch = self.shell.coordinator().epoch(), "mode {mode}");
             }
@@ -488,8 +477,8 @@ impl CoordinatorLoop {
             enabled: order.enabled,
             master_stop: order.master_stop.is_some(),
             text,
-            refusal: self.refusal.clone(),
-            refusals: self.refusals,
+            refusal: self.refusals.text(now).to_owned(),
+            refusals: self.refusals.count,
             stations: self.line.stations.iter().map(|station| station.name.clone()).collect(),
             station_heard: self.line.station_ids().map(heard).collect(),
             waiting_for: names(coordinator.waiting_for()),

@@ -71,6 +71,8 @@ pub struct CoordinatorRecord {
 pub enum CoordinatorEffect {
     /// A command is refused.
     Refused(RefusedCommand),
+    /// A command is obeyed: what was refused before is over.
+    Obeyed,
     Entered(ControlMode),
     /// Write this down, and pass the result to [`crate::CoordinatorShell::remembered`].
     Remember(CoordinatorRecord),
@@ -112,6 +114,7 @@ pub fn heard(report: &StationReport) -> StationView {
         stopped: report.stopped,
         // Between two motions of its recovery path nothing of it is incomplete, and in auto nothing leads on there.
         incomplete: !report.incomplete.is_empty() || report.recovering_home,
+        incomplete_op: report.incomplete.first().map(|(op, _)| *op),
         selector_manual: report.selector_manual,
         devices_valid: report.devices_valid,
         generation: report.generation,

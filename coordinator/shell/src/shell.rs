@@ -268,6 +268,7 @@ impl CoordinatorShell {
         self.coordinator.step(now, &mut self.outbox);
         let changed = std::mem::take(&mut self.outbox.changed) | changed;
         effects.extend(self.outbox.refusals.drain(..).map(CoordinatorEffect::Refused));
+        effects.extend(std::mem::take(&mut self.outbox.obeyed).then_some(CoordinatorEffect::Obeyed));
         effects.extend(self.outbox.modes.drain(..).map(CoordinatorEffect::Entered));
         let is_due = now >= self.refresh_due;
         if is_due {

@@ -7,7 +7,7 @@
 //! No memory is involved: the same answer follows from the image alone, whatever a controller's state.
 
 use crate::net::{Block, MotionStage, StationPlace};
-use crate::{AxisId, Line, Motion, OpId, OperationModule, StateSpan, Station};
+use crate::{AxisId, Line, Motion, OpId, Operation, OperationModule, StateSpan, Station};
 
 /// Coordinates nearer than this are one place, in millimetres or degrees.
 const SAME_PLACE: f64 = 1e-6;
@@ -51,6 +51,18 @@ impl Station {
         let here = self.completions().filter(|&(of, place, _)| of == axis && same_place(place, at));
         let bits = here.fold(0, |bits, (_, _, input)| bits | input);
         if bits.count_ones() == 1 { bits } else { 0 }
+    }
+
+    /// The switch at the end that a motion leaves: while it is on, the motion has not come to its other end. 0 for a motion
+    /// without a way, for an index, and where that end has no switch, several, or the one that the motion is complete by.
+    pub fn switch_left_behind(&self, op: OpId, block: Block) -> u128 {
+        let Operation { motion, module, normal, .. } = &self.operations[op.index()];
+        let (left, complete) = match (block, module) {
+            (Block::Recovery, OperationModule::Reversible { recovery, .. }) => (motion.to, recovery.complete),
+            (Block::Normal | Block::Recovery, _) => (motion.from, normal.complete),
+        };
+        let has_two_ends = self.goes(*motion) && self.axes[motion.axis.index()].index.is_none();
+        if has_two_ends { self.switches_at(motion.axis, left) & !complete.bit() } else { 0 }
     }
 
     /// Every input that completes a motion with a way.
@@ -288,6 +300,19 @@ mod tests {
         assert_eq!(at(StationPlace::incomplete(op("advance transfer"))), ["LS_vertical_200"]);
         assert_eq!(at(StationPlace::undone(op("advance transfer"))), ["LS_vertical_200", "LS_horizontal_0"]);
         assert_eq!(at(StationPlace::completed(op("2nd lower"))), ["LS_vertical_100", "LS_horizontal_500"]);
+    }
+
+    #[test]
+    fn the_switch_that_a_motion_leaves_is_that_of_its_other_end() {
+        let line = shipped();
+        let behind = |station: usize, op: &str, block| {
+            let station = &line.stations[station];
+            names(station, station.switch_left_behind(station.operation_named(op).expect("it has it"), block)).join(" ")
+        };
+        assert_eq!(behind(1, "advance clamp", Block::Normal), "LS_open");
+        assert_eq!(behind(1, "advance clamp", Block::Recovery), "LS_closed");
+        assert_eq!(behind(0, "2nd lift", Block::Normal), "LS_vertical_50");
+        assert_eq!(behind(0, "2nd lift", Block::Recovery), "LS_vertical_100");
     }
 
     #[test]

@@ -51,7 +51,7 @@ impl Controller {
             }
             outputs |= table.lamp;
             self.image.watched |= self.program.places_of_axis.as_ref().map_or(0, |(_, index)| index.report(u16::MAX));
-            self.image.watched |= table.complete | table.fault | table.rest | table.turns;
+            self.image.watched |= table.complete | table.behind | table.fault | table.rest | table.turns;
         }
         // A motion that begins is a new image even if the outputs are the same: inputs are needed that were taken under
         // it.

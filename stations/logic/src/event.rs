@@ -14,6 +14,11 @@ pub enum StopCause {
     Watchdog,
     /// It took longer than its watchdog allows, and its completion signal was on from the start: the switch is stuck.
     SwitchStuck,
+    /// The same, and the switch of the end that it was to leave is still on.
+    BothSwitchesOn {
+        /// That other switch.
+        behind: InputId,
+    },
     /// The station lost its devices.
     Devices,
     /// The button that held it was released, or manual mode ended under it.

@@ -100,7 +100,9 @@ impl Controller {
         reasons.push(match self.read_off() {
             Some(step) if is_lost || self.marking().any(not_home) => {
                 let ops = self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0));
-                StationWait::Rejoin(doubt, RejoinAdvice::Confirm { ops: &ops }).text()
+                let index = self.doubtful_index().map(|(op, _)| self.op_name(line, op)).filter(|_| is_doubtful);
+                let advice = index.map_or(RejoinAdvice::Confirm { ops: &ops }, |op| RejoinAdvice::ConfirmIndex { op });
+                StationWait::Rejoin(doubt, advice).text()
             }
             None if ends.len() > 1 && (is_lost || self.marking().any(not_home)) => {
                 StationWait::Rejoin(doubt, RejoinAdvice::Several { ops: &ends }).text()
@@ -134,6 +136,11 @@ impl Controller {
                 let unknown = self.rules.generations && self.views.generation == 0 && self.program.on_order.is_none();
                 reasons.extend(match self.marking.causes_of_stop[place.op.index()] {
                     StopCause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
+                    // What ends a doubt is said before; nothing at the panel does.
+                    _ if self.doubtful_index().is_some_and(|(op, _)| op == place.op) => None,
+                    cause if self.program.index_switch(place.op) != 0 => {
+                        Some(StationWait::IndexStopped { op: name, cause }.text())
+                    }
                     StopCause::Released => Some(StationWait::Released { op: name }.text()),
                     cause => Some(StationWait::Recovery { op: name, cause }.text()),
                 });
@@ -187,12 +194,15 @@ impl Controller {
                 self.explain_causes(line, next, now, reasons);
             }
             ControlMode::Hand => {
-                reasons.push(self.hand_choices(line, place));
                 self.explain_positions(line, step, StationPlace::undoing, reasons);
                 self.explain_causes(line, next, now, reasons);
+                reasons.push(self.hand_choices(line, place));
             }
             ControlMode::Manual => {
                 if self.panel_is_live() {
+                    self.explain_missing(line, next as u8, reasons);
+                    self.explain_positions(line, step, StationPlace::undoing, reasons);
+                    self.explain_causes(line, next, now, reasons);
                     reasons.push(match place.block {
                         _ if self.leads_back(place, step) => StationWait::Panel.text(),
                         block => StationWait::PanelAdvance {
@@ -201,8 +211,6 @@ impl Controller {
                         }
                         .text(),
                     });
-                    self.explain_positions(line, step, StationPlace::undoing, reasons);
-                    self.explain_causes(line, next, now, reasons);
                 } else {
                     reasons.push(StationWait::Selector.text());
                 }

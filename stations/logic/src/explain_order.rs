@@ -1,7 +1,7 @@
 //! Wait of a task-driven station between two motions.
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
-use linewright_line::{InputId, Line, OperationModule, Owner};
+use linewright_line::{InputId, Line, Owner};
 
 use crate::controller::Controller;
 use crate::texts::StationWait;
@@ -31,6 +31,9 @@ impl Controller {
                         StationWait::task_button(&line.buttons[usize::from(forward.0)], &station.task(task).name)
                     });
                     let choices: Vec<String> = choices.collect();
+                    for task in station.tasks_from(rest) {
+                        self.explain_missing(line, station.task(task).steps.start as u8, reasons);
+                    }
                     reasons.push(StationWait::TaskButton { choices: &choices }.text());
                     true
                 }
@@ -41,19 +44,23 @@ impl Controller {
                     }
                     false
                 }
-                (_, Block::Recovery) => false,
+                (_, Block::Recovery) => {
+                    if station.operations[place.op.index()].hand.restarts_by().is_some() {
+                        self.explain_missing(line, self.program.step_of[place.op.index()], reasons);
+                    }
+                    false
+                }
             },
             ControlMode::Manual if self.panel_is_live() && place.block == Block::Normal && self.rest().is_some() => {
-                let is_reversible =
-                    matches!(station.operations[place.op.index()].module, OperationModule::Reversible { .. });
-                reasons.push(StationWait::PanelAtRest { is_reversible }.text());
+                reasons.push(StationWait::PanelAtRest.text());
                 true
             }
             ControlMode::Home | ControlMode::StandBy | ControlMode::Manual | ControlMode::EStop => false,
         }
     }
 
-    fn explain_missing(&self, line: &Line, step: u8, reasons: &mut Vec<String>) {
+    /// The inputs that a step waits for and that are off.
+    pub(crate) fn explain_missing(&self, line: &Line, step: u8, reasons: &mut Vec<String>) {
         let station = self.program.station;
         let missing = self.missing(step);
         let name = &line.operation((station, line.station(station).steps[usize::from(step)][0])).name;

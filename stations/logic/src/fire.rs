@@ -43,9 +43,11 @@ impl Controller {
             }
             TransitionKind::Resume(op, block) => {
                 // It may have coasted to its end; but a switch that has been on all the time proves nothing now either, unless
-                // that was reported as its fault: the person who goes on has looked at it.
+                // that was reported as its fault: the person who goes on has looked at it. Then it counts where the switch of
+                // the other end is off (see `put`).
                 let stopped = &self.marking.tokens[self.token_of(op)];
-                let is_reported = self.marking.causes_of_stop[op.index()] == StopCause::SwitchStuck;
+                let cause = self.marking.causes_of_stop[op.index()];
+                let is_reported = matches!(cause, StopCause::SwitchStuck | StopCause::BothSwitchesOn { .. });
                 let counts = stopped.left_start || stopped.awaits_image || is_reported;
                 self.go(op, StationPlace { op, block, stage: MotionStage::Operating }, counts)
             }
@@ -93,8 +95,8 @@ impl Controller {
         self.tokens().iter().position(of_op).expect("a transition fires only from a marked place")
     }
 
-    /// Puts the token of `op` into an operating place. `from_between` is true when the motion does not start at its
-    /// other end: its completion signal then counts as it stands.
+    /// Puts the token of `op` into an operating place. `from_between` is true when the motion may not start at its
+    /// other end: its completion signal then counts as it stands, unless the switch of the other end is on.
     fn go(&mut self, op: OpId, place: StationPlace, from_between: bool) {
         let index = self.token_of(op);
         self.put(index, place, from_between);
@@ -113,6 +115,7 @@ impl Controller {
         // network no image may arrive but the one from its end.
         let just_seen = self.image.under != NO_DELAY && self.image.under >= self.output.number;
         let off = just_seen && self.image.bits & self.program.places[table as usize].complete == 0;
+        let counts = from_between && self.switch_behind(table).is_none();
         // An index that goes on is the one that was stopped.
         let stopped = self.marking.tokens[index];
         let goes_on = self.program.places[usize::from(stopped.place)].turns != 0;
@@ -121,7 +124,7 @@ impl Controller {
         self.marking.tokens[index] = Token {
             place: table,
             run,
-            left_start: if self.image.under == NO_DELAY { from_between } else { off && !from_between },
+            left_start: if self.image.under == NO_DELAY { counts } else { off && !from_between },
             awaits_image: from_between && self.image.under != NO_DELAY,
             driven_since: 0,
             driven: false,
@@ -287,7 +290,11 @@ impl Controller {
             cause
         } else if self.is_late(token) {
             let has_left = if table.turns == 0 { token.left_start } else { token.progress != IndexProgress::AtStart };
-            if has_left { StopCause::Watchdog } else { StopCause::SwitchStuck }
+            match self.switch_behind(token.place) {
+                _ if has_left => StopCause::Watchdog,
+                Some(behind) => StopCause::BothSwitchesOn { behind },
+                None => StopCause::SwitchStuck,
+            }
         } else {
             StopCause::Released
         }

@@ -98,6 +98,8 @@ pub(crate) struct PlaceTable {
     pub lamp: u128,
     /// The completion input, while operating.
     pub complete: u128,
+    /// The switch of the end that the motion leaves, while operating; 0 where there is none.
+    pub behind: u128,
     /// The fault input, while operating.
     pub fault: u128,
     /// Time limit of the motion.
@@ -388,6 +390,7 @@ fn compile_place(
         actuator: operating(output(&signals)),
         lamp: if place.is_incomplete() { signals.lamp.map_or(0, |lamp| 1 << lamp.0) } else { 0 },
         complete: operating(1 << signals.complete.0),
+        behind: operating(line.station(station).switch_left_behind(place.op, place.block)),
         fault: operating(signals.fault.map_or(0, |fault| 1 << fault.0)),
         watchdog,
         turns: if under_way { signals.complete.bit() } else { 0 },

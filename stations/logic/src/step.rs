@@ -4,7 +4,7 @@
 //! transition that takes counts back is handed to [`crate::withdraw`] instead of being fired.
 
 use linewright_line::net::{ControlMode, MotionStage, TransitionKind};
-use linewright_line::{BRANCHES_MAX, Tick};
+use linewright_line::{BRANCHES_MAX, InputId, Tick};
 
 use crate::controller::{Controller, NO_DELAY, StationOutbox};
 use crate::event::{HappeningKind, StopCause};
@@ -238,13 +238,14 @@ impl Controller {
     fn motion_bits(&mut self, index: usize) -> u128 {
         let is_unsafe = self.marking.doubtful.is_some() || self.unsafe_motion(index).is_some();
         let late = self.is_late(&self.marking.tokens[index]);
+        let has_left = self.switch_behind(self.marking.tokens[index].place).is_none();
         let token = &mut self.marking.tokens[index];
         let table = &self.program.places[token.place as usize];
         let on = self.image.bits & table.complete != 0;
         // An image from before this motion proves nothing about it, neither that its switch was off nor that it is on.
         let own = self.image.under == NO_DELAY || (token.driven_since != 0 && self.image.under >= token.driven_since);
         if own {
-            token.left_start |= !on || (token.awaits_image && token.driven);
+            token.left_start |= !on || (token.awaits_image && token.driven && has_left);
             token.awaits_image &= !token.driven;
         }
         let has_arrived = match table.turns {
@@ -259,6 +260,14 @@ impl Controller {
             bits |= bit::HOLD_LOST;
         }
         bits
+    }
+
+    /// The switch of the end that a motion leaves, while it is on. Both ends' switches are on then if the motion's own one is:
+    /// one of the two sticks, or their ranges overlap, and neither says that the motion has arrived.
+    #[inline]
+    pub(crate) fn switch_behind(&self, place: u16) -> Option<InputId> {
+        let on = self.program.places[usize::from(place)].behind & self.image.bits;
+        (on != 0 && self.rules.positions).then(|| InputId(on.trailing_zeros() as u16))
     }
 
     #[inline]

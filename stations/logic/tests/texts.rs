@@ -30,6 +30,7 @@ fn causes() -> Vec<StopCause> {
         StopCause::Signal => StopCause::Signal;
         StopCause::Watchdog => StopCause::Watchdog;
         StopCause::SwitchStuck => StopCause::SwitchStuck;
+        StopCause::BothSwitchesOn { .. } => StopCause::BothSwitchesOn { behind: INPUT };
         StopCause::Devices => StopCause::Devices;
         StopCause::Released => StopCause::Released;
         StopCause::EStop => StopCause::EStop;
@@ -120,6 +121,7 @@ fn ignored() -> Vec<Ignored> {
 fn advice() -> Vec<RejoinAdvice<'static>> {
     samples!(RejoinAdvice<'static> {
         RejoinAdvice::Confirm { .. } => RejoinAdvice::Confirm { ops: "close" };
+        RejoinAdvice::ConfirmIndex { .. } => RejoinAdvice::ConfirmIndex { op: "index" };
         RejoinAdvice::NoOperation => RejoinAdvice::NoOperation;
         RejoinAdvice::Between { .. } => RejoinAdvice::Between { ops: &["close", "open"] };
         RejoinAdvice::NoPlace => RejoinAdvice::NoPlace;
@@ -145,6 +147,7 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
         StationWait::NewGeneration => StationWait::NewGeneration;
         StationWait::Released { .. } => StationWait::Released { op };
         StationWait::Recovery { .. } => StationWait::Recovery { op, cause: StopCause::Watchdog };
+        StationWait::IndexStopped { .. } => StationWait::IndexStopped { op, cause: StopCause::EStop };
         StationWait::Held { .. } => StationWait::Held { button: "PB_2" };
         StationWait::Concurrent { .. } => StationWait::Concurrent { op };
         StationWait::MasterStop => StationWait::MasterStop;
@@ -161,8 +164,7 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
         StationWait::Panel => StationWait::Panel;
         StationWait::PanelAdvance { .. } => StationWait::PanelAdvance { op: "decel", is_undone: true },
             StationWait::PanelAdvance { op: "feed main slide", is_undone: false };
-        StationWait::PanelAtRest { .. } => StationWait::PanelAtRest { is_reversible: true },
-            StationWait::PanelAtRest { is_reversible: false };
+        StationWait::PanelAtRest => StationWait::PanelAtRest;
         StationWait::Selector => StationWait::Selector;
         StationWait::RecoveryPath => StationWait::RecoveryPath;
         StationWait::Mode(_) => StationWait::Mode(ControlMode::StandBy);

@@ -87,7 +87,13 @@ impl Coordinator {
         self.counted().filter(|&(id, s)| waits(s) || !self.has_founded(id)).map(|(id, _)| id).collect()
     }
 
-    /// Whether a station is received.
+    /// An index that was stopped, of a station whose position is lost: it is not led on before a person has looked.
+    pub(super) fn is_index_in_doubt(&self, id: StationId) -> bool {
+        let heard = &self.stations[id.index()].heard;
+        heard.position_lost && heard.incomplete_op.is_some_and(|op| self.line.station(id).index_of(op).is_some())
+    }
+
+    /// Whether a station is heard.
     pub fn hears(&self, station: StationId) -> bool {
         self.stations.get(station.index()).is_some_and(|s| self.is_known(s))
     }

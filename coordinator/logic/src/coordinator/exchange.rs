@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{StationId, Tick};
+use linewright_line::{OpId, StationId, Tick};
 
 use super::cycle::CompletedCycle;
 use crate::decision::ModeCommand;
@@ -26,6 +26,8 @@ pub struct StationView {
     pub stopped: bool,
     /// Some operation was stopped before its end.
     pub incomplete: bool,
+    /// The first one that was.
+    pub incomplete_op: Option<OpId>,
     /// Its selector stands at manual.
     pub selector_manual: bool,
     /// Its devices are received and operational.
@@ -101,6 +103,8 @@ pub struct ModeOutbox {
     pub modes: Vec<ControlMode>,
     /// Commands refused, in order. The caller drains it.
     pub refusals: Vec<RefusedCommand>,
+    /// Of the commands since the last step the last one was obeyed: no refusal stands any more.
+    pub obeyed: bool,
     /// Cycles that the line has completed, in order. The caller drains it.
     pub cycles: Vec<CompletedCycle>,
 }

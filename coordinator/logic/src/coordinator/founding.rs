@@ -2,12 +2,12 @@
 //! `linewright_station_logic`; the published design has no such numbers).
 //!
 //! The coordinator stores no generation. The line has one while all stations that compare counts report the same one. If
-//! they do not, the first *start*, *auto* or *hand* given while every station is at home by its switches founds a new one:
+//! they do not, the first *start*, *auto* or *hand*, or *manual* at home, given while every station is at home by its switches founds a new one:
 //! a number is drawn and sent with the boot id of each station, so that a station restarted since ignores it. Motion is
 //! enabled when all have taken it. A station that is restarted meanwhile, or leaves home before taking it, ends the
 //! founding; the next such command begins another.
 
-use linewright_line::StationId;
+use linewright_line::{StationId, Tick};
 use linewright_random::mix;
 
 use super::{Coordinator, StationView};
@@ -19,6 +19,7 @@ pub(super) struct OpenFounding {
     generation: u64,
     /// For each station, its boot id when it was seen at home.
     lives: Vec<u64>,
+    manual_waits_until: Tick,
 }
 
 impl Coordinator {
@@ -78,9 +79,16 @@ impl Coordinator {
         self.drawn += 1;
         let generation = mix(self.boot_id ^ mix(self.epoch.wrapping_add(self.drawn << 48))).max(1);
         let lives = self.stations.iter().map(|station| station.heard.boot_id).collect();
-        self.founding = Some(OpenFounding { generation, lives });
+        let manual_waits_until = self.now + self.line.timing.lease;
+        self.founding = Some(OpenFounding { generation, lives, manual_waits_until });
         self.changed = true;
         true
+    }
+
+    /// Until when manual waits for the generation that is being founded: what is moved before could not be counted. A station
+    /// that cannot take it holds manual up no longer than that.
+    pub(super) fn manual_waits_until(&self) -> Tick {
+        self.founding.as_ref().map_or(Tick::ZERO, |founding| founding.manual_waits_until)
     }
 
     /// Whether a station has taken the generation that is founded, or none is.

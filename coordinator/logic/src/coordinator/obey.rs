@@ -12,6 +12,7 @@ impl Coordinator {
         self.changed = true;
         let ended = self.ended.take();
         let reasons = self.obey(command);
+        self.obeyed = reasons.is_empty();
         if !reasons.is_empty() {
             self.ended = ended;
             self.refusals.push(RefusedCommand { command, mode: self.mode, reasons });
@@ -40,25 +41,15 @@ impl Coordinator {
                 self.ask(command, Vec::new())
             }
             (M::Home, C::Stop) => vec![ModeRefusal::Already],
-            (M::Home, C::Auto | C::Hand | C::Manual | C::Reset) => vec![ModeRefusal::WrongMode(vec![C::Start])],
+            (M::Home, C::Manual) => self.manual_from_home(),
+            (M::Home, C::Auto | C::Hand) => vec![ModeRefusal::WrongMode(vec![C::Start, C::Manual])],
             (M::StandBy, C::Start) => {
                 // Start in stand-by confirms that an operator has looked at a restarted station.
                 let founds = self.found();
                 let reasons = self.acknowledge_restarts();
                 if founds { Vec::new() } else { reasons }
             }
-            (M::StandBy, C::Stop) => {
-                let mut reasons = self.unheard();
-                let stations = self.line.station_ids().zip(&self.stations).filter(|(_, s)| self.is_known(s));
-                let latest = self.latest_round();
-                let behind = stations.filter(|(_, s)| s.heard.at_home && s.is_behind(latest));
-                reasons.extend(behind.map(|(id, _)| ModeRefusal::Behind(id)));
-                reasons.extend(self.which(|h| !h.at_home, ModeRefusal::NotAtHome));
-                reasons.extend(self.left_out_away());
-                reasons.extend(self.against_rest());
-                reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
-                self.ask(command, reasons)
-            }
+            (M::StandBy, C::Stop) => self.ask(command, self.against_home()),
             (M::StandBy | M::Hand, C::Auto) => {
                 self.found();
                 let between = self.between_rests();
@@ -70,7 +61,7 @@ impl Coordinator {
                 reasons.extend(self.against_rest());
                 self.ask(command, reasons)
             }
-            (M::StandBy | M::Auto | M::Hand | M::Manual, C::Reset) => Vec::new(),
+            (M::Home | M::StandBy | M::Auto | M::Hand | M::Manual, C::Reset) => Vec::new(),
             (M::Auto, C::Start) => {
                 self.stopping = false;
                 Vec::new()
@@ -102,6 +93,20 @@ impl Coordinator {
             return Vec::new();
         }
         if reasons.is_empty() { vec![ModeRefusal::WrongMode(Vec::new())] } else { reasons }
+    }
+
+    /// What keeps a line that stands by from being off, at home.
+    fn against_home(&self) -> Vec<ModeRefusal> {
+        let mut reasons = self.unheard();
+        let stations = self.line.station_ids().zip(&self.stations).filter(|(_, s)| self.is_known(s));
+        let latest = self.latest_round();
+        let behind = stations.filter(|(_, s)| s.heard.at_home && s.is_behind(latest));
+        reasons.extend(behind.map(|(id, _)| ModeRefusal::Behind(id)));
+        reasons.extend(self.which(|h| !h.at_home, ModeRefusal::NotAtHome));
+        reasons.extend(self.left_out_away());
+        reasons.extend(self.against_rest());
+        reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
+        reasons
     }
 
     fn against_motion(&self) -> Vec<ModeRefusal> {
@@ -141,19 +146,38 @@ impl Coordinator {
         Vec::new()
     }
 
-    fn go_manual(&mut self) -> Vec<ModeRefusal> {
+    fn against_manual(&self) -> Vec<ModeRefusal> {
         let mut reasons = self.which(|h| !h.stopped, ModeRefusal::Moving);
         reasons.extend(self.unheard());
         reasons.extend(self.rival().map(ModeRefusal::OtherCoordinator));
         if self.console_is_unknown() {
             reasons.push(ModeRefusal::ConsoleNeverHeard);
         }
+        reasons
+    }
+
+    fn go_manual(&mut self) -> Vec<ModeRefusal> {
+        let reasons = self.against_manual();
         if reasons.is_empty() {
             // A station that has not acknowledged stand-by yet does so in a moment, and the mode follows then.
             self.manual_all = true;
             self.decide(None);
         }
         reasons
+    }
+
+    /// From home to stand-by and on to manual, as by start and manual one after the other: a generation that is missing is
+    /// founded before, while all stand at home. Manual moves nothing by itself: each motion is held at a panel.
+    fn manual_from_home(&mut self) -> Vec<ModeRefusal> {
+        let mut reasons = self.against_manual();
+        // Nothing is founded before all have acknowledged that they stand.
+        reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), ModeRefusal::Unaware));
+        if !reasons.is_empty() {
+            return reasons;
+        }
+        self.found();
+        self.decide(Some(ModeCommand::Start));
+        self.go_manual()
     }
 
     /// Out of manual by command, if only a command led in: back to stand-by and, in the same breath, further.
@@ -165,16 +189,25 @@ impl Coordinator {
         if matches!(command, ModeCommand::Auto | ModeCommand::Hand) {
             self.found();
             let mut reasons = self.against_motion();
-            if command == ModeCommand::Auto {
-                reasons.extend(self.between_rests());
-            }
+            reasons.extend(match command {
+                ModeCommand::Auto => self.between_rests(),
+                _ => self.against_rest(),
+            });
             if !reasons.is_empty() {
                 return reasons;
             }
         }
         self.manual_all = false;
         self.decide(None);
-        if command == ModeCommand::Start { Vec::new() } else { self.obey(command) }
+        match command {
+            // Away from home it ends in stand-by, as it does out of hand mode.
+            ModeCommand::Stop => {
+                self.decide(Some(command));
+                Vec::new()
+            }
+            ModeCommand::Start => Vec::new(),
+            _ => self.obey(command),
+        }
     }
 
     fn acknowledge_restarts(&mut self) -> Vec<ModeRefusal> {

@@ -32,7 +32,8 @@ impl ModeRefusal {
         let (station, text) = match self {
             ModeRefusal::WrongMode(takes) => {
                 let takes: Vec<&str> = takes.iter().map(|command| command.name()).collect();
-                return format!("commands in this mode: {}", takes.join(", "));
+                let takes = if takes.is_empty() { String::new() } else { format!("; possible: {}", takes.join(", ")) };
+                return format!("not possible from this mode{takes}");
             }
             ModeRefusal::OtherCoordinator(life) => {
                 return format!(
@@ -54,7 +55,10 @@ impl ModeRefusal {
             }
             ModeRefusal::NotHeard(station) => (station, "no state received"),
             ModeRefusal::DevicesLost(station) => (station, "I/O devices lost"),
-            ModeRefusal::Incomplete(station) => (station, "operation incomplete; complete or undo it in manual"),
+            ModeRefusal::Incomplete(station, Some(op)) if line.station(*station).index_of(*op).is_some() => {
+                (station, "index incomplete; complete it in manual, it has no way back")
+            }
+            ModeRefusal::Incomplete(station, _) => (station, "operation incomplete; complete or undo it in manual"),
             ModeRefusal::PositionLost(station) => (station, "position lost; see its fault, check mechanism and switch"),
             ModeRefusal::NoCommonStart(station) => (
                 station,

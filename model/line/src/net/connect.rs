@@ -200,10 +200,14 @@ impl StationNetBuilder<'_> {
         let fault = Var::Fault(op, Block::Recovery);
         let arrived = Var::Arrived(op, Block::Recovery);
 
-        let t4 = self.add(TransitionKind::Undo(op), vec![p3], vec![p4]);
-        t4.when(ControlMode::Auto, back_by_itself);
-        t4.when(ControlMode::Hand, back_by_hand.map(|term| and(term, &settled)));
-        t4.when(ControlMode::Manual, [and(vec![on(Var::RetractPressed)], &settled)]);
+        // At a rest the panel takes back no task that is done: as one is begun, so it is taken back by choice.
+        let back_by_panel = self.station.rest_after(op).is_none().then(|| vec![on(Var::RetractPressed)]);
+        if back_by_itself.is_some() || back_by_hand.is_some() || back_by_panel.is_some() {
+            let t4 = self.add(TransitionKind::Undo(op), vec![p3], vec![p4]);
+            t4.when(ControlMode::Auto, back_by_itself);
+            t4.when(ControlMode::Hand, back_by_hand.map(|term| and(term, &settled)));
+            t4.when(ControlMode::Manual, back_by_panel.map(|term| and(term, &settled)));
+        }
 
         let t5 = self.add(TransitionKind::Retract(op), vec![p2], vec![p4]);
         t5.when(ControlMode::Manual, [vec![on(Var::RetractPressed), off(Var::OnAnyPath)]]);

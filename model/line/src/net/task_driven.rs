@@ -10,10 +10,11 @@
 //! 3. When the first operation of a task has been undone, the station is where the task began. The token goes on to the
 //!    place that stands for that rest ([`TransitionKind::GiveUp`]), so that any task can begin there, and the net stays strongly
 //!    connected.
-//! 4. After a fault, which t2, t5, t7, t10 and recovery paths are for, a person leads on, as everywhere.
-//! 5. In manual t11 does not lead out of a rest: a task is chosen, by its order or by its button in hand mode. The panel's
-//!    one button for advance, held once too often, would begin any. A first operation that *return* has just undone is
-//!    done again by *advance* (t9), as within a task.
+//! 4. What a fault has stopped, t2, t5, t7, t10 and recovery paths are for, waits for a person, as everywhere.
+//! 5. In manual neither t11 nor t4 leads out of a rest: a task is chosen, by its order or by its button in hand mode. The
+//!    panel's one button for advance, held once too often, would begin any; its return would take back one that ended there,
+//!    which need not be the one that was done last. A first operation that *return* has just undone is done again by
+//!    *advance* (t9), as within a task.
 //!
 //! t12 is there between any two reversible operations of a task, and the panel's return leads over it: going back needs
 //! it, and in manual there is no reason to go back less far. In hand mode it follows the hand type.

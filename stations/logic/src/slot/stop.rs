@@ -53,6 +53,7 @@ impl Controller {
             StopCause::Signal
             | StopCause::Watchdog
             | StopCause::SwitchStuck
+            | StopCause::BothSwitchesOn { .. }
             | StopCause::Devices
             | StopCause::NotAtHome
             | StopCause::Interlock { .. }

@@ -24,6 +24,8 @@ pub enum StationWait<'a> {
     Released { op: &'a str },
     /// A motion that was stopped by a fault is not complete.
     Recovery { op: &'a str, cause: StopCause },
+    /// An index that was stopped is not complete. It is led on, and never back.
+    IndexStopped { op: &'a str, cause: StopCause },
     /// The button of a motion.
     Held { button: &'a str },
     /// An operation of the same step.
@@ -44,8 +46,8 @@ pub enum StationWait<'a> {
     TaskButton { choices: &'a [String] },
     /// A command of the station's panel.
     Panel,
-    /// At a rest in manual: the commands that begin a task, and the panel's return where it leads back.
-    PanelAtRest { is_reversible: bool },
+    /// At a rest in manual: what begins a task, or takes one back.
+    PanelAtRest,
     /// The station's selector.
     Selector,
     /// A mode in which stations move.
@@ -96,6 +98,8 @@ pub enum PositionDoubt {
 pub enum RejoinAdvice<'a> {
     /// The switches determine a step: these operations are complete.
     Confirm { ops: &'a str },
+    /// The switch of this index is on, before it as after it.
+    ConfirmIndex { op: &'a str },
     /// The switches fit no operation.
     NoOperation,
     /// The switches fit these operations, each in progress.
@@ -127,12 +131,15 @@ impl StationWait<'_> {
             StationWait::Released { op } => format!("{op} to be completed or undone in manual"),
             StationWait::Recovery { op, cause } => format!("recovery of {op} in manual ({})", cause.text()),
             StationWait::Held { button } => format!("{button} to be held"),
+            StationWait::IndexStopped { op, cause } => {
+                format!("advance at its panel in manual, to complete {op} ({}); an index has no return", cause.text())
+            }
             StationWait::Concurrent { op } => format!("concurrent operation {op}"),
             StationWait::MasterStop => "master stop: halted at home".to_owned(),
             StationWait::MasterStopOfOrders => "master stop: no task orders accepted".to_owned(),
             StationWait::TaskOrder => "a task order".to_owned(),
             StationWait::Rest => "an operator: no task begins here; lead the station to a rest in manual".to_owned(),
-            StationWait::Input { input, own } => format!("{input}, for {own}"),
+            StationWait::Input { input, own } => format!("{input} to be on, for {own}"),
             StationWait::Button { onward, back } => match (onward, back) {
                 (Some(onward), Some(back)) if onward == back => format!("a button: {onward}"),
                 (Some(onward), Some(back)) => format!("a button: {onward} to go on, {back} to go back"),
@@ -142,9 +149,8 @@ impl StationWait<'_> {
             },
             StationWait::TaskButton { choices } => format!("a button: {}", choices.join(", ")),
             StationWait::Panel => "advance or return at its panel".to_owned(),
-            StationWait::PanelAtRest { is_reversible } => {
-                let back = if is_reversible { ", or return at its panel" } else { "" };
-                format!("a task: its order in auto, or its button in hand mode{back}")
+            StationWait::PanelAtRest => {
+                "a task: its order in auto, or its button in hand mode; at a rest its panel moves nothing".to_owned()
             }
             StationWait::Selector => "its selector at manual".to_owned(),
             StationWait::Mode(mode) => format!("a mode that allows motion (now {mode})"),
@@ -189,7 +195,7 @@ impl PositionDoubt {
         match self {
             PositionDoubt::NoJournal => "position unknown, no valid journal",
             PositionDoubt::AxisOff => "axis not where the chart has it",
-            PositionDoubt::Index => "index done or not",
+            PositionDoubt::Index => "not certain whether its index is done",
         }
     }
 }
@@ -198,6 +204,9 @@ impl RejoinAdvice<'_> {
     fn text(self) -> String {
         match self {
             RejoinAdvice::Confirm { ops } => format!("by its switches `{ops}` is complete; confirm it with rejoin"),
+            RejoinAdvice::ConfirmIndex { op } => {
+                format!("its switch is on before `{op}` and after it; look at the mechanism, then confirm with rejoin")
+            }
             RejoinAdvice::NoOperation => {
                 "its switches fit no operation; move its axes onto a switch by hand".to_owned()
             }

@@ -12,6 +12,7 @@ impl StopCause {
             StopCause::Signal => "fault signal",
             StopCause::Watchdog => "watchdog: motion not complete in time",
             StopCause::SwitchStuck => "watchdog: limit switch was on before the motion started",
+            StopCause::BothSwitchesOn { .. } => "watchdog: limit switches of both ends are on",
             StopCause::Devices => "I/O devices lost",
             StopCause::Released => "button released",
             StopCause::EStop => "emergency stop",
@@ -76,6 +77,12 @@ impl StopCause {
             (StopCause::SwitchStuck, _) => {
                 format!("watchdog: {} was on before the motion started; check the switch", input(signals.complete))
             }
+            (StopCause::BothSwitchesOn { behind }, _) => format!(
+                "watchdog: {} and {} are both on, at the two ends of the motion; one of them sticks, or nothing has moved: \
+                 check both switches and the mechanism",
+                input(signals.complete),
+                input(behind)
+            ),
             (StopCause::Interlock { .. } | StopCause::PositionLost { .. } | StopCause::IndexDoubtful { .. }, _) => {
                 self.detail(line, station)
             }

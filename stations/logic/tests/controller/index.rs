@@ -285,7 +285,10 @@ fn restarted_with_its_memory_it_goes_on_from_half_way_and_is_in_doubt_at_its_swi
     assert!(is_doubtful(&rig), "{}", rig.controller.fault_text(&rig.line));
     stays(&mut rig);
     let asks = rig.blocked_by().join("; ");
-    assert!(asks.contains("rejoin: index done or not; by its switches `index` is complete"), "{asks}");
+    assert!(
+        asks.contains("rejoin: not certain whether its index is done; its switch is on before `index` and after it"),
+        "{asks}"
+    );
     assert!(rejoin(&mut rig, None).is_taken());
     assert_eq!((rig.controller.position_lost(), rig.controller.is_at_home()), (None, true));
     manual(&mut rig);

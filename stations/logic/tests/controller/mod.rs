@@ -13,4 +13,5 @@ mod place;
 mod recovery;
 mod restart;
 pub mod rig;
+mod stuck;
 mod undo;

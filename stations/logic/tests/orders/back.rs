@@ -144,7 +144,7 @@ fn a_long_task_is_taken_back_operation_by_operation_to_where_any_task_can_begin(
         robot.arrive();
     }
     assert_eq!(robot.doing(), "carry to m1 (done)");
-    assert_eq!(robot.blocked_by(), ["m1_closed (robot io, node 03h, 6000h:01 bit 5), for let go"]);
+    assert_eq!(robot.blocked_by(), ["m1_closed (robot io, node 03h, 6000h:01 bit 5) to be on, for let go"]);
     robot.secure(key(1, 1));
     for doing in ["undoing carry to m1", "undoing grasp", "undoing to the store"] {
         assert_eq!(robot.doing(), doing);

@@ -54,7 +54,7 @@ fn nothing_starts_before_what_it_waits_for_is_there_and_the_code_says_so_if_it_n
     m1.set("part_present", false);
     assert_eq!(m1.run(&order(1, "clamp")), TaskReply::Running);
     assert_eq!(m1.outputs, 0);
-    assert_eq!(m1.blocked_by(), ["part_present (m1 io, node 02h, 6000h:01 bit 6), for clamp close"]);
+    assert_eq!(m1.blocked_by(), ["part_present (m1 io, node 02h, 6000h:01 bit 6) to be on, for clamp close"]);
     m1.wait(Duration::from_secs(19));
     m1.set("part_present", true);
     assert_eq!(m1.on(), ["Y_close"]);

@@ -206,11 +206,12 @@ fn the_panel_leads_a_task_to_its_rest_and_begins_none() {
         m1.hold(&[]);
     }
     assert_eq!(m1.events()[0], "rejected the command");
-    assert_eq!(m1.blocked_by(), ["a task: its order in auto, or its button in hand mode, or return at its panel"]);
+    let chosen = "a task: its order in auto, or its button in hand mode; at a rest its panel moves nothing";
+    assert_eq!(m1.blocked_by(), [chosen]);
 }
 
 #[test]
-fn the_panel_takes_back_through_a_rest() {
+fn the_panel_takes_a_task_back_to_its_rest_and_none_that_is_done() {
     let mut m1 = Bench::machining();
     m1.mode(ControlMode::Manual);
     m1.through(Advance(true));
@@ -221,7 +222,36 @@ fn the_panel_takes_back_through_a_rest() {
     m1.hold(&[Retract(true)]);
     assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (done)", 0), "a rest is a stop");
     m1.hold(&[]);
-    m1.through(Retract(true));
+    m1.events();
+    for _ in 0..3 {
+        m1.hold(&[Retract(true)]);
+        assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (done)", 0));
+        m1.hold(&[]);
+    }
+    assert_eq!(m1.events()[0], "rejected the command");
+    assert_eq!(m1.rest().as_deref(), Some("clamped"));
+    // In hand mode it is chosen.
+    m1.mode(ControlMode::Hand);
+    m1.press("PB_open");
+    m1.arrive();
     assert_eq!(m1.rest().as_deref(), Some("open"));
-    assert_eq!(m1.controller.report().done[0], 0);
+}
+
+/// What a motion waits for is named first, with where it is wired, at the panel and by hand button alike.
+#[test]
+fn an_input_that_holds_a_motion_is_named_in_hand_and_in_manual() {
+    let mut m1 = Bench::new();
+    m1.run(&order(1, "clamp"));
+    m1.mode(ControlMode::Manual);
+    m1.hold(&[Retract(true)]);
+    m1.hold(&[]);
+    m1.set("part_present", false);
+    m1.hold(&[Advance(true)]);
+    assert_eq!((m1.doing().as_str(), m1.outputs), ("clamp close (undone)", 0));
+    let missing = "part_present (m1 io, node 02h, 6000h:01 bit 6) to be on, for clamp close";
+    assert_eq!(m1.blocked_by(), [missing, "advance or return at its panel"]);
+    m1.hold(&[]);
+    m1.mode(ControlMode::Auto);
+    m1.mode(ControlMode::Hand);
+    assert_eq!(m1.blocked_by(), [missing, "a button: PB_close for clamp"]);
 }

@@ -1,0 +1,76 @@
+//! `mode stop --wait`: until a stop has ended.
+//!
+//! A stop in auto ends the round, and that takes as long as it takes: so nothing here gives up because of the time. It ends at
+//! home, or in stand-by with every station that is heard standing. It ends without that where somebody takes the stop back, or
+//! gives another command, and where the coordinator is not heard any more.
+
+use linewright_msgs::StationState;
+use miette::miette;
+use tokio::time::Instant;
+
+use super::{ANSWER, CONNECT, REPEAT};
+use crate::client::OperatorClient;
+use crate::run::stopping::{StopStep, next_step};
+use crate::states::mode_name;
+
+/// What the states that were heard last say of the stop.
+enum StopProgress {
+    UnderWay,
+    /// At home, or in stand-by and nothing that is heard moves.
+    Ended,
+    /// Something else was commanded since.
+    Overridden(String),
+}
+
+/// Waits until the stop has ended. False if it was overridden; why is printed.
+pub(super) async fn until_stopped(client: &mut OperatorClient) -> miette::Result<bool> {
+    // The command may have been obeyed a moment ago, and its first state be on its way.
+    client.listen(ANSWER).await?;
+    let (mut heard, mut told) = (Instant::now(), String::new());
+    loop {
+        if let Some(state) = client.coordinator() {
+            heard = Instant::now();
+            if state.text != told {
+                told.clone_from(&state.text);
+                if matches!(progress(client), StopProgress::UnderWay) {
+                    crate::out::complain!("{told}");
+                }
+            }
+            match progress(client) {
+                StopProgress::UnderWay => {}
+                StopProgress::Ended => {
+                    unheard(client).iter().for_each(|name| {
+                        crate::out::complain!("{name}: no state received; whether it stands is unknown");
+                    });
+                    return Ok(true);
+                }
+                StopProgress::Overridden(why) => {
+                    crate::out::complain!("{why}");
+                    return Ok(false);
+                }
+            }
+        } else if heard.elapsed() >= CONNECT {
+            return Err(miette!("no state received from the coordinator; whether the line has stopped is unknown"));
+        }
+        client.listen(REPEAT).await?;
+    }
+}
+
+fn progress(client: &OperatorClient) -> StopProgress {
+    let Some(state) = client.coordinator() else { return StopProgress::UnderWay };
+    let heard = client.line().station_ids().filter_map(|id| client.station(id)).map(Some);
+    match (state.mode, next_step(Some(state), heard)) {
+        (StationState::MODE_HOME, _) | (StationState::MODE_STANDBY, StopStep::Stands) => StopProgress::Ended,
+        (StationState::MODE_STANDBY, _) | (StationState::MODE_AUTO, StopStep::Wait) => StopProgress::UnderWay,
+        (StationState::MODE_AUTO, _) => {
+            StopProgress::Overridden("stop taken back by start; give stop again".to_owned())
+        }
+        (mode, _) => StopProgress::Overridden(format!("stop overridden: the mode is {}", mode_name(mode))),
+    }
+}
+
+fn unheard(client: &OperatorClient) -> Vec<String> {
+    let line = client.line();
+    let silent = line.station_ids().filter(|&id| client.station(id).is_none());
+    silent.map(|id| line.station(id).name.clone()).collect()
+}

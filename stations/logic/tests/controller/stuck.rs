@@ -1,0 +1,183 @@
+//! A limit switch that is stuck on: what the switch at the other end of the motion says to it.
+//!
+//! ```text
+//!   LS_open  ●───────── clamp ─────────●  LS_closed, stuck on
+//! ```
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, OpId, StationId, Tick};
+use linewright_station_logic::{Restore, Rules, StationInput};
+
+use super::rig::Rig;
+use crate::build::transfer_line;
+
+const CLAMP: StationId = StationId(1);
+const CLOSE: OpId = OpId(1);
+
+/// The clamp of the shipped line by itself.
+fn alone() -> Line {
+    let mut line = transfer_line();
+    line.arrows.clear();
+    line.conflicts.clear();
+    line
+}
+
+struct Clamp {
+    rig: Rig,
+    open: u128,
+    closed: u128,
+}
+
+impl Clamp {
+    fn up(restore: Restore, on: &[&str]) -> Self {
+        let line = alone();
+        let names = line.station(CLAMP).inputs.clone();
+        let bit = |name: &str| 1u128 << names.iter().position(|input| input == name).expect("an input");
+        let image = on.iter().fold(0, |bits, name| bits | bit(name));
+        let mut rig = Rig::standing(line, CLAMP, 1, restore, image);
+        rig.controller = rig.controller.with_rules(Rules::ALL);
+        Clamp { rig, open: bit("LS_open"), closed: bit("LS_closed") }
+    }
+
+    /// Stopped by the watchdog, with `LS_closed` on from the start.
+    fn stuck(has_moved: bool) -> Self {
+        let mut clamp = Clamp::up(Restore::Fresh, &["LS_open"]);
+        clamp.rig.set(clamp.closed, true);
+        clamp.rig.mode(ControlMode::Auto);
+        assert!(!clamp.rig.report().stopped);
+        if has_moved {
+            clamp.rig.set(clamp.open, false);
+        }
+        clamp.rig.wait_ms(5000);
+        assert!(clamp.rig.report().stopped);
+        clamp.rig.mode(ControlMode::Manual);
+        clamp
+    }
+
+    fn fault(&self) -> String {
+        self.rig.controller.fault_text(&self.rig.line)
+    }
+
+    fn closes(&self) -> i32 {
+        self.rig.report().done[CLOSE.index()]
+    }
+
+    fn advance(&mut self) {
+        self.rig.advance(true);
+        self.rig.wait_ms(100);
+        self.rig.advance(false);
+    }
+}
+
+#[test]
+fn a_clamp_that_has_not_left_its_open_switch_is_not_closed_whatever_the_other_switch_says() {
+    let mut clamp = Clamp::stuck(false);
+    assert!(clamp.fault().contains("LS_closed ("), "{}", clamp.fault());
+    assert!(clamp.fault().contains(") and LS_open ("), "{}", clamp.fault());
+    assert!(clamp.fault().contains("are both on"), "{}", clamp.fault());
+    for _ in 0..3 {
+        clamp.advance();
+        assert_eq!((clamp.closes(), clamp.rig.doing().as_str()), (0, "advance clamp (stopped)"));
+    }
+    // Held on, it is driven until the watchdog reports it again.
+    clamp.rig.advance(true);
+    clamp.rig.wait_ms(5000);
+    clamp.rig.advance(false);
+    assert!(clamp.fault().contains("are both on"), "{}", clamp.fault());
+    assert_eq!(clamp.closes(), 0);
+    // Not after a restart either.
+    let mut again = Clamp::up(Restore::From(clamp.rig.controller.snapshot()), &["LS_open", "LS_closed"]);
+    again.rig.mode(ControlMode::Manual);
+    again.advance();
+    assert_eq!((again.closes(), again.rig.doing().as_str()), (0, "advance clamp (stopped)"));
+    // Nor is it open while both are on.
+    again.rig.retract(true);
+    again.rig.wait_ms(100);
+    again.rig.retract(false);
+    assert_eq!(again.rig.doing(), "undoing advance clamp (stopped)");
+    // Repaired, the clamp may as well have left a closed switch that sticks: the open one was not seen off. Held until the
+    // watchdog says so, and once more, it is open.
+    again.rig.set(again.closed, false);
+    for doing in ["undoing advance clamp (stopped)", "advance clamp (undone)"] {
+        again.rig.retract(true);
+        again.rig.wait_ms(5000);
+        again.rig.retract(false);
+        assert_eq!(again.rig.doing(), doing);
+    }
+}
+
+#[test]
+fn repaired_it_is_led_on_at_once() {
+    let mut clamp = Clamp::stuck(false);
+    clamp.rig.set(clamp.closed, false);
+    clamp.rig.advance(true);
+    clamp.rig.set(clamp.open, false);
+    clamp.rig.set(clamp.closed, true);
+    assert_eq!(clamp.closes(), 1);
+}
+
+/// A switch that sticks says nothing of how far the clamp was led: only its watchdog's whole time does.
+#[test]
+fn led_on_a_little_at_a_time_it_is_not_closed_half_way() {
+    let mut clamp = Clamp::stuck(false);
+    clamp.advance();
+    clamp.rig.set(clamp.open, false);
+    for _ in 0..3 {
+        clamp.advance();
+        assert_eq!(clamp.closes(), 0);
+    }
+}
+
+#[test]
+fn a_clamp_that_really_arrived_at_a_stuck_switch_is_led_on_after_the_report_and_after_a_restart() {
+    let mut clamp = Clamp::stuck(true);
+    assert!(clamp.fault().contains("was on before the motion started"), "{}", clamp.fault());
+    let mut again = Clamp::up(Restore::From(clamp.rig.controller.snapshot()), &["LS_closed"]);
+    clamp.advance();
+    assert_eq!(clamp.closes(), 1);
+    again.rig.mode(ControlMode::Manual);
+    again.advance();
+    assert_eq!(again.closes(), 1);
+}
+
+/// Of a short stroke both switches may be on in the middle: a switch that was seen off is believed as before, and one that was
+/// not needs the other one off.
+#[test]
+fn switches_that_overlap_complete_a_motion_as_before() {
+    let mut clamp = Clamp::up(Restore::Fresh, &["LS_open"]);
+    clamp.rig.mode(ControlMode::Auto);
+    clamp.rig.set(clamp.closed, true);
+    assert_eq!(clamp.closes(), 1, "seen off, it has come on");
+
+    let mut clamp = Clamp::up(Restore::Fresh, &["LS_open"]);
+    clamp.rig.mode(ControlMode::Auto);
+    let mut again = Clamp::up(Restore::From(clamp.rig.controller.snapshot()), &["LS_open", "LS_closed"]);
+    again.rig.mode(ControlMode::Manual);
+    again.rig.advance(true);
+    again.rig.set(again.open, false);
+    again.rig.wait_ms(5000);
+    again.rig.advance(false);
+    assert_eq!(again.closes(), 0, "which of the two told the truth is not known");
+    again.advance();
+    assert_eq!(again.closes(), 1, "the open switch is off");
+}
+
+/// Images that are older than the outputs: the one from before the motion decides nothing.
+#[test]
+fn with_images_that_take_their_time_too() {
+    for (open, arrives) in [(true, false), (false, true)] {
+        let clamp = Clamp::stuck(!open);
+        let mut again = Clamp::up(Restore::From(clamp.rig.controller.snapshot()), &["LS_closed"]);
+        let bits = again.closed | if open { again.open } else { 0 };
+        again.rig.mode(ControlMode::Manual);
+        let image = |under| StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under };
+        let now = again.rig.now;
+        again.rig.controller.handle(now, image(again.rig.out.number));
+        again.rig.step();
+        again.rig.advance(true);
+        assert!(!again.rig.report().stopped);
+        again.rig.controller.handle(now, image(again.rig.out.number));
+        again.rig.step();
+        assert_eq!(again.closes(), i32::from(arrives));
+    }
+}
