@@ -58,9 +58,11 @@ pub(super) async fn until_stopped(client: &mut OperatorClient) -> miette::Result
 
 fn progress(client: &OperatorClient) -> StopProgress {
     let Some(state) = client.coordinator() else { return StopProgress::UnderWay };
-    let heard = client.line().station_ids().filter_map(|id| client.station(id)).map(Some);
-    match (state.mode, next_step(Some(state), heard)) {
-        (StationState::MODE_HOME, _) | (StationState::MODE_STANDBY, StopStep::Stands) => StopProgress::Ended,
+    let heard: Vec<_> = client.line().station_ids().filter_map(|id| client.station(id)).map(Some).collect();
+    match (state.mode, next_step(Some(state), &heard)) {
+        (StationState::MODE_HOME, _) | (StationState::MODE_STANDBY, StopStep::Stands | StopStep::Command) => {
+            StopProgress::Ended
+        }
         (StationState::MODE_STANDBY, _) | (StationState::MODE_AUTO, StopStep::Wait) => StopProgress::UnderWay,
         (StationState::MODE_AUTO, _) => {
             StopProgress::Overridden("stop taken back by start; give stop again".to_owned())

@@ -32,6 +32,8 @@ pub enum ModeRefusal {
     PositionLost(StationId),
     /// A station has no memory of counts that the others share.
     NoCommonStart(StationId),
+    /// The same, for manual at home: none can be founded now, and what is moved without one is not counted.
+    NotFounded(StationId),
     /// A station was restarted and has not been looked at since.
     Restarted(StationId),
     /// A station's selector stands at manual.

@@ -24,6 +24,7 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::Incomplete(..) => ModeRefusal::Incomplete(station, None);
         ModeRefusal::PositionLost(_) => ModeRefusal::PositionLost(station);
         ModeRefusal::NoCommonStart(_) => ModeRefusal::NoCommonStart(station);
+        ModeRefusal::NotFounded(_) => ModeRefusal::NotFounded(station);
         ModeRefusal::Restarted(_) => ModeRefusal::Restarted(station);
         ModeRefusal::SelectorManual(_) => ModeRefusal::SelectorManual(station);
         ModeRefusal::Moving(_) => ModeRefusal::Moving(station);

@@ -11,7 +11,6 @@ use linewright_line::{StationId, Tick};
 use linewright_random::mix;
 
 use super::{Coordinator, StationView};
-use crate::refusal::ModeRefusal;
 
 /// A generation that is being founded.
 #[derive(Clone, Debug)]
@@ -52,13 +51,11 @@ impl Coordinator {
     }
 
     /// The stations whose generation is missing or differs from the most common one; none while a generation is being founded.
-    pub(super) fn apart(&self) -> Vec<ModeRefusal> {
-        if self.founding.is_some() || self.is_of_one_generation() {
-            return Vec::new();
-        }
+    pub(super) fn apart(&self) -> impl Iterator<Item = StationId> {
+        let is_common = self.founding.is_some() || self.is_of_one_generation();
         let prevailing = self.prevailing();
-        let apart = self.comparing().filter(|(_, heard)| heard.generation == 0 || heard.generation != prevailing);
-        apart.map(|(id, _)| ModeRefusal::NoCommonStart(id)).collect()
+        let apart = move |heard: &StationView| heard.generation == 0 || heard.generation != prevailing;
+        self.comparing().filter(move |(_, heard)| !is_common && apart(heard)).map(|(id, _)| id)
     }
 
     /// Whether every station that is not left out stands at home, all in one cycle.

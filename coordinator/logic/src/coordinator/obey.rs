@@ -166,21 +166,24 @@ impl Coordinator {
         reasons
     }
 
-    /// From home to stand-by and on to manual, as by start and manual one after the other: a generation that is missing is
-    /// founded before, while all stand at home. Manual moves nothing by itself: each motion is held at a panel.
+    /// From home to stand-by and on to manual, as by start and manual one after the other. A generation that is missing is
+    /// founded before: what is moved without one is not counted. Where it cannot be founded, *start* has to be given first,
+    /// as an operator's decision. Manual moves nothing by itself: each motion is held at a panel.
     fn manual_from_home(&mut self) -> Vec<ModeRefusal> {
         let mut reasons = self.against_manual();
         // Nothing is founded before all have acknowledged that they stand.
         reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), ModeRefusal::Unaware));
+        if reasons.is_empty() && !self.found() {
+            reasons = self.apart().map(ModeRefusal::NotFounded).collect();
+        }
         if !reasons.is_empty() {
             return reasons;
         }
-        self.found();
         self.decide(Some(ModeCommand::Start));
         self.go_manual()
     }
 
-    /// Out of manual by command, if only a command led in: back to stand-by and, in the same breath, further.
+    /// Out of manual by command, if only a command led in: back to stand-by, and at once to the commanded mode.
     fn leave_manual(&mut self, command: ModeCommand) -> Vec<ModeRefusal> {
         let selectors = self.which(|h| h.selector_manual, ModeRefusal::SelectorManual);
         if !selectors.is_empty() {

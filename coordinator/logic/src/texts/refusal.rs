@@ -64,6 +64,10 @@ impl ModeRefusal {
                 station,
                 "no generation in common with the other stations; lead all stations home in manual, then give auto",
             ),
+            ModeRefusal::NotFounded(station) => (
+                station,
+                "no generation in common with the other stations, and none can be founded now; give start, then manual",
+            ),
             ModeRefusal::Restarted(station) => (station, "restarted; give start, or select manual first"),
             ModeRefusal::SelectorManual(station) => (station, "selector at manual"),
             ModeRefusal::Moving(station) => (station, "motion in progress"),

@@ -9,7 +9,7 @@ use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{Restore, Rules, StationInput};
 
 use super::rig::Rig;
-use crate::build::transfer_line;
+use linewright_testkit::built::transfer_line;
 
 const CLAMP: StationId = StationId(1);
 const CLOSE: OpId = OpId(1);
