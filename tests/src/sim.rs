@@ -106,10 +106,14 @@ impl WatchedLine {
         let from = usize::try_from(self.read - log.forgotten()).unwrap_or(usize::MAX);
         self.read = log.forgotten() + log.entries().len() as u64;
         for entry in log.entries().get(from..).unwrap_or_default() {
-            if let LogKind::Station(id, event) = entry.what
-                && event.what == HappeningKind::Refused
-            {
-                self.refused(id);
+            let LogKind::Station(id, event) = entry.what else { continue };
+            match event.what {
+                HappeningKind::Refused => self.refused(id),
+                // Motions without a generation are not counted: which part is where is then for people to see.
+                HappeningKind::Started(..) if self.controller(id).is_some_and(|of| of.generation() == 0) => {
+                    self.observer.lose_parts();
+                }
+                _ => {}
             }
         }
         let plant = self.sim.plant_of(StationId::at(0));
