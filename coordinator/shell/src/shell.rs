@@ -316,7 +316,10 @@ impl CoordinatorShell {
         let is_late = now > self.acted + self.refresh;
         if is_written {
             self.written = record;
-            self.write_again = None;
+            if self.write_again.take().is_some() {
+                // The journal works again: published at once, and not with the next message that arrives.
+                self.refresh_due = now;
+            }
         } else {
             self.write_again = Some(now + WRITE_AGAIN_EVERY);
         }
