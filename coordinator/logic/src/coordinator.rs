@@ -325,7 +325,7 @@ impl Coordinator {
             all_home,
             away: self.stations.iter().any(|s| s.on_order && self.is_known(s) && !s.heard.at_home),
             all_stopped: self.all(|h| self.is_at_rest(h)),
-            any_manual: (self.manual_all || self.any_selector()) && self.now >= self.manual_waits_until(),
+            any_manual: self.is_manual_commanded() || self.any_selector(),
         }
     }
 

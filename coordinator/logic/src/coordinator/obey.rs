@@ -10,6 +10,10 @@ use crate::refusal::{ModeRefusal, RefusedCommand};
 impl Coordinator {
     pub(super) fn command(&mut self, command: ModeCommand) {
         self.changed = true;
+        if self.mode != ControlMode::Manual && command != ModeCommand::Manual {
+            // A later command replaces a manual that still waits for stations to stand.
+            self.manual_all = false;
+        }
         let ended = self.ended.take();
         let reasons = self.obey(command);
         self.obeyed = reasons.is_empty();
@@ -154,6 +158,12 @@ impl Coordinator {
             reasons.push(ModeRefusal::ConsoleNeverHeard);
         }
         reasons
+    }
+
+    /// Whether manual holds by command, or follows by it now: not before a generation that is being founded is taken, since what
+    /// is moved before could not be counted.
+    pub(super) fn is_manual_commanded(&self) -> bool {
+        self.manual_all && (self.mode == ControlMode::Manual || self.now >= self.manual_waits_until())
     }
 
     fn go_manual(&mut self) -> Vec<ModeRefusal> {
