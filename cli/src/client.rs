@@ -6,16 +6,14 @@
 use std::time::{Duration, Instant};
 
 use linewright_fieldbus::Clock;
-use linewright_line::{Line, StationId};
+use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::{Flag, Header, LineState, StationEvent, StationState, Text};
 use linewright_node_shell::{
-    Forward, Participant, Publisher, RosArgs, RosNode, TopicError, forward, qos, watch_middleware,
+    Forward, MessagePace, Participant, Publisher, RosArgs, RosNode, TopicError, forward, qos, watch_middleware,
 };
 use linewright_station_shell::NewestBySequence;
 use miette::miette;
 use tokio::sync::mpsc;
-
-use crate::pace::MessagePace;
 
 /// Something newer was heard.
 #[derive(Debug)]
@@ -170,7 +168,7 @@ impl OperatorClient {
                 if !self.newest_line.offer(now, state.boot_id, state.sequence) {
                     return None;
                 }
-                if !self.line_pace.offer(now, seconds(&state.header)) {
+                if !self.line_pace.offer(now.since(Tick::ZERO), seconds(&state.header)) {
                     return None;
                 }
                 self.line_state = Some(StampedState { state, at });
@@ -182,7 +180,7 @@ impl OperatorClient {
                 if !fits || !self.newest[id.index()].offer(now, state.boot_id, state.sequence) {
                     return None;
                 }
-                if !self.paces[id.index()].offer(now, seconds(&state.header)) {
+                if !self.paces[id.index()].offer(now.since(Tick::ZERO), seconds(&state.header)) {
                     return None;
                 }
                 self.stations[id.index()] = Some(StampedState { state: *state, at });

@@ -23,7 +23,6 @@ mod new;
 mod nodes;
 mod operate;
 mod out;
-mod pace;
 mod report;
 mod run;
 mod schema;

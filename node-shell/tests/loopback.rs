@@ -4,7 +4,10 @@
 //! Each test takes a domain of its own, away from the usual ones.
 
 use linewright_msgs::{Invalid, ProcessImage, RosField, RosMessage, StationState, Text};
-use linewright_node_shell::{Participant, Range, RosArgs, RosNode, Subscription, forward, fresh_boot_id, qos, stamp};
+use linewright_node_shell::{
+    MessagePace, Participant, Range, RosArgs, RosNode, Subscription, forward, forward_present, fresh_boot_id, qos,
+    stamp,
+};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 use tokio::sync::mpsc;
@@ -60,6 +63,39 @@ async fn a_latched_state_reaches_a_late_reader() {
         newest = next(&mut states).await;
     }
     assert_eq!((publisher.sent(), publisher.failed()), (3, 0));
+}
+
+/// The middleware keeps all states as long as some reader has not acknowledged them, or none has come yet, and sends them to
+/// whoever joins.
+#[tokio::test]
+async fn of_states_kept_by_the_middleware_none_is_taken_for_the_present_one() {
+    const REFRESH: Duration = Duration::from_millis(50);
+    let mut writer = node(7, "writer");
+    let publisher = writer.publisher::<StationState>("s1/state", qos::latched_state()).expect("publisher");
+    let mut reader = node(7, "reader");
+    let (mut sequence, mut joined) = (0, None);
+    let (to, mut all) = mpsc::channel(1000);
+    let (to_present, mut present) = mpsc::channel(1000);
+    let mut tasks = Vec::new();
+    while joined.is_none_or(|at| sequence < at + 40) {
+        sequence += 1;
+        publisher.send(state(sequence));
+        sleep(REFRESH).await;
+        if sequence == 60 {
+            joined = Some(sequence);
+            let states = reader.subscription::<StationState>("s1/state", qos::latched_state()).expect("subscription");
+            tasks.push(forward(states, to.clone(), |state, _| Some(state.sequence)));
+            let states = reader.subscription::<StationState>("s1/state", qos::latched_state()).expect("subscription");
+            let pace = MessagePace::new(REFRESH, REFRESH * 5);
+            tasks.push(forward_present(states, to_present.clone(), pace, |state, _| Some(state.sequence)));
+        }
+    }
+    let mut heard = || all.try_recv().ok();
+    assert!(heard().is_some_and(|first| first < 30), "what was kept is sent");
+    assert!(std::iter::from_fn(heard).last() > Some(90));
+    let taken: Vec<u64> = std::iter::from_fn(|| present.try_recv().ok()).collect();
+    assert!(taken.first().is_some_and(|&first| first > 60), "{taken:?}");
+    assert!(taken.last().is_some_and(|&last| last > 90), "{taken:?}");
 }
 
 #[tokio::test]

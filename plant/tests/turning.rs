@@ -171,6 +171,34 @@ fn let_go_on_the_way_it_goes_on_to_the_same_place_and_never_round() {
     assert!(past > 0, "some coast past their place");
 }
 
+/// The order comes back while it coasts through the window of its place.
+#[test]
+fn ordered_to_the_place_through_which_it_coasts_it_is_not_there_before_it_stands() {
+    for at_rest in [AtRest::Hold, AtRest::Off] {
+        let mut coasted = 0;
+        for ms in 0..60u64 {
+            // So wide that it is in there for a while.
+            let table = Described { quick_stop: 200.0, at_rest, window: 20.0, ..table(TurnDirection::Positive) };
+            let mut pair = Pair::new(table, 0.0, 1);
+            pair.set(to(2));
+            pair.run(millis(300 + 5 * ms), |_| {});
+            pair.set(0);
+            pair.run(millis(40), |_| {});
+            let (begins, mut before) = (pair.place(), pair.place());
+            pair.set(to(2));
+            pair.run(millis(1500), |pair| {
+                let moved = (pair.place() - before).abs();
+                before = pair.place();
+                assert!(pair.inputs() != at(2) || moved < 0.05, "{at_rest:?} {ms}: {moved}, {}", pair.drive.explain());
+            });
+            let is_there = (70.0..=110.0).contains(&pair.place());
+            coasted += u32::from((70.0..=110.0).contains(&begins) && is_there && pair.place() - begins > 1.0);
+            assert!(!is_there || pair.inputs() == at(2), "{at_rest:?} {ms}: {}", pair.drive.explain());
+        }
+        assert!(coasted > 0, "{at_rest:?}: some come to a stand within the window");
+    }
+}
+
 #[test]
 fn not_homed_it_knows_no_place_and_is_homed_by_an_order_to_none() {
     for (direction, method, end) in [(TurnDirection::Positive, 2, 360.0), (TurnDirection::Negative, 1, 0.0)] {

@@ -3,7 +3,9 @@
 use linewright_coordinator_logic::CompletedCycle;
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{CycleTime, LineState, ModeOrder, ProcessImage, StationState, Text};
-use linewright_node_shell::{Forward, Publisher, RosNode, TopicError, forward, qos, stamp, watch_middleware};
+use linewright_node_shell::{
+    Forward, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, qos, stamp, watch_middleware,
+};
 use tokio::sync::mpsc;
 
 /// Something a subscription brought.
@@ -70,7 +72,8 @@ pub fn open(
     for id in line.station_ids() {
         let station = line.station(id);
         let state = node.subscription(&format!("{}/state", station.name), qos::latched_state())?;
-        tasks.push(forward(state, to.clone(), |m, _| Some(CoordinatorInbound::State(Box::new(m)))));
+        let pace = MessagePace::new(line.timing.refresh, line.timing.stale);
+        tasks.push(forward_present(state, to.clone(), pace, |m, _| Some(CoordinatorInbound::State(Box::new(m)))));
         says.inputs.push(if station.bus == DeviceBus::Line {
             let outputs = node.subscription(&format!("{}/outputs", station.name), qos::repeated())?;
             tasks.push(forward(outputs, to.clone(), move |m, _| Some(CoordinatorInbound::Outputs(id, m))));

@@ -3,10 +3,8 @@
 //! Only what was sent last is kept here, so that nothing is sent twice. [`Gateway`] decides which outputs may be in
 //! force.
 
-use std::time::Duration;
-
 use linewright_coordinator_logic::{AppliedImage, Gateway};
-use linewright_line::{StationId, Tick};
+use linewright_line::{Line, NumberedOrder, StationId, Tick};
 use linewright_station_shell::NewestBySequence;
 
 use crate::effect::{CoordinatorEffect, InputsImage};
@@ -24,6 +22,8 @@ pub(crate) enum GatewayStop {
 #[derive(Clone, Debug)]
 pub(crate) struct GatewayStation {
     pub station: StationId,
+    /// Outputs of which several are one order.
+    orders_by_number: Vec<NumberedOrder>,
     /// Its newest output image by sequence.
     pub newest: NewestBySequence,
     /// Input bits, whether they are valid, and how often its devices have been lost.
@@ -37,10 +37,11 @@ pub(crate) struct GatewayStation {
 }
 
 impl GatewayStation {
-    pub(crate) fn new(station: StationId, term: Duration) -> Self {
+    pub(crate) fn new(line: &Line, station: StationId) -> Self {
         GatewayStation {
             station,
-            newest: NewestBySequence::new(term),
+            orders_by_number: line.numbered_orders(station),
+            newest: NewestBySequence::new(line.timing.stale),
             devices: (0, false, 0),
             put: None,
             on_bus: 0,
@@ -63,7 +64,7 @@ impl GatewayStation {
         effects: &mut Vec<CoordinatorEffect>,
     ) {
         self.performed();
-        let staying = self.on_bus & self.in_force(now, gateway, self.lives(life), stop).bits;
+        let staying = self.staying(self.in_force(now, gateway, self.lives(life), stop).bits);
         if staying != self.on_bus {
             self.on_bus = staying;
             if let Some((put, _)) = &mut self.put {
@@ -73,9 +74,14 @@ impl GatewayStation {
         }
     }
 
+    /// The outputs on the bus that stay on in another image.
+    fn staying(&self, next: u128) -> u128 {
+        NumberedOrder::staying(&self.orders_by_number, self.on_bus, next)
+    }
+
     /// Leaves only these bits on the bus; nothing if those are all that is on it. The next step gives outputs anew.
     pub(crate) fn keep_only(&mut self, bits: u128) -> Option<u128> {
-        let staying = self.on_bus & bits;
+        let staying = self.staying(bits);
         if staying == self.on_bus {
             return None;
         }

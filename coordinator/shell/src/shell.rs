@@ -79,7 +79,7 @@ impl CoordinatorShell {
             gateway: Gateway::new(stations, stale),
             boot_id,
             outbox: ModeOutbox::default(),
-            behind: behind.map(|id| GatewayStation::new(id, stale)).collect(),
+            behind: behind.map(|id| GatewayStation::new(line, id)).collect(),
             states: vec![NewestBySequence::new(stale); stations],
             rivals: Rivals::new(line.timing.refresh, stale),
             is_followed: false,

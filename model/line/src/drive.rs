@@ -107,6 +107,30 @@ impl DriveIndex {
     }
 }
 
+/// The outputs of an order to a place: one that turns the axis, and a number, which is an order as a whole only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NumberedOrder {
+    /// The output that turns it.
+    turn: u128,
+    /// All outputs of the number.
+    number: u128,
+}
+
+impl NumberedOrder {
+    /// Those of a drive that is sent to places by number.
+    pub fn of(drive: &Drive) -> Option<Self> {
+        let number = drive.index.as_ref()?.order(u16::MAX);
+        Some(NumberedOrder { turn: drive.targets.first()?.output.bit(), number })
+    }
+
+    /// What stays on of an output image until another one follows: the outputs that are on in both. Of two numbers these
+    /// would be a third one, to which nothing is sent: where a number changes, its axis is not turned in between.
+    pub fn staying(orders: &[Self], before: u128, after: u128) -> u128 {
+        let changed = orders.iter().filter(|order| (before ^ after) & order.number != 0);
+        changed.fold(before & after, |image, order| image & !order.turn)
+    }
+}
+
 /// The number whose bits lie here in an image, the lowest first.
 fn number(bits: impl Iterator<Item = u128>, image: u128) -> u16 {
     bits.enumerate().fold(0, |number, (nth, bit)| number | u16::from(image & bit != 0) << nth)
@@ -202,5 +226,26 @@ mod tests {
         // 2 mm up and 2 mm down: s = a t² / 2.
         assert!((trapezoid_time(-4.0, 1000.0, 1000.0) - 2.0 * (2.0 * 2.0 / 1000.0f64).sqrt()).abs() < 1e-12);
         assert_eq!(trapezoid_time(0.0, 1.0, 1.0), 0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_numbers_nothing_that_turns_the_axis_stays_on() {
+        const LAMP: u128 = 1 << 7;
+        let orders = [NumberedOrder { turn: 1, number: 0b1110 }];
+        let order = |place: u128| 1 | place << 1;
+        for before in 1..=7 {
+            for after in 0..=7 {
+                let staying = NumberedOrder::staying(&orders, order(before) | LAMP, order(after) | LAMP);
+                assert_eq!(staying & 1 != 0, before == after, "{before} and then {after}");
+                assert_eq!(staying & LAMP, LAMP);
+            }
+            assert_eq!(NumberedOrder::staying(&orders, order(before) | LAMP, 0), 0);
+        }
+        assert_eq!(NumberedOrder::staying(&[], order(3), order(1)), order(1), "outputs that each mean something");
     }
 }

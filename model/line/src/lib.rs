@@ -27,7 +27,7 @@ pub use device::{
     Canopen, Device, DeviceIdentity, DeviceKind, DeviceSetup, Io, ObjectWrite, Owner, Reaction, Transmission,
     is_the_managers, keeps_an_output, wired_bits,
 };
-pub use drive::{AtRest, Drive, DriveIndex, DriveMode, DriveTarget, Homing, TurnDirection};
+pub use drive::{AtRest, Drive, DriveIndex, DriveMode, DriveTarget, Homing, NumberedOrder, TurnDirection};
 pub use frames::{
     Checksum, Coding, CyclicFrame, DbcName, FrameBinding, FrameField, FrameId, FrameTable, Page, ReceivedFrameBinding,
     ReceivedMessageTable, SentFrameBinding, SignalError, SignalInput, SignalOutput, When,

@@ -11,7 +11,7 @@ use std::time::Duration;
 use linewright_text::index_id;
 
 use crate::hand::HandMode;
-use crate::{Console, Device, MaterialFlow, Owner, Rest, Task};
+use crate::{Console, Device, MaterialFlow, NumberedOrder, Owner, Rest, Task};
 
 index_id! {
     /// A station, by its place in [`Line::stations`].
@@ -320,6 +320,12 @@ impl Line {
     /// The devices that carry `owner`'s image, in the order of the description.
     pub fn devices_of(&self, owner: Owner) -> impl Iterator<Item = &Device> {
         self.devices.iter().filter(move |d| d.owner == owner)
+    }
+
+    /// The orders of a station to places by number.
+    pub fn numbered_orders(&self, station: StationId) -> Vec<NumberedOrder> {
+        let drives = self.devices_of(Owner::Station(station)).filter_map(Device::drive);
+        drives.filter_map(NumberedOrder::of).collect()
     }
 }
 

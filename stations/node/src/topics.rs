@@ -2,7 +2,9 @@
 
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{Flag, ModeOrder, ProcessImage, RunTaskGoal, StationEvent, StationState, Text};
-use linewright_node_shell::{Forward, GoalRequest, Publisher, RosNode, TopicError, forward, qos, watch_middleware};
+use linewright_node_shell::{
+    Forward, GoalRequest, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, qos, watch_middleware,
+};
 use linewright_station_logic::OrderKey;
 use tokio::sync::mpsc;
 
@@ -79,11 +81,10 @@ pub fn open(
             Some(StationInbound::Retract(m.data))
         }),
     ];
+    let pace = MessagePace::new(line.timing.refresh, line.timing.stale);
     for &peer in peers {
-        let topic = format!("{}/state", line.station(peer).name);
-        tasks.push(forward(node.subscription(&topic, qos::latched_state())?, to.clone(), |m, _| {
-            Some(StationInbound::State(Box::new(m)))
-        }));
+        let state = node.subscription(&format!("{}/state", line.station(peer).name), qos::latched_state())?;
+        tasks.push(forward_present(state, to.clone(), pace.clone(), |m, _| Some(StationInbound::State(Box::new(m)))));
     }
     if line.station(station).is_task_driven() {
         says.orders = Some(TaskOrderTopics::open(node, &line.station(station).name, boot_id, &to, &mut tasks)?);

@@ -9,7 +9,7 @@ use std::fmt::Display;
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, StationId, Tick};
+use linewright_line::{Line, NumberedOrder, StationId, Tick};
 use linewright_station_logic::{
     CompileError, Controller, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Restore, RivalCoordinators, Rules,
     StationInput, StationOutbox, StationSnapshot,
@@ -41,6 +41,8 @@ pub struct StationShell {
     lives: u64,
     /// The input image the controller saw last.
     inputs: u128,
+    /// Outputs of which several are one order.
+    orders_by_number: Vec<NumberedOrder>,
     /// Number and lives of the output image that was given last.
     driven: Option<(u64, u64)>,
     /// That image's bits, and its number.
@@ -84,6 +86,7 @@ impl StationShell {
             states: vec![NewestBySequence::new(stale); line.stations.len()],
             lives: 0,
             inputs: 0,
+            orders_by_number: line.numbered_orders(station),
             driven: None,
             image: (0, 0),
             before: None,
@@ -282,7 +285,7 @@ impl StationShell {
         let news = (self.outbox.number, self.lives);
         let drives = due || self.driven != Some(news);
         // No motion is driven in the emergency stop; what may be on is a lamp.
-        let switches_on = self.outbox.outputs & !self.image.0 != 0 && self.controller.mode() != ControlMode::EStop;
+        let switches_on = self.outbox.outputs & !self.staying() != 0 && self.controller.mode() != ControlMode::EStop;
         if drives && !(changed && switches_on) {
             self.drive(news, effects);
         }
@@ -322,11 +325,15 @@ impl StationShell {
     /// Leaves on only those outputs of before that stay on, under their number: the motion that begins is not driven
     /// yet.
     fn switch_off(&mut self, effects: &mut Vec<StationEffect>) {
-        let (bits, number) = self.image;
-        let staying = bits & self.outbox.outputs;
+        let ((bits, number), staying) = (self.image, self.staying());
         if staying != bits {
             self.put((staying, number), effects);
         }
+    }
+
+    /// The outputs of before that stay on.
+    fn staying(&self) -> u128 {
+        NumberedOrder::staying(&self.orders_by_number, self.image.0, self.outbox.outputs)
     }
 
     /// The record of [`StationEffect::Remember`] is written. False if that took longer than a period: outputs that follow

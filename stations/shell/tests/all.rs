@@ -3,5 +3,6 @@
 mod contest;
 mod estop;
 mod gap;
+mod numbered;
 mod order_of_effects;
 mod rig;

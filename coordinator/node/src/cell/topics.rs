@@ -7,7 +7,8 @@ use linewright_msgs::{
     StationState, SubmitOrders, SubmitOrdersRequest, WhyNot,
 };
 use linewright_node_shell::{
-    ActionCaller, Forward, Mapping, Publisher, RosNode, ServiceReply, TopicError, forward, qos, serve,
+    ActionCaller, Forward, Mapping, MessagePace, Publisher, RosNode, ServiceReply, TopicError, forward_present, qos,
+    serve,
 };
 use tokio::sync::mpsc;
 
@@ -92,12 +93,17 @@ pub fn open(
     ];
     let mut says =
         CellPublishers { state: node.publisher("~/cell_state", qos::latched_state())?, stations: Vec::new() };
+    let pace = MessagePace::new(line.timing.refresh, line.timing.stale);
     for id in line.station_ids().filter(|&id| line.station(id).is_task_driven()) {
         let name = &line.station(id).name;
         let state = node.subscription(&format!("{name}/order"), qos::latched_state())?;
-        tasks.push(forward(state, to.clone(), move |message, _| Some(CellInbound::Heard(id, Box::new(message)))));
+        tasks.push(forward_present(state, to.clone(), pace.clone(), move |message, _| {
+            Some(CellInbound::Heard(id, Box::new(message)))
+        }));
         let state = node.subscription(&format!("{name}/state"), qos::latched_state())?;
-        tasks.push(forward(state, to.clone(), move |message, _| Some(CellInbound::State(id, Box::new(message)))));
+        tasks.push(forward_present(state, to.clone(), pace.clone(), move |message, _| {
+            Some(CellInbound::State(id, Box::new(message)))
+        }));
         says.stations.push(TaskStationTopics {
             station: id,
             tasks: node.action_caller::<RunTask>(&format!("{name}/run_task"), Mapping::Enhanced)?,

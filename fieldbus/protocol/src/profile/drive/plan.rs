@@ -70,10 +70,10 @@ impl ManagedDrive {
         if matches!(state, DriveState::Fault | DriveState::FaultReactionActive) {
             return DrivePhase::Refused(DriveInhibit::Failed);
         }
-        if let Some(phase) = self.on_circle(goal, heard) {
+        let enabled = state == DriveState::OperationEnabled && heard.mode == self.mode_for(goal);
+        if let Some(phase) = self.on_circle(goal, heard, enabled) {
             return phase;
         }
-        let enabled = state == DriveState::OperationEnabled && heard.mode == self.mode_for(goal);
         match (self.phase, goal) {
             (DrivePhase::Preparing(before), _) if before == goal => self.prepared(now, goal, heard, enabled),
             (DrivePhase::Offered(at) | DrivePhase::Moving(at), DriveGoal::Target(wanted)) if at == wanted => {
@@ -96,11 +96,13 @@ impl ManagedDrive {
     }
 
     /// Of an endless axis that has not been told to go: it is there already, or must not be told to.
-    fn on_circle(&self, goal: DriveGoal, heard: DriveFeedback) -> Option<DrivePhase> {
+    fn on_circle(&self, goal: DriveGoal, heard: DriveFeedback, enabled: bool) -> Option<DrivePhase> {
         let (Some((places, _)), DriveGoal::Target(at)) = (&self.binding.index, goal) else { return None };
         match self.phase {
             DrivePhase::Offered(under_way) | DrivePhase::Moving(under_way) if under_way == at => None,
-            _ if places.has(at, heard.actual) => Some(DrivePhase::There),
+            // One that coasts through its window is not there: it has to stand, and say so, before anything comes of it.
+            DrivePhase::There if places.has(at, heard.actual) => Some(DrivePhase::There),
+            _ if places.has(at, heard.actual) => (enabled && self.stands(heard)).then_some(DrivePhase::There),
             _ if places.is_next(at, heard.actual) => None,
             _ => Some(DrivePhase::Refused(DriveInhibit::NotNext { at, from: heard.actual })),
         }
@@ -115,7 +117,7 @@ impl ManagedDrive {
             (DriveGoal::Target(at), DriveMode::Velocity) => DrivePhase::Moving(at),
             (DriveGoal::Target(at), DriveMode::Position) => {
                 // Halted it says so when it stands. One that coasts past its place would go round for it.
-                let stands = self.binding.index.is_none() || (self.is_halted() && heard.word.target_reached());
+                let stands = self.binding.index.is_none() || self.stands(heard);
                 let ready = stands && !heard.word.set_point_acknowledge() && self.slow_or_fast(at).is_none();
                 if ready { DrivePhase::Offered(at) } else { DrivePhase::Preparing(goal) }
             }
@@ -123,9 +125,9 @@ impl ManagedDrive {
         }
     }
 
-    /// Whether it was last told to halt.
-    fn is_halted(&self) -> bool {
-        self.sent.is_some_and(|sent| sent.word & HALT != 0)
+    /// Whether it says that it stands. It does so only if it was last told to halt.
+    fn stands(&self, heard: DriveFeedback) -> bool {
+        self.sent.is_some_and(|sent| sent.word & HALT != 0) && heard.word.target_reached()
     }
 
     fn home(&mut self, now: Tick, heard: DriveFeedback, open: bool, since: Tick) -> DrivePhase {
