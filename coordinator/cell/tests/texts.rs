@@ -205,7 +205,6 @@ fn answer_refusals() -> Vec<AlarmAnswerRefusal> {
         AlarmAnswerRefusal::NotHeard(_) => AlarmAnswerRefusal::NotHeard(STATION);
         AlarmAnswerRefusal::NotAtRest(_) => AlarmAnswerRefusal::NotAtRest(STATION);
         AlarmAnswerRefusal::CannotWork(..) => AlarmAnswerRefusal::CannotWork(STATION, StationUnavailable::Devices);
-        AlarmAnswerRefusal::Between(_) => AlarmAnswerRefusal::Between(STATION);
         AlarmAnswerRefusal::WrongRest(_) => AlarmAnswerRefusal::WrongRest(RESOURCE);
         AlarmAnswerRefusal::Open(_) => AlarmAnswerRefusal::Open(RESOURCE);
         AlarmAnswerRefusal::EmergencyStop(_) => AlarmAnswerRefusal::EmergencyStop(STATION);

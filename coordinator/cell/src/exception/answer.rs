@@ -81,7 +81,7 @@ impl Coordination {
             (Some((id, Presence::Off)), Whereabouts::Carrier) => Err(AlarmAnswerRefusal::HasNoPart(id)),
             (Some((_, Presence::On)), Whereabouts::Carrier)
             | (Some((_, Presence::Off)), Whereabouts::From | Whereabouts::To | Whereabouts::Gone)
-            | (Some((_, Presence::Unknown | Presence::Unread)) | None, _) => Ok(()),
+            | (Some((_, Presence::NoSensor | Presence::Unread)) | None, _) => Ok(()),
         }?;
         // Where a station between two rests has the part says whoever leads it on, later. And it may stand in a resource whose room
         // closing would give to others: until it stands at a rest the activity keeps all it has taken. With `carrier` it stays open.
@@ -90,7 +90,7 @@ impl Coordination {
             .filter(|_| ruling.part != Whereabouts::Carrier)
             .find(|&station| fresh(station).is_some_and(|of| of.is_held));
         if let Some(station) = held {
-            return Err(AlarmAnswerRefusal::Between(station));
+            return Err(AlarmAnswerRefusal::NotAtRest(station));
         }
         Ok(ruling)
     }

@@ -350,7 +350,7 @@ impl Coordination {
                 false => self.expected(id),
             };
             match (seen.heard.presence, model) {
-                (Presence::Unknown | Presence::Unread, _) | (_, None) => unchecked.push(id),
+                (Presence::NoSensor | Presence::Unread, _) | (_, None) => unchecked.push(id),
                 (Presence::On, Some(model @ false)) => {
                     found.push(SensorMismatch { resource: id, model, plant: true });
                 }
@@ -371,7 +371,7 @@ impl Coordination {
     pub(super) fn presence(&self, id: ResourceId) -> Presence {
         let sensed = self.state.table().handling().resource(id).filter(|of| of.is_sensed);
         let seen = sensed.and_then(|of| of.station).and_then(|station| self.watch.seen(station));
-        seen.map_or(Presence::Unknown, |seen| seen.heard.presence)
+        seen.map_or(Presence::NoSensor, |seen| seen.heard.presence)
     }
 
     /// Difference between the sensor of a resource and a model in which nothing is under way; none if they agree or the
@@ -381,7 +381,7 @@ impl Coordination {
         match self.presence(id) {
             Presence::On if !model => Some(SensorMismatch { resource: id, model, plant: true }),
             Presence::Off if model => Some(SensorMismatch { resource: id, model, plant: false }),
-            Presence::Unknown | Presence::Unread | Presence::On | Presence::Off => None,
+            Presence::NoSensor | Presence::Unread | Presence::On | Presence::Off => None,
         }
     }
 

@@ -7,14 +7,14 @@ use super::super::ids::{AlarmId, ResourceId};
 /// Presence of a part, by a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Presence {
-    /// There is no sensor.
+    /// No sensor.
     #[default]
-    Unknown,
-    /// There is one, and its image is not valid.
+    NoSensor,
+    /// A sensor whose image is not valid.
     Unread,
-    /// There is one.
+    /// The sensor sees a part.
     On,
-    /// There is none.
+    /// It sees none.
     Off,
 }
 
@@ -23,7 +23,7 @@ impl Presence {
     pub fn is_known(self) -> bool {
         match self {
             Presence::On | Presence::Off => true,
-            Presence::Unknown | Presence::Unread => false,
+            Presence::NoSensor | Presence::Unread => false,
         }
     }
 }
@@ -76,8 +76,6 @@ pub enum AlarmAnswerRefusal {
     NotAtRest(StationId),
     /// The station could not do anything.
     CannotWork(StationId, StationUnavailable),
-    /// A station of the activity stands between two rests.
-    Between(StationId),
     /// The resource's station stands at a rest from which nothing can be done with the resource as the model has it.
     WrongRest(ResourceId),
     /// The resource's activity is open: its alarm has to be answered first.

@@ -53,12 +53,6 @@ impl AlarmAnswerRefusal {
             AlarmAnswerRefusal::NotAtRest(id) => {
                 format!("{}: between two rests; lead it to a rest in manual", station(id))
             }
-            AlarmAnswerRefusal::Between(id) => {
-                format!(
-                    "{}: between two rests; lead it to a rest in manual, check where the part is, then answer",
-                    station(id)
-                )
-            }
             AlarmAnswerRefusal::WrongRest(id) => {
                 format!("{}: its station stands at another rest; do what its alarm says, then answer", resource(id))
             }

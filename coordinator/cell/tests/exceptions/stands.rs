@@ -1,6 +1,6 @@
 //! Where stations stand when an answer is given, and when their resources are counted on again.
 
-use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes, why_not, why_out};
+use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes, why_not, why_resource};
 use linewright_coordinator_cell::exception::{
     AlarmAnswerRefusal, AlarmSubject, ExceptionStep, OutOfServiceReason, ResourceRequest,
 };
@@ -69,7 +69,7 @@ fn an_answer_that_leaves_a_station_at_the_wrong_rest_is_followed_by_an_alarm() {
         assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Rest)], "{word}");
         let text = bench.alarm().text.clone();
         assert!(text.starts_with("m1 stands at rest \"clamped\", but M1 has no part"), "{word}: {text}");
-        let why = why_out(&bench.sim.coordination, bench.sim.now, bench.resource("M1"));
+        let why = why_resource(&bench.sim.coordination, bench.sim.now, bench.resource("M1"));
         assert!(
             why[0].ends_with("station at another rest than its next task begins at.") && why[1].contains(&text),
             "{why:?}"
@@ -101,7 +101,7 @@ fn no_answer_closes_an_activity_whose_station_stands_half_way() {
     let (robot, asked) = (bench.station("robot"), ResourceRequest::Answer(bench.alarm().id));
     for word in ["in-store", "in-machine", "scrap"] {
         bench.answer(word);
-        assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(robot))), "{word}");
+        assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::NotAtRest(robot))), "{word}");
     }
     bench.hear();
     assert!(bench.firing(LOAD).is_some() && bench.count("M1.available-capacity") == 0, "M1 is kept");
