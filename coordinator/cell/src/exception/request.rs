@@ -71,13 +71,18 @@ pub enum AlarmAnswerRefusal {
     HasPart(ResourceId),
     /// The resource has no part by its sensor, and by the answer it has one.
     HasNoPart(ResourceId),
+    /// The station is not heard.
     NotHeard(StationId),
+    /// An ordered station of the activity is not heard, and this resource, by which it can be left out, is in service.
+    Unheard(StationId, ResourceId),
     /// The station stands between two rests.
     NotAtRest(StationId),
     /// The station could not do anything.
     CannotWork(StationId, StationUnavailable),
     /// The resource's station stands at a rest from which nothing can be done with the resource as the model has it.
     WrongRest(ResourceId),
+    /// The resource's sensor contradicts the model; it has an alarm.
+    Contradicted(ResourceId),
     /// The resource's activity is open: its alarm has to be answered first.
     Open(ResourceId),
     /// The station is in emergency stop, and has to be reset first.

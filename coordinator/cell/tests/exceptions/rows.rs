@@ -320,18 +320,24 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
     assert!(bench.alarm().text.ends_with("robot: rest not confirmed, m1: at rest)"), "{}", bench.alarm().text);
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"], "C1's rule is for what takes too long");
     bench.at("m1").is_stuck = false;
+    let robot = bench.resource("R");
+    bench.answer("as-before");
+    let refused = AlarmAnswerRefusal::Unheard(bench.station("robot"), robot);
+    assert_eq!(bench.objections(), [(ResourceRequest::Answer(bench.alarm().id), refused)]);
+    bench.say(PlayerInput::Resource { resource: robot, up: false });
     bench.answer("as-before");
     bench.closed(firing.id);
-    let robot = bench.resource("R");
-    assert_eq!(bench.down(), [("R".to_owned(), OutOfServiceReason::Station(firing.id))]);
+    assert_eq!(bench.down().len(), 3, "{:?}", bench.down());
     bench.say(PlayerInput::Resource { resource: robot, up: true });
     assert_eq!(
-        bench.objections(),
-        [(ResourceRequest::Up(robot), AlarmAnswerRefusal::NotHeard(bench.station("robot")))]
+        bench.objections().last(),
+        Some(&(ResourceRequest::Up(robot), AlarmAnswerRefusal::NotHeard(bench.station("robot"))))
     );
     bench.at("robot").is_away = false;
     bench.seconds_later(2.0);
-    bench.say(PlayerInput::Resource { resource: robot, up: true });
+    for resource in ["R", "M1", "ST"].map(|name| bench.resource(name)) {
+        bench.say(PlayerInput::Resource { resource, up: true });
+    }
     bench.all_leave(1);
 }
 
@@ -400,6 +406,10 @@ fn after_a_restart_a_part_too_many_is_found() {
     let first = bench.alarm().id;
     bench.answer("up");
     assert!(bench.alarm().id > first, "it has not been put right");
+    let contradicted = AlarmAnswerRefusal::Contradicted(m2);
+    assert_eq!(bench.objections(), [(ResourceRequest::Answer(first), contradicted)]);
+    bench.say(PlayerInput::Resource { resource: m2, up: true });
+    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(m2), contradicted)));
     bench.sim.truth.put(foreign, None);
     bench.seconds_later(1.0);
     bench.answer("up");
