@@ -55,6 +55,7 @@ fn out_of_service() -> Vec<OutOfServiceReason> {
             OutOfServiceReason::Alarm { text: "smoke".to_owned() };
         OutOfServiceReason::Rule(_) => OutOfServiceReason::Rule(FIRING);
         OutOfServiceReason::Station(_) => OutOfServiceReason::Station(FIRING);
+        OutOfServiceReason::Unheard(_) => OutOfServiceReason::Unheard(FIRING);
         OutOfServiceReason::Mismatch => OutOfServiceReason::Mismatch;
         OutOfServiceReason::Rest => OutOfServiceReason::Rest;
         OutOfServiceReason::EmergencyStop(_) => OutOfServiceReason::EmergencyStop(FIRING);
@@ -160,9 +161,11 @@ fn standings() -> Vec<StationStanding> {
     })
 }
 
-fn wrong_rest(has_part: bool, way: Option<(&'static str, &'static str, bool)>) -> AlarmText<'static> {
+type Way = (&'static str, &'static str, bool);
+
+fn wrong_rest(has_part: bool, way: Option<Way>, back: Option<(&'static str, &'static str)>) -> AlarmText<'static> {
     let (resource, station, stands, wanted, next) = ("M1", "m1", "clamped", "open", "load M1");
-    AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way }
+    AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way, back }
 }
 
 fn alarms() -> Vec<AlarmText<'static>> {
@@ -172,8 +175,10 @@ fn alarms() -> Vec<AlarmText<'static>> {
             AlarmText::Failed { activity, part: None };
         AlarmText::WithFacts { .. } => AlarmText::WithFacts { tell: again, facts: "load M1: …" };
         AlarmText::LeadFirst { .. } => AlarmText::LeadFirst { stations: "robot and m1", then: again };
-        AlarmText::WrongRest { .. } => wrong_rest(false, Some(("PB_clear_1", "clear", false))),
-            wrong_rest(true, Some(("PB_load_1", "clamp", true))), wrong_rest(false, None);
+        AlarmText::WrongRest { .. } => wrong_rest(false, Some(("PB_clear_1", "clear", false)), None),
+            wrong_rest(true, Some(("PB_load_1", "clamp", true)), None),
+            wrong_rest(false, Some(("PB_unload_1", "release", true)), Some(("PB_back_1", "clamp"))),
+            wrong_rest(false, None, Some(("PB_back_1", "clamp"))), wrong_rest(false, None, None);
         AlarmText::Facts { .. } => AlarmText::Facts { activity, cause: "m1: time limit exceeded", seconds: 26.0 };
         AlarmText::Contradicted { .. } => AlarmText::Contradicted { word: "in-machine", found, again };
         AlarmText::Moved { .. } => AlarmText::Moved { station: "robot", word: "as-before", again };
@@ -203,10 +208,11 @@ fn answer_refusals() -> Vec<AlarmAnswerRefusal> {
         AlarmAnswerRefusal::HasPart(_) => AlarmAnswerRefusal::HasPart(RESOURCE);
         AlarmAnswerRefusal::HasNoPart(_) => AlarmAnswerRefusal::HasNoPart(RESOURCE);
         AlarmAnswerRefusal::NotHeard(_) => AlarmAnswerRefusal::NotHeard(STATION);
+        AlarmAnswerRefusal::Unheard(..) => AlarmAnswerRefusal::Unheard(STATION, RESOURCE);
         AlarmAnswerRefusal::NotAtRest(_) => AlarmAnswerRefusal::NotAtRest(STATION);
         AlarmAnswerRefusal::CannotWork(..) => AlarmAnswerRefusal::CannotWork(STATION, StationUnavailable::Devices);
-        AlarmAnswerRefusal::Between(_) => AlarmAnswerRefusal::Between(STATION);
         AlarmAnswerRefusal::WrongRest(_) => AlarmAnswerRefusal::WrongRest(RESOURCE);
+        AlarmAnswerRefusal::Contradicted(_) => AlarmAnswerRefusal::Contradicted(RESOURCE);
         AlarmAnswerRefusal::Open(_) => AlarmAnswerRefusal::Open(RESOURCE);
         AlarmAnswerRefusal::EmergencyStop(_) => AlarmAnswerRefusal::EmergencyStop(STATION);
     });

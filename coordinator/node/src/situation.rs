@@ -1,7 +1,7 @@
 //! Situation of the line, for the cell and for the database; and the answer of the cell: the stations that are not treated
 //! like the others.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use linewright_coordinator_cell::Coordination;
 use linewright_coordinator_cell::exception::isolated;
@@ -73,20 +73,14 @@ fn changed(now: &[bool], before: &[bool]) -> impl Iterator<Item = (u16, bool)> {
     both.filter(|(_, (now, before))| now != before).map(|(station, (&now, _))| (station, now))
 }
 
-/// The fault of each station as it was last noted; none before the station was heard.
-#[derive(Clone, Debug, Default)]
-pub struct NotedFaults(BTreeMap<StationId, String>);
-
-impl NotedFaults {
-    /// The note of a station's fault, with its cause and place as operators read it, if that has changed. What a station says first
-    /// in a life is noted in any case: a fault that has gone meanwhile is over.
-    pub fn note_of(&mut self, station: StationId, fault: &str) -> Option<Note> {
-        if self.0.get(&station).is_some_and(|noted| noted == fault) {
-            return None;
-        }
-        self.0.insert(station, fault.to_owned());
-        Some(Note::Fault { station: station.0, text: fault.to_owned() })
+/// The note of a station's fault, with its cause and place as operators read it, if that is not as it was last noted. With none
+/// noted yet it is noted in any case: a fault that was noted in an earlier life and has gone meanwhile is over.
+pub fn fault_note(noted: &mut Option<String>, station: u16, text: &str) -> Option<Note> {
+    if noted.as_deref() == Some(text) {
+        return None;
     }
+    *noted = Some(text.to_owned());
+    Some(Note::Fault { station, text: text.to_owned() })
 }
 
 #[cfg(test)]
@@ -95,12 +89,12 @@ mod tests {
 
     #[test]
     fn a_fault_is_noted_when_it_comes_and_when_it_goes() {
-        let mut faults = NotedFaults::default();
+        let mut last = None;
         let watchdog = "cut: watchdog: motion not complete in time (LS_100 off)";
         let note = |text: &str| Some(Note::Fault { station: 1, text: text.to_owned() });
         for (fault, noted) in [("", note("")), ("", None), (watchdog, note(watchdog)), (watchdog, None), ("", note(""))]
         {
-            assert_eq!(faults.note_of(StationId(1), fault), noted, "{fault}");
+            assert_eq!(fault_note(&mut last, 1, fault), noted, "{fault}");
         }
     }
 

@@ -24,7 +24,10 @@ impl SimulatedOperator {
             sim.state().exceptions().alarms().map(|alarm| (alarm.id, alarm.about)).collect();
         for (alarm, about) in alarms {
             let word = match about {
-                AlarmSubject::Firing(firing) => self.put_right(sim, alarm, firing),
+                AlarmSubject::Firing(firing) => {
+                    leave_out(sim, dispatcher, firing);
+                    self.put_right(sim, alarm, firing)
+                }
                 AlarmSubject::Resource(resource) => {
                     mend(sim, resource);
                     sim.state().exceptions().alarm(alarm).and_then(|alarm| alarm.words.first().cloned())
@@ -54,6 +57,9 @@ impl SimulatedOperator {
             }
         }
         // No answer is taken before the coordinator has heard it as well.
+        if sim.coordination.unheard(sim.now, firing).is_some() {
+            return None;
+        }
         if sim.coordination.held_stations().any(|id| orders.iter().any(|order| order.station == id)) {
             return None;
         }
@@ -86,6 +92,14 @@ impl SimulatedOperator {
             }
             (_, None, None) => None,
         }
+    }
+}
+
+/// Takes the first station of an activity that is dead out of service.
+fn leave_out(sim: &mut CellSim, dispatcher: &mut dyn Dispatcher, firing: FiringId) {
+    let Some((station, resource)) = sim.coordination.unheard(sim.now, firing) else { return };
+    if sim.stations.get(station.index()).is_some_and(|station| station.is_away) {
+        sim.say(dispatcher, &[PlayerInput::Resource { resource, up: false }]);
     }
 }
 

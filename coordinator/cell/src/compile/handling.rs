@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use linewright_cell::net::{CellNet, PlaceMeaning, ResourcePosition, Supply};
 use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, Resource, ResourceId as Of, Role, StopOf};
-use linewright_line::{Line, Station, StationId};
+use linewright_line::{ButtonId, Line, OperationModule, Station, StationId};
 use linewright_nets::coloured::Unfolding;
 
 use crate::exception::{
@@ -56,11 +56,17 @@ fn rests(line: &Line, id: StationId) -> StationRests {
     let task = |of: linewright_line::TaskId| {
         let (task, mut operations) = (station.task(of), station.operations_of(of));
         let forward = station.operations[station.first_of(of).index()].hand.forward();
+        let back = station.operations[station.last_of(of).index()].hand.reverses_from_its_end();
+        let goes_back = |button: &ButtonId| {
+            let mut all = station.operations_of(of).map(|op| &station.operations[op.index()]);
+            all.all(|op| op.hand.back() == Some(*button) && matches!(op.module, OperationModule::Reversible { .. }))
+        };
         RestTask {
             name: task.name.as_str().into(),
             from: task.from,
             to: task.to,
             button: line.buttons[usize::from(forward.0)].as_str().into(),
+            back: back.filter(goes_back).map(|back| line.buttons[usize::from(back.0)].as_str().into()),
             waits: operations.any(|op| !station.operations[op.index()].waits.is_empty()),
         }
     };

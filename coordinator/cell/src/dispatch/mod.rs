@@ -5,8 +5,8 @@
 //! - [`RuleDispatcher`]: the dispatcher.
 //! - [`Fairness`]: urgency, reservation and inheritance, with the argument in the head of `urgency.rs`.
 //! - [`ShortestRoutes`]: remaining work and processing times, from the table.
-//! - [`Reasons`], [`why_not`], [`why_out`]: what was held and why, what a part waits for, and why a resource is out of service, in
-//!   sentences.
+//! - [`Reasons`], [`why_not`], [`why_resource`]: what was held and why, what a part waits for, and how a resource is, and what keeps it
+//!   from work, in sentences.
 //!
 //! A dispatcher chooses among what the player has found possible, and the player checks the answer: nothing here can
 //! make a cell do what its net forbids. Rules measure a whole question, so a dispatcher that simulates can apply the
@@ -29,4 +29,4 @@ pub use reasons::Reasons;
 pub use urgency::Fairness;
 pub use ways::ShortestRoutes;
 pub(super) use ways::{shortest, time};
-pub use why::{why_not, why_out};
+pub use why::{why_not, why_resource};

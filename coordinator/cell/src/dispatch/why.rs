@@ -1,5 +1,5 @@
-//! Reason why a part does not go on: its next modes, the tokens they lack, and the holders of those; and why a resource is
-//! out of service. The texts are in `texts`.
+//! Reason why a part does not go on: its next modes, the tokens they lack, and the holders of those; and how a resource is, and
+//! what keeps it from work. The texts are in `texts`.
 //!
 //! The holder of a token is given only where it follows from the net: the activity in progress that will give it back, or
 //! the modes that would if they happened, with the parts that wait for them.
@@ -109,7 +109,7 @@ fn option(
 
 /// How a resource is, in sentences: whether it is counted on, what keeps its station from an order, what it takes part in, and
 /// the alarms about it.
-pub fn why_out(coordination: &Coordination, now: Tick, resource: ResourceId) -> Vec<String> {
+pub fn why_resource(coordination: &Coordination, now: Tick, resource: ResourceId) -> Vec<String> {
     let state = coordination.state();
     let handling = state.table().handling();
     let mut lines = vec![format!("{}.", left_out(state, now, resource))];

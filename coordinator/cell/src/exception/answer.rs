@@ -1,6 +1,6 @@
 //! Operators' input: answers to alarms, alarms of their own, resources down and up again.
 
-use linewright_line::Tick;
+use linewright_line::{StationId, Tick};
 
 use super::super::firing::{ActivityPhase, OngoingActivity};
 use super::super::ids::{AlarmId, FiringId, ResourceId};
@@ -81,18 +81,39 @@ impl Coordination {
             (Some((id, Presence::Off)), Whereabouts::Carrier) => Err(AlarmAnswerRefusal::HasNoPart(id)),
             (Some((_, Presence::On)), Whereabouts::Carrier)
             | (Some((_, Presence::Off)), Whereabouts::From | Whereabouts::To | Whereabouts::Gone)
-            | (Some((_, Presence::Unknown | Presence::Unread)) | None, _) => Ok(()),
+            | (Some((_, Presence::NoSensor | Presence::Unread)) | None, _) => Ok(()),
         }?;
-        // Where a station between two rests has the part says whoever leads it on, later. And it may stand in a resource whose room
-        // closing would give to others: until it stands at a rest the activity keeps all it has taken. With `carrier` it stays open.
-        let ordered = firing.orders.iter().map(|order| order.station);
-        let held = ordered
-            .filter(|_| ruling.part != Whereabouts::Carrier)
-            .find(|&station| fresh(station).is_some_and(|of| of.is_held));
-        if let Some(station) = held {
-            return Err(AlarmAnswerRefusal::Between(station));
+        // With `carrier` the activity stays open.
+        if ruling.part == Whereabouts::Carrier {
+            return Ok(ruling);
         }
-        Ok(ruling)
+        // Where the part is of a station between two rests is decided when it is led on. And it may stand in a resource whose room
+        // closing would give to others: until it stands at a rest the activity keeps all it has taken.
+        let mut ordered = firing.orders.iter().map(|order| order.station);
+        if let Some(station) = ordered.find(|&station| fresh(station).is_some_and(|of| of.is_held)) {
+            return Err(AlarmAnswerRefusal::NotAtRest(station));
+        }
+        match self.unheard(now, id) {
+            Some((station, resource)) => Err(AlarmAnswerRefusal::Unheard(station, resource)),
+            None => Ok(ruling),
+        }
+    }
+
+    /// The first ordered station of an activity that is not heard, and the resource to take out of service if it stays so; none as
+    /// well where that is done. It may stand anywhere, also in a resource whose room closing the activity would give to others.
+    pub fn unheard(&self, now: Tick, firing: FiringId) -> Option<(StationId, ResourceId)> {
+        let firing = self.state.firing(firing)?;
+        let handling = self.state.table().handling();
+        let mut silent = firing.orders.iter().map(|order| order.station).filter(|&station| !self.is_fresh(now, station));
+        silent.find_map(|station| {
+            let its = |id: &ResourceId| handling.resources[id.index()].station == Some(station);
+            let mut of: Vec<ResourceId> = handling.resource_ids().filter(its).collect();
+            if of.is_empty() {
+                of = handling.mode(firing.mode).resources().collect();
+            }
+            let first = *of.first()?;
+            of.iter().all(|&id| self.state.exceptions().is_down(id).is_none()).then_some((station, first))
+        })
     }
 
     /// Takes an alarm given by hand of a resource: it is left out, and its activities have failed and are stopped.
@@ -173,7 +194,7 @@ impl Coordination {
         }
         if let Some(found) = self.difference(resource) {
             self.mismatch(now, found, out);
-            return Ok(());
+            return Err(AlarmAnswerRefusal::Contradicted(resource));
         }
         if self.stands_wrong(now, resource, out) {
             return Err(AlarmAnswerRefusal::WrongRest(resource));

@@ -181,11 +181,10 @@ impl Coordination {
             Some(SecuredState::Held | SecuredState::Unknown) => false,
             Some(SecuredState::AtRest) | None => true,
         };
-        // The last reports of all count: a station that has come up anew may stand anywhere.
-        let all_at_rest = firing
-            .orders
-            .iter()
-            .all(|order| at_rest(order.key) && self.watch.seen(order.station).is_some_and(|seen| !seen.heard.is_held));
+        // The last reports of all count: a station that has come up anew, or is not heard any more, may stand anywhere.
+        let stale = self.state.table().handling().stale;
+        let rests = |station| self.watch.fresh(station, now, stale).is_some_and(|heard| !heard.is_held);
+        let all_at_rest = firing.orders.iter().all(|order| at_rest(order.key) && rests(order.station));
         let first = rule.filter(|rule| rule.is_automatic && all_at_rest).and_then(|rule| rule.answers.first());
         match first.filter(|first| answers.contains(first)) {
             Some(first) => {
@@ -267,7 +266,8 @@ impl Coordination {
         answers.into_iter().filter(|answer| gone || answer.ruling.part != Whereabouts::Gone).collect()
     }
 
-    /// Resources that go down when an activity is closed: those of the answer, and those that cannot work.
+    /// Resources that go down when an activity is closed: those of the answer, those that cannot work, and all where a station is
+    /// not heard.
     fn left_out(
         &self,
         now: Tick,
@@ -291,7 +291,16 @@ impl Coordination {
                 down.extend(of.map(|id| (id, OutOfServiceReason::Station(firing.id))));
             }
         }
+        // It may stand in any of them.
+        if firing.orders.iter().any(|order| !self.is_fresh(now, order.station)) {
+            down.extend(handled.resources().map(|id| (id, OutOfServiceReason::Unheard(firing.id))));
+        }
         down
+    }
+
+    /// Whether a station is heard now.
+    pub(super) fn is_fresh(&self, now: Tick, station: StationId) -> bool {
+        self.watch.fresh(station, now, self.state.table().handling().stale).is_some()
     }
 
     /// Whether another activity in progress has to do with a resource: then the number of its parts is uncertain.
@@ -350,7 +359,7 @@ impl Coordination {
                 false => self.expected(id),
             };
             match (seen.heard.presence, model) {
-                (Presence::Unknown | Presence::Unread, _) | (_, None) => unchecked.push(id),
+                (Presence::NoSensor | Presence::Unread, _) | (_, None) => unchecked.push(id),
                 (Presence::On, Some(model @ false)) => {
                     found.push(SensorMismatch { resource: id, model, plant: true });
                 }
@@ -371,7 +380,7 @@ impl Coordination {
     pub(super) fn presence(&self, id: ResourceId) -> Presence {
         let sensed = self.state.table().handling().resource(id).filter(|of| of.is_sensed);
         let seen = sensed.and_then(|of| of.station).and_then(|station| self.watch.seen(station));
-        seen.map_or(Presence::Unknown, |seen| seen.heard.presence)
+        seen.map_or(Presence::NoSensor, |seen| seen.heard.presence)
     }
 
     /// Difference between the sensor of a resource and a model in which nothing is under way; none if they agree or the
@@ -381,7 +390,7 @@ impl Coordination {
         match self.presence(id) {
             Presence::On if !model => Some(SensorMismatch { resource: id, model, plant: true }),
             Presence::Off if model => Some(SensorMismatch { resource: id, model, plant: false }),
-            Presence::Unknown | Presence::Unread | Presence::On | Presence::Off => None,
+            Presence::NoSensor | Presence::Unread | Presence::On | Presence::Off => None,
         }
     }
 

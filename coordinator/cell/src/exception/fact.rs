@@ -182,6 +182,8 @@ pub enum OutOfServiceReason {
     Rule(FiringId),
     /// Its station could not come to rest, or could not work, when an activity was closed.
     Station(FiringId),
+    /// An ordered station of this activity was not heard when it was closed: it may stand in the resource.
+    Unheard(FiringId),
     /// Its sensor contradicts the model.
     Mismatch,
     /// Its station stands at a rest where nothing can be done with it as the model has it.
@@ -198,6 +200,7 @@ impl OutOfServiceReason {
             OutOfServiceReason::ByHand { .. }
             | OutOfServiceReason::Rule(_)
             | OutOfServiceReason::Station(_)
+            | OutOfServiceReason::Unheard(_)
             | OutOfServiceReason::Mismatch
             | OutOfServiceReason::Rest
             | OutOfServiceReason::EmergencyStop(_) => false,

@@ -63,6 +63,8 @@ pub struct RestTask {
     pub to: RestId,
     /// The button that begins it in hand mode.
     pub button: Arc<str>,
+    /// The button that takes all of it back in hand mode, from the rest where it has ended; none if none does.
+    pub back: Option<Arc<str>>,
     /// One of its motions waits for inputs.
     pub waits: bool,
 }

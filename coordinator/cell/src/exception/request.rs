@@ -7,14 +7,14 @@ use super::super::ids::{AlarmId, ResourceId};
 /// Presence of a part, by a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Presence {
-    /// There is no sensor.
+    /// No sensor.
     #[default]
-    Unknown,
-    /// There is one, and its image is not valid.
+    NoSensor,
+    /// A sensor whose image is not valid.
     Unread,
-    /// There is one.
+    /// The sensor sees a part.
     On,
-    /// There is none.
+    /// It sees none.
     Off,
 }
 
@@ -23,7 +23,7 @@ impl Presence {
     pub fn is_known(self) -> bool {
         match self {
             Presence::On | Presence::Off => true,
-            Presence::Unknown | Presence::Unread => false,
+            Presence::NoSensor | Presence::Unread => false,
         }
     }
 }
@@ -71,15 +71,18 @@ pub enum AlarmAnswerRefusal {
     HasPart(ResourceId),
     /// The resource has no part by its sensor, and by the answer it has one.
     HasNoPart(ResourceId),
+    /// The station is not heard.
     NotHeard(StationId),
+    /// An ordered station of the activity is not heard, and this resource, by which it can be left out, is in service.
+    Unheard(StationId, ResourceId),
     /// The station stands between two rests.
     NotAtRest(StationId),
     /// The station could not do anything.
     CannotWork(StationId, StationUnavailable),
-    /// A station of the activity stands between two rests.
-    Between(StationId),
     /// The resource's station stands at a rest from which nothing can be done with the resource as the model has it.
     WrongRest(ResourceId),
+    /// The resource's sensor contradicts the model; it has an alarm.
+    Contradicted(ResourceId),
     /// The resource's activity is open: its alarm has to be answered first.
     Open(ResourceId),
     /// The station is in emergency stop, and has to be reset first.

@@ -119,7 +119,7 @@ impl StationMonitor {
     /// a station that has no such sensor leaves nothing to be compared.
     pub fn is_to_be_compared(&self, state: &PlayerState, resource: ResourceId) -> bool {
         let station = |id: ResourceId| state.table().handling().resource(id)?.station;
-        let knows = |station| self.seen.get(&station).is_none_or(|seen| seen.heard.presence != Presence::Unknown);
+        let knows = |station| self.seen.get(&station).is_none_or(|seen| seen.heard.presence != Presence::NoSensor);
         !self.uncompared.is_empty() && self.uncompared.contains_key(&resource) && station(resource).is_some_and(knows)
     }
 }

@@ -163,6 +163,8 @@ pub(crate) fn wrong_rest(state: &PlayerState, found: &WrongRest) -> String {
     let way = tasks.iter().filter(|task| (task.from, task.to) == (found.stands, found.wanted));
     // One that waits for nothing goes before one that may wait for ever.
     let way = way.min_by_key(|task| task.waits);
+    let mut ended = tasks.iter().filter(|task| (task.from, task.to) == (found.wanted, found.stands));
+    let back = ended.find_map(|task| Some((task.back.as_deref()?, &*task.name)));
     AlarmText::WrongRest {
         resource: handling.resource_name(found.resource),
         station: &handling.station_name(found.station),
@@ -171,6 +173,7 @@ pub(crate) fn wrong_rest(state: &PlayerState, found: &WrongRest) -> String {
         next: state.table().called(found.next),
         has_part: found.has_part,
         way: way.map(|task| (&*task.button, &*task.name, task.waits)),
+        back,
     }
     .text()
 }
@@ -200,7 +203,7 @@ pub enum AlarmText<'a> {
     /// A sensor contradicts the model; a part that is missing may have been removed.
     Mismatch { found: &'a str, missing: Option<PartId> },
     /// A station that stands at another rest than its next task begins at; the button and the task of a way there, and whether
-    /// that waits for inputs.
+    /// that waits for inputs; and the button that takes back the task that has led away from there.
     WrongRest {
         resource: &'a str,
         station: &'a str,
@@ -209,6 +212,7 @@ pub enum AlarmText<'a> {
         next: &'a str,
         has_part: bool,
         way: Option<(&'a str, &'a str, bool)>,
+        back: Option<(&'a str, &'a str)>,
     },
     /// A sensor that should be on.
     PartMissing { resource: &'a str },
@@ -239,14 +243,18 @@ impl AlarmText<'_> {
             AlarmText::Mismatch { found, missing: Some(part) } => {
                 format!("{found}. Correct it, then answer \"{UP}\"; if {part} was removed, answer \"{GONE}\".")
             }
-            AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way } => {
+            AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way, back } => {
                 let part = if has_part { "a part" } else { "no part" };
-                let way = match way {
-                    Some((button, task, false)) => format!("in hand mode hold {button} (task \"{task}\")"),
-                    Some((button, task, true)) => format!(
-                        "in hand mode hold {button} (task \"{task}\", which waits for inputs), or in manual hold return at its panel"
-                    ),
-                    None => "in manual hold return at its panel, or in hand mode run its tasks".to_owned(),
+                let back =
+                    back.map(|(button, task)| format!("{button} (takes task \"{task}\" back, if that was the last)"));
+                let way = match (way, back) {
+                    (Some((button, task, false)), _) => format!("in hand mode hold {button} (task \"{task}\")"),
+                    (Some((button, task, true)), back) => {
+                        let back = back.map(|back| format!("{back}, or ")).unwrap_or_default();
+                        format!("in hand mode hold {back}{button} (task \"{task}\", which waits for inputs)")
+                    }
+                    (None, Some(back)) => format!("in hand mode hold {back}"),
+                    (None, None) => "in hand mode run the tasks that lead there".to_owned(),
                 };
                 format!(
                     "{station} stands at rest \"{stands}\", but {resource} has {part}, and {next} begins at \"{wanted}\": {resource} \

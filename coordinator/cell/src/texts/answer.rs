@@ -50,17 +50,20 @@ impl AlarmAnswerRefusal {
                 format!("{}: sensor off, but the answer states a part there", resource(id))
             }
             AlarmAnswerRefusal::NotHeard(id) => format!("{}: no state received", station(id)),
+            AlarmAnswerRefusal::Unheard(id, of) => {
+                let (station, resource) = (station(id), resource(of));
+                format!(
+                    "{station}: no state received, so it may stand anywhere; bring it back, or take {resource} out of service                      (down), then answer; without it all resources of the activity go out of service"
+                )
+            }
             AlarmAnswerRefusal::NotAtRest(id) => {
                 format!("{}: between two rests; lead it to a rest in manual", station(id))
             }
-            AlarmAnswerRefusal::Between(id) => {
-                format!(
-                    "{}: between two rests; lead it to a rest in manual, check where the part is, then answer",
-                    station(id)
-                )
-            }
             AlarmAnswerRefusal::WrongRest(id) => {
                 format!("{}: its station stands at another rest; do what its alarm says, then answer", resource(id))
+            }
+            AlarmAnswerRefusal::Contradicted(id) => {
+                format!("{}: its sensor contradicts the model; do what its alarm says, then answer", resource(id))
             }
             AlarmAnswerRefusal::CannotWork(id, why) => format!("{}: {}", station(id), why.text()),
             AlarmAnswerRefusal::EmergencyStop(id) => {

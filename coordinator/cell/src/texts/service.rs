@@ -10,6 +10,9 @@ impl OutOfServiceReason {
             OutOfServiceReason::Alarm { text } => with("alarm raised by hand", text),
             OutOfServiceReason::Rule(firing) => format!("taken out by the rule for {firing}"),
             OutOfServiceReason::Station(firing) => format!("station not available after {firing}"),
+            OutOfServiceReason::Unheard(firing) => {
+                format!("a station of {firing} was not heard, and may stand in it")
+            }
             OutOfServiceReason::EmergencyStop(firing) => format!("station in emergency stop after {firing}"),
             OutOfServiceReason::Mismatch => "sensor contradicts the model".to_owned(),
             OutOfServiceReason::Rest => "station at another rest than its next task begins at".to_owned(),
@@ -24,6 +27,7 @@ impl OutOfServiceReason {
             OutOfServiceReason::ByHand { text } | OutOfServiceReason::Alarm { text } => text.clone(),
             OutOfServiceReason::Rule(_) => "taken out by a rule".to_owned(),
             OutOfServiceReason::Station(_) => "station not available".to_owned(),
+            OutOfServiceReason::Unheard(_) => "a station not heard may stand in it".to_owned(),
             OutOfServiceReason::EmergencyStop(_) => "station in emergency stop".to_owned(),
             OutOfServiceReason::Mismatch => "sensor contradicts the model".to_owned(),
             OutOfServiceReason::Rest => "station at another rest".to_owned(),

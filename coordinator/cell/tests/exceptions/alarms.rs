@@ -1,6 +1,6 @@
 //! Alarm given by hand: stations of the resource stop, and are put right like others that stand half-way.
 
-use linewright_coordinator_cell::dispatch::why_out;
+use linewright_coordinator_cell::dispatch::why_resource;
 use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest};
 use linewright_coordinator_cell::{
     ActivityFailure, ActivityPhase, OngoingActivity, PlayerInput, StationUnavailable, TaskOutcome,
@@ -26,7 +26,7 @@ fn a_person_can_give_alarm_of_a_machine() {
     bench.until_that(|bench| bench.state().left() == 1);
     bench.answer("as-before");
     let (station, asked) = (bench.station("m1"), ResourceRequest::Answer(bench.alarm().id));
-    assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(station))));
+    assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::NotAtRest(station))));
     // It was stopped where it was: a person leads it to a rest.
     let now = bench.sim.now;
     bench.at("m1").bring_to_rest(now);
@@ -101,7 +101,7 @@ fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed()
     bench.seconds_later(1.0);
     let (alarm, now) = (bench.alarm().clone(), bench.sim.now);
     assert_eq!(
-        why_out(&bench.sim.coordination, now, robot),
+        why_resource(&bench.sim.coordination, now, robot),
         [
             "R in service.".to_owned(),
             "robot: operation incomplete; complete or undo it in manual.".to_owned(),
@@ -112,5 +112,5 @@ fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed()
             format!("{}: {}", alarm.id, alarm.text),
         ]
     );
-    assert_eq!(why_out(&bench.sim.coordination, now, m3), ["M3 in service."]);
+    assert_eq!(why_resource(&bench.sim.coordination, now, m3), ["M3 in service."]);
 }

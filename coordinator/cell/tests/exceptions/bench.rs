@@ -65,8 +65,13 @@ impl Bench {
 
     /// C1 with its line, so that it is known where its stations rest.
     pub fn c1_of_its_line(parts: &[u32]) -> Self {
+        Self::c1_of_line(|line| line, parts)
+    }
+
+    /// The same with a change in the line's description.
+    pub fn c1_of_line(changed: impl Fn(String) -> String, parts: &[u32]) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../launch-config/lines/workcell-c1/line.toml");
-        let line = std::fs::read_to_string(path).expect("it is there");
+        let line = changed(std::fs::read_to_string(path).expect("it is there"));
         let line = linewright_line::parse("line.toml", &line).expect("it is sound").line;
         let mut bench = Self::of(table_of(&workcell(), Some(&line), parts));
         // All stations are heard at once, so M1 is loaded first.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_cell::dispatch::why_out;
+use linewright_coordinator_cell::dispatch::why_resource;
 use linewright_coordinator_cell::exception::{
     AlarmAnswerRefusal, AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, ResourceRequest, SecuredState,
     Strategy,
@@ -198,7 +198,7 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     bench.seconds_later(1.0);
     bench.answer("as-done");
     let (station, asked) = (bench.station("robot"), ResourceRequest::Answer(bench.alarm().id));
-    assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(station))));
+    assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::NotAtRest(station))));
     let now = bench.sim.now;
     bench.at("robot").bring_to_rest(now);
     bench.at("robot").holds = false;
@@ -236,11 +236,11 @@ fn while_m1_is_down_parts_go_over_m2() {
     assert_eq!(all.filter(|name| *name == "load M2<A.new>").count(), 3);
     let m1 = bench.resource("M1");
     let since = bench.state().exceptions().is_down(m1).expect("it is down").since;
-    let why = why_out(&bench.sim.coordination, since + Duration::from_secs(9), m1);
+    let why = why_resource(&bench.sim.coordination, since + Duration::from_secs(9), m1);
     assert_eq!(why, [format!("M1 out of service for 9 s: taken out by the rule for {}.", firing.id)]);
     bench.say(PlayerInput::Resource { resource: m1, up: true });
     assert_eq!(bench.steps().last(), Some(&&ExceptionStep::Up { resource: m1, unchecked: false }));
-    assert_eq!(why_out(&bench.sim.coordination, bench.sim.now, m1), ["M1 in service."]);
+    assert_eq!(why_resource(&bench.sim.coordination, bench.sim.now, m1), ["M1 in service."]);
 }
 
 /// What needs no person is done without, as often as the rule has it.
@@ -298,7 +298,7 @@ fn where_no_sensor_says_anything_it_is_noted_that_nobody_has_looked() {
     let mut bench = Bench::c1(&[1, 0]);
     bench.sim.senses = false;
     for station in &mut bench.sim.stations {
-        station.presence = Presence::Unknown;
+        station.presence = Presence::NoSensor;
     }
     let firing = bench.load_fails();
     bench.answer("in-store");
@@ -320,18 +320,24 @@ fn a_station_that_is_lost_is_told_of_and_left_out() {
     assert!(bench.alarm().text.ends_with("robot: rest not confirmed, m1: at rest)"), "{}", bench.alarm().text);
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"], "C1's rule is for what takes too long");
     bench.at("m1").is_stuck = false;
+    let robot = bench.resource("R");
+    bench.answer("as-before");
+    let refused = AlarmAnswerRefusal::Unheard(bench.station("robot"), robot);
+    assert_eq!(bench.objections(), [(ResourceRequest::Answer(bench.alarm().id), refused)]);
+    bench.say(PlayerInput::Resource { resource: robot, up: false });
     bench.answer("as-before");
     bench.closed(firing.id);
-    let robot = bench.resource("R");
-    assert_eq!(bench.down(), [("R".to_owned(), OutOfServiceReason::Station(firing.id))]);
+    assert_eq!(bench.down().len(), 3, "{:?}", bench.down());
     bench.say(PlayerInput::Resource { resource: robot, up: true });
     assert_eq!(
-        bench.objections(),
-        [(ResourceRequest::Up(robot), AlarmAnswerRefusal::NotHeard(bench.station("robot")))]
+        bench.objections().last(),
+        Some(&(ResourceRequest::Up(robot), AlarmAnswerRefusal::NotHeard(bench.station("robot"))))
     );
     bench.at("robot").is_away = false;
     bench.seconds_later(2.0);
-    bench.say(PlayerInput::Resource { resource: robot, up: true });
+    for resource in ["R", "M1", "ST"].map(|name| bench.resource(name)) {
+        bench.say(PlayerInput::Resource { resource, up: true });
+    }
     bench.all_leave(1);
 }
 
@@ -391,7 +397,7 @@ fn after_a_restart_a_part_too_many_is_found() {
     );
     let since = bench.state().exceptions().is_down(m2).expect("it is down").since;
     assert_eq!(
-        why_out(&bench.sim.coordination, since, m2),
+        why_resource(&bench.sim.coordination, since, m2),
         [
             "M2 out of service for 0 s: sensor contradicts the model.".to_owned(),
             format!("{}: {}", bench.alarm().id, bench.alarm().text)
@@ -400,6 +406,10 @@ fn after_a_restart_a_part_too_many_is_found() {
     let first = bench.alarm().id;
     bench.answer("up");
     assert!(bench.alarm().id > first, "it has not been put right");
+    let contradicted = AlarmAnswerRefusal::Contradicted(m2);
+    assert_eq!(bench.objections(), [(ResourceRequest::Answer(first), contradicted)]);
+    bench.say(PlayerInput::Resource { resource: m2, up: true });
+    assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Up(m2), contradicted)));
     bench.sim.truth.put(foreign, None);
     bench.seconds_later(1.0);
     bench.answer("up");

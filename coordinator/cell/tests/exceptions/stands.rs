@@ -1,6 +1,6 @@
 //! Where stations stand when an answer is given, and when their resources are counted on again.
 
-use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes, why_not, why_out};
+use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes, why_not, why_resource};
 use linewright_coordinator_cell::exception::{
     AlarmAnswerRefusal, AlarmSubject, ExceptionStep, OutOfServiceReason, ResourceRequest,
 };
@@ -45,6 +45,40 @@ fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
     assert_eq!((bench.down(), bench.state().exceptions().alarms().len()), (vec![], 0));
 }
 
+/// Where the only task that leads to the rest waits for the part that is missing, the button that takes the last task back is named;
+/// without one that goes back, the task alone.
+#[test]
+fn an_alarm_names_a_way_that_does_not_wait_for_the_missing_part() {
+    let waiting = |line: String| {
+        let clear = "duration_s = 1.0\nwatchdog_s = 2.0\nnormal = { actuator = \"clamp_open\", complete = \"LS_open\" }\n\
+                     recovery = { actuator = \"clamp_close\", complete = \"LS_closed\" }\nhand";
+        assert!(line.contains(clear));
+        line.replacen(clear, &clear.replace("\nhand", "\nwaits = [\"part_present\"]\nwaits_code = 13\nhand"), 1)
+    };
+    let one_way = |line: String| {
+        let close = "hand = { type = 5, forward = \"PB_load_1\", back = \"PB_back_1\" }";
+        assert!(line.contains(close));
+        waiting(line).replacen(close, "hand = { type = 2, forward = \"PB_load_1\" }", 1)
+    };
+    let changes: [(&dyn Fn(String) -> String, &str); 2] = [
+        (
+            &waiting,
+            "in hand mode hold PB_back_1 (takes task \"clamp\" back, if that was the last), or PB_unload_1 (task \"release\", \
+             which waits for inputs). Then",
+        ),
+        (&one_way, "in hand mode hold PB_unload_1 (task \"release\", which waits for inputs). Then"),
+    ];
+    for (change, way) in changes {
+        let mut bench = Bench::c1_of_line(change, &[1, 0]);
+        let firing = bench.load_fails();
+        bench.at("m1").rest = Some(CLAMPED);
+        bench.hear();
+        bench.answer("in-store");
+        bench.closed(firing.id);
+        assert!(bench.alarm().text.contains(way), "{}", bench.alarm().text);
+    }
+}
+
 /// The same after an activity has failed, whatever was answered; and over a restart of the coordinator.
 #[test]
 fn an_answer_that_leaves_a_station_at_the_wrong_rest_is_followed_by_an_alarm() {
@@ -69,7 +103,7 @@ fn an_answer_that_leaves_a_station_at_the_wrong_rest_is_followed_by_an_alarm() {
         assert_eq!(bench.down(), [("M1".to_owned(), OutOfServiceReason::Rest)], "{word}");
         let text = bench.alarm().text.clone();
         assert!(text.starts_with("m1 stands at rest \"clamped\", but M1 has no part"), "{word}: {text}");
-        let why = why_out(&bench.sim.coordination, bench.sim.now, bench.resource("M1"));
+        let why = why_resource(&bench.sim.coordination, bench.sim.now, bench.resource("M1"));
         assert!(
             why[0].ends_with("station at another rest than its next task begins at.") && why[1].contains(&text),
             "{why:?}"
@@ -101,7 +135,7 @@ fn no_answer_closes_an_activity_whose_station_stands_half_way() {
     let (robot, asked) = (bench.station("robot"), ResourceRequest::Answer(bench.alarm().id));
     for word in ["in-store", "in-machine", "scrap"] {
         bench.answer(word);
-        assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Between(robot))), "{word}");
+        assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::NotAtRest(robot))), "{word}");
     }
     bench.hear();
     assert!(bench.firing(LOAD).is_some() && bench.count("M1.available-capacity") == 0, "M1 is kept");
@@ -113,6 +147,56 @@ fn no_answer_closes_an_activity_whose_station_stands_half_way() {
     bench.closed(firing.id);
     assert_eq!(bench.down(), []);
     bench.all_leave(1);
+}
+
+/// The robot stands inside M1 and its node dies: M1 is not given free until it is heard at a rest again, or people take it out of
+/// service; then all that the activity has used is left out.
+#[test]
+fn no_answer_closes_an_activity_whose_station_is_not_heard() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.at("robot").holds = true;
+    let firing = bench.load_fails();
+    bench.at("robot").is_away = true;
+    bench.seconds_later(10.0);
+    let (robot, of, m1) = (bench.station("robot"), bench.resource("R"), bench.resource("M1"));
+    let asked = ResourceRequest::Answer(bench.alarm().id);
+    for word in ["in-store", "in-machine", "scrap"] {
+        bench.answer(word);
+        assert_eq!(bench.objections().last(), Some(&(asked, AlarmAnswerRefusal::Unheard(robot, of))), "{word}");
+    }
+    bench.hear();
+    assert!(bench.firing(LOAD).is_some() && bench.count("M1.available-capacity") == 0, "M1 is kept");
+    bench.say(PlayerInput::Resource { resource: of, up: false });
+    bench.answer("in-store");
+    bench.closed(firing.id);
+    let unheard = |name: &str| (name.to_owned(), OutOfServiceReason::Unheard(firing.id));
+    let by_hand = ("R".to_owned(), OutOfServiceReason::ByHand { text: String::new() });
+    let mut down = bench.down();
+    down.sort_by(|one, other| one.0.cmp(&other.0));
+    assert_eq!(down, [unheard("M1"), by_hand, unheard("ST")]);
+    bench.hear();
+    assert_eq!(bench.state().firings().len(), 0);
+    // It is brought back.
+    let now = bench.sim.now;
+    (bench.at("robot").is_away, bench.at("robot").holds) = (false, false);
+    bench.at("robot").bring_to_rest(now);
+    bench.hear();
+    for resource in [of, m1, bench.resource("ST")] {
+        bench.say(PlayerInput::Resource { resource, up: true });
+    }
+    assert_eq!(bench.down(), []);
+    bench.all_leave(1);
+}
+
+/// A station that dies when its activity was answered already is not heard when that is closed.
+#[test]
+fn a_station_that_dies_after_the_answer_leaves_all_out_as_well() {
+    let mut bench = Bench::c1(&[1, 0]);
+    let firing = bench.load_fails();
+    bench.answer("in-store");
+    bench.at("robot").is_away = true;
+    bench.closed(firing.id);
+    assert_eq!(bench.down().len(), 3, "{:?}", bench.down());
 }
 
 /// A coordinator without its log: a station that was heard before its sensor was read leaves the comparison open, also where the

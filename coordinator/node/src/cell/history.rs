@@ -5,6 +5,7 @@
 //! is read from the log. A snapshot removes the records before it from the log, so a snapshot is written only when
 //! [`HistoryFeeder::has`] confirms that nothing is lost by it, or when there is no database any more.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use linewright_cell::Cell;
@@ -14,13 +15,14 @@ use linewright_history::{CellAbout, History, HistoryError, HistoryFeed, Note, Re
 use linewright_line::{Line, StationId, Tick};
 use linewright_node_shell::log::{LogEntry, RecordLog};
 
-use crate::situation::NotedFaults;
+use crate::situation::fault_note;
 
 /// Feeds a database.
 #[derive(Debug)]
 pub struct HistoryFeeder {
     recorder: HistoryFeed,
-    faults: NotedFaults,
+    /// The fault of each station as it was last noted.
+    faults: BTreeMap<StationId, Option<String>>,
 }
 
 impl HistoryFeeder {
@@ -29,7 +31,7 @@ impl HistoryFeeder {
         let source = LogRecords { path: log.to_owned() };
         HistoryFeeder {
             recorder: HistoryFeed::start(history, Box::new(source), state.sequence()),
-            faults: NotedFaults::default(),
+            faults: BTreeMap::new(),
         }
     }
 
@@ -44,9 +46,10 @@ impl HistoryFeeder {
         self.recorder.note(at, note);
     }
 
-    /// Tells what is wrong at a station, as its state says it again and again.
+    /// Records a station's fault, if it has changed.
     pub fn fault(&mut self, at: Tick, station: StationId, text: &str) {
-        self.faults.note_of(station, text).into_iter().for_each(|note| self.recorder.note(at, note));
+        let noted = self.faults.entry(station).or_default();
+        fault_note(noted, station.0, text).into_iter().for_each(|note| self.recorder.note(at, note));
     }
 
     /// Whether everything that has led to a state is in the database.

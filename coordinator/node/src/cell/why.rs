@@ -1,7 +1,7 @@
 //! Reason why a part, a production order or a resource does not go on, by its name.
 
 use linewright_coordinator_cell::dispatch::Reasons;
-use linewright_coordinator_cell::dispatch::{ShortestRoutes, why_not, why_out};
+use linewright_coordinator_cell::dispatch::{ShortestRoutes, why_not, why_resource};
 use linewright_coordinator_cell::production::ProductionStatus;
 use linewright_coordinator_cell::{Coordination, PartId};
 use linewright_line::{Tick, suggestion};
@@ -53,7 +53,7 @@ pub fn why(
     }
     let handling = state.table().handling();
     if let Some(resource) = handling.resource_named(about) {
-        return Ok(why_out(coordination, now, resource));
+        return Ok(why_resource(coordination, now, resource));
     }
     let number = about.strip_prefix("part").unwrap_or(about).trim().parse().ok();
     match number.map(PartId).filter(|&part| state.part(part).is_some()) {

@@ -46,7 +46,7 @@ fn presence(message: &OrderState, sensor: Option<InputId>) -> Presence {
         Some((byte, bit)) if byte & (1 << bit) != 0 => Presence::On,
         Some(_) => Presence::Off,
         None if sensor.is_some() => Presence::Unread,
-        None => Presence::Unknown,
+        None => Presence::NoSensor,
     }
 }
 
@@ -194,7 +194,7 @@ mod tests {
         };
         let sensor = Some(InputId(1));
         assert_eq!([presence(&[2], sensor), presence(&[1], sensor)], [Presence::On, Presence::Off]);
-        assert_eq!([presence(&[], sensor), presence(&[], None)], [Presence::Unread, Presence::Unknown]);
+        assert_eq!([presence(&[], sensor), presence(&[], None)], [Presence::Unread, Presence::NoSensor]);
     }
 
     #[test]

@@ -7,6 +7,8 @@ use linewright_history::{MotionOutcome, Note};
 use linewright_line::Tick;
 use linewright_msgs::StationState;
 
+use crate::situation::fault_note;
+
 /// A motion that goes on.
 #[derive(Clone, Copy, Debug)]
 struct OpenMotion {
@@ -22,7 +24,8 @@ pub struct StationObserver {
     life: Option<(u64, u64)>,
     open: Vec<Option<OpenMotion>>,
     started: Vec<i32>,
-    fault: String,
+    /// The fault as it was last noted.
+    fault: Option<String>,
     /// Reason it waits for, and since when.
     waits: Option<(Tick, String)>,
 }
@@ -33,15 +36,15 @@ impl StationObserver {
             life: None,
             open: vec![None; operations],
             started: Vec::new(),
-            fault: String::new(),
+            fault: Some(String::new()),
             waits: None,
         }
     }
 
     /// Notes on a station when the observation begins: its fault. Operations in progress are counted from now on.
     pub fn begin(&mut self, station: u16, at: Tick, out: &mut Vec<Note>) {
-        if !self.fault.is_empty() {
-            out.push(Note::Fault { station, text: self.fault.clone() });
+        if let Some(text) = self.fault.clone().filter(|text| !text.is_empty()) {
+            out.push(Note::Fault { station, text });
         }
         self.open.iter_mut().flatten().for_each(|open| open.from = at);
         self.waits.iter_mut().for_each(|waits| waits.0 = at);
@@ -62,10 +65,7 @@ impl StationObserver {
             self.operation(station, operation, at, state, out);
         }
         self.started.clone_from(&state.started);
-        if state.fault != self.fault {
-            self.fault.clone_from(&state.fault);
-            out.push(Note::Fault { station, text: self.fault.clone() });
-        }
+        out.extend(fault_note(&mut self.fault, station, &state.fault));
         let is_waiting =
             state.mode == StationState::MODE_AUTO && state.fault.is_empty() && self.open.iter().all(Option::is_none);
         // The first reason: what else there is follows from the same, as an interlock beside its arrow.
