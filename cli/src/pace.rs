@@ -1,9 +1,9 @@
 //! Whether what is heard of a node is of now.
 //!
 //! The middleware keeps what a node has sent for a reader that was killed, for as long as that reader's lease: up to 50 s of
-//! states. Whoever joins meanwhile is sent all of them, oldest first, and each is newer than the one before: by boot id and
-//! sequence they cannot be told from what is sent now. They can by their pace: the node's stamps then go on faster than the time
-//! here. Only differences of stamps count, so that the clocks need not agree.
+//! states. A new reader receives all of them, oldest first; boot id and sequence do not distinguish them from present ones, their
+//! pace does: the node's stamps then go on faster than the time here. Only differences of stamps count, so that the clocks need not
+//! agree.
 
 use std::time::Duration;
 
@@ -14,8 +14,8 @@ use linewright_line::Tick;
 pub struct MessagePace {
     /// The interval at which the node repeats its state.
     refresh: Duration,
-    /// After a silence like this it has to be seen anew.
-    silence: Duration,
+    /// Unheard for so long it has to be seen anew.
+    unheard_after: Duration,
     /// How much later than its stamp a message came, in seconds, and when messages began to come that late.
     lag: Option<(f64, Tick)>,
     heard: Tick,
@@ -24,13 +24,13 @@ pub struct MessagePace {
 
 impl MessagePace {
     /// Nothing heard yet.
-    pub fn new(refresh: Duration, silence: Duration) -> Self {
-        MessagePace { refresh, silence, lag: None, heard: Tick::ZERO, is_live: false }
+    pub fn new(refresh: Duration, unheard_after: Duration) -> Self {
+        MessagePace { refresh, unheard_after, lag: None, heard: Tick::ZERO, is_live: false }
     }
 
     /// Takes the stamp of a message, in seconds of the node's own clock; gives whether the message is of now.
     pub fn offer(&mut self, now: Tick, stamp: f64) -> bool {
-        self.is_live &= now.since(self.heard) < self.silence;
+        self.is_live &= now.since(self.heard) < self.unheard_after;
         self.heard = now;
         let lag = now.since(Tick::ZERO).as_secs_f64() - stamp;
         let near = (self.refresh * 3 / 2).as_secs_f64();
@@ -46,13 +46,13 @@ mod tests {
     use super::*;
 
     const REFRESH: Duration = Duration::from_millis(50);
-    const SILENCE: Duration = Duration::from_millis(500);
+    const UNHEARD_AFTER: Duration = Duration::from_millis(500);
     /// The node's clock when that here is at zero.
     const OFFSET: f64 = 1.7e9;
 
     /// Messages by arrival and stamp, in ms here; gives what is taken for live.
     fn judged(messages: impl Iterator<Item = (u64, u64)>) -> Vec<bool> {
-        let mut pace = MessagePace::new(REFRESH, SILENCE);
+        let mut pace = MessagePace::new(REFRESH, UNHEARD_AFTER);
         let at = |ms| Tick::ZERO + Duration::from_millis(ms);
         messages.map(|(arrival, stamp)| pace.offer(at(arrival), OFFSET + stamp as f64 / 1e3)).collect()
     }
