@@ -1,4 +1,4 @@
-//! What is written to simulated devices alone: to make them fail.
+//! Faults are written to simulated devices alone.
 
 use linewright_canopen::NodeId;
 use linewright_canopen::sdo::{ObjectId, TransferError, TransferFailure, TransferOptions};
@@ -63,7 +63,7 @@ impl<'d> SimulatedDevice<'d> {
             return Ok(self);
         }
         Err(miette!(
-            help = "only simulated devices are made to fail: run the line with the simulated plant, or name a simulated device with --device",
+            help = "run the line with the simulated plant, or name a simulated device with --device",
             "{} ({}) is not a simulated device; nothing was written",
             device.name,
             self.place()

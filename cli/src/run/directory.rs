@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 /// A run goes on from an earlier one's journals, and its simulated machine does not.
-pub const MACHINE_BEGINS_ANEW: &str = "the simulated machine begins at home, empty, and its stations go on from their journals. Where one was stopped \
-                    elsewhere, `position lost` follows: lead it home in manual or give `linewright rejoin`, or start with \
-                    another --state-dir";
+pub const MACHINE_BEGINS_ANEW: &str = "the simulated machine begins at home, empty, and its stations go on from their \
+                                       journals. Where one was stopped elsewhere, `position lost` follows: lead it home in \
+                                       manual or give `linewright rejoin`, or start with another --state-dir";
 
 /// The directory that was given, or a temporary one.
 pub struct RunDirectory {
