@@ -133,13 +133,19 @@ impl OperatorClient {
     }
 
     /// How long the coordinator, which was heard, is not heard any more.
-    pub fn coordinator_silent_for(&self) -> Option<Duration> {
+    pub fn coordinator_unheard_for(&self) -> Option<Duration> {
         self.line_state.as_ref().filter(|aged| !self.is_fresh(aged.at)).map(|aged| aged.at.elapsed())
     }
 
     /// How long a station that was heard is not heard any more.
-    pub fn silent_for(&self, id: StationId) -> Option<Duration> {
+    pub fn unheard_for(&self, id: StationId) -> Option<Duration> {
         self.stations[id.index()].as_ref().filter(|aged| !self.is_fresh(aged.at)).map(|aged| aged.at.elapsed())
+    }
+
+    /// The stations of which nothing fresh is heard.
+    pub fn unheard(&self) -> impl Iterator<Item = &str> {
+        let unheard = self.line.station_ids().filter(|&id| self.station(id).is_none());
+        unheard.map(|id| self.line.station(id).name.as_str())
     }
 
     fn is_fresh(&self, at: Instant) -> bool {
@@ -250,11 +256,11 @@ impl OperatorClient {
                 return self.listen(Duration::from_millis(150)).await;
             }
         }
-        Err(self.nobody())
+        Err(self.not_found())
     }
 
     /// Error: no coordinator of this line is heard.
-    pub fn nobody(&self) -> miette::Report {
+    pub fn not_found(&self) -> miette::Report {
         not_heard(&format!("line '{}'", self.line.name), self.domain_id)
     }
 }

@@ -71,7 +71,7 @@ pub fn cell_of(path: &Path, line: &Line) -> miette::Result<Option<linewright_cel
 pub fn line_of_cell(path: &Path) -> miette::Result<Line> {
     let files = files_of(path);
     let file = files.line.ok_or_else(|| miette!("{} has no line.toml: its stations cannot run", path.display()))?;
-    // First what is wrong with the path itself: what is not there is no line either.
+    // A path that does not exist is reported before anything about cells.
     let line = line(&file, true)?;
     if files.cell.is_none() {
         return Err(miette!(

@@ -92,7 +92,7 @@ async fn once(
     let is_all = client.until_all_heard(HEARD_WITHIN).await?;
     let is_any = client.coordinator().is_some() || client.line().station_ids().any(|id| client.station(id).is_some());
     if !is_any {
-        return Err(client.nobody());
+        return Err(client.not_found());
     }
     if let Some(cell) = cell.as_mut().filter(|_| client.coordinator().is_some()) {
         let down = cell.until_heard(HEARD_WITHIN).await?.down.clone();
@@ -111,10 +111,8 @@ async fn once(
     }
     if !is_all {
         let limit = HEARD_WITHIN.as_secs();
-        let stations = client.line().station_ids().filter(|id| client.station(*id).is_none());
         let coordinator = client.coordinator().is_none().then_some("the coordinator");
-        let names = stations.map(|id| client.line().station(id).name.as_str());
-        let missing: Vec<&str> = coordinator.into_iter().chain(names).collect();
+        let missing: Vec<&str> = coordinator.into_iter().chain(client.unheard()).collect();
         crate::out::complain!("not heard within {limit} s: {}", missing.join(", "));
     }
     Ok(if is_all { ExitCode::SUCCESS } else { ExitCode::FAILURE })
@@ -134,7 +132,7 @@ async fn answered(asked: &mut Option<LocalBoxFuture<'static, ReasonsByResource>>
     }
 }
 
-/// Who is not heard so long is not heard.
+/// Time within which all are to be received.
 const HEARD_WITHIN: Duration = Duration::from_secs(5);
 /// Often enough for an eye.
 pub const PICTURE_EVERY: Duration = Duration::from_millis(100);
@@ -215,7 +213,7 @@ impl WatchState {
         (width, height): (usize, usize),
     ) -> Vec<String> {
         let stations = self.line.station_ids().map(|id| (self.line.station(id).name.as_str(), client.station(id)));
-        let mut states = mode(&self.line.title, client.coordinator(), client.coordinator_silent_for(), width);
+        let mut states = mode(&self.line.title, client.coordinator(), client.coordinator_unheard_for(), width);
         match cell {
             Some(cell) => {
                 let is_stopped = client.coordinator().is_some_and(|state| state.mode == StationState::MODE_ESTOP);
@@ -223,9 +221,9 @@ impl WatchState {
                 states.extend(cell::picture(cell, &self.out_of_service, stations, is_stopped, now(), size));
             }
             None => {
-                let silent = self.line.station_ids().map(|id| client.silent_for(id));
+                let unheard = self.line.station_ids().map(|id| client.unheard_for(id));
                 states.extend(
-                    stations.zip(silent).flat_map(|((name, state), silent)| station(name, state, silent, width)),
+                    stations.zip(unheard).flat_map(|((name, state), unheard)| station(name, state, unheard, width)),
                 );
             }
         }
@@ -264,10 +262,10 @@ impl WatchState {
 }
 
 /// The mode, with an empty line below it.
-pub fn mode(title: &str, line: Option<&LineState>, silent: Option<Duration>, width: usize) -> Vec<String> {
+pub fn mode(title: &str, line: Option<&LineState>, unheard: Option<Duration>, width: usize) -> Vec<String> {
     let mut lines = match line {
         Some(state) => wrapped(&format!("{title} — mode: {}", state.text), 4, width),
-        None => wrapped(&format!("{title}: no state received from the coordinator{}", for_how_long(silent)), 4, width),
+        None => wrapped(&format!("{title}: no state received from the coordinator{}", for_how_long(unheard)), 4, width),
     };
     if let Some(state) = line.filter(|state| !state.refusal.is_empty()) {
         lines.extend(wrapped(&format!("last refusal: {}", state.refusal), 4, width));
@@ -276,13 +274,13 @@ pub fn mode(title: &str, line: Option<&LineState>, silent: Option<Duration>, wid
     lines
 }
 
-fn for_how_long(silent: Option<Duration>) -> String {
-    silent.map_or_else(String::new, |silent| format!(" for {} s", silent.as_secs()))
+fn for_how_long(unheard: Option<Duration>) -> String {
+    unheard.map_or_else(String::new, |unheard| format!(" for {} s", unheard.as_secs()))
 }
 
 /// A station with its fault and what it waits for.
-pub fn station(name: &str, state: Option<&StationState>, silent: Option<Duration>, width: usize) -> Vec<String> {
-    let Some(state) = state else { return vec![format!("{name:12} no state received{}", for_how_long(silent))] };
+pub fn station(name: &str, state: Option<&StationState>, unheard: Option<Duration>, width: usize) -> Vec<String> {
+    let Some(state) = state else { return vec![format!("{name:12} no state received{}", for_how_long(unheard))] };
     let mut lines = wrapped(&format!("{name:12} cycle {:<4} {}", state.cycle, state.operation), 15, width);
     if !state.fault.is_empty() {
         lines.extend(wrapped(&format!("{:12} FAULT {}", "", state.fault), 15, width));
@@ -380,9 +378,9 @@ mod tests {
     #[test]
     fn what_is_not_heard_any_more_is_so_for_how_long() {
         assert_eq!(station("mill_1", None, None, 60), ["mill_1       no state received"]);
-        let silent = Some(Duration::from_millis(12_700));
-        assert_eq!(station("mill_1", None, silent, 60), ["mill_1       no state received for 12 s"]);
-        assert_eq!(mode("Line", None, silent, 60)[0], "Line: no state received from the coordinator for 12 s");
+        let unheard = Some(Duration::from_millis(12_700));
+        assert_eq!(station("mill_1", None, unheard, 60), ["mill_1       no state received for 12 s"]);
+        assert_eq!(mode("Line", None, unheard, 60)[0], "Line: no state received from the coordinator for 12 s");
     }
 
     #[test]

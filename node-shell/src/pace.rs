@@ -20,8 +20,8 @@ use crate::subscription::{Forward, MessageSource, Subscription, forward};
 pub struct MessagePace {
     /// The interval at which the node repeats its state.
     refresh: Duration,
-    /// After a silence like this it has to be seen anew.
-    silence: Duration,
+    /// Unheard for so long it has to be seen anew.
+    unheard_after: Duration,
     /// How much later than its stamp a message came, in seconds, and when messages began to come that late.
     lag: Option<(f64, Duration)>,
     heard: Duration,
@@ -30,13 +30,13 @@ pub struct MessagePace {
 
 impl MessagePace {
     /// Nothing heard yet.
-    pub fn new(refresh: Duration, silence: Duration) -> Self {
-        MessagePace { refresh, silence, lag: None, heard: Duration::ZERO, is_live: false }
+    pub fn new(refresh: Duration, unheard_after: Duration) -> Self {
+        MessagePace { refresh, unheard_after, lag: None, heard: Duration::ZERO, is_live: false }
     }
 
     /// Takes the stamp of a message, in seconds of the node's own clock; gives whether the message is of now.
     pub fn offer(&mut self, now: Duration, stamp: f64) -> bool {
-        self.is_live &= now.saturating_sub(self.heard) < self.silence;
+        self.is_live &= now.saturating_sub(self.heard) < self.unheard_after;
         self.heard = now;
         let lag = now.as_secs_f64() - stamp;
         let near = (self.refresh * 3 / 2).as_secs_f64();

@@ -18,6 +18,12 @@ pub const STUCK_INDEX: u16 = 0x5F03;
 /// measurement. 0 to FFFFh are its 16 bits, 10000h lets go.
 pub const HOLD_INDEX: u16 = 0x5F04;
 
+/// Manufacturer object 5F05h:00 of a simulated device: [`SIMULATED`], also while the device is silent. It distinguishes simulated
+/// devices from real ones.
+pub const SIMULATED_INDEX: u16 = 0x5F05;
+/// What 5F05h:00 of a simulated device reads as: the characters `LWSD`.
+pub const SIMULATED: u32 = u32::from_le_bytes(*b"LWSD");
+
 /// Fault of one motion. Lasts until it is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MotionFault {

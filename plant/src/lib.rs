@@ -28,7 +28,7 @@ pub use device::{
 };
 pub use fault::{
     CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, HOLD_INDEX, InputFault, MotionFault, ObjectWrites, PRESS_INDEX,
-    STUCK_INDEX, TROUBLE_INDEX,
+    SIMULATED, SIMULATED_INDEX, STUCK_INDEX, TROUBLE_INDEX,
 };
 pub use parts::{NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
 pub use plant::{Plant, PlantOptions};

@@ -146,16 +146,6 @@ impl Rack {
     ) -> Option<Result<ModbusResponse, u8>> {
         // Everything else at this moment first: the switches are read as they are now.
         self.poll(now, out);
-        if let ModbusRequest::Suffer { device, object, value } = request {
-            let here = |slot: &RackSlot| {
-                let RackNode::Modbus(node) = &slot.node else { return false };
-                node.is_at(address, unit) && slot.device.name == *device
-            };
-            let at = self.slots.iter().position(here)?;
-            let suffered = self.suffer(now, at, *object, *value);
-            self.carry_inputs(now, out);
-            return Some(suffered.map(|()| ModbusResponse::Written).map_err(|_| ILLEGAL_VALUE));
-        }
         let mut answer = None;
         for slot in &mut self.slots {
             let RackNode::Modbus(node) = &mut slot.node else { continue };
@@ -170,8 +160,29 @@ impl Rack {
         answer
     }
 
-    /// A device in Modbus is made to fail, as a CANopen device is by its objects 5F00h and 5F01h.
-    fn suffer(&mut self, now: Tick, at: usize, object: (u16, u8), value: u32) -> Result<(), Abort> {
+    /// Makes the Modbus device of this name, at this address and unit, fail: a number for one of the objects 5F00h and 5F01h of
+    /// a simulated CANopen device. An exception's code if it has no such fault, `None` if it is not here.
+    pub fn fail_modbus(
+        &mut self,
+        now: Tick,
+        (address, unit): (&str, u8),
+        device: &str,
+        (object, value): ((u16, u8), u32),
+        out: &mut Vec<Frame>,
+    ) -> Option<Result<(), u8>> {
+        // Everything else at this moment first.
+        self.poll(now, out);
+        let here = |slot: &RackSlot| {
+            let RackNode::Modbus(node) = &slot.node else { return false };
+            node.is_at(address, unit) && slot.device.name == *device
+        };
+        let at = self.slots.iter().position(here)?;
+        let failed = self.fail_modbus_at(now, at, object, value);
+        self.carry_inputs(now, out);
+        Some(failed.map_err(|_| ILLEGAL_VALUE))
+    }
+
+    fn fail_modbus_at(&mut self, now: Tick, at: usize, object: (u16, u8), value: u32) -> Result<(), Abort> {
         if object == (FAULT_INDEX, 0) {
             let fault = DeviceFault::from_code(value)?;
             if matches!(fault, Some(DeviceFault::NoHeartbeat)) {

@@ -261,6 +261,7 @@ fn a_silent_device_is_silent_until_it_is_plugged_in_again() {
     assert!(bench.take().is_empty());
     bench.pass(100);
     assert_eq!(bench.device.outputs(), 0, "it does not hear its manager");
+    assert_eq!(bench.ask("604#40055F0000000000"), "584#43055F004C575344", "it is simulated");
     assert_eq!(bench.ask("604#2F005F0000000000"), "584#60005F0000000000");
     bench.pass(50);
     assert!(bench.take().contains(&"704#7F".to_owned()));

@@ -1,5 +1,7 @@
 //! A conflict that the whole line can reach, some part of it can: lines with a mistake in them, whole and in parts.
 
+use std::collections::BTreeSet;
+
 use linewright_line::Line;
 use linewright_proof::explore::{LineExploration, Verdict};
 use linewright_proof::generate::{self, LineShape, break_it, breakages, text};
@@ -196,6 +198,9 @@ fn the_smallest_parts_have_every_station() {
         let parts = smallest_parts(&line);
         assert_eq!(parts.len(), pairs);
         assert!(parts.iter().all(|part| part.stations.len() == 2));
+        let stations: BTreeSet<_> = parts.iter().flat_map(|part| part.stations.iter().copied()).collect();
+        let all = if pairs == 0 { BTreeSet::new() } else { line.station_ids().collect() };
+        assert_eq!(stations, all);
     }
     let line = Line { conflicts: Vec::new(), ..star(2, 0) };
     assert!(smallest_parts(&line).iter().map(|part| part.stations.len()).eq([1, 1, 1]), "each alone, with its buttons");

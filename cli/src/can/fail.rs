@@ -6,16 +6,14 @@ use std::sync::LazyLock;
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use linewright_canopen::NodeId;
-use linewright_canopen::sdo::{ObjectId, TransferOptions};
-use linewright_fieldbus::{Bus, sdo_client};
-use linewright_line::{Device, DeviceBus as BusName, DeviceKind, InputId, Line, OperationModule, Owner};
+use linewright_line::{Device, DeviceKind, InputId, Line, OperationModule, Owner};
 use linewright_node_shell::RosArgs;
 use linewright_plant::{
-    CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, FrameFaults, InputFault, MotionFault, ObjectWrites, PRESS_INDEX,
+    CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, FrameFaults, InputFault, MotionFault, ObjectWrites,
 };
 use miette::{IntoDiagnostic, miette};
 
+use super::simulated::SimulatedDevice;
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 
@@ -171,54 +169,20 @@ pub struct FailArgs {
 pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
     let what = args.what.name();
+    // All of them first: nothing is written if one is not simulated.
+    let mut simulated = Vec::new();
     for (device, orders) in orders(&line, &args)? {
-        let at = match (device.modbus(), device.node_id().and_then(NodeId::new)) {
-            (Some(modbus), _) => {
-                for (object, value) in orders {
-                    let at = (modbus.address.as_str(), modbus.unit);
-                    let suffered = linewright_racks::suffer(at, &device.name, object, value).await;
-                    suffered.map_err(|error| miette!("{error}; is the simulated plant running?"))?;
-                }
-                format!("{} unit {}", modbus.address, modbus.unit)
-            }
-            (None, Some(node)) => {
-                write(&line, &args, ros, device, node, orders).await?;
-                format!("node {node}")
-            }
-            (None, None) => {
-                return Err(miette!(
-                    help = "a plain CAN device takes no faults; faults of motions, inputs and devices are for CANopen and Modbus",
-                    "{} cannot be made to fail",
-                    device.name
-                ));
-            }
-        };
+        simulated.push((SimulatedDevice::reach(&line, &args.bus, ros, device).await?, device, orders));
+    }
+    for (mut reached, device, orders) in simulated {
+        for (object, value) in orders {
+            reached.write(device, object, value).await?;
+        }
+        let at = reached.place();
         let named = [&args.input, &args.operation].into_iter().flatten().map(|name| format!(" {name}"));
         crate::out::say!("{} ({at}):{} {what}", device.name, named.collect::<String>());
     }
     Ok(ExitCode::SUCCESS)
-}
-
-async fn write(
-    line: &Line,
-    args: &FailArgs,
-    ros: &RosArgs,
-    device: &Device,
-    node: NodeId,
-    orders: ObjectWrites,
-) -> miette::Result<()> {
-    let interface = match &device.bus {
-        BusName::Line => &args.bus,
-        BusName::Own(interface) => interface,
-    };
-    let mut bus =
-        Bus::open(interface, &super::options(interface, Some(&super::run_of(line, ros)?))?).into_diagnostic()?;
-    for ((index, sub), value) in orders {
-        sdo_client::write(&mut bus, node, ObjectId::new(index, sub), &value.to_le_bytes(), TransferOptions::default())
-            .await
-            .map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))?;
-    }
-    Ok(())
 }
 
 /// Names as they are read apart, whatever is in them.
@@ -257,13 +221,6 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
         }
         _ => devices.truncate(1),
     }
-    let is_taken = |((index, sub), value): &((u16, u8), u32)| {
-        let whole = (*index, *sub) == (FAULT_INDEX, 0);
-        (whole && DeviceFault::from_code(*value) != Ok(Some(DeviceFault::NoHeartbeat))) || *index == PRESS_INDEX
-    };
-    if devices.iter().any(|device| device.modbus().is_some()) && !orders.iter().all(is_taken) {
-        return Err(miette!("{} is for CANopen; a device in Modbus can be silent, reboot or no-boot", what.name()));
-    }
     Ok(devices.into_iter().map(|device| (device, orders.clone())).collect())
 }
 
@@ -290,6 +247,8 @@ fn input<'a>(line: &'a Line, owner: Owner, of: &str, name: &str) -> miette::Resu
         if device.carried_inputs().contains(&at) {
             let (device, kind) = (&device.name, &device.kind);
             return Err(match kind {
+                // Each of its inputs is a bit.
+                DeviceKind::Modbus(_) => continue,
                 DeviceKind::Drive(..) => {
                     miette!(
                         "`{name}` follows from the position of drive {device}: make a motion fail, with --operation"
@@ -298,7 +257,7 @@ fn input<'a>(line: &'a Line, owner: Owner, of: &str, name: &str) -> miette::Resu
                 DeviceKind::Io(..) => {
                     miette!("`{name}` is a limit of an analogue input of {device}: hold its number, object 5F04h")
                 }
-                DeviceKind::Frames(_) | DeviceKind::Modbus(_) => {
+                DeviceKind::Frames(_) => {
                     miette!("`{name}` comes in a frame of {device}, which takes no faults")
                 }
             });
@@ -339,6 +298,8 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
 
 #[cfg(test)]
 mod tests {
+    use linewright_plant::PRESS_INDEX;
+
     use super::*;
 
     const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives.toml");

@@ -8,6 +8,7 @@ mod log;
 mod nmt;
 mod scan;
 mod sdo;
+mod simulated;
 mod status;
 mod value;
 

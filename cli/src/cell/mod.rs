@@ -109,16 +109,16 @@ impl CellClient {
     pub async fn until_heard(&mut self, within: Duration) -> miette::Result<&CellState> {
         match tokio::time::timeout(within, self.next()).await {
             Ok(state) => _ = state?,
-            Err(_) => return Err(self.nobody()),
+            Err(_) => return Err(self.not_found()),
         }
         let until = tokio::time::Instant::now() + SETTLE;
         while let Ok(state) = tokio::time::timeout_at(until, self.next()).await {
             state?;
         }
-        self.state.as_ref().ok_or_else(|| self.nobody())
+        self.state.as_ref().ok_or_else(|| self.not_found())
     }
 
-    fn nobody(&self) -> miette::Report {
+    fn not_found(&self) -> miette::Report {
         not_heard(&format!("cell '{}'", self.name), self.domain_id)
     }
 

@@ -57,11 +57,11 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     if !stations.is_empty() {
         let client = heard(&line, ros).await?;
         if about.is_empty() {
-            lines.extend(watch::mode(&line.title, client.coordinator(), client.coordinator_silent_for(), usize::MAX));
+            lines.extend(watch::mode(&line.title, client.coordinator(), client.coordinator_unheard_for(), usize::MAX));
         }
         for id in stations {
             let (name, state) = (&line.station(id).name, client.station(id));
-            lines.extend(watch::station(name, state, client.silent_for(id), usize::MAX));
+            lines.extend(watch::station(name, state, client.unheard_for(id), usize::MAX));
             objects.push(StationJson::of(name, state));
         }
     }

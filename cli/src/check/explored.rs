@@ -98,9 +98,6 @@ enum SafetyRule {
 /// A line of more stations than this is explored in parts.
 const WHOLE_STATIONS_MAX: usize = 3;
 
-/// What holds of a line if it holds of its parts: that no state of some stations is reached, and each station by itself.
-const BY_PARTS: [&str; 2] = ["never: ", "stations sound: "];
-
 /// One exploration, for people and programs.
 #[derive(Debug, Serialize)]
 pub struct Exploration {
@@ -136,6 +133,9 @@ pub struct LineFinding {
     /// Path to the violation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counterexample: Option<LineCounterexample>,
+    /// It holds of a line if it holds of its parts.
+    #[serde(skip)]
+    pub holds_by_parts: bool,
 }
 
 /// A story as data.
@@ -291,8 +291,8 @@ impl ExploreOptions {
             return Ok(found);
         }
         let open = !found.iter().all(Exploration::holds);
-        // What must never be is decided by the smallest parts: where they hold, so does what they are of. Where they do not,
-        // that may come of what was left out of them.
+        // What must never be is decided by the smallest parts: where they hold, the line holds; where one fails, that may come of
+        // what was left out of it.
         let small = if self.whole { Vec::new() } else { smallest_parts(line) };
         let each = if open { ExploreOptions::both } else { ExploreOptions::restarted };
         let of_parts = self.by_parts(small, "part", each)?;
@@ -333,7 +333,7 @@ impl ExploreOptions {
         Ok(Exploration { help, ..Exploration::of(scope, explored) })
     }
 
-    /// What lets a search look further. How much there is to see nobody can tell before it has been seen.
+    /// What lets a search look further. How much there is to see is not known before.
     fn further(&self, limit: LimitReached, kept: usize) -> String {
         let more = match limit {
             LimitReached::States => {
@@ -381,9 +381,12 @@ impl Exploration {
 
     /// The conflicts of a part that is not explored itself; of one without conflicts, that it is not.
     fn unexplored(part: &SubLine, what: &str, verdict: &'static str, reason: &str) -> Self {
-        let property = |name: String| LineFinding { name, verdict, reason: reason.to_owned(), counterexample: None };
-        let conflicts = part.line.conflicts.iter().map(|conflict| format!("never: {}", conflict.why));
-        let whole = part.line.conflicts.is_empty().then(|| "explored".to_owned());
+        let property = |(name, holds_by_parts)| {
+            let reason = reason.to_owned();
+            LineFinding { name, verdict, reason, counterexample: None, holds_by_parts }
+        };
+        let conflicts = part.line.conflicts.iter().map(|conflict| (format!("never: {}", conflict.why), true));
+        let whole = part.line.conflicts.is_empty().then(|| ("explored".to_owned(), false));
         Exploration {
             scope: format!("{what}: {}", part.names()),
             states: 0,
@@ -405,7 +408,7 @@ impl Exploration {
         let of_parts = || parts.iter().flat_map(|part| &part.properties);
         self.properties.retain(|property| {
             property.verdict != "undecided"
-                || !BY_PARTS.iter().any(|begin| property.name.starts_with(begin))
+                || !property.holds_by_parts
                 || !of_parts().any(|other| other.name == property.name && other.verdict == "holds")
         });
     }
@@ -425,7 +428,8 @@ impl From<LineProperty> for LineFinding {
             Verdict::Remark => "remark",
         };
         let counterexample = property.counterexample.map(LineCounterexample::from);
-        LineFinding { name: property.name, verdict, reason: property.reason, counterexample }
+        let LineProperty { name, reason, holds_by_parts, .. } = property;
+        LineFinding { name, verdict, reason, counterexample, holds_by_parts }
     }
 }
 

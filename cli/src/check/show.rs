@@ -100,7 +100,7 @@ fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
             writeln!(out, "\n{scope}\n  {states} states ({kept} kept), {arcs} arcs, {mebibytes} MiB")?;
         }
     }
-    for LineFinding { name, verdict, reason, counterexample } in &exploration.properties {
+    for LineFinding { name, verdict, reason, counterexample, .. } in &exploration.properties {
         writeln!(out, "{} {name}: {reason}", sign(verdict))?;
         if let Some(counterexample) = counterexample {
             story(counterexample, out)?;

@@ -1,8 +1,8 @@
 //! `mode stop --wait`: until a stop has ended.
 //!
 //! A stop in auto ends the round, and that takes as long as it takes: so nothing here gives up because of the time. It ends at
-//! home, or in stand-by with every station that is heard standing. It ends without that where somebody takes the stop back, or
-//! gives another command, and where the coordinator is not heard any more.
+//! home, or in stand-by with every station that is heard standing. It ends without that where *start* takes the stop back, or
+//! another command is given, and where the coordinator is not heard any more.
 
 use linewright_msgs::StationState;
 use miette::miette;
@@ -26,22 +26,23 @@ enum StopProgress {
 pub(super) async fn until_stopped(client: &mut OperatorClient) -> miette::Result<bool> {
     // The command may have been obeyed a moment ago, and its first state be on its way.
     client.listen(ANSWER).await?;
-    let (mut heard, mut told) = (Instant::now(), String::new());
+    let (mut heard, mut shown) = (Instant::now(), String::new());
     loop {
         if let Some(state) = client.coordinator() {
             heard = Instant::now();
-            if state.text != told {
-                told.clone_from(&state.text);
-                if matches!(progress(client), StopProgress::UnderWay) {
-                    crate::out::complain!("{told}");
+            let progress = progress(client);
+            if state.text != shown {
+                shown.clone_from(&state.text);
+                if matches!(progress, StopProgress::UnderWay) {
+                    crate::out::complain!("{shown}");
                 }
             }
-            match progress(client) {
+            match progress {
                 StopProgress::UnderWay => {}
                 StopProgress::Ended => {
-                    unheard(client).iter().for_each(|name| {
+                    for name in client.unheard() {
                         crate::out::complain!("{name}: no state received; whether it stands is unknown");
-                    });
+                    }
                     return Ok(true);
                 }
                 StopProgress::Overridden(why) => {
@@ -69,10 +70,4 @@ fn progress(client: &OperatorClient) -> StopProgress {
         }
         (mode, _) => StopProgress::Overridden(format!("stop overridden: the mode is {}", mode_name(mode))),
     }
-}
-
-fn unheard(client: &OperatorClient) -> Vec<String> {
-    let line = client.line();
-    let silent = line.station_ids().filter(|&id| client.station(id).is_none());
-    silent.map(|id| line.station(id).name.clone()).collect()
 }

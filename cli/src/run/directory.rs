@@ -6,16 +6,16 @@ use std::path::{Path, PathBuf};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 /// A run goes on from an earlier one's journals, and its simulated machine does not.
-pub const ANEW: &str = "the simulated machine begins at home, empty, and its stations go on from their journals. Where one was stopped \
-                    elsewhere, `position lost` follows: lead it home in manual or give `linewright rejoin`, or start with \
-                    another --state-dir";
+pub const MACHINE_BEGINS_ANEW: &str = "the simulated machine begins at home, empty, and its stations go on from their \
+                                       journals. Where one was stopped elsewhere, `position lost` follows: lead it home in \
+                                       manual or give `linewright rejoin`, or start with another --state-dir";
 
 /// The directory that was given, or a temporary one.
 pub struct RunDirectory {
     pub dir: PathBuf,
     temporary: bool,
     /// There are journals of an earlier run in it.
-    pub remembers: bool,
+    pub has_journals: bool,
 }
 
 impl RunDirectory {
@@ -23,8 +23,8 @@ impl RunDirectory {
         let cannot = |dir: &Path| format!("cannot use {}", dir.display());
         if let Some(dir) = given {
             std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| cannot(dir))?;
-            let remembers = has_journals(dir);
-            return Ok(RunDirectory { dir: dir.to_owned(), temporary: false, remembers });
+            let has_journals = has_journals(dir);
+            return Ok(RunDirectory { dir: dir.to_owned(), temporary: false, has_journals });
         }
         let first = std::env::temp_dir().join(format!("linewright-run-{}", std::process::id()));
         // A run that failed has left its own, and its number may be this process's now. Its journals are of another line.
@@ -34,7 +34,7 @@ impl RunDirectory {
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 outcome => {
                     outcome.into_diagnostic().wrap_err_with(|| cannot(&dir))?;
-                    return Ok(RunDirectory { dir, temporary: true, remembers: false });
+                    return Ok(RunDirectory { dir, temporary: true, has_journals: false });
                 }
             }
         }
@@ -59,11 +59,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_directory_with_a_journal_in_it_remembers_an_earlier_run() {
+    fn a_directory_with_a_journal_in_it_is_of_an_earlier_run() {
         let dir = tempfile::tempdir().expect("a directory");
         std::fs::write(dir.path().join("clamp_1.log"), "").expect("a file");
-        assert!(!RunDirectory::new(Some(dir.path())).expect("it can be used").remembers);
+        assert!(!RunDirectory::new(Some(dir.path())).expect("it can be used").has_journals);
         std::fs::write(dir.path().join("clamp_1.journal"), "").expect("a file");
-        assert!(RunDirectory::new(Some(dir.path())).expect("it can be used").remembers);
+        assert!(RunDirectory::new(Some(dir.path())).expect("it can be used").has_journals);
     }
 }

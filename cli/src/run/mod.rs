@@ -80,7 +80,7 @@ pub struct Args {
 /// Phase of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum RunPhase {
-    /// Waiting for everybody, then giving start and auto; with --no-auto until it is stopped.
+    /// Waiting for coordinator and stations, then giving start and auto; with --no-auto until another has given them.
     Starting,
     /// In auto.
     Running,
@@ -114,8 +114,8 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     nothing_runs_yet(&line, &args, &ros, &bus)?;
     let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir), &load::files_of(&args.line))?;
     let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
-    if scratch.remembers && !args.no_plant {
-        session.note(directory::ANEW.to_owned());
+    if scratch.has_journals && !args.no_plant {
+        session.note(directory::MACHINE_BEGINS_ANEW.to_owned());
     }
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, &args.parts, &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &scratch.dir, session.virtual_bus) {
@@ -291,8 +291,8 @@ impl Session {
                         self.print(&format!("cycle {}{of} ended", self.tally.cycles()));
                     }
                     let begun = self.tally.begun(id, &state);
-                    let is_enough = self.tally.has_begun() && self.target.is_some_and(|target| begun >= target);
-                    if is_enough && !matches!(self.phase, RunPhase::Stopping(_)) {
+                    let is_enough = self.target.is_some_and(|target| begun >= target);
+                    if is_enough && self.phase == RunPhase::Running {
                         self.begin_stop();
                     }
                 }
@@ -356,9 +356,9 @@ impl Session {
         }
         let Some(state) = self.client.coordinator().cloned() else { return self.wait() };
         match self.phase {
-            RunPhase::Starting if !self.no_auto => match state.mode {
-                StationState::MODE_HOME if self.all_ready() => self.say("start"),
-                StationState::MODE_STANDBY if self.all_ready() => self.say("auto"),
+            RunPhase::Starting => match state.mode {
+                StationState::MODE_HOME if !self.no_auto && self.all_ready() => self.say("start"),
+                StationState::MODE_STANDBY if !self.no_auto && self.all_ready() => self.say("auto"),
                 StationState::MODE_AUTO if state.enabled => {
                     self.tally.begin(&state.header);
                     self.progress.1 = Instant::now();
@@ -366,18 +366,12 @@ impl Session {
                 }
                 _ => {}
             },
-            // It is operated by another; the cycles are counted all the same.
-            RunPhase::Starting if state.mode == StationState::MODE_AUTO && state.enabled => {
-                self.tally.begin(&state.header)
-            }
-            RunPhase::Starting => {}
             RunPhase::Running | RunPhase::Stopping(_) => {}
         }
         self.wait()
     }
 
-    /// Nothing to do now; but not for ever where nobody is looking. Whoever operates the line is given the time anew with every
-    /// change of the mode: after a fault it may be recovered.
+    /// Nothing to do now, within a limit of time that each change of the mode renews.
     fn wait(&mut self) -> miette::Result<bool> {
         let ((cycles, mode), _) = self.progress;
         let now = (self.tally.cycles(), self.client.coordinator().map(|state| state.mode).or(mode));

@@ -93,11 +93,6 @@ impl RunTally {
         }
     }
 
-    /// Whether auto has begun.
-    pub fn has_begun(&self) -> bool {
-        !self.ends.is_empty()
-    }
-
     /// Cycles of the line that have ended: every operation of every station is done in them.
     pub fn cycles(&self) -> usize {
         self.ends.len().saturating_sub(1)

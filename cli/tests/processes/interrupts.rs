@@ -5,8 +5,8 @@ use std::time::Duration;
 use linewright_msgs::StationState;
 
 use crate::support::operator::Operator;
-use crate::support::pause;
 use crate::support::rig::{Rig, line};
+use crate::support::{PATIENCE, pause, wait_for};
 
 /// An orderly end takes up to two seconds, then the children are killed.
 const AT_ONCE: Duration = Duration::from_secs(10);
@@ -90,4 +90,22 @@ fn a_run_of_some_cycles_goes_on_after_a_fault_and_ends_with_1() {
     assert_eq!((code, &report["mode"], &report["cycles"]), (1, &"home".into(), &3.into()), "{report}");
     let error = report["error"].as_str().expect("a reason");
     assert!(error.starts_with("1 fault on the way: clamp_1 stopped advance clamp"), "{error}");
+}
+
+/// The same where another gives start and auto: it is named what the run waits for.
+#[test]
+fn a_run_that_another_operates_reports_that_auto_ended_and_counts_on() {
+    let mut rig = Rig::new(&line(0.3));
+    rig.start(&["--no-auto", "--cycles", "3"]);
+    let operator = Operator::join(&rig);
+    operator.order("start", StationState::MODE_STANDBY);
+    operator.order("auto", StationState::MODE_AUTO);
+    rig.fail("clamp_1", "advance clamp", "stick");
+    operator.wait("stand-by", |heard| heard.in_mode(StationState::MODE_STANDBY));
+    let said = || std::fs::read_to_string(rig.state().with_file_name("run.err")).expect("its standard error");
+    assert!(wait_for(PATIENCE, || said().contains("auto ended: stand-by")), "{}", said());
+    rig.fail("clamp_1", "advance clamp", "clear");
+    operator.recover();
+    let (code, report) = rig.ended();
+    assert_eq!((code, &report["mode"], &report["cycles"]), (1, &"home".into(), &3.into()), "{report}");
 }

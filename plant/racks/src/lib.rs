@@ -17,8 +17,8 @@ use linewright_plant::{PlantOptions, Rack};
 use thiserror::Error;
 use tokio::task::JoinSet;
 
-pub use modbus::suffer;
 use modbus::{Asked, Servers};
+pub use modbus::{fail_device, is_simulated};
 
 /// Why a plant cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -133,12 +133,16 @@ impl RackRunner {
         tokio::select! {
             biased;
             frame = heard(&mut self.bus) => self.rack.handle(self.clock.now(), &frame?, &mut out),
-            // The queue is this one's own: it never ends.
-            Some(Asked { at: (address, unit), request, reply }) = self.servers.next() => {
-                let answer = self.rack.ask(self.clock.now(), (&address, unit), &request, &mut out);
-                // The client may be gone.
-                let _ = reply.send(answer);
-            }
+            // The queue is this one's own: it never ends. The clients may be gone.
+            Some(asked) = self.servers.next() => match asked {
+                Asked::Request { at: (address, unit), request, reply } => {
+                    let _ = reply.send(self.rack.ask(self.clock.now(), (&address, unit), &request, &mut out));
+                }
+                Asked::Fault { at: (address, unit), device, fault, reply } => {
+                    let now = self.clock.now();
+                    let _ = reply.send(self.rack.fail_modbus(now, (&address, unit), &device, fault, &mut out));
+                }
+            },
             () = self.clock.sleep_until(self.rack.next_deadline()) => {}
         }
         // Also after a frame: a busy bus must not keep the devices from what is due.

@@ -11,26 +11,30 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinHandle;
 use tokio_modbus::client::{Client, tcp};
+use tokio_modbus::prelude::{ConformityLevel, DeviceIdObject, ReadCode, ReadDeviceIdentificationResponse};
 use tokio_modbus::server::Service;
 use tokio_modbus::server::tcp::{Server, accept_tcp_connection};
 use tokio_modbus::{ExceptionCode, Request, Response, Slave, SlaveRequest};
 
 /// The function code of a fault, one of those that the specification leaves to users (MODBUS Application Protocol V1.1b3 §5). Its
-/// data: index (2 bytes) and subindex of the object, a number (4 bytes), and the device's name. A real device refuses it as an
-/// illegal function.
-const SUFFER: u8 = 65;
+/// data: index (2 bytes) and subindex of the object, a number (4 bytes), and the device's name. To a real device it may mean
+/// anything: it is sent only to an address where devices are simulated.
+const FAULT_FUNCTION: u8 = 65;
+/// Product code in the identification (§6.21, function 43) of each simulated device.
+const PRODUCT: &[u8] = b"Linewright simulated device";
+/// The number of the product code there.
+const PRODUCT_CODE: u8 = 1;
 /// How long its answer is waited for.
 const ANSWER: Duration = Duration::from_secs(2);
 /// Requests that wait for the rack.
 const QUEUE: usize = 16;
 
-/// Request to a device.
-pub struct Asked {
-    /// Its address and unit.
-    pub at: (String, u8),
-    pub request: ModbusRequest,
-    /// Destination of the answer; `None` for none.
-    pub reply: oneshot::Sender<Option<Result<ModbusResponse, u8>>>,
+/// What comes to a rack's servers. The answer is an exception's code where it is refused, `None` for none.
+pub enum Asked {
+    /// A request to the device at this address and unit.
+    Request { at: (String, u8), request: ModbusRequest, reply: oneshot::Sender<Option<Result<ModbusResponse, u8>>> },
+    /// A fault for the device of this name: an object of a simulated CANopen device, and a number.
+    Fault { at: (String, u8), device: String, fault: ((u16, u8), u32), reply: oneshot::Sender<Option<Result<(), u8>>> },
 }
 
 /// The servers of a rack. They end with this.
@@ -102,18 +106,58 @@ impl Service for ServedDevice {
     fn call(&self, SlaveRequest { slave, request }: SlaveRequest<'static>) -> Self::Future {
         let (to, at) = (self.to.clone(), (self.address.clone(), slave));
         Box::pin(async move {
+            match &request {
+                Request::ReadDeviceIdentification(code, _) => return Ok(Some(identification(*code))),
+                Request::Custom(FAULT_FUNCTION, data) => {
+                    let (device, fault) = fault_of(data).ok_or(ExceptionCode::IllegalDataValue)?;
+                    let (reply, answer) = oneshot::channel();
+                    let done = answered(&to, Asked::Fault { at, device, fault, reply }, answer).await?;
+                    return Ok(done.map(|()| Response::Custom(FAULT_FUNCTION, Default::default())));
+                }
+                _ => {}
+            }
             let asked = request_of(&request).ok_or(ExceptionCode::IllegalFunction)?;
             let (reply, answer) = oneshot::channel();
-            if to.send(Asked { at, request: asked, reply }).await.is_err() {
-                return Ok(None);
-            }
-            match answer.await {
-                Ok(Some(Ok(response))) => Ok(response_to(&request, response)),
-                Ok(Some(Err(code))) => Err(ExceptionCode::new(code)),
-                Ok(None) | Err(_) => Ok(None),
-            }
+            let response = answered(&to, Asked::Request { at, request: asked, reply }, answer).await?;
+            Ok(response.and_then(|response| response_to(&request, response)))
         })
     }
+}
+
+/// The rack's answer, `None` for none.
+async fn answered<T>(
+    to: &mpsc::Sender<Asked>,
+    asked: Asked,
+    answer: oneshot::Receiver<Option<Result<T, u8>>>,
+) -> Result<Option<T>, ExceptionCode> {
+    if to.send(asked).await.is_err() {
+        return Ok(None);
+    }
+    answer.await.ok().flatten().transpose().map_err(ExceptionCode::new)
+}
+
+/// The device's name, and the fault in the data of function 65.
+fn fault_of(data: &[u8]) -> Option<(String, ((u16, u8), u32))> {
+    let (object, device) = data.split_first_chunk::<7>()?;
+    let [index @ .., sub, a, b, c, d] = *object;
+    let fault = ((u16::from_be_bytes(index), sub), u32::from_be_bytes([a, b, c, d]));
+    Some((String::from_utf8(device.to_vec()).ok()?, fault))
+}
+
+/// Identification of every simulated device, also of one that is silent.
+fn identification(read_code: ReadCode) -> Response {
+    let object = |id, value: &'static [u8]| DeviceIdObject { id, value: value.into() };
+    Response::ReadDeviceIdentification(ReadDeviceIdentificationResponse {
+        read_code,
+        conformity_level: ConformityLevel::BasicIdentificationStreamOnly,
+        more_follows: false,
+        next_object_id: 0,
+        device_id_objects: vec![
+            object(0, b"Linewright"),
+            object(PRODUCT_CODE, PRODUCT),
+            object(2, env!("CARGO_PKG_VERSION").as_bytes()),
+        ],
+    })
 }
 
 fn request_of(request: &Request<'_>) -> Option<ModbusRequest> {
@@ -127,37 +171,50 @@ fn request_of(request: &Request<'_>) -> Option<ModbusRequest> {
         Request::WriteMultipleCoils(first, bits) => ModbusRequest::WriteCoils(*first, bits.to_vec()),
         Request::WriteSingleRegister(at, word) => ModbusRequest::WriteRegisters(*at, vec![*word]),
         Request::WriteMultipleRegisters(first, words) => ModbusRequest::WriteRegisters(*first, words.to_vec()),
-        Request::Custom(SUFFER, data) => {
-            let (object, device) = data.split_first_chunk::<7>()?;
-            let [index @ .., sub, a, b, c, d] = *object;
-            ModbusRequest::Suffer {
-                device: String::from_utf8(device.to_vec()).ok()?,
-                object: (u16::from_be_bytes(index), sub),
-                value: u32::from_be_bytes([a, b, c, d]),
-            }
-        }
         _ => return None,
     })
 }
 
+/// Whether the devices at this address are simulated, by their identification. Writes nothing.
+///
+/// # Errors
+/// When there is no answer.
+pub async fn is_simulated(at: (&str, u8)) -> Result<bool, String> {
+    let answer = request(at, Request::ReadDeviceIdentification(ReadCode::Basic, 0)).await?;
+    let Ok(Response::ReadDeviceIdentification(identity)) = answer else { return Ok(false) };
+    let is_product = |object: &DeviceIdObject| object.id == PRODUCT_CODE && *object.value == *PRODUCT;
+    Ok(identity.device_id_objects.iter().any(is_product))
+}
+
 /// Makes the simulated Modbus device `device` at this address and unit fail: writes a number to one of the objects that a simulated
-/// CANopen device has for it.
+/// CANopen device has for it. To be asked first: [`is_simulated`].
 ///
 /// # Errors
 /// Why it does not: there is none, or it has no such fault.
-pub async fn suffer(at: (&str, u8), device: &str, object: (u16, u8), value: u32) -> Result<(), String> {
-    let (address, unit) = at;
-    let gone = |error: &dyn std::fmt::Display| format!("no simulated device answers at {address}: {error}");
-    let stream = TcpStream::connect(address).await.map_err(|error| gone(&error))?;
-    let mut context = tcp::attach_slave(stream, Slave(unit));
+pub async fn fail_device(at: (&str, u8), device: &str, object: (u16, u8), value: u32) -> Result<(), String> {
     let head = [&object.0.to_be_bytes()[..], &[object.1], &value.to_be_bytes()].concat();
     let data = [&head, device.as_bytes()].concat();
-    match tokio::time::timeout(ANSWER, context.call(Request::Custom(SUFFER, data.into()))).await {
-        Ok(Ok(Ok(_))) => Ok(()),
-        Ok(Ok(Err(refused))) => Err(format!("{device} at {address} refuses it: {refused}")),
-        Ok(Err(error)) => Err(gone(&error)),
-        Err(_) => Err(gone(&format!("nothing within {} s", ANSWER.as_secs()))),
+    match request(at, Request::Custom(FAULT_FUNCTION, data.into())).await? {
+        Ok(_) => Ok(()),
+        Err(ExceptionCode::IllegalDataValue) => {
+            Err(format!("{device} at {} has no such fault; a device in Modbus can be silent, reboot or no-boot", at.0))
+        }
+        Err(refused) => Err(format!("{device} at {} refuses it: {refused}", at.0)),
     }
+}
+
+/// The answer to a request on a connection of its own.
+async fn request((address, unit): (&str, u8), request: Request<'_>) -> Result<Result<Response, ExceptionCode>, String> {
+    let gone = |error: &dyn std::fmt::Display| {
+        format!("no simulated device answers at {address}: {error}; is the simulated plant running?")
+    };
+    let answered = async {
+        let stream = TcpStream::connect(address).await.map_err(|error| gone(&error))?;
+        let mut context = tcp::attach_slave(stream, Slave(unit));
+        context.call(request).await.map_err(|error| gone(&error))
+    };
+    let answer = tokio::time::timeout(ANSWER, answered).await;
+    answer.unwrap_or_else(|_| Err(gone(&format!("nothing within {} s", ANSWER.as_secs()))))
 }
 
 fn response_to(request: &Request<'_>, response: ModbusResponse) -> Option<Response> {
@@ -167,7 +224,6 @@ fn response_to(request: &Request<'_>, response: ModbusResponse) -> Option<Respon
         (Request::ReadHoldingRegisters(..), ModbusResponse::Words(words)) => Response::ReadHoldingRegisters(words),
         (Request::ReadInputRegisters(..), ModbusResponse::Words(words)) => Response::ReadInputRegisters(words),
         (Request::WriteSingleCoil(at, on), ModbusResponse::Written) => Response::WriteSingleCoil(*at, *on),
-        (Request::Custom(SUFFER, _), ModbusResponse::Written) => Response::Custom(SUFFER, Default::default()),
         (Request::WriteMultipleCoils(first, bits), ModbusResponse::Written) => {
             Response::WriteMultipleCoils(*first, bits.len() as u16)
         }

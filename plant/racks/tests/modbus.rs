@@ -167,25 +167,65 @@ async fn an_input_is_stuck_and_a_device_unplugged_until_it_is_cleared() {
     let mut client = bench.client().await;
     let address = format!("127.0.0.1:{}", bench.port);
     let name = line_on(bench.port, false).devices[0].name.clone();
-    let suffer = async |object, value| linewright_racks::suffer((&address, 3), &name, object, value).await;
+    let fail = async |object, value| linewright_racks::fail_device((&address, 3), &name, object, value).await;
     let before = client.read_discrete_inputs(8, 3).await.unwrap().unwrap();
-    suffer((0x5F01, 1), u32::from(!before[0])).await.expect("its first input");
+    fail((0x5F01, 1), u32::from(!before[0])).await.expect("its first input");
     let stuck = client.read_discrete_inputs(8, 3).await.unwrap().unwrap();
     assert_eq!((stuck[0], &stuck[1..]), (!before[0], &before[1..]));
     for (object, value) in [((0x5F01, 200), 1), ((0x5F01, 1), 3), ((0x5F02, 1), 1), ((0x5F00, 0), 4)] {
-        let refused = suffer(object, value).await.expect_err("there is no such fault");
-        assert!(refused.contains("refuses it"), "{refused}");
+        let refused = fail(object, value).await.expect_err("there is no such fault");
+        assert!(refused.contains("has no such fault"), "{refused}");
     }
-    suffer((0x5F00, 0), 1).await.expect("it is unplugged");
+    fail((0x5F00, 0), 1).await.expect("it is unplugged");
     let silent = tokio::time::timeout(Duration::from_millis(300), client.read_discrete_inputs(8, 3)).await;
     assert!(!matches!(silent, Ok(Ok(Ok(_)))), "it answers nothing");
-    suffer((0x5F00, 0), 0).await.expect("it is plugged in again");
+    fail((0x5F00, 0), 0).await.expect("it is plugged in again");
     let mut client = bench.client().await;
     assert_eq!(client.read_discrete_inputs(8, 3).await.unwrap().unwrap(), before);
     let other =
-        linewright_racks::suffer((&address, 3), "another", (0x5F00, 0), 0).await.expect_err("none of that name");
+        linewright_racks::fail_device((&address, 3), "another", (0x5F00, 0), 0).await.expect_err("none of that name");
     assert!(other.starts_with("no simulated device answers at 127.0.0.1"), "{other}");
     bench.plant.abort();
+}
+
+/// A device that answers each request with its function code alone, and what it got.
+async fn other_device() -> (String, std::sync::Arc<std::sync::Mutex<Vec<Vec<u8>>>>) {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let requests = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
+    let got = requests.clone();
+    tokio::spawn(async move {
+        while let Ok((mut stream, _)) = listener.accept().await {
+            let mut head = [0; 7];
+            if stream.read_exact(&mut head).await.is_err() {
+                continue;
+            }
+            let mut pdu = vec![0; usize::from(u16::from_be_bytes([head[4], head[5]])) - 1];
+            stream.read_exact(&mut pdu).await.unwrap();
+            // Illegal function.
+            let answer = [&head[..4], &[0, 3, head[6], pdu[0] | 0x80, 1]].concat();
+            got.lock().unwrap().push(pdu);
+            stream.write_all(&answer).await.unwrap();
+        }
+    });
+    (address, requests)
+}
+
+#[tokio::test]
+async fn a_simulated_device_is_distinguished_by_its_identification() {
+    let bench = Bench::new(false);
+    drop(bench.client().await);
+    let address = format!("127.0.0.1:{}", bench.port);
+    assert_eq!(linewright_racks::is_simulated((&address, 3)).await, Ok(true));
+    let name = line_on(bench.port, false).devices[0].name.clone();
+    linewright_racks::fail_device((&address, 3), &name, (0x5F00, 0), 1).await.expect("it is unplugged");
+    assert_eq!(linewright_racks::is_simulated((&address, 3)).await, Ok(true), "also while it is silent");
+    bench.plant.abort();
+
+    let (address, requests) = other_device().await;
+    assert_eq!(linewright_racks::is_simulated((&address, 3)).await, Ok(false));
+    assert_eq!(*requests.lock().unwrap(), [[0x2B, 0x0E, 1, 0]], "its identification is read, and no more");
 }
 
 /// Reads what is compared, turns the press's output on and off again.

@@ -29,12 +29,6 @@ pub enum ModbusRequest {
     WriteCoils(u16, Vec<bool>),
     /// To write holding registers from this address on.
     WriteRegisters(u16, Vec<u16>),
-    /// A fault for the device of this name, in the objects of a simulated CANopen device: index and subindex, and a number.
-    Suffer {
-        device: String,
-        object: (u16, u8),
-        value: u32,
-    },
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -118,8 +112,6 @@ impl ModbusNode {
             ModbusRequest::Read { table, first, count } => self.bits(*table, *first, *count),
             ModbusRequest::WriteCoils(first, bits) => self.write_coils(*first, bits),
             ModbusRequest::WriteRegisters(first, words) => self.write_registers(now, *first, words),
-            // The rack has the faults.
-            ModbusRequest::Suffer { .. } => Err(ILLEGAL_VALUE),
         })
     }
 

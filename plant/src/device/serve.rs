@@ -10,7 +10,7 @@ use linewright_line::Tick;
 use super::comm::{Comm, CommState};
 use super::trouble::TroubleEffect;
 use super::{CanDevice, DeviceOutbox, PlantEffect};
-use crate::fault::{FAULT_INDEX, TROUBLE_INDEX};
+use crate::fault::{FAULT_INDEX, SIMULATED, SIMULATED_INDEX, TROUBLE_INDEX};
 
 /// A device with an object dictionary.
 pub(super) trait ObjectServer: CanDevice {
@@ -34,6 +34,10 @@ impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
         if object.index == TROUBLE_INDEX {
             return Err(Abort::WRITE_ONLY);
         }
+        if object.index == SIMULATED_INDEX {
+            let is_there = object.sub == 0;
+            return if is_there { Ok(SIMULATED.to_le_bytes().to_vec().into()) } else { Err(Abort::NO_SUBINDEX) };
+        }
         let own = self.device.read(self.now, object);
         // Of another number as many bytes as the object has.
         let instead = self.device.comm().trouble.read(object).map(|answer| match (answer, &own) {
@@ -46,6 +50,9 @@ impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
     fn write(&mut self, object: ObjectId, data: &[u8]) -> Result<(), Abort> {
         if object.index == TROUBLE_INDEX {
             return write_trouble(self.device, self.now, object.sub, data, self.out);
+        }
+        if object.index == SIMULATED_INDEX {
+            return Err(Abort::READ_ONLY);
         }
         match self.device.comm().trouble.refuses(object) {
             Some(code) => Err(code),
@@ -60,6 +67,7 @@ impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
         }
         match self.device.read(self.now, object) {
             _ if object.index == TROUBLE_INDEX => Ok(()),
+            _ if object.index == SIMULATED_INDEX => Err(Abort::READ_ONLY),
             Err(code) if code != Abort::WRITE_ONLY => Err(code),
             _ => Ok(()),
         }
@@ -82,11 +90,14 @@ pub(super) fn write_trouble<D: ObjectServer>(
     Ok(())
 }
 
-/// Answers a request. A silent device takes none but the one that ends its silence.
+/// Answers a request. A silent device takes none but the one that ends its silence, and that for whether it is simulated.
 pub(super) fn serve<D: ObjectServer>(device: &mut D, now: Tick, raw: &SdoBytes, out: &mut DeviceOutbox) {
     let plug = matches!(
         ClientFrame::decode(raw),
-        Some(ClientFrame::Download { object: ObjectId { index: FAULT_INDEX, sub: 0 }, .. })
+        Some(
+            ClientFrame::Download { object: ObjectId { index: FAULT_INDEX, sub: 0 }, .. }
+                | ClientFrame::Upload { object: ObjectId { index: SIMULATED_INDEX, sub: 0 } }
+        )
     );
     let comm = device.comm();
     let mute = comm.trouble.is_mute();

@@ -40,7 +40,7 @@ pub enum LimitReached {
 }
 
 /// Why a search ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SearchEnd {
     /// Every state has been seen.
     Exhausted,

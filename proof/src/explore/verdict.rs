@@ -35,6 +35,8 @@ pub struct LineProperty {
     pub reason: String,
     /// Path to the violation.
     pub counterexample: Option<LinePath>,
+    /// It holds of a line if it holds of its parts: that no state of some stations is reached, or what is of each station by itself.
+    pub holds_by_parts: bool,
 }
 
 /// Result of an exploration.
@@ -80,10 +82,7 @@ pub(crate) fn judge<const N: usize>(mut search: LineSearch<N>) -> LineExplored {
         arcs: search.tally.arcs,
         bytes: search.bytes(),
         exhausted: search.end == SearchEnd::Exhausted,
-        limit: match search.end {
-            SearchEnd::Limit(limit) => Some(limit),
-            SearchEnd::Exhausted | SearchEnd::Wrong(_) => None,
-        },
+        limit: limit_of(search.end),
         situations: search.system.stations.iter().map(|station| station.all.len()).collect(),
         properties,
     }
@@ -113,19 +112,19 @@ fn never_wrong<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty> 
         .into_iter()
         .map(|(name, kind)| {
             let story = found.as_ref().filter(|(wrong, _)| is_kind(*wrong, kind)).map(|(_, story)| story.clone());
-            let verdict = match (&story, &search.end) {
-                (Some(_), _) => Verdict::Fails,
-                (None, SearchEnd::Exhausted) => Verdict::Holds,
-                (None, SearchEnd::Wrong(_) | SearchEnd::Limit(_)) => Verdict::Undecided,
+            let states = search.tally.states;
+            let (verdict, reason) = match (&story, search.end) {
+                (Some(story), _) => {
+                    let after = format!("after {} steps", story.steps.len());
+                    // A violation is not repeated: a conflict's property is named by it.
+                    let is_named = name.ends_with(&story.end);
+                    (Verdict::Fails, if is_named { after } else { format!("{}, {after}", story.end) })
+                }
+                (None, SearchEnd::Exhausted) => (Verdict::Holds, format!("in all {} states", counted(states))),
+                (None, end) => (Verdict::Undecided, undecided(states, limit_of(end))),
             };
-            let reason = match (&story, verdict) {
-                // A violation is not repeated: a conflict's property is named by it.
-                (Some(story), _) if name.ends_with(&story.end) => format!("after {} steps", story.steps.len()),
-                (Some(story), _) => format!("{}, after {} steps", story.end, story.steps.len()),
-                (None, Verdict::Holds) => format!("in all {} states", counted(search.tally.states)),
-                (None, _) => undecided(search),
-            };
-            LineProperty { name, verdict, reason, counterexample: story }
+            let holds_by_parts = matches!(kind, Violation::Conflict(_) | Violation::Station(_));
+            LineProperty { name, verdict, reason, counterexample: story, holds_by_parts }
         })
         .collect()
 }
@@ -138,16 +137,20 @@ fn is_kind(wrong: Violation, kind: Violation) -> bool {
     }
 }
 
-fn undecided<const N: usize>(search: &LineSearch<N>) -> String {
-    let states = counted(search.tally.states);
-    match search.end {
-        SearchEnd::Wrong(_) => format!("not met in {states} states; the search ended with the first thing wrong"),
-        SearchEnd::Limit(LimitReached::States) => {
-            format!("undecided after {states} states: the limit of states was reached")
-        }
-        SearchEnd::Limit(LimitReached::Memory) | SearchEnd::Exhausted => {
-            format!("undecided after {states} states: the limit of memory was reached")
-        }
+fn limit_of(end: SearchEnd) -> Option<LimitReached> {
+    match end {
+        SearchEnd::Limit(limit) => Some(limit),
+        SearchEnd::Exhausted | SearchEnd::Wrong(_) => None,
+    }
+}
+
+/// Why a search decides nothing that ended by a limit, or with something wrong (`None`).
+fn undecided(states: u64, limit: Option<LimitReached>) -> String {
+    let states = counted(states);
+    match limit {
+        None => format!("not met in {states} states; the search ended with the first thing wrong"),
+        Some(LimitReached::States) => format!("undecided after {states} states: the limit of states was reached"),
+        Some(LimitReached::Memory) => format!("undecided after {states} states: the limit of memory was reached"),
     }
 }
 
@@ -173,34 +176,34 @@ fn of_all_states<const N: usize>(search: &mut LineSearch<N>) -> Vec<LineProperty
     if search.system.setting.forgets {
         return properties;
     }
-    let ask = |name: &str, found: Option<Result<String, (String, Option<LinePath>)>>, undecided: &str| {
+    let (states, limit) = (search.tally.states, limit_of(search.end));
+    let ask = |name: &str, found: Option<Result<String, (String, Option<LinePath>)>>| {
         let (verdict, reason, counterexample) = match found {
-            None => (Verdict::Undecided, undecided.to_owned(), None),
+            None => (Verdict::Undecided, undecided(states, limit), None),
             Some(Ok(reason)) => (Verdict::Holds, reason, None),
             Some(Err((reason, story))) => (Verdict::Fails, reason, story),
         };
-        LineProperty { name: name.to_owned(), verdict, reason, counterexample }
+        LineProperty { name: name.to_owned(), verdict, reason, counterexample, holds_by_parts: false }
     };
-    let open = undecided(search);
     let exhausted = search.end == SearchEnd::Exhausted;
     let deadlocks = exhausted.then(|| match search.tally.deadlocks {
         0 => Ok("something can follow every state".to_owned()),
         found => Err((format!("nothing can follow {found} states"), None)),
     });
-    properties.push(ask("no deadlock", deadlocks, &open));
+    properties.push(ask("no deadlock", deadlocks));
     if search.system.setting.asks_for_ways() {
         let cut_off = exhausted.then(|| cut_off(search));
         let homes = cut_off.map(|(stranded, _)| home(search, stranded));
-        properties.push(ask("home can be reached from every state", homes, &open));
+        properties.push(ask("home can be reached from every state", homes));
         let back = cut_off.map(|(_, no_return)| reversible(search, no_return));
-        properties.push(ask("reversible and live", back, &open));
+        properties.push(ask("reversible and live", back));
     }
     let setting = &search.system.setting;
     if setting.faults
         && [ControlMode::Auto, ControlMode::Hand, ControlMode::Manual].iter().all(|m| setting.modes.contains(m))
     {
         let fires = exhausted.then(|| every_transition(search));
-        let mut property = ask("every transition fires", fires, &open);
+        let mut property = ask("every transition fires", fires);
         // A way that the description gives operators no command for is no danger.
         if property.verdict == Verdict::Fails {
             property.verdict = Verdict::Remark;

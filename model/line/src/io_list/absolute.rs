@@ -1,6 +1,6 @@
 //! Lists counted through a whole controller: which device a row is of follows from where each device begins.
 
-use super::address::{BITS_MAX, BitAddress, IoDirection, byte, counted, number};
+use super::address::{BITS_MAX, BitAddress, IoDirection, area, byte, counted, number};
 use super::{IoRow, RowProblem};
 
 /// Where a device begins in the addresses of a controller.
@@ -90,16 +90,14 @@ fn placed(row: &IoRow, begins: &[DeviceBegin]) -> Result<(String, BitAddress), (
     Ok((begin.device.clone(), BitAddress { direction, bit: 8 * behind + bit }))
 }
 
-/// Marks, words, timers, blocks, and tags without an address.
+/// Memory, words, timers, blocks, and tags without an address.
 fn is_of_no_bit(address: &str) -> bool {
-    let address = address.trim().to_ascii_uppercase();
-    let plain = address.strip_prefix('%').unwrap_or(&address);
-    let mut letters = plain.chars();
-    match letters.next() {
-        None => true,
-        Some('I' | 'E' | 'Q' | 'A') => matches!(letters.next(), Some('W' | 'D' | 'B')),
-        Some(first) => matches!(first, 'M' | 'D' | 'T' | 'Z' | 'C' | 'F' | 'O' | 'S' | 'U' | 'P' | 'V'),
+    if let Some((_, rest)) = area(address) {
+        return rest.starts_with(['W', 'D', 'B']);
     }
+    // M memory, D data blocks, T timers, Z and C counters, P periphery, O F S U V blocks and tables of STEP 7.
+    let first = address.trim().trim_start_matches('%').chars().next();
+    first.is_none_or(|first| "MDTZCPOFSUV".contains(first.to_ascii_uppercase()))
 }
 
 #[cfg(test)]

@@ -69,7 +69,7 @@ pub(super) fn byte(text: &str) -> Option<(IoDirection, usize)> {
 }
 
 /// Inputs or outputs, and the rest of the address in capitals.
-fn area(text: &str) -> Option<(IoDirection, String)> {
+pub(super) fn area(text: &str) -> Option<(IoDirection, String)> {
     let text = text.trim().to_ascii_uppercase();
     let text = text.strip_prefix('%').unwrap_or(&text);
     let direction = match text.chars().next()? {

@@ -1,0 +1,153 @@
+//! Faults are written to simulated devices alone.
+
+use linewright_canopen::NodeId;
+use linewright_canopen::sdo::{ObjectId, TransferError, TransferFailure, TransferOptions};
+use linewright_fieldbus::Bus;
+use linewright_fieldbus::sdo_client::{self, SdoError};
+use linewright_line::{Device, DeviceBus as BusName, Line, Modbus};
+use linewright_node_shell::RosArgs;
+use linewright_plant::{SIMULATED, SIMULATED_INDEX};
+use miette::{IntoDiagnostic, miette};
+
+/// A device that has been found to be simulated.
+pub enum SimulatedDevice<'d> {
+    Canopen(Box<Bus>, NodeId),
+    Modbus(&'d Modbus),
+}
+
+impl<'d> SimulatedDevice<'d> {
+    /// Finds out whether it is simulated, without writing to it. `line_bus` is the interface of the line's bus.
+    pub async fn reach(line: &Line, line_bus: &str, ros: &RosArgs, device: &'d Device) -> miette::Result<Self> {
+        let reached = match (device.modbus(), device.node_id().and_then(NodeId::new)) {
+            (Some(modbus), _) => SimulatedDevice::Modbus(modbus),
+            (None, Some(node)) => {
+                let interface = match &device.bus {
+                    BusName::Line => line_bus,
+                    BusName::Own(interface) => interface,
+                };
+                let options = super::options(interface, Some(&super::run_of(line, ros)?))?;
+                SimulatedDevice::Canopen(Box::new(Bus::open(interface, &options).into_diagnostic()?), node)
+            }
+            (None, None) => {
+                return Err(miette!(
+                    help = "a plain CAN device takes no faults; faults of motions, inputs and devices are for CANopen and Modbus",
+                    "{} cannot be made to fail",
+                    device.name
+                ));
+            }
+        };
+        reached.checked(device).await
+    }
+
+    async fn checked(mut self, device: &Device) -> miette::Result<Self> {
+        let is_simulated = match &mut self {
+            SimulatedDevice::Canopen(bus, node) => {
+                let object = ObjectId::new(SIMULATED_INDEX, 0);
+                match sdo_client::read(bus, *node, object, TransferOptions::default()).await {
+                    Ok(bytes) => bytes == SIMULATED.to_le_bytes(),
+                    // A device that has no such object.
+                    Err(SdoError::Transfer {
+                        error: TransferError { cause: TransferFailure::Refused(_), .. }, ..
+                    }) => false,
+                    Err(error) => {
+                        return Err(miette!("{error} on {}; is the simulated plant running?", bus.describe()));
+                    }
+                }
+            }
+            SimulatedDevice::Modbus(modbus) => {
+                let simulated = linewright_racks::is_simulated((&modbus.address, modbus.unit)).await;
+                simulated.map_err(|error| miette!("{error}"))?
+            }
+        };
+        if is_simulated {
+            return Ok(self);
+        }
+        Err(miette!(
+            help = "run the line with the simulated plant, or name a simulated device with --device",
+            "{} ({}) is not a simulated device; nothing was written",
+            device.name,
+            self.place()
+        ))
+    }
+
+    /// Writes a number to one of its objects.
+    pub async fn write(&mut self, device: &Device, object: (u16, u8), value: u32) -> miette::Result<()> {
+        match self {
+            SimulatedDevice::Canopen(bus, node) => {
+                let (id, data) = (ObjectId::new(object.0, object.1), value.to_le_bytes());
+                let written = sdo_client::write(bus, *node, id, &data, TransferOptions::default()).await;
+                written.map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))
+            }
+            SimulatedDevice::Modbus(modbus) => {
+                let at = (modbus.address.as_str(), modbus.unit);
+                let failed = linewright_racks::fail_device(at, &device.name, object, value).await;
+                failed.map_err(|error| miette!("{error}"))
+            }
+        }
+    }
+
+    /// Where it is, for people.
+    pub fn place(&self) -> String {
+        match self {
+            SimulatedDevice::Canopen(_, node) => format!("node {node}"),
+            SimulatedDevice::Modbus(modbus) => format!("{} unit {}", modbus.address, modbus.unit),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use linewright_canopen::codec::CanopenMessage;
+    use linewright_fieldbus::{BusOptions, Transport};
+
+    use super::*;
+
+    /// A device that answers every reading with these 4 bytes, or refuses it, and takes all that is written. The requests it got.
+    fn real_device(bus: BusOptions, node: NodeId, answer: Option<[u8; 4]>) -> Arc<Mutex<Vec<[u8; 8]>>> {
+        let requests = Arc::new(Mutex::new(Vec::new()));
+        let got = requests.clone();
+        let mut bus = Bus::open("test0", &bus).expect("a virtual bus");
+        tokio::spawn(async move {
+            while let Ok(frame) = bus.recv().await {
+                let Ok(CanopenMessage::SdoRequest { node: to, raw }) = CanopenMessage::decode(&frame) else { continue };
+                if to != node {
+                    continue;
+                }
+                got.lock().expect("no panic").push(raw);
+                let [_, low, high, sub, ..] = raw;
+                let raw = match (raw[0] >> 5, answer) {
+                    (1, _) => [0x60, low, high, sub, 0, 0, 0, 0],
+                    (_, Some([a, b, c, d])) => [0x43, low, high, sub, a, b, c, d],
+                    // The object does not exist.
+                    (_, None) => [0x80, low, high, sub, 0, 0, 2, 6],
+                };
+                bus.send(&CanopenMessage::SdoResponse { node, raw }.encode());
+            }
+        });
+        requests
+    }
+
+    #[tokio::test]
+    async fn nothing_is_written_to_a_device_that_is_not_simulated() {
+        let text = linewright_line::TransferLine::default().text();
+        let line = linewright_line::parse("line.toml", &text).expect("it parses").line;
+        let device = line.devices.iter().find(|device| device.node_id().is_some()).expect("a CANopen device");
+        let node = device.node_id().and_then(NodeId::new).expect("a node id");
+        for answer in [None, Some([0; 4])] {
+            let dir = tempfile::tempdir().expect("a directory");
+            let options = BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
+            let requests = real_device(options.clone(), node, answer);
+            let bus = Bus::open("test0", &options).expect("a virtual bus");
+            let refused = SimulatedDevice::Canopen(Box::new(bus), node).checked(device).await;
+            let refused = refused.err().expect("it is a real one").to_string();
+            assert_eq!(
+                refused,
+                format!("{} (node {node}) is not a simulated device; nothing was written", device.name)
+            );
+            let requests = requests.lock().expect("no panic");
+            assert_eq!(*requests, [[0x40, 0x05, 0x5F, 0, 0, 0, 0, 0]], "one reading");
+        }
+    }
+}
