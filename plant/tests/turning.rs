@@ -16,6 +16,7 @@ const TURN: u128 = 1;
 fn table(direction: TurnDirection) -> Described {
     let bits = 1..4;
     let index = DriveIndex {
+        places: 4,
         turn: 360.0,
         direction,
         to: bits.clone().map(OutputId).collect(),

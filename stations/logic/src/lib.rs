@@ -52,6 +52,7 @@
 //! in `generation`; the check of measured positions, which needs no memory, in `interlock`. A task-driven station has
 //! `slot` besides. `texts` has what operators read. There is no clock, no thread and no message format here.
 
+mod axis_place;
 mod controller;
 mod drive;
 mod event;
@@ -66,7 +67,6 @@ mod order;
 mod panel;
 mod parts;
 mod peer_set;
-mod place;
 mod position_guard;
 mod program;
 mod report;
