@@ -1,4 +1,4 @@
-//! A drive on an axis that turns endlessly, and the manager's side of it: places on a circle, one turn being all there is.
+//! A drive on an axis that turns endlessly, and the manager's side of it: places on a circle, and positions that count within one turn.
 
 use std::time::Duration;
 

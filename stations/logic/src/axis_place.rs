@@ -14,6 +14,7 @@
 //! At rest the place is the one where the last index ended. Another one is in doubt: it was turned while nothing looked.
 
 use crate::controller::Controller;
+use crate::event::PlacesApart;
 use crate::parts::{IndexProgress, RunCommand, Token};
 
 impl Controller {
@@ -83,11 +84,11 @@ impl Controller {
         if is_known { axis.numbers.order(axis.numbers.next(self.marking.axis_place)) } else { 0 }
     }
 
-    /// For an operator: at which place the axis is measured, and which one was the last that was known.
-    pub(crate) fn place_text(&self) -> Option<String> {
+    /// The place at which the axis is measured, where that is not the last one that was known.
+    pub(crate) fn places_apart(&self) -> Option<PlacesApart> {
         let (measured, known) = (self.measured_place(), self.marking.axis_place);
         let differ = measured != 0 && known != 0 && measured != known;
-        differ.then(|| format!("measured at or after place {measured}, last known at place {known}"))
+        differ.then_some(PlacesApart { measured, known })
     }
 
     /// Whether the output image says another place than it is to: since it was worked out, the place has become known or lost.

@@ -155,7 +155,7 @@ impl Controller {
     /// that.
     pub(crate) fn unsafe_index(&self, action: &CompiledTransition) -> Option<StopCause> {
         if let Some((op, input)) = self.doubtful_index() {
-            return Some(StopCause::IndexDoubtful { op, input });
+            return Some(StopCause::IndexDoubtful { op, input, places: self.places_apart() });
         }
         let begins = !matches!(action.kind, TransitionKind::Resume(..));
         let tables = action.to.iter().map(|&place| &self.program.places[usize::from(place)]);

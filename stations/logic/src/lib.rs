@@ -81,7 +81,7 @@ mod views;
 mod withdraw;
 
 pub use controller::{Controller, NO_DELAY, StationInput, StationOutbox};
-pub use event::{HappeningKind, StationHappening, StopCause};
+pub use event::{HappeningKind, PlacesApart, StationHappening, StopCause};
 pub use ignored::{Handled, Ignored};
 pub use order::{
     OrderKey, OrderMemory, RESULTS_MAX, SlotReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport, TaskOutcome,

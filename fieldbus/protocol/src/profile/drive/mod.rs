@@ -35,7 +35,7 @@
 //!   falling, or by leaving operation enabled. Where neither can be seen it is disabled first. Target and edge are in
 //!   one frame.
 //! - **Where it is counts only if it knows.** Before homing it is at no target, and refuses to go to one.
-//! - **An endless axis is sent to a place, one turn being all there is**: an order that comes twice, late, or again after a
+//! - **An endless axis is sent to a place, and positions count within one turn**: an order that comes twice, late, or again after a
 //!   restart leads to the same place. It turns one way, so a drive that has gone past its place by a hair would go round for
 //!   it. Therefore nothing is offered while it is there already, before it stands, or from anywhere but between that place
 //!   and the one before.
