@@ -2,8 +2,8 @@
 //!
 //! What a switch leaves in doubt the drive measures: no restart and no stop half-way needs a person who confirms the place.
 
-use linewright_line::{AxisId, Line, OpId, StationId, parse};
-use linewright_simulation::{LineSim, RunEnd, RunGoal, Scenario, SimOptions, run};
+use linewright_line::{Line, parse};
+use linewright_simulation::{RunEnd, SimOptions};
 
 use crate::common::*;
 

@@ -12,8 +12,8 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::{AxisId, Line, OpId, StationId, parse};
-use linewright_simulation::{LineSim, OperatorAction, RunEnd, RunGoal, Scenario, SimOptions, run};
+use linewright_line::{AxisId, Line, OpId, parse};
+use linewright_simulation::{LineSim, OperatorAction, RunEnd, SimOptions};
 use linewright_station_logic::StopCause;
 
 use crate::common::*;

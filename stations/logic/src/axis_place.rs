@@ -13,9 +13,19 @@
 //!
 //! At rest the place is the one where the last index ended. Another one is in doubt: it was turned while nothing looked.
 
+use linewright_line::{DriveIndex, OpId};
+
 use crate::controller::Controller;
 use crate::event::PlacesApart;
 use crate::parts::{IndexProgress, RunCommand, Token};
+
+/// The places of the endless axis that a drive turns.
+#[derive(Clone, Debug)]
+pub(crate) struct NumberedPlaces {
+    /// The operation that is an index of the axis.
+    pub op: OpId,
+    pub numbers: DriveIndex,
+}
 
 impl Controller {
     /// The place that the drive reports; 0 while it tells none, or there is no such drive.
@@ -81,7 +91,7 @@ impl Controller {
         let table = &self.program.places[usize::from(token.place)];
         let Some(axis) = self.program.places_of_axis.as_ref().filter(|_| table.is_measured) else { return 0 };
         let is_known = self.marking.axis_place != 0 && (self.measured_place() != 0 || token.run == RunCommand::Auto);
-        if is_known { axis.numbers.order(axis.numbers.next(self.marking.axis_place)) } else { 0 }
+        if is_known { axis.numbers.order(self.next_place()) } else { 0 }
     }
 
     /// The place at which the axis is measured, where that is not the last one that was known.

@@ -27,7 +27,9 @@ impl Controller {
         for place in self.marking().filter(|place| place.is_incomplete()) {
             let cause = match self.marking.causes_of_stop[place.op.index()] {
                 // Where it is measured changes while it is in doubt.
-                cause @ StopCause::IndexDoubtful { .. } => self.loss().unwrap_or(cause),
+                cause @ StopCause::IndexDoubtful { .. } => {
+                    self.loss().filter(|_| self.doubtful_index().is_some()).unwrap_or(cause)
+                }
                 cause => cause,
             };
             if cause.is_fault() {

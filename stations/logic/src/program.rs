@@ -14,6 +14,7 @@ use linewright_line::{
     ButtonId, Device, Drive, DriveIndex, Line, MotionSignals, OpId, OperationModule, Owner, StationId, TaskId,
 };
 
+use crate::axis_place::NumberedPlaces;
 use crate::peer_set::{PEERS_MAX, PeerSet};
 use crate::position_guard::{Interlocks, partners};
 use crate::tasks::StationTasks;
@@ -125,14 +126,6 @@ pub(crate) struct IncomingArrow {
     pub lag: i32,
     /// For each mode of [`ControlMode::ALL`], whether it is observed.
     pub modes: [bool; 6],
-}
-
-/// The places of the endless axis that a drive turns.
-#[derive(Clone, Debug)]
-pub(crate) struct NumberedPlaces {
-    /// The operation that is an index of the axis.
-    pub op: OpId,
-    pub numbers: DriveIndex,
 }
 
 #[derive(Clone, Debug)]
