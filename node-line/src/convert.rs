@@ -181,7 +181,7 @@ pub fn kind_of(event: &StationHappening) -> (u8, Option<OpId>) {
         HappeningKind::Founded | HappeningKind::Rejoined | HappeningKind::PositionFound => {
             (StationEvent::KIND_COMPLETED, None)
         }
-        HappeningKind::PositionLost(op, _) | HappeningKind::IndexDoubtful(op, _) => {
+        HappeningKind::PositionLost(op, _) | HappeningKind::IndexDoubtful(op, ..) => {
             (StationEvent::KIND_FAULT, Some(op))
         }
         HappeningKind::Mode(_) => (StationEvent::KIND_MODE, None),

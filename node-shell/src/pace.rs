@@ -1,12 +1,12 @@
-//! Whether what is heard of a node is of now.
+//! Whether received messages of a node are present ones.
 //!
-//! The middleware keeps what a node has sent for a reader that was killed, for as long as that reader's lease: up to 50 s of
-//! states. Whoever joins meanwhile is sent all of them, oldest first, and each is newer than the one before: by boot id and
-//! sequence they cannot be told from what is sent now. They can by their pace: the node's stamps then go on faster than the time
-//! here. Only differences of stamps count, so that the clocks need not agree.
+//! The middleware keeps the messages of a node for a reader that was killed, for as long as that reader's lease: up to 50 s of
+//! states. A new reader receives all of them, oldest first; boot id and sequence do not distinguish them from present ones, their
+//! pace does: the node's stamps then go on faster than the time here. Only differences of stamps count, so that the clocks need
+//! not agree.
 //!
-//! Best effort readers are sent nothing of that, but are no way out: this library's reliable writers wait for their
-//! acknowledgement too, which never comes, and then keep 8192 messages for whoever joins, at any time.
+//! Best effort readers receive none of that, but are no way out: this library's reliable writers wait for their
+//! acknowledgement too, which never comes, and then keep 8192 messages for every new reader.
 
 use std::time::{Duration, Instant};
 

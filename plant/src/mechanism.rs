@@ -56,9 +56,8 @@ struct Index {
     rests: bool,
     /// How many places it has left behind.
     left: i64,
-    /// Where a drive turns it: how many places it has, and how they are numbered. It goes to the one it is ordered to, if that is
-    /// the next one.
-    places: Option<(i64, DriveIndex)>,
+    /// Where a drive turns it: how its places are numbered. It goes to the one it is ordered to, if that is the next one.
+    places: Option<DriveIndex>,
 }
 
 /// One axis with everything that acts on it.
@@ -97,7 +96,7 @@ impl Mechanism {
                 by,
                 rests: false,
                 left: 0,
-                places: drive.and_then(|drive| Some((drive.targets.len() as i64, drive.index.clone()?))),
+                places: drive.and_then(|drive| drive.index.clone()),
             }),
             moving: None,
             opposed: false,
@@ -349,7 +348,7 @@ fn same_place(a: f64, b: f64) -> bool {
 impl Index {
     /// Its drive has moved it to `at`, which counts on over all turns; gives where that is from its home.
     fn turned_to(&mut self, at: f64) -> f64 {
-        let sign = self.places.as_ref().map_or(1.0, |(_, places)| places.sign());
+        let sign = self.places.as_ref().map_or(1.0, DriveIndex::sign);
         let gone = (at - self.home) * sign;
         self.left = (gone / self.by + REACH).floor() as i64;
         self.home + gone - self.left as f64 * self.by
@@ -357,20 +356,20 @@ impl Index {
 
     /// The number of the place it is at, or has left last.
     fn number(&self, position: f64) -> Option<u16> {
-        let (count, _) = self.places.as_ref()?;
+        let count = i64::from(self.places.as_ref()?.places);
         let is_at_next = position >= self.home + self.by * (1.0 - REACH);
-        u16::try_from((self.left + i64::from(is_at_next)).rem_euclid(*count) + 1).ok()
+        u16::try_from((self.left + i64::from(is_at_next)).rem_euclid(count) + 1).ok()
     }
 
     fn report(&self, position: f64) -> u128 {
         let number = self.number(position);
-        self.places.as_ref().zip(number).map_or(0, |((_, places), number)| places.report(number))
+        self.places.as_ref().zip(number).map_or(0, |(places, number)| places.report(number))
     }
 
     /// Whether it may go on under these outputs: a drive is ordered to the next place, anything else to none.
     fn goes_to_next(&self, outputs: u128, position: f64) -> bool {
-        let Some(((count, places), number)) = self.places.as_ref().zip(self.number(position)) else { return true };
-        i64::from(places.ordered(outputs)) == i64::from(number) % count + 1
+        let Some((places, number)) = self.places.as_ref().zip(self.number(position)) else { return true };
+        places.ordered(outputs) == places.next(number)
     }
 
     /// Whether a position is that of the next place.

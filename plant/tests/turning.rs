@@ -1,4 +1,4 @@
-//! A drive on an axis that turns endlessly, and the manager's side of it: places on a circle, one turn being all there is.
+//! A drive on an axis that turns endlessly, and the manager's side of it: places on a circle, and positions that count within one turn.
 
 use std::time::Duration;
 
@@ -16,6 +16,7 @@ const TURN: u128 = 1;
 fn table(direction: TurnDirection) -> Described {
     let bits = 1..4;
     let index = DriveIndex {
+        places: 4,
         turn: 360.0,
         direction,
         to: bits.clone().map(OutputId).collect(),

@@ -2,13 +2,10 @@
 //!
 //! What a switch leaves in doubt the drive measures: no restart and no stop half-way needs a person who confirms the place.
 
-use linewright_line::{AxisId, Line, OpId, StationId, parse};
-use linewright_simulation::{LineSim, RunEnd, RunGoal, Scenario, SimOptions, run};
+use linewright_line::{Line, parse};
+use linewright_simulation::{RunEnd, SimOptions};
 
 use crate::common::*;
-
-const TABLE: StationId = StationId(0);
-const INDEX: OpId = OpId(0);
 
 fn line(direction: &str) -> Line {
     let text = include_str!("../../examples/driven-table.toml");
@@ -20,12 +17,7 @@ fn line(direction: &str) -> Line {
 fn goes(text: &str) -> u64 {
     let mut turned = None;
     for (frames, direction) in [(true, "positive"), (true, "negative"), (false, "positive"), (false, "negative")] {
-        let line = line(direction);
-        let scenario = Scenario::parse(&line, "test.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
-        let options = SimOptions { network: scenario.network, variation: scenario.variation, frames, ..logged() };
-        let goal =
-            RunGoal { cycles: scenario.cycles.unwrap_or(1), starts: scenario.starts, script: scenario.script.clone() };
-        let (sim, end) = run(&line, options, &goal).expect("the line compiles");
+        let (sim, end) = play_line(&line(direction), text, SimOptions { frames, ..logged() });
         assert_eq!(end, RunEnd::Done, "frames: {frames}, {direction}\n{}", sim.log().tail(sim.line(), 60));
         assert_eq!(sim.conflicts(), []);
         assert_eq!(counted(&sim), indexes(&sim), "frames: {frames}, {direction}");
@@ -33,17 +25,6 @@ fn goes(text: &str) -> u64 {
         assert_eq!(*turned.get_or_insert(indexes(&sim)), indexes(&sim), "frames: {frames}, {direction}");
     }
     turned.expect("it was played")
-}
-
-/// By how many places the table has come on, as the mechanism has it and no controller.
-fn indexes(sim: &LineSim) -> u64 {
-    sim.plant_of(TABLE).indexes(TABLE, AxisId(0))
-}
-
-/// The same as its controller counts it.
-fn counted(sim: &LineSim) -> u64 {
-    let done = sim.controller(TABLE).expect("it runs").done(INDEX);
-    u64::try_from(done).expect("it counts from 0")
 }
 
 #[test]

@@ -54,7 +54,7 @@ fn modes(sim: &LineSim) -> Vec<Option<ControlMode>> {
 fn a_shipped_scenario_comes_to_the_same_end_on_the_buses() {
     let shipped = include_str!("../../launch-config/lines/transfer-line/scenarios/jammed-clamp.toml");
     let (at_once, end) = play(shipped);
-    let (sim, on_buses) = play_with(shipped, on_buses());
+    let (sim, on_buses) = play_line(&transfer_line(1), shipped, on_buses());
     assert_eq!((&end, &on_buses), (&RunEnd::Done, &RunEnd::Done), "{}", sim.log().tail(sim.line(), 40));
     let faults = |sim: &LineSim| sim.record().faults().iter().map(|f| (f.station, f.op, f.cause)).collect::<Vec<_>>();
     assert_eq!((faults(&sim), sim.log().modes()), (faults(&at_once), at_once.log().modes()));

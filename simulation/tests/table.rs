@@ -12,14 +12,11 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::{AxisId, Line, OpId, StationId, parse};
-use linewright_simulation::{LineSim, OperatorAction, RunEnd, RunGoal, Scenario, SimOptions, run};
+use linewright_line::{AxisId, Line, OpId, parse};
+use linewright_simulation::{LineSim, OperatorAction, RunEnd, SimOptions};
 use linewright_station_logic::StopCause;
 
 use crate::common::*;
-
-const TABLE: StationId = StationId(0);
-const INDEX: OpId = OpId(0);
 
 fn line() -> Line {
     let text = include_str!("../../examples/rotary-table.toml");
@@ -29,12 +26,8 @@ fn line() -> Line {
 /// Plays a scenario that goes as it expects, with images at once and over frames.
 fn goes(text: &str) -> LineSim {
     let line = line();
-    let scenario = Scenario::parse(&line, "test.toml", text).unwrap_or_else(|problems| panic!("{problems:#}"));
     let play = |frames| {
-        let options = SimOptions { network: scenario.network, variation: scenario.variation, frames, ..logged() };
-        let script = scenario.script.clone();
-        let goal = RunGoal { cycles: scenario.cycles.unwrap_or(1), starts: scenario.starts, script };
-        let (sim, end) = run(&line, options, &goal).expect("the line compiles");
+        let (sim, end) = play_line(&line, text, SimOptions { frames, ..logged() });
         assert_eq!(end, RunEnd::Done, "frames: {frames}\n{}", sim.log().tail(sim.line(), 60));
         assert_eq!(sim.conflicts(), []);
         // Unless it is in doubt, its controller has counted what the table has done.
@@ -49,17 +42,6 @@ fn goes(text: &str) -> LineSim {
 
 fn causes(sim: &LineSim) -> Vec<StopCause> {
     sim.record().faults().iter().filter(|fault| fault.station == TABLE).map(|fault| fault.cause).collect()
-}
-
-/// By how many places the table has come on, as the mechanism has it and no controller.
-fn indexes(sim: &LineSim) -> u64 {
-    sim.plant_of(TABLE).indexes(TABLE, AxisId(0))
-}
-
-/// The same by its controller's counts, since they were founded.
-fn counted(sim: &LineSim) -> u64 {
-    let done = sim.controller(TABLE).expect("it runs").done(INDEX);
-    u64::try_from(done).expect("it counts from 0")
 }
 
 fn fault(sim: &LineSim) -> String {

@@ -35,16 +35,6 @@ fn reasons() -> Vec<ModeRefusal> {
 }
 
 #[test]
-fn a_stopped_index_is_led_on_and_not_undone() {
-    let text = include_str!("../../../examples/rotary-table.toml");
-    let line = parse("rotary-table.toml", text).expect("sound").line;
-    let table = line.station_named("table").expect("the table");
-    let index = line.station(table).operation_named("index");
-    let text = ModeRefusal::Incomplete(table, index).text(&line);
-    assert_eq!(text, "table: index incomplete; complete it in manual, it has no way back");
-}
-
-#[test]
 fn all_texts_of_the_mode_decision() {
     let line = parse("line.toml", &TransferLine::default().text()).expect("sound").line;
     let refusal = RefusedCommand {

@@ -1,4 +1,4 @@
-//! The last refusal, as it is told: until a command is obeyed, or half a minute has passed.
+//! The last refusal, as it is published: until a command is obeyed, or half a minute has passed.
 
 use std::time::Duration;
 
@@ -7,8 +7,8 @@ use linewright_msgs::fitting;
 
 /// How soon a refusal may follow another one in what is logged.
 const LOGGED_EVERY: Duration = Duration::from_millis(20);
-/// How long a refusal is told, if no command is obeyed before.
-const TOLD_FOR: Duration = Duration::from_secs(30);
+/// How long a refusal is shown, if no command is obeyed before.
+const SHOWN_FOR: Duration = Duration::from_secs(30);
 
 /// What has been refused.
 #[derive(Debug, Default)]
@@ -29,7 +29,7 @@ impl Refusals {
         }
         // With many devices lost there is more to say than a message carries.
         self.text = fitting(text);
-        self.until = now + TOLD_FOR;
+        self.until = now + SHOWN_FOR;
     }
 
     /// A command was obeyed.

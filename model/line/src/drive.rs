@@ -66,6 +66,8 @@ pub enum TurnDirection {
 /// order that comes twice leads to the same place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriveIndex {
+    /// How many places it has.
+    pub places: u16,
     /// After this way it is where it was.
     pub turn: f64,
     pub direction: TurnDirection,
@@ -78,8 +80,7 @@ pub struct DriveIndex {
 impl DriveIndex {
     /// The outputs that are on in an order to a place.
     pub fn order(&self, place: u16) -> u128 {
-        let on = self.to.iter().enumerate().filter(|(bit, _)| place >> bit & 1 == 1);
-        on.fold(0, |image, (_, output)| image | output.bit())
+        bits(self.to.iter().map(|output| output.bit()), place)
     }
 
     /// The place to which an output image sends it; 0 for none.
@@ -89,13 +90,17 @@ impl DriveIndex {
 
     /// The inputs that are on at a place.
     pub fn report(&self, place: u16) -> u128 {
-        let on = self.place.iter().enumerate().filter(|(bit, _)| place >> bit & 1 == 1);
-        on.fold(0, |image, (_, input)| image | input.bit())
+        bits(self.place.iter().map(|input| input.bit()), place)
     }
 
     /// The place that an input image tells; 0 for none.
     pub fn reported(&self, inputs: u128) -> u16 {
         number(self.place.iter().map(|input| input.bit()), inputs)
+    }
+
+    /// The place after this one.
+    pub fn next(&self, place: u16) -> u16 {
+        place % self.places + 1
     }
 
     /// 1 or -1.
@@ -129,6 +134,12 @@ impl NumberedOrder {
         let changed = orders.iter().filter(|order| (before ^ after) & order.number != 0);
         changed.fold(before & after, |image, order| image & !order.turn)
     }
+}
+
+/// The image in which a number's bits lie here, the lowest first.
+fn bits(places: impl Iterator<Item = u128>, number: u16) -> u128 {
+    let on = places.enumerate().filter(|(nth, _)| number >> nth & 1 == 1);
+    on.fold(0, |image, (_, bit)| image | bit)
 }
 
 /// The number whose bits lie here in an image, the lowest first.

@@ -114,8 +114,8 @@ impl<const N: usize> LineSearch<N> {
         system.settle(&mut here);
         let first = layout.pack(&here)?;
         let keys_max = limits.bytes / SHARE_OF_ONE / size_of::<StateKey<N>>();
-        let (followers, bytes_max) = (Successors::new(start), limits.bytes);
-        let mut player = PackedPlayer { system, layout, here, followers, keys_max, bytes_max };
+        let (successors, bytes_max) = (Successors::new(start), limits.bytes);
+        let mut player = PackedPlayer { system, layout, here, successors, keys_max, bytes_max };
         thread::scope(|scope| {
             let (batches, incoming) = sync_channel::<Batch<N>>(BATCHES_MAX);
             let (entered, results) = sync_channel::<InsertResult<N>>(BATCHES_MAX);
@@ -207,7 +207,7 @@ struct PackedPlayer<'a> {
     system: &'a mut System,
     layout: &'a StateLayout,
     here: ComposedState,
-    followers: Successors,
+    successors: Successors,
     /// The most that may follow one state.
     keys_max: usize,
     /// The most that situations may take.
@@ -217,9 +217,9 @@ struct PackedPlayer<'a> {
 impl PackedPlayer<'_> {
     /// Appends what follows the state taken up, each once.
     fn expand<const N: usize>(&mut self, key: &StateKey<N>, batch: &mut Batch<N>) -> Result<(), SearchStop> {
-        let PackedPlayer { system, layout, here, followers, keys_max, bytes_max } = self;
+        let PackedPlayer { system, layout, here, successors, keys_max, bytes_max } = self;
         let (begin, keys) = (batch.keys.len(), &mut batch.keys);
-        followers.each(system, here, &mut |follower| {
+        successors.each(system, here, &mut |follower| {
             let next = match follower.next {
                 // Most moves concern no other station.
                 Successor::Beside { station, to } => {

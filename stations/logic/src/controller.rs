@@ -129,7 +129,7 @@ impl Controller {
                 causes_of_stop: vec![StopCause::Released; described.operations.len()],
                 unconfirmed: restore == Restore::Fresh,
                 placed: restore == Restore::Fresh,
-                place: 0,
+                axis_place: 0,
                 doubtful: None,
                 lost_position: None,
             },

@@ -22,6 +22,7 @@ impl Controller {
         }
         deadline = deadline.min(self.order_limit());
         self.image.watched |= self.program.on_order.as_ref().map_or(0, |tasks| tasks.watched);
+        self.image.watched |= self.program.places_of_axis.as_ref().map_or(0, |axis| axis.numbers.report(u16::MAX));
         let mode = self.commands.mode();
         let number = self.output.number + 1;
         let mut begun = false;
@@ -50,7 +51,6 @@ impl Controller {
                 deadline = deadline.min(token.deadline);
             }
             outputs |= table.lamp;
-            self.image.watched |= self.program.places_of_axis.as_ref().map_or(0, |(_, index)| index.report(u16::MAX));
             self.image.watched |= table.complete | table.behind | table.fault | table.rest | table.turns;
         }
         // A motion that begins is a new image even if the outputs are the same: inputs are needed that were taken under

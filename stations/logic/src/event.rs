@@ -5,6 +5,15 @@ use linewright_line::{InputId, OpId, StationId, TaskId};
 
 use crate::order::{TaskFailure, TaskRefusal};
 
+/// Two different places of an axis with numbered places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PlacesApart {
+    /// The place it is measured at, or has left last.
+    pub measured: u16,
+    /// The place at which it stood last, or from which its index began.
+    pub known: u16,
+}
+
 /// Reason why a motion stopped before its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StopCause {
@@ -45,12 +54,15 @@ pub enum StopCause {
         /// The switch that is off.
         input: InputId,
     },
-    /// Whether an index is done is not known: its switch is on, and was not seen all the time, or came on too soon.
+    /// Whether an index is done is not known: its switch is on, and was not seen all the time, or came on too soon; or a drive
+    /// measures another place.
     IndexDoubtful {
         /// The index.
         op: OpId,
         /// Its switch.
         input: InputId,
+        /// Where a drive measures that its axis is at another place.
+        places: Option<PlacesApart>,
     },
     /// Two exclusive transitions were both allowed: a bug of the controller, stopped rather than guessed at.
     Ambiguous,
@@ -81,8 +93,8 @@ pub enum HappeningKind {
     Rejoined,
     /// An axis that stands still by the chart is not measured there: the operation at whose place, and the switch.
     PositionLost(OpId, InputId),
-    /// Whether an index is done is not known: the operation, and its switch.
-    IndexDoubtful(OpId, InputId),
+    /// Whether an index is done is not known: the operation, its switch, and where it is measured at another place.
+    IndexDoubtful(OpId, InputId, Option<PlacesApart>),
     /// All axes are measured where the chart has them again.
     PositionFound,
     /// Agreement to a withdrawal was asked for, under this number.

@@ -25,7 +25,13 @@ impl Controller {
     pub fn fault_text(&self, line: &Line) -> String {
         let mut parts = Vec::new();
         for place in self.marking().filter(|place| place.is_incomplete()) {
-            let cause = self.marking.causes_of_stop[place.op.index()];
+            let cause = match self.marking.causes_of_stop[place.op.index()] {
+                // Where it is measured changes while it is in doubt.
+                cause @ StopCause::IndexDoubtful { .. } => {
+                    self.loss().filter(|_| self.doubtful_index().is_some()).unwrap_or(cause)
+                }
+                cause => cause,
+            };
             if cause.is_fault() {
                 let text = cause.text_of(line, self.program.station, place.op, place.block);
                 parts.push(format!("{}: {text}", self.op_name(line, place.op)));
@@ -36,7 +42,6 @@ impl Controller {
             if !parts.iter().any(|stopped| stopped.ends_with(&detail)) {
                 parts.push(detail);
             }
-            parts.extend(self.place_text());
         }
         parts.join("; ")
     }
@@ -45,7 +50,7 @@ impl Controller {
     fn loss(&self) -> Option<StopCause> {
         let (op, input) = self.position_lost()?;
         Some(match self.doubtful_index() {
-            Some(_) => StopCause::IndexDoubtful { op, input },
+            Some(_) => StopCause::IndexDoubtful { op, input, places: self.places_apart() },
             None => StopCause::PositionLost { op, input },
         })
     }
@@ -62,7 +67,6 @@ impl Controller {
         if let Some(lost) = self.loss() {
             let detail = lost.detail(line, self.program.station);
             reasons.push(StationWait::PositionLost(&detail).text());
-            reasons.extend(self.place_text());
         }
         self.explain_generation(line, &mut reasons);
         for place in self.marking() {
@@ -91,6 +95,7 @@ impl Controller {
         }
         let not_home = |place: StationPlace| self.marking.causes_of_stop[place.op.index()] == StopCause::NotAtHome;
         let doubt = match (is_doubtful, forgot) {
+            (true, _) if self.places_apart().is_some() => PositionDoubt::AnotherPlace,
             (true, _) => PositionDoubt::Index,
             (false, true) => PositionDoubt::NoJournal,
             (false, false) => PositionDoubt::AxisOff,
@@ -101,7 +106,11 @@ impl Controller {
             Some(step) if is_lost || self.marking().any(not_home) => {
                 let ops = self.op_names(line, self.ops_of_step(step).fold(0, |bits, op| bits | 1 << op.0));
                 let index = self.doubtful_index().map(|(op, _)| self.op_name(line, op)).filter(|_| is_doubtful);
-                let advice = index.map_or(RejoinAdvice::Confirm { ops: &ops }, |op| RejoinAdvice::ConfirmIndex { op });
+                let advice = match index {
+                    None => RejoinAdvice::Confirm { ops: &ops },
+                    Some(_) if self.places_apart().is_some() => RejoinAdvice::ConfirmPlace,
+                    Some(op) => RejoinAdvice::ConfirmIndex { op },
+                };
                 StationWait::Rejoin(doubt, advice).text()
             }
             None if ends.len() > 1 && (is_lost || self.marking().any(not_home)) => {

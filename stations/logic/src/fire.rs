@@ -95,7 +95,7 @@ impl Controller {
         self.tokens().iter().position(of_op).expect("a transition fires only from a marked place")
     }
 
-    /// Puts the token of `op` into an operating place. `from_between` is true when the motion may not start at its
+    /// Puts the token of `op` into an operating place. `from_between` is true when the motion need not have started at its
     /// other end: its completion signal then counts as it stands, unless the switch of the other end is on.
     fn go(&mut self, op: OpId, place: StationPlace, from_between: bool) {
         let index = self.token_of(op);
@@ -285,7 +285,7 @@ impl Controller {
         } else if self.image.bits & table.fault != 0 {
             StopCause::Signal
         } else if let Some((op, input)) = self.doubtful_index() {
-            StopCause::IndexDoubtful { op, input }
+            StopCause::IndexDoubtful { op, input, places: self.places_apart() }
         } else if let Some(cause) = self.unsafe_motion(index) {
             cause
         } else if self.is_late(token) {

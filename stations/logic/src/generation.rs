@@ -175,7 +175,7 @@ impl Controller {
         self.marking.path = None;
         self.marking.doubtful = None;
         // Where it stands now is what the person has confirmed.
-        self.marking.place = 0;
+        self.marking.axis_place = 0;
         self.refresh_path();
         self.agreement.pending = None;
         (self.marking.unconfirmed, self.marking.placed) = (false, true);

@@ -17,7 +17,7 @@
 //! An arrival counts that comes by driving, or by coasting shortly after it, in about the time of an index. It is in doubt
 //! unless its switch's history has one explanation.
 //!
-//! Where a drive turns the axis it is measured at which place it stands: see [`crate::place`].
+//! Where a drive turns the axis it is measured at which place it stands: see [`crate::axis_place`].
 //!
 //! A doubt is of the station, and is kept over a restart. It ends by a person who looks, and confirms with
 //! [`Controller::rejoin`]. Until then the station's position is lost, and nothing of it moves: from where the index began it
@@ -45,13 +45,17 @@ impl Program {
 impl Controller {
     /// Follows the switch of an index under way, and of an endless axis that stands.
     pub(crate) fn follow_index(&mut self, index: usize) {
+        if self.program.index_switches == 0 {
+            return;
+        }
         let token = self.marking.tokens[index];
         let table = &self.program.places[usize::from(token.place)];
         if table.turns == 0 {
-            let off = self.rest_off(&token);
-            let left = self.program.places.iter().find(|place| place.turns & off != 0);
-            if let Some(op) = left.map(|place| place.place.op) {
-                self.doubt(op);
+            let off = self.rest_off(&token) & self.program.index_switches;
+            if off != 0
+                && let Some(left) = self.program.places.iter().find(|place| place.turns & off != 0)
+            {
+                self.doubt(left.place.op);
             }
             if self.claims_rest(&token) {
                 self.follow_place();
@@ -151,7 +155,7 @@ impl Controller {
     /// that.
     pub(crate) fn unsafe_index(&self, action: &CompiledTransition) -> Option<StopCause> {
         if let Some((op, input)) = self.doubtful_index() {
-            return Some(StopCause::IndexDoubtful { op, input });
+            return Some(StopCause::IndexDoubtful { op, input, places: self.places_apart() });
         }
         let begins = !matches!(action.kind, TransitionKind::Resume(..));
         let tables = action.to.iter().map(|&place| &self.program.places[usize::from(place)]);

@@ -52,6 +52,7 @@
 //! in `generation`; the check of measured positions, which needs no memory, in `interlock`. A task-driven station has
 //! `slot` besides. `texts` has what operators read. There is no clock, no thread and no message format here.
 
+mod axis_place;
 mod controller;
 mod drive;
 mod event;
@@ -66,7 +67,6 @@ mod order;
 mod panel;
 mod parts;
 mod peer_set;
-mod place;
 mod position_guard;
 mod program;
 mod report;
@@ -81,7 +81,7 @@ mod views;
 mod withdraw;
 
 pub use controller::{Controller, NO_DELAY, StationInput, StationOutbox};
-pub use event::{HappeningKind, StationHappening, StopCause};
+pub use event::{HappeningKind, PlacesApart, StationHappening, StopCause};
 pub use ignored::{Handled, Ignored};
 pub use order::{
     OrderKey, OrderMemory, RESULTS_MAX, SlotReport, TaskCommand, TaskFailure, TaskOrder, TaskOrderReport, TaskOutcome,

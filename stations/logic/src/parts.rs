@@ -80,7 +80,7 @@ pub(crate) struct StationMarking {
     pub placed: bool,
     /// The place at which the endless axis of a drive stood last, or from which its index under way began; 0 while that is not
     /// known.
-    pub place: u16,
+    pub axis_place: u16,
     /// The index of which it is not certain whether it is done, or at which place. Only a rejoin ends that.
     pub doubtful: Option<OpId>,
     /// The lost position of which an event was given last (see `interlock`).

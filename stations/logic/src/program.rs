@@ -14,6 +14,7 @@ use linewright_line::{
     ButtonId, Device, Drive, DriveIndex, Line, MotionSignals, OpId, OperationModule, Owner, StationId, TaskId,
 };
 
+use crate::axis_place::NumberedPlaces;
 use crate::peer_set::{PEERS_MAX, PeerSet};
 use crate::position_guard::{Interlocks, partners};
 use crate::tasks::StationTasks;
@@ -192,6 +193,8 @@ pub struct Program {
     pub(crate) interlocks: Interlocks,
     /// All switches of its axes.
     pub(crate) switches: u128,
+    /// Those of its indexes.
+    pub(crate) index_switches: u128,
     /// For each step, which of them are on when it is complete; none where a place has no switch, or several.
     pub(crate) measured_after: Vec<Option<u128>>,
     /// For each operation, which of them are on while its axis is on its way; none for the other axes.
@@ -199,8 +202,8 @@ pub struct Program {
     /// Largest number of cycles that a peer can be ahead on a checked line; counts further ahead are treated as
     /// unknown.
     pub(crate) ahead_max: i32,
-    /// How many places the endless axis of a drive has, and the bits of their numbers.
-    pub(crate) places_of_axis: Option<(u16, DriveIndex)>,
+    /// The numbered places of the endless axis that a drive turns.
+    pub(crate) places_of_axis: Option<NumberedPlaces>,
     /// What only a station on order has.
     pub(crate) on_order: Option<StationTasks>,
 }
@@ -230,7 +233,7 @@ impl Program {
             u16::try_from(index).expect("OPERATIONS_MAX keeps places far below u16::MAX")
         };
         let mut rows = Vec::new();
-        let places =
+        let places: Vec<PlaceTable> =
             net.places().iter().map(|&place| compile_place(line, station, &net, &paths, place, &mut rows)).collect();
         let actions = net
             .transitions()
@@ -241,6 +244,11 @@ impl Program {
                 to: t.to.iter().map(|&p| index_of(p)).collect(),
             })
             .collect();
+        let index_switches = places.iter().fold(0, |bits, table| bits | table.turns);
+        let measured = places.iter().find(|table| table.is_measured && table.turns != 0);
+        let places_of_axis = index_drive(line, station)
+            .zip(measured)
+            .map(|((_, numbers), table)| NumberedPlaces { op: table.place.op, numbers: numbers.clone() });
         Ok(Program {
             station,
             places,
@@ -268,13 +276,13 @@ impl Program {
             }),
             interlocks: Interlocks::of(line, station, &peers, &paths),
             switches: described.all_switches(),
+            index_switches,
             measured_after: (0..described.steps.len()).map(|step| described.measured_after(step)).collect(),
             measured_within: described.op_ids().map(|op| described.measured_within(op)).collect(),
             ahead_max: CYCLES_APART_MAX.saturating_mul(line.stations.len() as i32),
             peers,
             paths,
-            places_of_axis: index_drive(line, station)
-                .and_then(|(drive, index)| Some((u16::try_from(drive.targets.len()).ok()?, index.clone()))),
+            places_of_axis,
             on_order: StationTasks::of(described),
         })
     }

@@ -32,7 +32,7 @@ impl Controller {
         self.counts.started = snapshot.started;
         self.marking.path = snapshot.path;
         self.marking.doubtful = snapshot.doubtful;
-        self.marking.place = snapshot.place;
+        self.marking.axis_place = snapshot.place;
         self.agreement.next_request = snapshot.next_request;
         if let (Some(orders), Some(kept)) = (&mut self.orders, snapshot.order) {
             **orders = OrderSlot::restored(kept);
@@ -59,7 +59,7 @@ impl Controller {
         if snapshot.doubtful.is_some_and(|op| !known(op) || self.program.index_switch(op) == 0) {
             return Err("doubt of an operation that is no index");
         }
-        if snapshot.place > self.program.places_of_axis.as_ref().map_or(0, |&(count, _)| count) {
+        if snapshot.place > self.program.places_of_axis.as_ref().map_or(0, |axis| axis.numbers.places) {
             return Err("place that no axis has");
         }
         let Some(first) = snapshot.marking.first() else { return Err("no marked place") };
@@ -95,7 +95,7 @@ impl Controller {
             started: self.counts.started.clone(),
             path: self.marking.path,
             doubtful: self.marking.doubtful,
-            place: self.marking.place,
+            place: self.marking.axis_place,
             next_request: self.agreement.next_request,
             order: self.orders.as_ref().map(|orders| orders.memory()),
         }

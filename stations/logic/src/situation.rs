@@ -110,7 +110,7 @@ impl Controller {
         }
         out.extend([i64::from(self.image.valid), self.levels.mode as i64, i64::from(self.marking.unconfirmed)]);
         out.push(i64::from(self.marking.placed) | i64::from(self.marking.doubtful.is_some()) << 1);
-        out.extend(self.program.places_of_axis.as_ref().map(|_| i64::from(self.marking.place)));
+        out.extend(self.program.places_of_axis.as_ref().map(|_| i64::from(self.marking.axis_place)));
         out.push(i64::from(self.views.generation != 0));
         self.commands.situation(self.now, out);
         match &self.agreement.pending {

@@ -66,7 +66,9 @@ impl Controller {
             self.due.report = true;
             self.note(match lost {
                 None => HappeningKind::PositionFound,
-                Some((op, input)) if self.doubtful_index().is_some() => HappeningKind::IndexDoubtful(op, input),
+                Some((op, input)) if self.doubtful_index().is_some() => {
+                    HappeningKind::IndexDoubtful(op, input, self.places_apart())
+                }
                 Some((op, input)) => HappeningKind::PositionLost(op, input),
             });
         }

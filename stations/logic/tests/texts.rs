@@ -4,7 +4,8 @@ use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, Line, OpId, StationId, TaskId, TransferLine, parse};
 use linewright_orders::{TaskFailure, TaskRefusal};
 use linewright_station_logic::{
-    CompileError, HappeningKind, Ignored, PositionDoubt, RejoinAdvice, StationHappening, StationWait, StopCause,
+    CompileError, HappeningKind, Ignored, PlacesApart, PositionDoubt, RejoinAdvice, StationHappening, StationWait,
+    StopCause,
 };
 
 use linewright_testkit::samples::{listed, samples};
@@ -15,6 +16,7 @@ const M1: StationId = StationId(0);
 const OP: OpId = OpId(1);
 const INPUT: InputId = InputId(0);
 const TASK: TaskId = TaskId(0);
+const APART: PlacesApart = PlacesApart { measured: 1, known: 3 };
 
 fn transfer_line() -> Line {
     parse("line.toml", &TransferLine::default().text()).expect("sound").line
@@ -40,7 +42,8 @@ fn causes() -> Vec<StopCause> {
         StopCause::Interlock { .. } => StopCause::Interlock { station: CLAMP, input: Some(INPUT) },
             StopCause::Interlock { station: CLAMP, input: None };
         StopCause::PositionLost { .. } => StopCause::PositionLost { op: OP, input: INPUT };
-        StopCause::IndexDoubtful { .. } => StopCause::IndexDoubtful { op: OP, input: INPUT };
+        StopCause::IndexDoubtful { .. } => StopCause::IndexDoubtful { op: OP, input: INPUT, places: None },
+            StopCause::IndexDoubtful { op: OP, input: INPUT, places: Some(APART) };
         StopCause::Ambiguous => StopCause::Ambiguous;
     })
 }
@@ -58,7 +61,8 @@ fn happenings() -> Vec<HappeningKind> {
         HappeningKind::Founded => HappeningKind::Founded;
         HappeningKind::Rejoined => HappeningKind::Rejoined;
         HappeningKind::PositionLost(..) => HappeningKind::PositionLost(OP, INPUT);
-        HappeningKind::IndexDoubtful(..) => HappeningKind::IndexDoubtful(OP, INPUT);
+        HappeningKind::IndexDoubtful(..) => HappeningKind::IndexDoubtful(OP, INPUT, None),
+            HappeningKind::IndexDoubtful(OP, INPUT, Some(APART));
         HappeningKind::PositionFound => HappeningKind::PositionFound;
         HappeningKind::Asked(_) => HappeningKind::Asked(3);
         HappeningKind::NotAgreed { .. } => HappeningKind::NotAgreed { by: TRANSFER, in_the_way: OP };
@@ -122,6 +126,7 @@ fn advice() -> Vec<RejoinAdvice<'static>> {
     samples!(RejoinAdvice<'static> {
         RejoinAdvice::Confirm { .. } => RejoinAdvice::Confirm { ops: "close" };
         RejoinAdvice::ConfirmIndex { .. } => RejoinAdvice::ConfirmIndex { op: "index" };
+        RejoinAdvice::ConfirmPlace => RejoinAdvice::ConfirmPlace;
         RejoinAdvice::NoOperation => RejoinAdvice::NoOperation;
         RejoinAdvice::Between { .. } => RejoinAdvice::Between { ops: &["close", "open"] };
         RejoinAdvice::NoPlace => RejoinAdvice::NoPlace;
@@ -134,6 +139,7 @@ fn doubts() -> Vec<PositionDoubt> {
         PositionDoubt::NoJournal => PositionDoubt::NoJournal;
         PositionDoubt::AxisOff => PositionDoubt::AxisOff;
         PositionDoubt::Index => PositionDoubt::Index;
+        PositionDoubt::AnotherPlace => PositionDoubt::AnotherPlace;
     })
 }
 

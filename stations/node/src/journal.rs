@@ -322,10 +322,6 @@ mod tests {
         for host in ["host", "another start"] {
             assert_eq!(from_record(&line, StationId(0), &record, host).expect("its own record").place, 3);
         }
-        kept.place = 5;
-        let record = to_record(&line, StationId(0), &kept, "host");
-        let error = from_record(&line, StationId(0), &record, "host").expect_err("it has four").to_string();
-        assert!(error.contains("place that no axis has"), "{error}");
     }
 
     #[test]

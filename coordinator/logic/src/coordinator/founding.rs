@@ -2,10 +2,10 @@
 //! `linewright_station_logic`; the published design has no such numbers).
 //!
 //! The coordinator stores no generation. The line has one while all stations that compare counts report the same one. If
-//! they do not, the first *start*, *auto* or *hand*, or *manual* at home, given while every station is at home by its switches founds a new one:
-//! a number is drawn and sent with the boot id of each station, so that a station restarted since ignores it. Motion is
-//! enabled when all have taken it. A station that is restarted meanwhile, or leaves home before taking it, ends the
-//! founding; the next such command begins another.
+//! they do not, the first *start*, *auto* or *hand*, or *manual* at home, given while every station is at home by its
+//! switches founds a new one: a number is drawn and sent with the boot id of each station, so that a station restarted since
+//! ignores it. Motion is enabled when all have taken it. A station that is restarted meanwhile, or leaves home before taking
+//! it, ends the founding; the next such command begins another.
 
 use linewright_line::{StationId, Tick};
 use linewright_random::mix;

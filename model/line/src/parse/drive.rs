@@ -78,7 +78,7 @@ pub(super) fn places(turn: f64, by: f64) -> Option<u16> {
     fits.then_some(places as u16)
 }
 
-/// As many places as [`RawDriveIndex`] has numbers for.
+/// Most places of a turn; their numbers fit `PLACE_BITS_MAX` bits.
 pub(super) const PLACES_MAX: f64 = 1000.0;
 
 /// The places of an endless axis as targets, and how it turns.
@@ -91,7 +91,9 @@ fn finish_index(
     let (output, at) = (draft.target.output?, draft.target.at?);
     let by = axis.index?;
     let turn = raw.turn.as_ref()?.value;
+    let places = places(turn, by)?;
     let index = DriveIndex {
+        places,
         turn,
         direction: raw.direction,
         to: draft.to.iter().copied().collect::<Option<_>>()?,
@@ -101,7 +103,7 @@ fn finish_index(
         let to = (axis.home + index.sign() * by * f64::from(nth)).rem_euclid(turn);
         DriveTarget { output, to, at, velocity }
     };
-    Some(((0..places(turn, by)?).map(place).collect(), index))
+    Some(((0..places).map(place).collect(), index))
 }
 
 /// The drive a draft describes, of one of these axes; `None` if a part is missing.

@@ -42,7 +42,16 @@ const CONNECTION_LOST: u16 = 0x8130;
 enum MotionGoal {
     /// A set-point or a velocity, in the drive's own increments.
     Value(i32),
+    /// Any place of an endless axis: to turn it is one motion.
+    Turn,
     Home,
+}
+
+impl MotionGoal {
+    /// Whether a motion for `goal` is this one.
+    fn covers(self, goal: MotionGoal) -> bool {
+        self == goal || (self == MotionGoal::Turn && goal != MotionGoal::Home)
+    }
 }
 
 #[derive(Debug)]
@@ -72,10 +81,8 @@ pub struct DriveNode {
     /// The velocity last commanded in velocity mode.
     running: i32,
     homing: HomingPhase,
-    /// By motion: its set-point, and whether the axis sticks in it.
+    /// Its motions, as [`Drive::motions`] counts them: the goal, and whether the axis sticks in it.
     motions: Vec<(MotionGoal, bool)>,
-    /// It turns an endless axis: that is one motion, whichever place it goes to.
-    turns: bool,
     /// Where it is stuck, in mechanical increments.
     blocked: Option<f64>,
     /// Its encoder is broken.
@@ -93,9 +100,11 @@ impl DriveNode {
         let place = if drive.mode == DriveMode::Position { place * drive.units_per_mm } else { 0.0 };
         let absolute = drive.homing.is_none();
         let binding = DriveBinding::of(drive);
-        let turns = drive.index.is_some();
-        let targets = if turns { &binding.targets[..1] } else { &binding.targets[..] };
-        let motions = targets.iter().map(|target| (MotionGoal::Value(if turns { 0 } else { target.to }), false));
+        let mut goals = match &drive.index {
+            Some(_) => vec![MotionGoal::Turn],
+            None => binding.targets.iter().map(|target| MotionGoal::Value(target.to)).collect(),
+        };
+        goals.extend(drive.homing.map(|_| MotionGoal::Home));
         DriveNode {
             comm: Comm::new(now, node, timing),
             objects: DriveObjects::new(node),
@@ -114,8 +123,7 @@ impl DriveNode {
             halted: false,
             running: 0,
             homing: HomingPhase::Idle,
-            motions: motions.chain(drive.homing.map(|_| (MotionGoal::Home, false))).collect(),
-            turns,
+            motions: goals.into_iter().map(|goal| (goal, false)).collect(),
             blocked: None,
             broken: false,
             lagging: None,
@@ -178,8 +186,7 @@ impl DriveNode {
 
     /// From here on it moves for this: where it is stuck, or free.
     fn aim(&mut self, now: Tick, goal: MotionGoal) {
-        let goal = if self.turns && goal != MotionGoal::Home { MotionGoal::Value(0) } else { goal };
-        let sticks = self.motions.iter().any(|(of, sticks)| *of == goal && *sticks);
+        let sticks = self.motions.iter().any(|(of, sticks)| *sticks && of.covers(goal));
         if !sticks {
             self.release(now);
         } else if self.blocked.is_none() {

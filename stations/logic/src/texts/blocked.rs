@@ -91,6 +91,8 @@ pub enum PositionDoubt {
     AxisOff,
     /// It is not certain whether an index is done.
     Index,
+    /// An axis with numbered places is measured at another one than it was left at, or sent to.
+    AnotherPlace,
 }
 
 /// Advice on clearing up the position.
@@ -100,6 +102,8 @@ pub enum RejoinAdvice<'a> {
     Confirm { ops: &'a str },
     /// The switch of this index is on, before it as after it.
     ConfirmIndex { op: &'a str },
+    /// The place is measured: an operator confirms it.
+    ConfirmPlace,
     /// The switches fit no operation.
     NoOperation,
     /// The switches fit these operations, each in progress.
@@ -196,6 +200,7 @@ impl PositionDoubt {
             PositionDoubt::NoJournal => "position unknown, no valid journal",
             PositionDoubt::AxisOff => "axis not where the chart has it",
             PositionDoubt::Index => "not certain whether its index is done",
+            PositionDoubt::AnotherPlace => "at another place than expected",
         }
     }
 }
@@ -207,6 +212,7 @@ impl RejoinAdvice<'_> {
             RejoinAdvice::ConfirmIndex { op } => {
                 format!("its switch is on before `{op}` and after it; look at the mechanism, then confirm with rejoin")
             }
+            RejoinAdvice::ConfirmPlace => "look at the mechanism, then confirm its place with rejoin".to_owned(),
             RejoinAdvice::NoOperation => {
                 "its switches fit no operation; move its axes onto a switch by hand".to_owned()
             }

@@ -45,7 +45,12 @@ impl StopCause {
                 line.input_text(Owner::Station(own), input),
                 line.operation((own, op)).name
             ),
-            StopCause::IndexDoubtful { op, input } => format!(
+            StopCause::IndexDoubtful { places: Some(places), .. } => format!(
+                "index in doubt: measured at or after place {}, last known at place {}; look at the mechanism, then confirm \
+                 with rejoin",
+                places.measured, places.known
+            ),
+            StopCause::IndexDoubtful { op, input, places: None } => format!(
                 "index in doubt: {} does not tell whether `{}` is done; look at the mechanism, then confirm with rejoin",
                 line.input_text(Owner::Station(own), input),
                 line.operation((own, op)).name

@@ -30,7 +30,9 @@ impl StationHappening {
             HappeningKind::Founded => "started a new generation at home; counts reset".to_owned(),
             HappeningKind::Rejoined => "set its marking from the limit switches, confirmed by an operator".to_owned(),
             HappeningKind::PositionLost(op, input) => StopCause::PositionLost { op, input }.detail(line, station),
-            HappeningKind::IndexDoubtful(op, input) => StopCause::IndexDoubtful { op, input }.detail(line, station),
+            HappeningKind::IndexDoubtful(op, input, places) => {
+                StopCause::IndexDoubtful { op, input, places }.detail(line, station)
+            }
             HappeningKind::PositionFound => "position confirmed by the limit switches".to_owned(),
             HappeningKind::Asked(number) => format!("requested withdrawal of counts (request {number})"),
             HappeningKind::NotAgreed { by, in_the_way } => {

@@ -3,7 +3,7 @@
 
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, OpId, StationId, parse};
-use linewright_station_logic::{Controller, Handled, Ignored, Restore, Rules, StationInput};
+use linewright_station_logic::{Controller, Handled, Ignored, Restore};
 
 use super::rig::Rig;
 
@@ -11,19 +11,14 @@ const INDEX: OpId = OpId(0);
 const IN_PLACE: u128 = 1;
 const TURN: u128 = 1;
 
-/// The table of the example by itself.
-fn alone() -> Line {
+/// The example, whose first station is the table.
+fn line() -> Line {
     let text = include_str!("../../../../examples/rotary-table.toml");
-    let mut line = parse("rotary-table.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
-    line.arrows.clear();
-    line.conflicts.clear();
-    line
+    parse("rotary-table.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line
 }
 
 fn up(restore: Restore, image: u128) -> Rig {
-    let mut rig = Rig::standing(alone(), StationId(0), 1, restore, image);
-    rig.controller = rig.controller.with_rules(Rules::ALL);
-    rig
+    Rig::alone(line(), StationId(0), restore, image)
 }
 
 /// At home, the switch on.
@@ -45,13 +40,6 @@ fn done(rig: &Rig) -> i32 {
     rig.report().done[0]
 }
 
-fn is_doubtful(rig: &Rig) -> bool {
-    rig.controller.position_lost() == Some((INDEX, linewright_line::InputId(0)))
-        && rig.controller.fault_text(&rig.line).contains(
-            "index in doubt: LS_in_place (table io, node 11h, 6000h:01 bit 0) does not tell whether `index` is done",
-        )
-}
-
 /// It moves in no mode, whatever is pressed.
 fn stays(rig: &mut Rig) {
     rig.mode(ControlMode::Auto);
@@ -64,11 +52,6 @@ fn stays(rig: &mut Rig) {
         assert_eq!((rig.outputs & TURN, done(rig)), (0, 0), "{}", rig.doing());
         rig.advance(false);
     }
-}
-
-fn manual(rig: &mut Rig) {
-    rig.mode(ControlMode::Manual);
-    rig.advance(true);
 }
 
 #[test]
@@ -95,20 +78,23 @@ fn a_switch_that_never_goes_off_is_found_by_the_watchdog_and_one_that_never_come
     assert_eq!((on.outputs & TURN, done(&on)), (0, 0));
     let fault = "index: watchdog: LS_in_place (table io, node 11h, 6000h:01 bit 0) was on all the time for 1.8 s; check drive \
                  and switch";
-    assert!(on.controller.fault_text(&on.line).starts_with(fault), "{}", on.controller.fault_text(&on.line));
-    assert!(is_doubtful(&on), "it may stand where it began, and at the next place");
+    assert!(on.fault().starts_with(fault), "{}", on.fault());
+    let doubt =
+        "index in doubt: LS_in_place (table io, node 11h, 6000h:01 bit 0) does not tell whether `index` is done";
+    assert!(on.fault().contains(doubt), "{}", on.fault());
+    assert!(on.is_doubtful(), "it may stand where it began, and at the next place");
     stays(&mut on);
 
     let mut off = under_way();
     off.wait_ms(1500);
     assert_eq!((off.outputs & TURN, done(&off)), (0, 0));
     assert!(off.controller.fault_text(&off.line).contains("not on within 1.8 s"));
-    assert!(is_doubtful(&off), "its switch may be stuck, and the place passed");
+    assert!(off.is_doubtful(), "its switch may be stuck, and the place passed");
     stays(&mut off);
     let asks = off.blocked_by().join("; ");
     assert!(asks.contains("then name its operation with rejoin; possible: `index`"), "{asks}");
     // A person has looked: it has not come to its place. Advance alone leads out, and return leads nowhere.
-    assert!(rejoin(&mut off, Some(INDEX)).is_taken());
+    assert!(off.rejoin(Some(INDEX)).is_taken());
     let before = done(&off);
     off.retract(true);
     assert_eq!(off.outputs & TURN, 0);
@@ -127,21 +113,21 @@ fn driven_for_longer_than_one_index_takes_it_may_have_passed_a_place() {
         rig.mode(ControlMode::StandBy);
         rig.wait_ms(ms);
         rig.set(IN_PLACE, true);
-        assert_eq!((rig.outputs & TURN, done(&rig), is_doubtful(&rig)), (0, i32::from(believed), !believed));
+        assert_eq!((rig.outputs & TURN, done(&rig), rig.is_doubtful()), (0, i32::from(believed), !believed));
     }
     // Over stops as well.
     let mut rig = under_way();
     rig.mode(ControlMode::EStop);
-    manual(&mut rig);
+    rig.manual();
     rig.wait_ms(1000);
     rig.set(IN_PLACE, true);
-    assert!(is_doubtful(&rig));
+    assert!(rig.is_doubtful());
 }
 
 #[test]
 fn let_go_half_way_it_stays_half_way_and_goes_on_to_the_next_place() {
     let mut rig = table();
-    manual(&mut rig);
+    rig.manual();
     rig.set(IN_PLACE, false);
     rig.wait_ms(300);
     rig.advance(false);
@@ -156,7 +142,7 @@ fn let_go_half_way_it_stays_half_way_and_goes_on_to_the_next_place() {
 #[test]
 fn let_go_before_it_has_left_it_is_no_index_yet() {
     let mut rig = table();
-    manual(&mut rig);
+    rig.manual();
     rig.wait_ms(20);
     rig.advance(false);
     rig.advance(true);
@@ -189,7 +175,7 @@ fn turned_on_by_hand_long_after_it_has_stopped_it_is_in_doubt() {
         rig.wait_ms(300);
         rig.image |= IN_PLACE;
         rig.devices(true);
-        assert!(is_doubtful(&rig), "{}", rig.doing());
+        assert!(rig.is_doubtful(), "{}", rig.doing());
         stays(&mut rig);
     }
     // Released in hand mode, it is under way and not driven.
@@ -201,7 +187,7 @@ fn turned_on_by_hand_long_after_it_has_stopped_it_is_in_doubt() {
     rig.release(0);
     rig.wait_ms(300);
     rig.set(IN_PLACE, true);
-    assert!(is_doubtful(&rig));
+    assert!(rig.is_doubtful());
 }
 
 #[test]
@@ -211,7 +197,7 @@ fn coasted_past_its_place_it_is_in_doubt() {
     rig.set(IN_PLACE, true);
     rig.set(IN_PLACE, false);
     rig.set(IN_PLACE, true);
-    assert!(is_doubtful(&rig), "{}", rig.controller.fault_text(&rig.line));
+    assert!(rig.is_doubtful(), "{}", rig.fault());
     stays(&mut rig);
 }
 
@@ -224,16 +210,16 @@ fn a_flicker_where_it_begins_is_no_index() {
     rig.wait_ms(20);
     rig.set(IN_PLACE, true);
     assert_eq!((rig.outputs & TURN, done(&rig)), (0, 0));
-    assert!(is_doubtful(&rig), "{}", rig.controller.fault_text(&rig.line));
+    assert!(rig.is_doubtful(), "{}", rig.fault());
     stays(&mut rig);
     // A flicker as it is stopped is none either.
     let mut stopped = table();
-    manual(&mut stopped);
+    stopped.manual();
     stopped.wait_ms(50);
     stopped.advance(false);
     stopped.set(IN_PLACE, false);
     stopped.set(IN_PLACE, true);
-    assert!(is_doubtful(&stopped));
+    assert!(stopped.is_doubtful());
 }
 
 #[test]
@@ -245,7 +231,7 @@ fn devices_that_were_lost_as_it_set_out_leave_a_doubt_and_half_way_they_leave_no
     rig.wait_ms(500);
     assert_eq!(rig.controller.position_lost(), None, "nothing is known, and nothing is claimed");
     rig.devices(true);
-    assert!(is_doubtful(&rig));
+    assert!(rig.is_doubtful());
     stays(&mut rig);
 
     for comes in [false, true] {
@@ -255,7 +241,7 @@ fn devices_that_were_lost_as_it_set_out_leave_a_doubt_and_half_way_they_leave_no
         rig.set(IN_PLACE, comes);
         rig.devices(true);
         assert_eq!(rig.controller.position_lost(), None);
-        manual(&mut rig);
+        rig.manual();
         assert_eq!((rig.outputs & TURN != 0, done(&rig)), (!comes, i32::from(comes)));
     }
 }
@@ -265,7 +251,7 @@ fn restarted_with_its_memory_it_goes_on_from_half_way_and_is_in_doubt_at_its_swi
     let half_way = under_way().controller.snapshot();
     let mut rig = up(Restore::From(half_way.clone()), 0);
     assert_eq!(rig.controller.position_lost(), None);
-    manual(&mut rig);
+    rig.manual();
     assert_eq!(rig.outputs & TURN, TURN);
     rig.wait_ms(300);
     rig.set(IN_PLACE, true);
@@ -273,25 +259,25 @@ fn restarted_with_its_memory_it_goes_on_from_half_way_and_is_in_doubt_at_its_swi
     // It may as well stand at its edge: a switch that flickers there is no arrival, driven or not.
     for driven in [false, true] {
         let mut rig = up(Restore::From(half_way.clone()), 0);
-        manual(&mut rig);
+        rig.manual();
         rig.wait_ms(50);
         rig.advance(driven);
         rig.set(IN_PLACE, true);
-        assert!(is_doubtful(&rig), "driven: {driven}");
+        assert!(rig.is_doubtful(), "driven: {driven}");
     }
 
     let mut rig = up(Restore::From(half_way), IN_PLACE);
     rig.refresh();
-    assert!(is_doubtful(&rig), "{}", rig.controller.fault_text(&rig.line));
+    assert!(rig.is_doubtful(), "{}", rig.fault());
     stays(&mut rig);
     let asks = rig.blocked_by().join("; ");
     assert!(
         asks.contains("rejoin: not certain whether its index is done; its switch is on before `index` and after it"),
         "{asks}"
     );
-    assert!(rejoin(&mut rig, None).is_taken());
+    assert!(rig.rejoin(None).is_taken());
     assert_eq!((rig.controller.position_lost(), rig.controller.is_at_home()), (None, true));
-    manual(&mut rig);
+    rig.manual();
     assert_eq!(rig.outputs & TURN, TURN);
 }
 
@@ -304,16 +290,10 @@ fn restarted_at_rest_it_stands_as_it_was_and_without_its_memory_at_home() {
     // Half-way without its memory it is not at home; on is the way.
     let mut rig = up(Restore::Fresh, 0);
     assert_eq!(rig.marking(), [StationPlace::incomplete(INDEX)]);
-    manual(&mut rig);
+    rig.manual();
     rig.wait_ms(300);
     rig.set(IN_PLACE, true);
     assert!(rig.controller.is_at_home());
-}
-
-fn rejoin(rig: &mut Rig, within: Option<OpId>) -> Handled {
-    let handled = rig.controller.handle(rig.now, StationInput::Rejoin(within));
-    rig.refresh();
-    handled
 }
 
 #[test]
@@ -323,8 +303,8 @@ fn moved_off_its_place_while_it_stood_it_is_not_led_on() {
     assert!(rig.controller.position_lost().is_some());
     stays(&mut rig);
     // Named, it is under way, and is led to the next place.
-    assert!(rejoin(&mut rig, Some(INDEX)).is_taken());
-    manual(&mut rig);
+    assert!(rig.rejoin(Some(INDEX)).is_taken());
+    rig.manual();
     rig.advance(false);
     rig.advance(true);
     assert_eq!(rig.outputs & TURN, TURN);
@@ -335,9 +315,9 @@ fn moved_off_its_place_while_it_stood_it_is_not_led_on() {
     let mut rig = table();
     rig.set(IN_PLACE, false);
     rig.set(IN_PLACE, true);
-    assert!(is_doubtful(&rig));
+    assert!(rig.is_doubtful());
     stays(&mut rig);
-    assert!(rejoin(&mut rig, None).is_taken());
+    assert!(rig.rejoin(None).is_taken());
     assert_eq!((rig.controller.position_lost(), rig.controller.is_at_home()), (None, true));
 }
 
@@ -360,31 +340,27 @@ fn a_doubt_outlives_a_restart_and_the_loss_of_its_devices() {
     for story in stories {
         let mut rig = table();
         story(&mut rig);
-        assert!(is_doubtful(&rig));
+        assert!(rig.is_doubtful());
         rig.events();
         rig.devices(false);
-        assert!(is_doubtful(&rig), "without devices");
+        assert!(rig.is_doubtful(), "without devices");
         assert!(rig.report().position_lost.is_some());
         assert!(!rig.events().iter().any(|event| event.contains("confirmed by")));
         for image in [0, IN_PLACE] {
             let mut again = up(Restore::From(rig.controller.snapshot()), image);
-            assert!(is_doubtful(&again), "restarted");
+            assert!(again.is_doubtful(), "restarted");
             stays(&mut again);
         }
     }
-    let mut contradicts = table().controller.snapshot();
+    let rig = table();
+    let mut contradicts = rig.controller.snapshot();
     contradicts.doubtful = Some(OpId(1));
-    assert!(Controller::new(&alone(), StationId(0), 1, Restore::From(contradicts)).is_err());
+    assert!(Controller::new(&rig.line, StationId(0), 1, Restore::From(contradicts)).is_err());
 }
 
 #[test]
 fn a_position_is_not_found_by_an_image_that_is_not_valid() {
-    let text = include_str!("../../../../examples/rotary-table.toml");
-    let mut line = parse("rotary-table.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
-    line.arrows.clear();
-    line.conflicts.clear();
-    let mut rig = Rig::standing(line, StationId(1), 1, Restore::Fresh, 1);
-    rig.controller = rig.controller.with_rules(Rules::ALL);
+    let mut rig = Rig::alone(line(), StationId(1), Restore::Fresh, 1);
     rig.set(1, false);
     assert!(rig.controller.position_lost().is_some());
     rig.events();
@@ -439,32 +415,25 @@ fn where_switches_fit_two_places_a_person_names_the_operation() {
         .replace("from = \"table: index\"", "from = \"table: lock\"")
         .replace("to = \"table: index\"", "to = \"table: unlock\"")
         .replace("from = \"index\", until = \"index\"", "from = \"unlock\", until = \"lock\"");
-    let mut line = parse("bolt.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+    let line = parse("bolt.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
     let told = line.clearance(&line.conflicts[0].a).expect("the bolt tells");
     assert_eq!(told, 0b101, "in place and locked");
-    line.arrows.clear();
-    line.conflicts.clear();
     const FREE: u128 = 2;
     const LOCKED: u128 = 4;
-    let fresh = |line: &Line, restore, image| {
-        let mut rig = Rig::standing(line.clone(), StationId(0), 1, restore, image);
-        rig.controller = rig.controller.with_rules(Rules::ALL);
-        rig
-    };
-    let mut rig = fresh(&line, Restore::Fresh, IN_PLACE | LOCKED);
+    let mut rig = Rig::alone(line.clone(), StationId(0), Restore::Fresh, IN_PLACE | LOCKED);
     rig.mode(ControlMode::Auto);
     rig.set(LOCKED, false);
     rig.set(FREE, true);
     assert_eq!((rig.outputs, rig.doing().as_str()), (TURN, "index"));
     let kept = rig.controller.snapshot();
     for (named, stands) in [("unlock", "unlock (done)"), ("index", "index (done)")] {
-        let mut rig = fresh(&line, Restore::From(kept.clone()), IN_PLACE | FREE);
+        let mut rig = Rig::alone(line.clone(), StationId(0), Restore::From(kept.clone()), IN_PLACE | FREE);
         rig.refresh();
         assert!(rig.controller.position_lost().is_some());
-        assert_eq!(rejoin(&mut rig, None), Handled::Ignored(Ignored::PositionUnclear), "it may be either");
+        assert_eq!(rig.rejoin(None), Handled::Ignored(Ignored::PositionUnclear), "it may be either");
         let asks = rig.blocked_by().join("; ");
         assert!(asks.contains("possible: `unlock`, `index`"), "{asks}");
-        assert!(rejoin(&mut rig, line.stations[0].operation_named(named)).is_taken());
+        assert!(rig.rejoin(line.stations[0].operation_named(named)).is_taken());
         assert_eq!((rig.controller.position_lost(), rig.doing().as_str()), (None, stands));
     }
 }

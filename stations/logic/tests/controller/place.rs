@@ -2,7 +2,7 @@
 
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, OpId, StationId, parse};
-use linewright_station_logic::{Controller, Handled, Restore, Rules, StationInput};
+use linewright_station_logic::{Controller, Restore};
 
 use super::rig::Rig;
 
@@ -26,18 +26,14 @@ fn order(place: u128) -> u128 {
     TURN | place << 2
 }
 
-/// The table of the example by itself.
-fn alone() -> Line {
+/// The example, whose first station is the table.
+fn line() -> Line {
     let text = include_str!("../../../../examples/driven-table.toml");
-    let mut line = parse("driven-table.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
-    line.arrows.clear();
-    line.conflicts.clear();
-    line
+    parse("driven-table.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line
 }
 
 fn up(restore: Restore, image: u128) -> Rig {
-    let mut rig = Rig::standing(alone(), StationId(0), 1, restore, image);
-    rig.controller = rig.controller.with_rules(Rules::ALL);
+    let mut rig = Rig::alone(line(), StationId(0), restore, image);
     rig.refresh();
     rig
 }
@@ -53,22 +49,6 @@ fn under_way(from: u128) -> Rig {
     rig.mode(ControlMode::Auto);
     see(&mut rig, after(from));
     rig
-}
-
-fn is_doubtful(rig: &Rig) -> bool {
-    rig.controller.position_lost().is_some()
-        && rig.controller.fault_text(&rig.line).contains("index in doubt: in_place")
-}
-
-fn manual(rig: &mut Rig) {
-    rig.mode(ControlMode::Manual);
-    rig.advance(true);
-}
-
-fn rejoin(rig: &mut Rig, within: Option<OpId>) -> Handled {
-    let handled = rig.controller.handle(rig.now, StationInput::Rejoin(within));
-    rig.refresh();
-    handled
 }
 
 #[test]
@@ -95,7 +75,7 @@ fn restarted_at_any_moment_of_an_index_it_knows_whether_it_is_done() {
     for (image, driven) in [(at(2), order(3)), (after(2), order(3)), (at(3), 0)] {
         let mut rig = up(Restore::From(kept.clone()), image);
         assert_eq!((rig.outputs & TURN, rig.controller.position_lost()), (0, None));
-        manual(&mut rig);
+        rig.manual();
         assert_eq!(rig.outputs, driven);
         see(&mut rig, at(3));
         assert_eq!((rig.outputs, rig.report().done[0]), (0, 1), "once, whatever it was");
@@ -103,8 +83,8 @@ fn restarted_at_any_moment_of_an_index_it_knows_whether_it_is_done() {
     // Anywhere else it was turned by something else.
     for image in [at(4), after(4), at(1), after(1), after(3)] {
         let mut rig = up(Restore::From(kept.clone()), image);
-        assert!(is_doubtful(&rig), "{image:b}");
-        manual(&mut rig);
+        assert!(rig.is_doubtful(), "{image:b}");
+        rig.manual();
         assert_eq!(rig.outputs & TURN, 0);
         assert!(up(Restore::From(rig.controller.snapshot()), at(3)).controller.position_lost().is_some(), "it lasts");
     }
@@ -120,15 +100,19 @@ fn turned_by_hand_while_it_was_off_it_is_in_doubt_and_a_person_confirms_the_new_
     assert_eq!(up(Restore::From(kept.clone()), at(3)).controller.position_lost(), None);
     // The switch of a place alone could not tell this.
     let mut rig = up(Restore::From(kept), at(1));
-    assert!(is_doubtful(&rig));
-    let text = rig.controller.fault_text(&rig.line);
-    assert!(text.contains("measured at or after place 1, last known at place 3"), "{text}");
-    manual(&mut rig);
+    assert!(rig.is_doubtful());
+    let doubt = "index in doubt: measured at or after place 1, last known at place 3; look at the mechanism, then confirm with \
+                 rejoin";
+    assert_eq!(rig.fault(), doubt);
+    assert_eq!(rig.events(), [doubt]);
+    let confirm = "rejoin: at another place than expected; look at the mechanism, then confirm its place with rejoin";
+    assert_eq!(rig.blocked_by()[..2], [doubt, confirm]);
+    rig.manual();
     assert_eq!(rig.outputs & TURN, 0);
     rig.advance(false);
-    assert!(rejoin(&mut rig, None).is_taken());
+    assert!(rig.rejoin(None).is_taken());
     assert_eq!((rig.controller.position_lost(), rig.controller.is_at_home()), (None, true));
-    manual(&mut rig);
+    rig.manual();
     assert_eq!(rig.outputs, order(2));
 }
 
@@ -137,15 +121,15 @@ fn turned_by_hand_while_it_stands_it_is_in_doubt_on_a_place_and_off_it() {
     for image in [after(2), at(3), after(1)] {
         let mut rig = up(Restore::Fresh, at(2));
         see(&mut rig, image);
-        assert!(is_doubtful(&rig), "{image:b}");
+        assert!(rig.is_doubtful(), "{image:b}");
         see(&mut rig, at(2));
-        assert!(is_doubtful(&rig), "a doubt ends by a person");
+        assert!(rig.is_doubtful(), "a doubt ends by a person");
     }
     // Off a place, named as under way: it is led on to the place after the one that it has left.
     let mut rig = up(Restore::Fresh, at(2));
     see(&mut rig, after(3));
-    assert!(rejoin(&mut rig, Some(INDEX)).is_taken());
-    manual(&mut rig);
+    assert!(rig.rejoin(Some(INDEX)).is_taken());
+    rig.manual();
     assert_eq!(rig.outputs, order(4));
     see(&mut rig, at(4));
     assert!(rig.controller.is_at_home());
@@ -164,11 +148,11 @@ fn a_drive_that_overshoots_may_come_back_and_one_that_stays_past_its_place_is_in
     see(&mut rig, after(3) | FAULT);
     rig.wait_ms(400);
     assert_eq!(rig.outputs & TURN, 0);
-    assert!(is_doubtful(&rig), "{}", rig.controller.fault_text(&rig.line));
+    assert!(rig.is_doubtful(), "{}", rig.fault());
     // Gone on past the next place as well.
     let mut rig = under_way(2);
     see(&mut rig, at(4));
-    assert!(is_doubtful(&rig));
+    assert!(rig.is_doubtful());
 }
 
 #[test]
@@ -179,12 +163,12 @@ fn half_way_it_is_stopped_and_led_on_to_the_same_place_however_long_that_takes()
     see(&mut rig, after(4));
     rig.wait_ms(60_000);
     for _ in 0..3 {
-        manual(&mut rig);
+        rig.manual();
         assert_eq!(rig.outputs, order(1));
         rig.advance(false);
     }
     // The watchdog leaves no doubt either.
-    manual(&mut rig);
+    rig.manual();
     rig.wait_ms(3_000);
     assert_eq!((rig.outputs & TURN, rig.controller.position_lost()), (0, None));
     rig.advance(false);
@@ -203,9 +187,9 @@ fn a_drive_that_has_lost_its_zero_is_homed_by_a_person_and_never_in_auto() {
     // At rest its place is lost with it.
     let mut rig = up(Restore::Fresh, at(2));
     see(&mut rig, 0);
-    assert!(is_doubtful(&rig));
-    assert!(rejoin(&mut rig, Some(INDEX)).is_taken());
-    manual(&mut rig);
+    assert!(rig.is_doubtful());
+    assert!(rig.rejoin(Some(INDEX)).is_taken());
+    rig.manual();
     assert_eq!(rig.outputs, TURN, "to no place: it is homed");
     see(&mut rig, after(3));
     assert_eq!(rig.outputs, order(4), "and led on from where it finds itself");
@@ -214,7 +198,7 @@ fn a_drive_that_has_lost_its_zero_is_homed_by_a_person_and_never_in_auto() {
     // Switched on for the first time, not homed: homed at place 1, it is at home.
     let mut rig = up(Restore::Fresh, 0);
     assert_eq!(rig.marking(), [StationPlace::incomplete(INDEX)]);
-    manual(&mut rig);
+    rig.manual();
     assert_eq!(rig.outputs, TURN);
     see(&mut rig, at(1));
     assert_eq!((rig.outputs & TURN, rig.controller.is_at_home()), (0, true));
@@ -229,13 +213,14 @@ fn devices_that_are_lost_at_any_moment_are_believed_again_where_they_measure() {
         assert_eq!((rig.outputs & TURN, rig.controller.position_lost()), (0, None));
         rig.image = back;
         rig.devices(true);
-        assert_eq!(is_doubtful(&rig), lost, "{back:b}");
+        assert_eq!(rig.is_doubtful(), lost, "{back:b}");
     }
 }
 
 #[test]
 fn a_place_that_the_axis_does_not_have_is_no_memory() {
-    let mut kept = under_way(2).controller.snapshot();
+    let rig = under_way(2);
+    let mut kept = rig.controller.snapshot();
     kept.place = 5;
-    assert!(Controller::new(&alone(), StationId(0), 1, Restore::From(kept)).is_err());
+    assert!(Controller::new(&rig.line, StationId(0), 1, Restore::From(kept)).is_err());
 }

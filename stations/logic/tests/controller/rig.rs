@@ -8,7 +8,7 @@ use std::time::Duration;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
-    Controller, ModeOrder, NO_DELAY, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
+    Controller, Handled, ModeOrder, NO_DELAY, PanelCommand, Restore, Rules, StationInput, StationOutbox, StationReport,
 };
 
 use linewright_testkit::built::{actuator_bit, complete_bit};
@@ -65,6 +65,36 @@ impl Rig {
         rig.refresh();
         rig.events();
         rig
+    }
+
+    /// A station by itself, without arrows and conflicts, that judges measured positions.
+    pub fn alone(mut line: Line, station: StationId, restore: Restore, image: u128) -> Self {
+        line.arrows.clear();
+        line.conflicts.clear();
+        let mut rig = Rig::standing(line, station, 1, restore, image);
+        rig.controller = rig.controller.with_rules(Rules::ALL);
+        rig
+    }
+
+    /// Whether an index is in doubt, and its station's position lost with it.
+    pub fn is_doubtful(&self) -> bool {
+        self.controller.position_lost().is_some() && self.fault().contains("index in doubt: ")
+    }
+
+    pub fn fault(&self) -> String {
+        self.controller.fault_text(&self.line)
+    }
+
+    /// Led on at its panel: in manual, with advance held.
+    pub fn manual(&mut self) {
+        self.mode(ControlMode::Manual);
+        self.advance(true);
+    }
+
+    pub fn rejoin(&mut self, within: Option<OpId>) -> Handled {
+        let handled = self.controller.handle(self.now, StationInput::Rejoin(within));
+        self.refresh();
+        handled
     }
 
     pub fn step(&mut self) {

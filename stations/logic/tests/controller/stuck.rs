@@ -5,8 +5,8 @@
 //! ```
 
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, OpId, StationId, Tick};
-use linewright_station_logic::{Restore, Rules, StationInput};
+use linewright_line::{OpId, StationId, Tick};
+use linewright_station_logic::{Restore, StationInput};
 
 use super::rig::Rig;
 use linewright_testkit::built::transfer_line;
@@ -15,13 +15,6 @@ const CLAMP: StationId = StationId(1);
 const CLOSE: OpId = OpId(1);
 
 /// The clamp of the shipped line by itself.
-fn alone() -> Line {
-    let mut line = transfer_line();
-    line.arrows.clear();
-    line.conflicts.clear();
-    line
-}
-
 struct Clamp {
     rig: Rig,
     open: u128,
@@ -30,12 +23,11 @@ struct Clamp {
 
 impl Clamp {
     fn up(restore: Restore, on: &[&str]) -> Self {
-        let line = alone();
+        let line = transfer_line();
         let names = line.station(CLAMP).inputs.clone();
         let bit = |name: &str| 1u128 << names.iter().position(|input| input == name).expect("an input");
         let image = on.iter().fold(0, |bits, name| bits | bit(name));
-        let mut rig = Rig::standing(line, CLAMP, 1, restore, image);
-        rig.controller = rig.controller.with_rules(Rules::ALL);
+        let rig = Rig::alone(line, CLAMP, restore, image);
         Clamp { rig, open: bit("LS_open"), closed: bit("LS_closed") }
     }
 
@@ -55,7 +47,7 @@ impl Clamp {
     }
 
     fn fault(&self) -> String {
-        self.rig.controller.fault_text(&self.rig.line)
+        self.rig.fault()
     }
 
     fn closes(&self) -> i32 {
@@ -162,9 +154,9 @@ fn switches_that_overlap_complete_a_motion_as_before() {
     assert_eq!(again.closes(), 1, "the open switch is off");
 }
 
-/// Images that are older than the outputs: the one from before the motion decides nothing.
+/// Images are older than the outputs.
 #[test]
-fn with_images_that_take_their_time_too() {
+fn an_image_from_before_the_motion_decides_nothing() {
     for (open, arrives) in [(true, false), (false, true)] {
         let clamp = Clamp::stuck(!open);
         let mut again = Clamp::up(Restore::From(clamp.rig.controller.snapshot()), &["LS_closed"]);

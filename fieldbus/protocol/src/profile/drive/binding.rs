@@ -1,6 +1,6 @@
 //! Binding of a drive: outputs and inputs of its owner's image, in the drive's increments.
 
-use linewright_line::{AtRest, Drive as Described, DriveIndex, DriveMode, InputId, OutputId};
+use linewright_line::{AtRest, Drive as Described, DriveMode, DriveTarget, InputId, OutputId};
 
 use super::{DrivePlaces, PDO_BYTES, word};
 use crate::codec::Payload;
@@ -43,7 +43,7 @@ pub struct DriveBinding {
     pub mode: DriveMode,
     pub targets: Vec<DriveSetpoint>,
     /// Of an endless axis: its places, which are the targets, and their numbers.
-    pub index: Option<(DrivePlaces, DriveIndex)>,
+    pub index: Option<DrivePlaces>,
     /// On while it has failed or refuses an order.
     pub fault: Option<InputId>,
     /// Homing; `None` for a drive with an absolute position.
@@ -66,12 +66,14 @@ impl DriveBinding {
     /// The binding for a description.
     pub fn of(drive: &Described) -> Self {
         let positive = |value: f64| drive.increments(value).max(1).unsigned_abs();
-        let index = drive.index.as_ref().map(|index| (DrivePlaces::of(drive, index), index.clone()));
-        let target = |target: &linewright_line::DriveTarget| DriveSetpoint {
+        let index = drive.index.as_ref().map(|index| DrivePlaces::of(drive, index));
+        let positions = match &index {
+            Some(places) => places.positions().to_vec(),
+            None => drive.targets.iter().map(|target| drive.increments(target.to)).collect(),
+        };
+        let target = |(target, to): (&DriveTarget, i32)| DriveSetpoint {
             output: target.output,
-            to: index
-                .as_ref()
-                .map_or(drive.increments(target.to), |(places, _)| places.round(drive.increments(target.to))),
+            to,
             at: target.at,
             velocity: positive(target.velocity),
         };
@@ -86,7 +88,7 @@ impl DriveBinding {
         };
         DriveBinding {
             mode: drive.mode,
-            targets: drive.targets.iter().map(target).collect(),
+            targets: drive.targets.iter().zip(positions).map(target).collect(),
             index,
             fault: drive.fault,
             home: drive.homing.map(home),
@@ -103,8 +105,8 @@ impl DriveBinding {
     /// stands at. Orders and homing are not considered. `None`: too short.
     pub fn places(&self, payload: Payload) -> Option<(u128, u128)> {
         let actual = i32::from_le_bytes(payload.bytes().get(3..PDO_BYTES)?.try_into().ok()?);
-        if let Some((places, index)) = &self.index {
-            let all = index.report(u16::MAX) | self.targets[0].at.bit();
+        if let Some(places) = &self.index {
+            let all = places.index.report(u16::MAX) | self.targets[0].at.bit();
             return Some((all, places.at(actual).map_or(0, |at| self.place_inputs(at.number, at.is_there))));
         }
         let stands = |target: &&DriveSetpoint| actual.abs_diff(target.to) <= self.window;
@@ -115,7 +117,7 @@ impl DriveBinding {
     /// The inputs of an endless axis that is at a place, or has left it last.
     pub(super) fn place_inputs(&self, number: u16, is_there: bool) -> u128 {
         let in_place = self.targets.first().filter(|_| is_there).map_or(0, |target| target.at.bit());
-        self.index.as_ref().map_or(0, |(_, index)| index.report(number)) | in_place
+        self.index.as_ref().map_or(0, |places| places.index.report(number)) | in_place
     }
 
     /// The mode of operation its targets want.
@@ -145,9 +147,9 @@ pub(super) enum DriveDemand {
 impl DriveBinding {
     /// Demand of `image`. An output that is a target's and starts the homing counts as the target's.
     pub(super) fn wanted(&self, image: u128) -> DriveDemand {
-        if let Some((_, index)) = &self.index {
+        if let Some(places) = &self.index {
             let turns = self.targets.first().is_some_and(|target| image & target.output.bit() != 0);
-            return match usize::from(index.ordered(image)).checked_sub(1) {
+            return match usize::from(places.index.ordered(image)).checked_sub(1) {
                 _ if !turns => DriveDemand::Nothing,
                 // To no place: what is homed has nothing to do.
                 None => DriveDemand::HomeIfLost,

@@ -112,13 +112,8 @@ impl ManagedDrive {
 
     fn moving(&self, at: usize, heard: DriveFeedback) -> String {
         let here = self.units(heard.actual);
-        let target = &self.binding.targets[at];
         let lags = heard.word.following_error() && self.binding.mode == DriveMode::Position;
-        let there = match &self.binding.index {
-            Some((places, _)) => places.has(at, heard.actual) && heard.word.target_reached(),
-            None => self.is_at(target),
-        };
-        match (there, lags) {
+        match (self.is_there(at), lags) {
             (true, _) => format!("{}: there", self.to(at)),
             (false, true) => format!("{}: at {here}, lagging behind", self.to(at)),
             (false, false) => format!("{}: at {here}", self.to(at)),

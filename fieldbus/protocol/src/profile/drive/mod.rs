@@ -35,7 +35,7 @@
 //!   falling, or by leaving operation enabled. Where neither can be seen it is disabled first. Target and edge are in
 //!   one frame.
 //! - **Where it is counts only if it knows.** Before homing it is at no target, and refuses to go to one.
-//! - **An endless axis is sent to a place, one turn being all there is**: an order that comes twice, late, or again after a
+//! - **An endless axis is sent to a place, and positions count within one turn**: an order that comes twice, late, or again after a
 //!   restart leads to the same place. It turns one way, so a drive that has gone past its place by a hair would go round for
 //!   it. Therefore nothing is offered while it is there already, before it stands, or from anywhere but between that place
 //!   and the one before.
@@ -316,15 +316,14 @@ impl ManagedDrive {
         let home = self.binding.home.filter(|_| self.homed && !matches!(self.phase, DrivePhase::Homing { .. }));
         let done = home.and_then(|home| home.done).filter(|_| self.phase != DrivePhase::Preparing(DriveGoal::Home));
         let fault = self.binding.fault.filter(|_| self.has_failed());
-        let is_plain = self.binding.index.is_none();
-        let targets = self.binding.targets.iter().filter(|_| is_plain);
-        let places = targets.filter(|target| self.is_at(target)).map(|target| target.at);
+        let targets = if self.binding.index.is_none() { self.binding.targets.len() } else { 0 };
+        let places = (0..targets).filter(|&at| self.is_there(at)).map(|at| self.binding.targets[at].at);
         self.place_inputs() | places.chain(done).chain(fault).fold(0, |image, input| image | input.bit())
     }
 
-    /// Of an endless axis: at which place it is, or which it has left last. Ordered to one, it is there once it says so itself.
+    /// Of an endless axis: at which place it is, or which it has left last.
     fn place_inputs(&self) -> u128 {
-        let (Some((places, _)), Some(heard)) = (&self.binding.index, self.heard.filter(|_| self.knows_zero())) else {
+        let (Some(places), Some(heard)) = (&self.binding.index, self.heard.filter(|_| self.knows_zero())) else {
             return 0;
         };
         // On its way to its zero it knows none.
@@ -332,30 +331,28 @@ impl ManagedDrive {
             return 0;
         }
         let Some(at) = places.at(heard.actual) else { return 0 };
-        let is_ordered = match self.phase {
-            DrivePhase::Preparing(DriveGoal::Target(to)) | DrivePhase::Offered(to) | DrivePhase::Moving(to) => {
-                to + 1 == usize::from(at.number)
-            }
-            _ => false,
-        };
-        let has_arrived = matches!(self.phase, DrivePhase::Moving(_)) && heard.word.target_reached();
-        self.binding.place_inputs(at.number, at.is_there && (!is_ordered || has_arrived))
+        self.binding.place_inputs(at.number, self.is_there(usize::from(at.number) - 1))
     }
 
-    /// Whether it is at this target. While it is ordered there, also whether its statusword reports so.
-    fn is_at(&self, target: &DriveSetpoint) -> bool {
+    /// Whether it is at target `at`. While it is ordered there, also whether its statusword reports so.
+    fn is_there(&self, at: usize) -> bool {
         let Some(heard) = self.heard.filter(|_| self.knows_zero()) else { return false };
-        if heard.actual.abs_diff(target.to) > self.binding.window {
-            return false;
-        }
-        let ordered = match self.phase {
-            DrivePhase::Preparing(DriveGoal::Target(at)) | DrivePhase::Offered(at) | DrivePhase::Moving(at) => Some(at),
-            _ => None,
+        let target = &self.binding.targets[at];
+        let is_near = match &self.binding.index {
+            Some(places) => places.has(at, heard.actual),
+            None => heard.actual.abs_diff(target.to) <= self.binding.window,
         };
-        if ordered.is_none_or(|at| self.binding.targets[at].at != target.at) {
-            return true;
-        }
-        matches!(self.phase, DrivePhase::Moving(_)) && heard.word.target_reached()
+        // Targets at one place share their input; of an endless axis all do, wherever they are.
+        let is_same = |to: usize| match &self.binding.index {
+            Some(_) => to == at,
+            None => self.binding.targets[to].at == target.at,
+        };
+        is_near
+            && match self.phase {
+                DrivePhase::Preparing(DriveGoal::Target(to)) | DrivePhase::Offered(to) => !is_same(to),
+                DrivePhase::Moving(to) => !is_same(to) || heard.word.target_reached(),
+                _ => true,
+            }
     }
 
     fn has_failed(&self) -> bool {

@@ -7,13 +7,14 @@
 use linewright_line::{Drive, DriveIndex, TurnDirection};
 
 /// The places on the circle, in increments.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DrivePlaces {
+    /// Their numbers, and which way it turns.
+    pub index: DriveIndex,
     /// After so many it is where it was.
     turn: i32,
-    direction: TurnDirection,
     /// In the order in which the axis comes to them.
-    places: Vec<i32>,
+    positions: Vec<i32>,
     /// It is at a place within this distance.
     window: i32,
 }
@@ -31,9 +32,9 @@ impl DrivePlaces {
     pub(super) fn of(drive: &Drive, index: &DriveIndex) -> Self {
         let turn = drive.increments(index.turn).max(1);
         DrivePlaces {
+            index: index.clone(),
             turn,
-            direction: index.direction,
-            places: drive.targets.iter().map(|target| drive.increments(target.to).rem_euclid(turn)).collect(),
+            positions: drive.targets.iter().map(|target| drive.increments(target.to).rem_euclid(turn)).collect(),
             window: drive.increments(drive.window).max(1),
         }
     }
@@ -43,18 +44,13 @@ impl DrivePlaces {
         self.turn
     }
 
-    pub fn direction(&self) -> TurnDirection {
-        self.direction
-    }
-
-    /// A position in the range that the drive counts in.
-    pub(super) fn round(&self, position: i32) -> i32 {
-        position.rem_euclid(self.turn)
+    pub(super) fn positions(&self) -> &[i32] {
+        &self.positions
     }
 
     /// The way from one position to another in the direction in which it turns; less than a turn.
     fn way(&self, from: i32, to: i32) -> i32 {
-        let way = match self.direction {
+        let way = match self.index.direction {
             TurnDirection::Positive => i64::from(to) - i64::from(from),
             TurnDirection::Negative => i64::from(from) - i64::from(to),
         };
@@ -63,7 +59,7 @@ impl DrivePlaces {
 
     /// Whether a position is within the window of a place, before it or past it.
     fn is_there(&self, at: usize, actual: i32) -> bool {
-        let past = self.way(self.places[at], actual);
+        let past = self.way(self.positions[at], actual);
         past.min(self.turn - past) <= self.window
     }
 
@@ -77,10 +73,10 @@ impl DrivePlaces {
             return None;
         }
         let place = |at: usize, is_there| PlaceAt { number: at as u16 + 1, is_there };
-        if let Some(at) = (0..self.places.len()).find(|&at| self.is_there(at, actual)) {
+        if let Some(at) = (0..self.positions.len()).find(|&at| self.is_there(at, actual)) {
             return Some(place(at, true));
         }
-        let left = (0..self.places.len()).min_by_key(|&at| self.way(self.places[at], actual))?;
+        let left = (0..self.positions.len()).min_by_key(|&at| self.way(self.positions[at], actual))?;
         Some(place(left, false))
     }
 
@@ -91,8 +87,7 @@ impl DrivePlaces {
 
     /// Whether the place of target `at` is the next one it comes to: it is at the one before, or between the two.
     pub(super) fn is_next(&self, at: usize, actual: i32) -> bool {
-        let before = (at + self.places.len() - 1) % self.places.len();
-        self.at(actual).is_some_and(|here| usize::from(here.number) == before + 1)
+        self.at(actual).is_some_and(|here| usize::from(self.index.next(here.number)) == at + 1)
     }
 }
 
@@ -101,7 +96,8 @@ mod tests {
     use super::*;
 
     fn places(direction: TurnDirection, places: [i32; 4]) -> DrivePlaces {
-        DrivePlaces { turn: 3600, direction, places: places.to_vec(), window: 5 }
+        let index = DriveIndex { places: 4, turn: 360.0, direction, to: Vec::new(), place: Vec::new() };
+        DrivePlaces { index, turn: 3600, positions: places.to_vec(), window: 5 }
     }
 
     #[test]
@@ -121,7 +117,7 @@ mod tests {
             (&down, 2700, 2, true),
             (&down, 6, 4, false),
         ] {
-            assert_eq!(circle.at(actual), Some(PlaceAt { number, is_there }), "{:?} {actual}", circle.direction);
+            assert_eq!(circle.at(actual), Some(PlaceAt { number, is_there }), "{:?} {actual}", circle.index.direction);
         }
         for outside in [-1, 3600, i32::MIN, i32::MAX] {
             assert_eq!(up.at(outside), None);

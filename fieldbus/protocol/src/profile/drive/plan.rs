@@ -97,7 +97,7 @@ impl ManagedDrive {
 
     /// Of an endless axis that has not been told to go: it is there already, or must not be told to.
     fn on_circle(&self, goal: DriveGoal, heard: DriveFeedback, enabled: bool) -> Option<DrivePhase> {
-        let (Some((places, _)), DriveGoal::Target(at)) = (&self.binding.index, goal) else { return None };
+        let (Some(places), DriveGoal::Target(at)) = (&self.binding.index, goal) else { return None };
         match self.phase {
             DrivePhase::Offered(under_way) | DrivePhase::Moving(under_way) if under_way == at => None,
             // One that coasts through its window is not there: it has to stand, and say so, before anything comes of it.

@@ -114,8 +114,8 @@ fn motion(binding: &DriveBinding, settings: &mut Vec<SdoWrite>) {
 /// How it counts on an endless axis. None of these may be missing, and they are read back: a drive that does not begin anew
 /// after a turn, or goes the other way, would go to another place.
 fn circle(binding: &DriveBinding, settings: &mut Vec<SdoWrite>) {
-    let Some((places, _)) = &binding.index else { return };
-    let way = match places.direction() {
+    let Some(places) = &binding.index else { return };
+    let way = match places.index.direction {
         TurnDirection::Positive => word::ROTARY_POSITIVE,
         TurnDirection::Negative => word::ROTARY_NEGATIVE,
     };

@@ -53,9 +53,9 @@ keys! {
         /// Which way it turns.
         direction: TurnDirection = word(&[("positive", TurnDirection::Positive), ("negative", TurnDirection::Negative)]),
         /// Outputs that say to which place, as a number, the lowest bit first; at most 10.
-        to: Vec<LocatedName> = texts(PLACE_BITS_MAX).entries(),
+        to: Vec<LocatedName> = texts(PLACE_BITS_MAX).entries().missed(KeyPresence::Required),
         /// Inputs that say at which place it is, or which it has left last, as a number, the lowest bit first; at most 10.
-        place: Vec<LocatedName> = texts(PLACE_BITS_MAX).entries(),
+        place: Vec<LocatedName> = texts(PLACE_BITS_MAX).entries().missed(KeyPresence::Required),
     }
 
     /// A place to which an output sends the drive.

@@ -121,7 +121,7 @@ fn index_fits_the_drive(drive: &RawDrive, report: &mut Report) {
     let Some(index) = &drive.index else { return };
     if drive.mode == DriveMode::Velocity {
         report.add(
-            Problem::error(index.at.clone(), "a drive with an `index` that is told velocities")
+            Problem::error(index.at.clone(), "an `index` of a drive in velocity mode")
                 .hint("`mode = \"position\"`: it goes to places"),
         );
     }
@@ -206,7 +206,7 @@ fn homing_is_possible(drive: &RawDrive, report: &mut Report) {
     if drive.mode == DriveMode::Velocity
         && let Some(output) = &homing.output
     {
-        report.add(Problem::error(output.at.clone(), "a drive that is told velocities is not homed"));
+        report.add(Problem::error(output.at.clone(), "no homing in velocity mode"));
     }
 }
 

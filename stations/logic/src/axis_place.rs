@@ -13,16 +13,25 @@
 //!
 //! At rest the place is the one where the last index ended. Another one is in doubt: it was turned while nothing looked.
 
-use linewright_line::OpId;
+use linewright_line::{DriveIndex, OpId};
 
 use crate::controller::Controller;
+use crate::event::PlacesApart;
 use crate::parts::{IndexProgress, RunCommand, Token};
+
+/// The places of the endless axis that a drive turns.
+#[derive(Clone, Debug)]
+pub(crate) struct NumberedPlaces {
+    /// The operation that is an index of the axis.
+    pub op: OpId,
+    pub numbers: DriveIndex,
+}
 
 impl Controller {
     /// The place that the drive reports; 0 while it tells none, or there is no such drive.
     fn measured_place(&self) -> u16 {
         let axis = self.program.places_of_axis.as_ref().filter(|_| self.image.valid);
-        axis.map_or(0, |(_, index)| index.reported(self.image.bits))
+        axis.map_or(0, |axis| axis.numbers.reported(self.image.bits))
     }
 
     /// Follows the axis as it stands: its place is learned where it is not known, and is not to change.
@@ -32,20 +41,14 @@ impl Controller {
         if measured == 0 || self.tokens().iter().any(is_under_way) {
             return;
         }
-        let Some(op) = self.measured_index() else { return };
+        let Some(op) = self.program.places_of_axis.as_ref().map(|axis| axis.op) else { return };
         let is_at_one = self.image.bits & self.program.index_switch(op) != 0;
-        if self.marking.place == 0 && self.marking.doubtful.is_none() && is_at_one {
-            self.marking.place = measured;
+        if self.marking.axis_place == 0 && self.marking.doubtful.is_none() && is_at_one {
+            self.marking.axis_place = measured;
             self.due.report = true;
-        } else if self.marking.place != 0 && self.marking.place != measured {
+        } else if self.marking.axis_place != 0 && self.marking.axis_place != measured {
             self.doubt(op);
         }
-    }
-
-    /// The operation that is an index of the axis.
-    fn measured_index(&self) -> Option<OpId> {
-        let of_index = |table: &&crate::program::PlaceTable| table.is_measured && table.turns != 0;
-        self.program.places.iter().find(of_index).map(|table| table.place.op)
     }
 
     /// What this image makes of an index of the axis; none for a doubt.
@@ -57,17 +60,17 @@ impl Controller {
             // Without its devices, or before it is homed: its switch alone.
             return self.progress(token);
         }
-        if self.marking.place == 0 {
+        if self.marking.axis_place == 0 {
             if is_at_one {
                 // It was led on to here, from where nobody knew.
                 return self.is_by_itself(token).then_some(IndexProgress::Arrived);
             }
             // The place it has left last is the one from which this index began.
-            self.marking.place = measured;
+            self.marking.axis_place = measured;
             self.due.report = true;
         }
         let next = self.next_place();
-        match (measured == self.marking.place, is_at_one) {
+        match (measured == self.marking.axis_place, is_at_one) {
             (true, true) => Some(IndexProgress::AtStart),
             (true, false) => Some(IndexProgress::Away),
             (false, true) => (measured == next).then_some(IndexProgress::Arrived),
@@ -78,8 +81,7 @@ impl Controller {
 
     /// The place after the one that is known.
     fn next_place(&self) -> u16 {
-        let count = self.program.places_of_axis.as_ref().map_or(1, |&(count, _)| count);
-        self.marking.place % count + 1
+        self.program.places_of_axis.as_ref().map_or(0, |axis| axis.numbers.next(self.marking.axis_place))
     }
 
     /// The outputs that say to which place an index goes. To none, an order that only homes the drive, where its place is
@@ -87,21 +89,21 @@ impl Controller {
     pub(crate) fn place_order(&self, index: usize) -> u128 {
         let token = &self.marking.tokens[index];
         let table = &self.program.places[usize::from(token.place)];
-        let Some((_, places)) = self.program.places_of_axis.as_ref().filter(|_| table.is_measured) else { return 0 };
-        let is_known = self.marking.place != 0 && (self.measured_place() != 0 || token.run == RunCommand::Auto);
-        if is_known { places.order(self.next_place()) } else { 0 }
+        let Some(axis) = self.program.places_of_axis.as_ref().filter(|_| table.is_measured) else { return 0 };
+        let is_known = self.marking.axis_place != 0 && (self.measured_place() != 0 || token.run == RunCommand::Auto);
+        if is_known { axis.numbers.order(self.next_place()) } else { 0 }
     }
 
-    /// For an operator: at which place the axis is measured, and which one was the last that was known.
-    pub(crate) fn place_text(&self) -> Option<String> {
-        let (measured, known) = (self.measured_place(), self.marking.place);
+    /// The place at which the axis is measured, where that is not the last one that was known.
+    pub(crate) fn places_apart(&self) -> Option<PlacesApart> {
+        let (measured, known) = (self.measured_place(), self.marking.axis_place);
         let differ = measured != 0 && known != 0 && measured != known;
-        differ.then(|| format!("measured at or after place {measured}, last known at place {known}"))
+        differ.then_some(PlacesApart { measured, known })
     }
 
     /// Whether the output image says another place than it is to: since it was worked out, the place has become known or lost.
     pub(crate) fn orders_another_place(&self, index: usize) -> bool {
-        let bits = self.program.places_of_axis.as_ref().map_or(0, |(_, places)| places.order(u16::MAX));
+        let bits = self.program.places_of_axis.as_ref().map_or(0, |axis| axis.numbers.order(u16::MAX));
         self.output.bits & bits != self.place_order(index)
     }
 
@@ -109,7 +111,7 @@ impl Controller {
     pub(crate) fn index_completes(&mut self, index: usize) {
         let table = &self.program.places[usize::from(self.marking.tokens[index].place)];
         if table.is_measured {
-            self.marking.place = self.measured_place();
+            self.marking.axis_place = self.measured_place();
         }
     }
 }
