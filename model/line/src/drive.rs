@@ -227,11 +227,6 @@ mod tests {
         assert!((trapezoid_time(-4.0, 1000.0, 1000.0) - 2.0 * (2.0 * 2.0 / 1000.0f64).sqrt()).abs() < 1e-12);
         assert_eq!(trapezoid_time(0.0, 1.0, 1.0), 0.0);
     }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
 
     #[test]
     fn of_two_numbers_nothing_that_turns_the_axis_stays_on() {
