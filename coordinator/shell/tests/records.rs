@@ -139,3 +139,22 @@ fn outputs_go_off_before_the_record_that_follows_a_slow_one() {
     let off = CoordinatorEffect::Energise(station, 0);
     assert!(place(&done, |effect| *effect == off) < place(&done, is_record), "{done:?}");
 }
+
+/// Bit by bit, place 1 would stay on of an order to place 3.
+#[test]
+fn an_order_to_another_place_is_not_on_the_bus_before_the_record() {
+    const TURN: u128 = 0b10;
+    let mut rig = Rig::with_a_table(CoordinatorRecord::default());
+    rig.in_auto();
+    let station = rig.line.station_named("table").expect("a table");
+    let order = |number: u128| TURN | number << 2;
+    rig.outputs(station, order(3));
+    assert!(rig.act().contains(&CoordinatorEffect::Energise(station, order(3))));
+    rig.outputs(station, order(1));
+    rig.command(ModeCommand::Stop);
+    let done = rig.act();
+    let (before, after) = done.split_at(place(&done, is_record));
+    let turns = |effect: &CoordinatorEffect| matches!(effect, CoordinatorEffect::Energise(id, bits) if *id == station && bits & TURN != 0);
+    assert!(!before.iter().any(turns), "{done:?}");
+    assert!(after.contains(&CoordinatorEffect::Energise(station, order(1))), "{done:?}");
+}

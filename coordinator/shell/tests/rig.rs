@@ -40,6 +40,12 @@ impl Rig {
         Rig::of(line, remembered)
     }
 
+    /// With a table that a drive turns from place to place.
+    pub fn with_a_table(remembered: CoordinatorRecord) -> Self {
+        let text = include_str!("../../../examples/driven-table.toml");
+        Rig::of(parse("driven-table.toml", text).expect("the shipped table").line, remembered)
+    }
+
     fn of(line: Line, remembered: CoordinatorRecord) -> Self {
         let at_home = StationView {
             boot_id: 7,
