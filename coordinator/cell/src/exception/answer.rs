@@ -104,7 +104,8 @@ impl Coordination {
     pub fn unheard(&self, now: Tick, firing: FiringId) -> Option<(StationId, ResourceId)> {
         let firing = self.state.firing(firing)?;
         let handling = self.state.table().handling();
-        let mut silent = firing.orders.iter().map(|order| order.station).filter(|&station| !self.is_fresh(now, station));
+        let mut silent =
+            firing.orders.iter().map(|order| order.station).filter(|&station| !self.is_fresh(now, station));
         silent.find_map(|station| {
             let its = |id: &ResourceId| handling.resources[id.index()].station == Some(station);
             let mut of: Vec<ResourceId> = handling.resource_ids().filter(its).collect();
