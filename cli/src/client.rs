@@ -197,12 +197,17 @@ impl OperatorClient {
     }
 
     /// Waits until the coordinator and every station are heard as they are now, for so long at most; gives whether they are.
+    ///
+    /// # Errors
+    /// When nothing of the line is heard.
     pub async fn until_all_heard(&mut self, within: Duration) -> miette::Result<bool> {
         let deadline = Instant::now() + within;
         loop {
-            let is_all = self.coordinator().is_some() && self.line.station_ids().all(|id| self.station(id).is_some());
+            let is_heard = |id| self.station(id).is_some();
+            let is_all = self.coordinator().is_some() && self.line.station_ids().all(is_heard);
             if is_all || Instant::now() >= deadline {
-                return Ok(is_all);
+                let is_any = self.coordinator().is_some() || self.line.station_ids().any(is_heard);
+                return if is_any { Ok(is_all) } else { Err(self.nobody()) };
             }
             self.listen(Duration::from_millis(30)).await?;
         }

@@ -67,6 +67,14 @@ pub fn cell_of(path: &Path, line: &Line) -> miette::Result<Option<linewright_cel
     file.map(|file| cell(&file, Some(line)).map(|parsed| parsed.cell)).transpose()
 }
 
+/// The line that a path means, or that of a cell, quietly; and whether it is a cell's.
+pub fn line_or_cell(path: &Path) -> miette::Result<(Line, bool)> {
+    match files_of(path).cell {
+        Some(_) => Ok((line_of_cell(path)?, true)),
+        None => Ok((line(path, true)?, false)),
+    }
+}
+
 /// The line of a cell, quietly.
 pub fn line_of_cell(path: &Path) -> miette::Result<Line> {
     let files = files_of(path);

@@ -42,13 +42,9 @@ pub struct Args {
 
 /// `linewright watch`
 pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
-    let files = load::files_of(&args.line);
-    let line = match &files.cell {
-        Some(_) => load::line_of_cell(&args.line)?,
-        None => load::line(&args.line, true)?,
-    };
+    let (line, is_cell) = load::line_or_cell(&args.line)?;
     let mut client = OperatorClient::open(&line, ros, "watch")?;
-    let mut cell = files.cell.map(|_| CellClient::open(&line, ros, "watch_cell")).transpose()?;
+    let mut cell = is_cell.then(|| CellClient::open(&line, ros, "watch_cell")).transpose()?;
     let mut view = WatchState::new(&line);
     if args.once || args.json || !std::io::stdout().is_terminal() {
         return once(&args, &mut client, cell, view).await;
@@ -90,10 +86,6 @@ async fn once(
     mut view: WatchState,
 ) -> miette::Result<ExitCode> {
     let is_all = client.until_all_heard(HEARD_WITHIN).await?;
-    let is_any = client.coordinator().is_some() || client.line().station_ids().any(|id| client.station(id).is_some());
-    if !is_any {
-        return Err(client.not_found());
-    }
     if let Some(cell) = cell.as_mut().filter(|_| client.coordinator().is_some()) {
         let down = cell.until_heard(HEARD_WITHIN).await?.down.clone();
         view.out_of_service = cell.reasons(down.as_slice().to_vec()).await;

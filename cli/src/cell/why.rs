@@ -33,8 +33,7 @@ pub struct WhyArgs {
 /// `linewright why`
 pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let about = args.about.join(" ");
-    let is_cell = load::files_of(&args.line).cell.is_some();
-    let line = if is_cell { load::line_of_cell(&args.line)? } else { load::line(&args.line, true)? };
+    let (line, is_cell) = load::line_or_cell(&args.line)?;
     let named = line.station_named(&about);
     let (mut reasons, mut stations) = (Vec::new(), Vec::new());
     match (about.is_empty(), is_cell) {
@@ -55,7 +54,8 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let mut lines = reasons.clone();
     let mut objects = Vec::new();
     if !stations.is_empty() {
-        let client = heard(&line, ros).await?;
+        let mut client = OperatorClient::open(&line, ros, "why_line")?;
+        client.until_all_heard(CONNECT).await?;
         if about.is_empty() {
             lines.extend(watch::mode(&line.title, client.coordinator(), client.coordinator_unheard_for(), usize::MAX));
         }
@@ -75,16 +75,8 @@ pub async fn why(args: WhyArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 
 /// The station of a resource of that name, if there are both.
 fn station_of(args: &WhyArgs, line: &Line, name: &str) -> miette::Result<Option<StationId>> {
-    let cell = load::cell_of(&args.line, line)?;
-    let resource = cell.as_ref().and_then(|cell| cell.resources.iter().find(|resource| resource.name == name));
-    let controller = resource.and_then(|resource| resource.controller).zip(cell.as_ref());
-    Ok(controller.and_then(|(id, cell)| line.station_named(&cell.controllers[id.index()])))
-}
-
-/// An operator's view of the line in which every station that is there was heard.
-async fn heard(line: &Line, ros: &RosArgs) -> miette::Result<OperatorClient> {
-    let mut client = OperatorClient::open(line, ros, "why_line")?;
-    client.until_connected(CONNECT).await?;
-    client.listen(line.timing.refresh * 4).await?;
-    Ok(client)
+    let Some(cell) = load::cell_of(&args.line, line)? else { return Ok(None) };
+    let resource = cell.resources.iter().find(|resource| resource.name == name);
+    let controller = resource.and_then(|resource| resource.controller);
+    Ok(controller.and_then(|id| line.station_named(&cell.controllers[id.index()])))
 }

@@ -62,7 +62,7 @@ impl Controller {
         }
         if self.marking.axis_place == 0 {
             if is_at_one {
-                // It was led on to here, from where nobody knew.
+                // It was led on to here, from an unknown place.
                 return self.is_by_itself(token).then_some(IndexProgress::Arrived);
             }
             // The place it has left last is the one from which this index began.

@@ -1,9 +1,9 @@
-//! Whether the station of a resource stands where the next can be done with the resource.
+//! Whether the station of a resource stands at a rest where its next task begins.
 //!
-//! A machine that rests clamped is told to clamp when the next part comes, and takes that on only at its open rest. Where the
+//! A machine that rests clamped gets the order to clamp when the next part comes, and takes that on only at its open rest. Where the
 //! model changes and the station does not (a part was taken away by hand, or brought), nothing would ever begin there. Then the
 //! resource is left out, and an alarm names the rest and the way to it. The coordinator does not move the station by itself:
-//! somebody has just reached into it. In hand mode, by a held button, whoever answers sees what moves.
+//! a person may still be at it; in hand mode the person who holds the button sees what moves.
 
 use linewright_line::{RestId, StationId, Tick};
 

@@ -53,7 +53,8 @@ impl AlarmAnswerRefusal {
             AlarmAnswerRefusal::Unheard(id, of) => {
                 let (station, resource) = (station(id), resource(of));
                 format!(
-                    "{station}: no state received, so it may stand anywhere; bring it back, or take {resource} out of service                      (down), then answer; without it all resources of the activity go out of service"
+                    "{station}: no state received, so it may stand anywhere; bring it back, then answer; or first take {resource} \
+                     out of service (down), which leaves out all resources of the activity"
                 )
             }
             AlarmAnswerRefusal::NotAtRest(id) => {
