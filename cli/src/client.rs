@@ -207,7 +207,7 @@ impl OperatorClient {
             let is_all = self.coordinator().is_some() && self.line.station_ids().all(is_heard);
             if is_all || Instant::now() >= deadline {
                 let is_any = self.coordinator().is_some() || self.line.station_ids().any(is_heard);
-                return if is_any { Ok(is_all) } else { Err(self.nobody()) };
+                return if is_any { Ok(is_all) } else { Err(self.not_found()) };
             }
             self.listen(Duration::from_millis(30)).await?;
         }
