@@ -12,9 +12,9 @@ use linewright_testkit::{device_frames, manager_frames};
 fuzz_target!(|input: &[u8]| {
     let Some((which, script)) = input.split_first() else { return };
     if which & 1 == 0 {
-        manager_frames::Bench::new().play(script);
+        manager_frames::Bench::set_up().play(script);
     } else {
-        device_frames::Bench::new().play(script);
+        device_frames::Bench::set_up().play(script);
     }
 });
 

@@ -18,7 +18,7 @@ fn any_frames_change_no_output() {
     let config = ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() };
     let energised = Cell::new(0);
     let result = TestRunner::new_with_rng(config, rng).run(&script, |script| {
-        let mut bench = Bench::new();
+        let mut bench = Bench::set_up();
         bench.play(&script);
         energised.set(energised.get() + bench.energised);
         Ok(())

@@ -47,6 +47,14 @@ fn every_cycle_of_a_shipped_line_can_be_driven_and_every_motion_taken_back() {
             for op in after_home {
                 let operation = line.operation((id, op));
                 let what = format!("{name}: {} / {}", station.name, operation.name);
+                // A task may begin at another rest than the one before it has ended at.
+                let is_there = plant.inputs(Owner::Station(id)) >> operation.normal.complete.0 & 1 == 1;
+                if let OperationModule::Reversible { recovery, recovery_duration, .. } = &operation.module
+                    && is_there
+                    && !station.tasks.is_empty()
+                {
+                    run(&mut plant, id, *recovery, *recovery_duration, &format!("{what}, from its other end"));
+                }
                 run(&mut plant, id, operation.normal, operation.duration, &what);
                 if let OperationModule::Reversible { recovery, recovery_duration, .. } = &operation.module {
                     run(&mut plant, id, *recovery, *recovery_duration, &format!("{what}, taken back"));

@@ -177,7 +177,7 @@ fn let_go_on_the_way_it_goes_on_to_the_same_place_and_never_round() {
 fn ordered_to_the_place_through_which_it_coasts_it_is_not_there_before_it_stands() {
     for at_rest in [AtRest::Hold, AtRest::Off] {
         let mut coasted = 0;
-        for ms in 0..60u64 {
+        for ms in 0..100u64 {
             // So wide that it is in there for a while.
             let table = Described { quick_stop: 200.0, at_rest, window: 20.0, ..table(TurnDirection::Positive) };
             let mut pair = Pair::new(table, 0.0, 1);

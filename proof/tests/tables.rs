@@ -40,6 +40,8 @@ fn tables(of: &str, line: &Line, out: &mut Vec<String>) {
         ];
         let words = renamed.iter().fold(words, |words, (now, then)| words.replace(now, then));
         let words = without(without(words, ", starts: ", ", withdraws"), ", rest: ", ", hold");
+        // The switch of the end that a motion leaves, compared since a stuck switch is.
+        let words = without(words, ", behind: ", ", fault");
         // Fields that only an index has.
         let words = without(words, ", turns: 0, least: ", ", hold");
         out.push(format!("{of} {} {} {:016x}", line.station(id).name, words.len(), hash(&words)));

@@ -53,7 +53,7 @@ pub struct Bench {
 
 impl Bench {
     /// Switched on and booted.
-    pub fn new() -> Self {
+    pub fn set_up() -> Self {
         let now = Tick::from_millis(1000);
         let timing = Timing::default();
         let node = |id| NodeId::new(id).expect("a node id");

@@ -124,7 +124,7 @@ pub struct Bench {
 
 impl Bench {
     /// At its beginning.
-    pub fn new() -> Self {
+    pub fn set_up() -> Self {
         let devices = NODES.map(device);
         let manager = Manager::new(&devices, Timing::default()).expect("their ids are right");
         Bench {

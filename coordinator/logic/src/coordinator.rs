@@ -65,15 +65,13 @@ pub struct Coordinator {
     epoch: u64,
     enabled: bool,
     stopping: bool,
-    /// The first epoch in which no station leaves its place by itself. A station that has not acknowledged it may be on
-    /// its way though it was last received at rest.
+    /// The first epoch in which no station leaves its place by itself: one that has not acknowledged it may be moving.
     quiet: u64,
     estop: bool,
     founding: Option<founding::OpenFounding>,
     /// Generations drawn in this life.
     drawn: u64,
-    /// The epoch in which the emergency stop was left last: a station in emergency stop with that epoch acknowledged
-    /// was stopped anew.
+    /// The epoch in which the emergency stop was left last: a station in it that has acknowledged this was stopped anew.
     released: u64,
     stopped_in: u64,
     /// The journal cannot be written.

@@ -27,7 +27,7 @@ fn any_frames_change_no_output() {
     let mut runner = proptest::test_runner::TestRunner::new_with_rng(config, rng);
     let [energised, driven, outputs] = [const { Cell::new(0) }; 3];
     let result = runner.run(&script(), |script| {
-        let mut bench = Bench::new();
+        let mut bench = Bench::set_up();
         bench.play(&script);
         energised.set(energised.get() + bench.energised);
         driven.set(driven.get() + bench.driven);
@@ -42,7 +42,7 @@ fn any_frames_change_no_output() {
 /// Every kind of frame there is, again and again, from every device and from none, without any intervention.
 #[test]
 fn floods_leave_nothing_behind() {
-    let mut bench = Bench::new();
+    let mut bench = Bench::set_up();
     bench.play(&[0x72, 0x09, 0xFF, 0x19, 0xFF]);
     let mut number = 0u64;
     let mut flood = |bench: &mut Bench, frames: usize| {

@@ -136,8 +136,11 @@ async fn answered<T>(
     answer.await.ok().flatten().transpose().map_err(ExceptionCode::new)
 }
 
+/// A fault as it is written: index and subindex of its object, and the value.
+type WrittenFault = ((u16, u8), u32);
+
 /// The device's name, and the fault in the data of function 65.
-fn fault_of(data: &[u8]) -> Option<(String, ((u16, u8), u32))> {
+fn fault_of(data: &[u8]) -> Option<(String, WrittenFault)> {
     let (object, device) = data.split_first_chunk::<7>()?;
     let [index @ .., sub, a, b, c, d] = *object;
     let fault = ((u16::from_be_bytes(index), sub), u32::from_be_bytes([a, b, c, d]));
