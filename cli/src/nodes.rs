@@ -54,6 +54,9 @@ pub struct CoordinatorArgs {
     /// The CAN interface of the line's bus. The ROS parameter can_interface_name does the same.
     #[arg(long)]
     bus: Option<String>,
+    /// Run a flexible cell without a state directory: its orders, parts and alarms are lost when this process ends.
+    #[arg(long, conflicts_with = "state_dir")]
+    forget: bool,
 }
 
 /// Run the simulated plant.
@@ -199,6 +202,13 @@ pub fn station(args: StationArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.common.line, true)?;
     let cell = load::cell_of(&args.common.line, &line)?;
+    if let Some(cell) = cell.as_ref().filter(|_| args.common.state_dir.is_none() && !args.forget) {
+        return Err(miette!(
+            help = "--state-dir DIR keeps them, --forget runs the cell without",
+            "cell '{}' has no state directory: its orders, parts and alarms would be lost when this process ends",
+            cell.name
+        ));
+    }
     let parameter = match ros.param("coordinator", "can_interface_name") {
         Some(linewright_node_shell::ParamValue::Text(name)) => Some(name.clone()),
         Some(other) => return Err(miette!("parameter can_interface_name is {other:?}; expected an interface's name")),

@@ -199,3 +199,15 @@ fn a_cell_is_recognised_whatever_its_file_is_called() {
     let output = linewright(&["simulate", &swapped.path("")]);
     assert!(text(&output.stderr).contains("describes a flexible cell, not a line"), "{output:?}");
 }
+
+#[test]
+fn a_cell_is_not_run_without_a_state_directory_by_mistake() {
+    let path = shipped().with_file_name("assembly-cell");
+    let cell = path.to_str().expect("a path in text");
+    let output = linewright(&["coordinator", cell]);
+    assert!(!output.status.success());
+    let said = text(&output.stderr);
+    assert!(said.contains("has no state directory") && said.contains("--forget"), "{said}");
+    let both = linewright(&["coordinator", cell, "--forget", "--state-dir", "d"]);
+    assert_eq!(both.status.code(), Some(2), "{both:?}");
+}

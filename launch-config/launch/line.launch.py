@@ -3,11 +3,14 @@
 ros2 launch linewright line.launch.py line:=/path/to/line-directory
 ros2 launch linewright line.launch.py line:=… plant:=true          (with simulated devices)
 ros2 launch linewright line.launch.py line:=… plant:=true virtual_bus:=true      (and without CAN in the kernel)
+ros2 launch linewright line.launch.py line:=… state_dir:=/srv/linewright         (another place for journals)
+ros2 launch linewright line.launch.py line:=… forget:=true                       (and none at all)
 
 The stations are read from the description, so a new one needs no change here. Nodes are set up by the description and
 not by parameters; namespace and topics can be remapped as usual.
 """
 
+import os
 from pathlib import Path
 
 try:
@@ -22,6 +25,10 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 
+# Beside ROS's own logs; each line has a directory in it.
+STATE_DIR = Path(os.environ.get("ROS_HOME", Path.home() / ".ros")) / "linewright"
+
+
 def linewright(arguments, **options):
     return Node(package="linewright", executable="linewright", arguments=arguments, output="screen", **options)
 
@@ -32,14 +39,17 @@ def nodes(context):
     state_dir = LaunchConfiguration("state_dir").perform(context)
     file = Path(line)
     file = file / "line.toml" if file.is_dir() else file
-    stations = [station["name"] for station in tomllib.loads(file.read_text(encoding="utf-8"))["station"]]
+    description = tomllib.loads(file.read_text(encoding="utf-8"))
+    stations = [station["name"] for station in description["station"]]
 
     virtual = ["--virtual-bus"] if LaunchConfiguration("virtual_bus").perform(context) == "true" else []
-    remember = ["--state-dir", state_dir] if state_dir else []
+    forgets = LaunchConfiguration("forget").perform(context) == "true"
+    remember = [] if forgets else ["--state-dir", state_dir or str(STATE_DIR / description["name"])]
+    forget = ["--forget"] if forgets else []
     again = {"respawn": True, "respawn_delay": 1.0}
     return [
         linewright(["plant", line, "--bus", bus, *virtual], condition=IfCondition(LaunchConfiguration("plant"))),
-        linewright(["coordinator", line, "--bus", bus, *virtual, *remember], **again),
+        linewright(["coordinator", line, "--bus", bus, *virtual, *remember, *forget], **again),
         *[linewright(["station", line, "--station", name, *virtual, *remember], **again) for name in stations],
     ]
 
@@ -53,7 +63,10 @@ def generate_launch_description():
                 "virtual_bus", default_value="false", description="use a virtual bus where there is no CAN interface"
             ),
             DeclareLaunchArgument("plant", default_value="false", description="simulate the devices"),
-            DeclareLaunchArgument("state_dir", default_value="", description="where nodes keep their journals"),
+            DeclareLaunchArgument(
+                "state_dir", default_value="", description="where nodes keep their journals; by default below ROS_HOME"
+            ),
+            DeclareLaunchArgument("forget", default_value="false", description="keep no journals, and of a cell no orders"),
             OpaqueFunction(function=nodes),
         ]
     )
