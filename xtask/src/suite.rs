@@ -24,7 +24,7 @@ pub enum Extent {
 
 /// Parts of the names of long tests, of one package where its name stands before. Most of them explore or play generated
 /// lines and cells.
-const LONG: [&str; 12] = [
+const LONG: [&str; 13] = [
     "linewright-proof agreement::",
     "broken::",
     "cells::protocol::",
@@ -32,7 +32,8 @@ const LONG: [&str; 12] = [
     "expiry::",
     "generated::",
     "lumped::",
-    "parts::a_conflict",
+    "linewright-proof parts::",
+    "cells::queues::",
     "linewright-proof recovery::",
     "restarts::",
     "siphons::commoners",
