@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 
 use linewright_fieldbus::Clock;
 use linewright_line::{Line, StationId, Tick};
-use linewright_msgs::{Flag, Header, LineState, StationEvent, StationState, Text};
+use linewright_msgs::{Flag, LineState, StationEvent, StationState, Text};
 use linewright_node_shell::{
-    Forward, MessagePace, Participant, Publisher, RosArgs, RosNode, TopicError, forward, qos, watch_middleware,
+    Forward, MessagePace, Participant, Publisher, RosArgs, RosNode, TopicError, forward, forward_present, qos,
+    watch_middleware,
 };
 use linewright_station_shell::NewestBySequence;
 use miette::miette;
@@ -34,22 +35,42 @@ enum RawState {
 
 /// The newest state of one node, and its time of arrival.
 #[derive(Debug, Clone)]
-struct StampedState<T> {
-    state: T,
-    at: Instant,
+struct HeardNode<T> {
+    newest: NewestBySequence,
+    state: Option<(T, Instant)>,
+}
+
+impl<T> HeardNode<T> {
+    fn new(line: &Line) -> Self {
+        HeardNode { newest: NewestBySequence::new(line.timing.stale), state: None }
+    }
+
+    /// Whether a state in order has come.
+    fn offer(&mut self, now: Tick, boot_id: u64, sequence: u64, state: T) -> bool {
+        let is_newer = self.newest.offer(now, boot_id, sequence);
+        if is_newer {
+            self.state = Some((state, Instant::now()));
+        }
+        is_newer
+    }
+
+    fn fresh(&self, shown_for: Duration) -> Option<&T> {
+        self.state.as_ref().filter(|(_, at)| at.elapsed() < shown_for).map(|(state, _)| state)
+    }
+
+    /// How long the node, which was heard, is not heard any more.
+    fn unheard_for(&self, shown_for: Duration) -> Option<Duration> {
+        self.state.as_ref().map(|(_, at)| at.elapsed()).filter(|age| *age >= shown_for)
+    }
 }
 
 /// An operator's connection to a line.
 pub struct OperatorClient {
     line: Line,
     from: mpsc::Receiver<RawState>,
-    line_state: Option<StampedState<LineState>>,
-    stations: Vec<Option<StampedState<StationState>>>,
+    coordinator: HeardNode<LineState>,
+    stations: Vec<HeardNode<StationState>>,
     clock: Clock,
-    newest_line: NewestBySequence,
-    newest: Vec<NewestBySequence>,
-    line_pace: MessagePace,
-    paces: Vec<MessagePace>,
     commands: Publisher<Text>,
     buttons: Publisher<Text>,
     node: RosNode,
@@ -62,7 +83,9 @@ pub struct OperatorClient {
 const QUEUE: usize = 4096;
 
 /// A state is shown for this many times the age at which controllers ignore it, so that the picture does not flicker.
-const SHOWN_FOR: u32 = 2;
+fn shown_for(line: &Line) -> Duration {
+    line.timing.stale * 2
+}
 
 /// Joins the ROS graph of a line as `name`; also gives the domain.
 pub fn join(line: &Line, ros: &RosArgs, name: &str) -> miette::Result<(RosNode, u16)> {
@@ -85,23 +108,19 @@ impl OperatorClient {
         let (mut node, domain_id) = join(line, ros, name)?;
         let (to, from) = mpsc::channel(QUEUE);
         let state = node.subscription("state", qos::latched_state()).map_err(failed)?;
-        let mut tasks = vec![forward(state, to.clone(), |m, _| Some(RawState::Line(m)))];
+        let pace = MessagePace::new(line.timing.refresh, shown_for(line));
+        let mut tasks = vec![forward_present(state, to.clone(), pace.clone(), |m, _| Some(RawState::Line(m)))];
         for station in &line.stations {
             let state = node.subscription(&format!("{}/state", station.name), qos::latched_state()).map_err(failed)?;
-            tasks.push(forward(state, to.clone(), |m, _| Some(RawState::Station(Box::new(m)))));
+            tasks.push(forward_present(state, to.clone(), pace.clone(), |m, _| Some(RawState::Station(Box::new(m)))));
             let event = node.subscription(&format!("{}/event", station.name), qos::event()).map_err(failed)?;
             tasks.push(forward(event, to.clone(), |m, _| Some(RawState::Event(m))));
         }
-        let pace = MessagePace::new(line.timing.refresh, line.timing.stale * SHOWN_FOR);
         Ok(OperatorClient {
             from,
-            line_state: None,
-            stations: vec![None; line.stations.len()],
+            coordinator: HeardNode::new(line),
+            stations: vec![HeardNode::new(line); line.stations.len()],
             clock: Clock::start(),
-            newest_line: NewestBySequence::new(line.timing.stale),
-            newest: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
-            paces: vec![pace.clone(); line.stations.len()],
-            line_pace: pace,
             commands: node.publisher("mode_cmd", qos::command()).map_err(failed)?,
             buttons: node.publisher("buttons", qos::command()).map_err(failed)?,
             line: line.clone(),
@@ -119,37 +138,33 @@ impl OperatorClient {
 
     /// The coordinator's newest state, if it is fresh.
     pub fn coordinator(&self) -> Option<&LineState> {
-        self.line_state.as_ref().filter(|aged| self.is_fresh(aged.at)).map(|aged| &aged.state)
+        self.coordinator.fresh(shown_for(&self.line))
     }
 
     /// Whether a coordinator was heard at all.
     pub fn has_heard_coordinator(&self) -> bool {
-        self.line_state.is_some()
+        self.coordinator.state.is_some()
     }
 
     /// A station's newest state, if it is fresh.
     pub fn station(&self, id: StationId) -> Option<&StationState> {
-        self.stations[id.index()].as_ref().filter(|aged| self.is_fresh(aged.at)).map(|aged| &aged.state)
+        self.stations[id.index()].fresh(shown_for(&self.line))
     }
 
     /// How long the coordinator, which was heard, is not heard any more.
     pub fn coordinator_unheard_for(&self) -> Option<Duration> {
-        self.line_state.as_ref().filter(|aged| !self.is_fresh(aged.at)).map(|aged| aged.at.elapsed())
+        self.coordinator.unheard_for(shown_for(&self.line))
     }
 
     /// How long a station that was heard is not heard any more.
     pub fn unheard_for(&self, id: StationId) -> Option<Duration> {
-        self.stations[id.index()].as_ref().filter(|aged| !self.is_fresh(aged.at)).map(|aged| aged.at.elapsed())
+        self.stations[id.index()].unheard_for(shown_for(&self.line))
     }
 
     /// The stations of which nothing fresh is heard.
     pub fn unheard(&self) -> impl Iterator<Item = &str> {
         let unheard = self.line.station_ids().filter(|&id| self.station(id).is_none());
         unheard.map(|id| self.line.station(id).name.as_str())
-    }
-
-    fn is_fresh(&self, at: Instant) -> bool {
-        at.elapsed() < self.line.timing.stale * SHOWN_FOR
     }
 
     /// Waits for something newer. Cancel safe.
@@ -168,29 +183,18 @@ impl OperatorClient {
     }
 
     fn take(&mut self, raw: RawState) -> Option<StateUpdate> {
-        let (at, now) = (Instant::now(), self.clock.now());
+        let now = self.clock.now();
         match raw {
             RawState::Line(state) => {
-                if !self.newest_line.offer(now, state.boot_id, state.sequence) {
-                    return None;
-                }
-                if !self.line_pace.offer(now.since(Tick::ZERO), seconds(&state.header)) {
-                    return None;
-                }
-                self.line_state = Some(StampedState { state, at });
-                Some(StateUpdate::Line)
+                let is_newer = self.coordinator.offer(now, state.boot_id, state.sequence, state);
+                is_newer.then_some(StateUpdate::Line)
             }
             RawState::Station(state) => {
                 let id = self.line.station_named(&state.station)?;
                 let fits = state.done.len() == self.line.station(id).operations.len();
-                if !fits || !self.newest[id.index()].offer(now, state.boot_id, state.sequence) {
-                    return None;
-                }
-                if !self.paces[id.index()].offer(now.since(Tick::ZERO), seconds(&state.header)) {
-                    return None;
-                }
-                self.stations[id.index()] = Some(StampedState { state: *state, at });
-                Some(StateUpdate::Station(id))
+                let heard = &mut self.stations[id.index()];
+                let is_newer = fits && heard.offer(now, state.boot_id, state.sequence, *state);
+                is_newer.then_some(StateUpdate::Station(id))
             }
             RawState::Event(event) => Some(StateUpdate::Event(self.line.station_named(&event.station)?, event)),
         }
@@ -268,8 +272,4 @@ impl OperatorClient {
     pub fn not_found(&self) -> miette::Report {
         not_heard(&format!("line '{}'", self.line.name), self.domain_id)
     }
-}
-
-fn seconds(header: &Header) -> f64 {
-    f64::from(header.stamp.sec) + f64::from(header.stamp.nanosec) * 1e-9
 }

@@ -1,7 +1,7 @@
 //! `linewright io`: I/O lists as CSV, written from a description and put into one.
 //!
 //! The effect of a list on a description is in [`linewright_line::with_io_list`]; this module reads and writes CSV,
-//! shows the differences, and writes the description only if nothing is wrong.
+//! shows the differences, and writes the description only if the list has no errors.
 
 mod list;
 

@@ -69,19 +69,16 @@ pub fn cell_of(path: &Path, line: &Line) -> miette::Result<Option<linewright_cel
 
 /// The line that a path means, or that of a cell, quietly; and whether it is a cell's.
 pub fn line_or_cell(path: &Path) -> miette::Result<(Line, bool)> {
-    match files_of(path).cell {
-        Some(_) => Ok((line_of_cell(path)?, true)),
-        None => Ok((line(path, true)?, false)),
-    }
+    let files = files_of(path);
+    let file = files.line.ok_or_else(|| miette!("{} has no line.toml: its stations cannot run", path.display()))?;
+    Ok((line(&file, true)?, files.cell.is_some()))
 }
 
 /// The line of a cell, quietly.
 pub fn line_of_cell(path: &Path) -> miette::Result<Line> {
-    let files = files_of(path);
-    let file = files.line.ok_or_else(|| miette!("{} has no line.toml: its stations cannot run", path.display()))?;
     // A path that does not exist is reported before anything about cells.
-    let line = line(&file, true)?;
-    if files.cell.is_none() {
+    let (line, is_cell) = line_or_cell(path)?;
+    if !is_cell {
         return Err(miette!(
             help = "`linewright why` and `linewright watch` show what a line waits for",
             "{} has no cell.toml: it is a line, and a line has no orders, alarms or resources",

@@ -80,14 +80,17 @@ impl InputFault {
     }
 }
 
-/// What is written to a simulated device: index and subindex, and a number. The order matters.
-pub type ObjectWrites = Vec<((u16, u8), u32)>;
+/// A write to a simulated device: index and subindex of the object, and the value.
+pub type FaultWrite = ((u16, u8), u32);
+
+/// Writes to a simulated device. The order matters.
+pub type ObjectWrites = Vec<FaultWrite>;
 
 /// The word for the end of a fault, in scenarios and in `linewright fail`.
 pub const CLEAR_WORD: &str = "clear";
 
 /// Write that clears all faults of a device.
-pub const CLEAR: ((u16, u8), u32) = ((FAULT_INDEX, 0), 0);
+pub const CLEAR: FaultWrite = ((FAULT_INDEX, 0), 0);
 
 impl MotionFault {
     /// All of them, by their numbers.

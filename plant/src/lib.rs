@@ -27,7 +27,7 @@ pub use device::{
     PlantEffect,
 };
 pub use fault::{
-    CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, HOLD_INDEX, InputFault, MotionFault, ObjectWrites, PRESS_INDEX,
+    CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, FaultWrite, HOLD_INDEX, InputFault, MotionFault, ObjectWrites, PRESS_INDEX,
     SIMULATED, SIMULATED_INDEX, STUCK_INDEX, TROUBLE_INDEX,
 };
 pub use parts::{NestPosition, PartFault, PartLocation, PartNo, PartRefusal};

@@ -11,7 +11,7 @@ use crate::device::{
     CanDevice, DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ILLEGAL_VALUE, ModbusNode, ModbusRequest,
     ModbusResponse, PlantEffect,
 };
-use crate::fault::{DeviceFault, FAULT_INDEX, MotionFault};
+use crate::fault::{DeviceFault, FAULT_INDEX, FaultWrite, MotionFault};
 use crate::plant::{Plant, PlantOptions};
 use crate::wire::{FaultyWire, FrameFaults};
 
@@ -167,7 +167,7 @@ impl Rack {
         now: Tick,
         (address, unit): (&str, u8),
         device: &str,
-        (object, value): ((u16, u8), u32),
+        (object, value): FaultWrite,
         out: &mut Vec<Frame>,
     ) -> Option<Result<(), u8>> {
         // Everything else at this moment first.

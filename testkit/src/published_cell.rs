@@ -10,7 +10,7 @@ use linewright_nets::coloured::{Clause, ColouredBuilder, ColouredNet, Domain, Gu
 
 /// What is different from the printed net.
 #[derive(Clone, Default)]
-pub struct Variant {
+pub struct PublishedCellVariant {
     /// Parts of each kind that wait on p9.
     pub waiting: [u32; 3],
     /// Parts of each kind outside: they arrive on p9, and leave from p10 to come again.
@@ -25,7 +25,7 @@ pub fn work_plan(machine: u32, part: u32) -> Guard {
     Guard::any([clause(1, 1), clause(2, 2), clause(2, 3)])
 }
 
-pub fn cell(variant: &Variant) -> ColouredNet {
+pub fn cell(variant: &PublishedCellVariant) -> ColouredNet {
     let mut b = ColouredBuilder::new("cell");
     let m = b.named_basic("M", ["m1", "m2"]);
     let r = b.named_basic("R", ["r1"]);

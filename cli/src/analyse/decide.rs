@@ -34,7 +34,7 @@ pub struct Findings {
     pub is_short: bool,
     /// The coverability graph.
     pub covered: Option<Result<Coverability, coverability::CoverabilityUndecided>>,
-    /// Two analyses that do not agree: then one of them is wrong, and neither counts.
+    /// Properties on which two analyses disagree; neither result is used.
     pub contradiction: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! `fail`: a simulated mechanism, switch or device goes wrong: over its own bus, or its own connection if it is in Modbus.
+//! `fail`: injects faults into simulated mechanisms, inputs and devices, over CAN or Modbus.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -41,7 +41,7 @@ enum DeviceTrouble {
     NoBoot,
     /// Its heartbeats cease, all else goes on
     NoHeartbeat,
-    /// It says to be another product (object 1018h:02) and boots
+    /// Reports another product code (object 1018h:02) and boots
     Identity,
     /// It refuses its heartbeat time (object 1017h) and boots
     Refuse,
@@ -154,7 +154,7 @@ pub struct FailArgs {
     /// Its recovery motion instead of the normal one.
     #[arg(long, requires = "operation")]
     recovery: bool,
-    /// Which input; needed for what goes wrong with one.
+    /// Input that fails, by its name; required for `stuck-on` and `stuck-off`
     #[arg(long, conflicts_with_all = ["operation", "device"])]
     input: Option<String>,
     /// Which of the station's devices, by its name; the first one without this, and for `clear` all of them.

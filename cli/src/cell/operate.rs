@@ -1,4 +1,4 @@
-//! What a person asks of a running cell from a shell, says and answers: `order`, `answer` and `resource`.
+//! Commands of an operator on a running cell: `order`, `answer` and `resource`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -105,7 +105,7 @@ pub async fn order(args: OrderArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 }
 
 /// Prints what was done, as text or as JSON.
-pub(super) fn done(as_json: bool, text: &str, object: Value) -> miette::Result<()> {
+fn done(as_json: bool, text: &str, object: Value) -> miette::Result<()> {
     if as_json {
         return out::json(&object);
     }

@@ -1,9 +1,8 @@
-//! Lists as people have them: from spreadsheets and from the tools of controllers, with their words and their encodings.
+//! Reader of I/O lists exported by spreadsheets and PLC tools: column names, separators, encodings.
 
 use linewright_line::{IO_COLUMNS, IoRow, RowProblem, suggestion};
 
-/// Other words for the columns, in the order of [`IO_COLUMNS`], in small letters: those of TIA Portal and STEP 7, in English
-/// and German, and what spreadsheets have.
+/// Alternative column names, in the order of [`IO_COLUMNS`], in lower case: TIA Portal and STEP 7, English and German.
 const WORDS: [&[&str]; IO_COLUMNS.len()] = [
     &["symbol", "tag", "tag name", "signal", "variable", "variable name", "variablenname"],
     &["logical address", "operand", "adresse", "logische adresse"],
@@ -99,7 +98,9 @@ pub fn rows(text: &str, is_counted_through: bool) -> Result<Vec<IoRow>, Vec<RowP
     let at: [Option<usize>; IO_COLUMNS.len()] = std::array::from_fn(|nth| column(nth, &headers, &mut problems));
     let needed = if is_counted_through { 2 } else { 3 };
     let missing = (0..needed).filter(|&nth| at[nth].is_none()).map(|nth| missing(nth, &headers));
-    problems.extend(missing.filter(|_| problems.is_empty()).collect::<Vec<_>>());
+    if problems.is_empty() {
+        problems.extend(missing);
+    }
     if !problems.is_empty() {
         return Err(problems);
     }

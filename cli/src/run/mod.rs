@@ -150,9 +150,16 @@ struct Session {
     said: Option<Instant>,
     /// Time of the next message that names what a stop waits for.
     stop_said_at: Instant,
-    /// Cycles and mode, and since when they are so.
-    progress: ((usize, Option<u8>), Instant),
+    progress: RunProgress,
     patience: Duration,
+}
+
+/// Progress of a run.
+struct RunProgress {
+    cycles: usize,
+    mode: Option<u8>,
+    /// Time of the last change.
+    since: Instant,
 }
 
 impl Session {
@@ -207,7 +214,7 @@ impl Session {
             mode_text: String::new(),
             said: None,
             stop_said_at: Instant::now(),
-            progress: ((0, None), Instant::now()),
+            progress: RunProgress { cycles: 0, mode: None, since: Instant::now() },
             patience: Duration::from_secs_f64(args.patience.unwrap_or_else(|| (works * 4.0).max(30.0)).clamp(0.1, 1e6)),
             line: line.clone(),
         })
@@ -361,7 +368,7 @@ impl Session {
                 StationState::MODE_STANDBY if !self.no_auto && self.all_ready() => self.say("auto"),
                 StationState::MODE_AUTO if state.enabled => {
                     self.tally.begin(&state.header);
-                    self.progress.1 = Instant::now();
+                    self.progress.since = Instant::now();
                     self.phase = RunPhase::Running;
                 }
                 _ => {}
@@ -373,18 +380,19 @@ impl Session {
 
     /// Nothing to do now, within a limit of time that each change of the mode renews.
     fn wait(&mut self) -> miette::Result<bool> {
-        let ((cycles, mode), _) = self.progress;
-        let now = (self.tally.cycles(), self.client.coordinator().map(|state| state.mode).or(mode));
-        if now != (cycles, mode) {
-            self.progress = (now, Instant::now());
+        let before = self.progress.mode;
+        let cycles = self.tally.cycles();
+        let mode = self.client.coordinator().map(|state| state.mode).or(before);
+        if (cycles, mode) != (self.progress.cycles, before) {
+            self.progress = RunProgress { cycles, mode, since: Instant::now() };
         }
         let limit = self.patience.as_secs_f64();
-        let has_left_auto = self.phase == RunPhase::Running && now.1 != Some(StationState::MODE_AUTO);
-        if has_left_auto && mode == Some(StationState::MODE_AUTO) && self.ends() {
+        let has_left_auto = self.phase == RunPhase::Running && mode != Some(StationState::MODE_AUTO);
+        if has_left_auto && before == Some(StationState::MODE_AUTO) && self.ends() {
             let ends = format!("without a change of the mode the run ends in {limit:.0} s");
             self.note(format!("auto ended: {}. Recover the line and give auto; {ends}", self.why()));
         }
-        let went_on = self.cell.as_ref().map_or(self.progress.1, |cell| self.progress.1.max(cell.since()));
+        let went_on = self.cell.as_ref().map_or(self.progress.since, |cell| self.progress.since.max(cell.since()));
         if self.ends() && went_on.elapsed() > self.patience {
             if has_left_auto {
                 return Err(miette!("auto ended, and was not given again within {limit:.0} s: {}", self.why()));

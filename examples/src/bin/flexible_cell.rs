@@ -4,17 +4,13 @@
 
 use std::error::Error;
 use std::sync::Arc;
-use std::time::Duration;
 
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::RecordKind;
-use linewright_coordinator_cell::compile::{OrderTiming, compile_cell, dispatcher};
+use linewright_coordinator_cell::compile::{compile_cell, dispatcher};
 use linewright_coordinator_cell::texts::named;
 use linewright_line::Tick;
-use linewright_simulation::cell::{CellSim, CellSimOptions};
-
-/// Orders are repeated after this time and given up after that; nothing is lost here.
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(10), grace: Duration::from_secs(10) };
+use linewright_simulation::cell::{CellSim, CellSimOptions, UNCHANGED, UNDISTURBED};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let line = linewright_line::parse("line.toml", include_str!("../../../launch-config/lines/workcell-c1/line.toml"))
@@ -28,13 +24,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     .map_err(|problems| format!("{problems:?}"))?
     .cell;
     let batch = vec![3; cell.part_types.len()];
-    let played = compile_cell(&cell, Some(&line), Supply::Batch(&batch), PACE)?;
+    let played = compile_cell(&cell, Some(&line), Supply::Batch(&batch), UNDISTURBED)?;
     let table = Arc::new(played.table.clone());
     let mut rules = dispatcher(&cell, &table);
     let mut sim = CellSim::new(
         table,
         line.stations.len(),
-        CellSimOptions { period: Duration::from_secs(3600), ..CellSimOptions::default() },
+        CellSimOptions { period: UNCHANGED, ..CellSimOptions::default() },
     );
     sim.run(&mut rules, Tick::NEVER);
     for record in &sim.log {

@@ -87,15 +87,18 @@ impl SourceCode for Excerpt {
             0 => (self.line - 1, self.column - 1),
             _ => (self.lines_before + found.line(), found.column()),
         };
-        Ok(Box::new(MietteSpanContents::new_named(
-            self.file_name.clone(),
-            found.data(),
-            *found.span(),
-            line,
-            column,
-            found.line_count(),
-        )))
+        Ok(named(&self.file_name, &*found, (line, column), found.line_count()))
     }
+}
+
+/// Found lines, with the file's name and where they begin in it.
+fn named<'a>(
+    file: &str,
+    found: &(dyn SpanContents<'a> + 'a),
+    (line, column): (usize, usize),
+    lines: usize,
+) -> Box<dyn SpanContents<'a> + 'a> {
+    Box::new(MietteSpanContents::new_named(file.to_owned(), found.data(), *found.span(), line, column, lines))
 }
 
 /// A whole text, to be drawn around each of the places that take part in a problem.
@@ -116,7 +119,6 @@ impl SourceCode for WholeText {
         // `miette` counts these lines from the beginning of the text. It would take places far apart for neighbours, and draw
         // every line between them.
         let lines = found.line_count().saturating_sub(found.line());
-        let (data, line, column) = (found.data(), found.line(), found.column());
-        Ok(Box::new(MietteSpanContents::new_named(self.file_name.clone(), data, *found.span(), line, column, lines)))
+        Ok(named(&self.file_name, &*found, (found.line(), found.column()), lines))
     }
 }

@@ -6,7 +6,7 @@ use std::pin::Pin;
 use std::time::Duration;
 
 use linewright_line::Table;
-use linewright_plant::{ModbusRequest, ModbusResponse};
+use linewright_plant::{FaultWrite, ModbusRequest, ModbusResponse};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinHandle;
@@ -34,7 +34,7 @@ pub enum Asked {
     /// A request to the device at this address and unit.
     Request { at: (String, u8), request: ModbusRequest, reply: oneshot::Sender<Option<Result<ModbusResponse, u8>>> },
     /// A fault for the device of this name: an object of a simulated CANopen device, and a number.
-    Fault { at: (String, u8), device: String, fault: ((u16, u8), u32), reply: oneshot::Sender<Option<Result<(), u8>>> },
+    Fault { at: (String, u8), device: String, fault: FaultWrite, reply: oneshot::Sender<Option<Result<(), u8>>> },
 }
 
 /// The servers of a rack. They end with this.
@@ -136,11 +136,8 @@ async fn answered<T>(
     answer.await.ok().flatten().transpose().map_err(ExceptionCode::new)
 }
 
-/// A fault as it is written: index and subindex of its object, and the value.
-type WrittenFault = ((u16, u8), u32);
-
 /// The device's name, and the fault in the data of function 65.
-fn fault_of(data: &[u8]) -> Option<(String, WrittenFault)> {
+fn fault_of(data: &[u8]) -> Option<(String, FaultWrite)> {
     let (object, device) = data.split_first_chunk::<7>()?;
     let [index @ .., sub, a, b, c, d] = *object;
     let fault = ((u16::from_be_bytes(index), sub), u32::from_be_bytes([a, b, c, d]));

@@ -23,9 +23,10 @@
 //! [`Controller::rejoin`]. Until then the station's position is lost, and nothing of it moves: from where the index began it
 //! would have to, and from the next place it must not.
 
+use std::time::Duration;
+
 use linewright_line::net::{StationPlace, TransitionKind};
 use linewright_line::{InputId, OpId};
-use std::time::Duration;
 
 use crate::controller::{Controller, NO_DELAY};
 use crate::event::StopCause;
@@ -51,15 +52,16 @@ impl Controller {
         let token = self.marking.tokens[index];
         let table = &self.program.places[usize::from(token.place)];
         if table.turns == 0 {
-            let off = self.rest_off(&token) & self.program.index_switches;
+            if !self.claims_rest(&token) {
+                return;
+            }
+            let off = table.rest & !self.image.bits & self.program.index_switches;
             if off != 0
                 && let Some(left) = self.program.places.iter().find(|place| place.turns & off != 0)
             {
                 self.doubt(left.place.op);
             }
-            if self.claims_rest(&token) {
-                self.follow_place();
-            }
+            self.follow_place();
             return;
         }
         let (op, credit) = (table.place.op, table.least.saturating_sub(self.stale));

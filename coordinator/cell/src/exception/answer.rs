@@ -65,7 +65,6 @@ impl Coordination {
         let ruling =
             self.rulings(alarm).into_iter().find(|ruling| ruling.word == word).ok_or(AlarmAnswerRefusal::NoSuchWord)?;
         let handling = self.state.table().handling();
-        let fresh = |station| self.watch.fresh(station, now, handling.stale);
         if let Some(station) = self.moving(now, firing) {
             return Err(AlarmAnswerRefusal::Moves(station));
         }
@@ -73,7 +72,7 @@ impl Coordination {
         let carrier = handling.mode(firing.mode).carrier;
         let carrier = carrier.filter(|&of| !self.has_parts(of) && !self.is_in_use(of, Some(id)));
         let sensed = carrier.and_then(|id| Some((id, handling.resource(id).filter(|of| of.is_sensed)?.station?)));
-        let presence = sensed.and_then(|(id, station)| Some((id, fresh(station)?.presence)));
+        let presence = sensed.and_then(|(id, station)| Some((id, self.fresh(now, station)?.presence)));
         match (presence, ruling.part) {
             (Some((id, Presence::On)), Whereabouts::From | Whereabouts::To | Whereabouts::Gone) => {
                 Err(AlarmAnswerRefusal::HasPart(id))
@@ -90,7 +89,7 @@ impl Coordination {
         // Where the part is of a station between two rests is decided when it is led on. And it may stand in a resource whose room
         // closing would give to others: until it stands at a rest the activity keeps all it has taken.
         let mut ordered = firing.orders.iter().map(|order| order.station);
-        if let Some(station) = ordered.find(|&station| fresh(station).is_some_and(|of| of.is_held)) {
+        if let Some(station) = ordered.find(|&station| self.fresh(now, station).is_some_and(|of| of.is_held)) {
             return Err(AlarmAnswerRefusal::NotAtRest(station));
         }
         match self.unheard(now, id) {
@@ -105,7 +104,7 @@ impl Coordination {
         let firing = self.state.firing(firing)?;
         let handling = self.state.table().handling();
         let mut silent =
-            firing.orders.iter().map(|order| order.station).filter(|&station| !self.is_fresh(now, station));
+            firing.orders.iter().map(|order| order.station).filter(|&station| self.fresh(now, station).is_none());
         silent.find_map(|station| {
             let its = |id: &ResourceId| handling.resources[id.index()].station == Some(station);
             let mut of: Vec<ResourceId> = handling.resource_ids().filter(its).collect();

@@ -68,8 +68,7 @@ impl Coordination {
     /// Whether a station has reported to be at an order of something that has failed, or of nothing. It has to stand
     /// before anything is concluded from where things are, and before it is given another one.
     pub(in super::super) fn moves(&self, now: Tick, station: StationId) -> bool {
-        let heard =
-            self.watch.fresh(station, now, self.state.table().handling().stale).filter(|heard| self.counts(heard));
+        let heard = self.fresh(now, station).filter(|heard| self.counts(heard));
         heard.and_then(|heard| heard.slot).is_some_and(|key| !self.is_waited_for(key))
     }
 
@@ -182,8 +181,7 @@ impl Coordination {
             Some(SecuredState::AtRest) | None => true,
         };
         // The last reports of all count: a station that has come up anew, or is not heard any more, may stand anywhere.
-        let stale = self.state.table().handling().stale;
-        let rests = |station| self.watch.fresh(station, now, stale).is_some_and(|heard| !heard.is_held);
+        let rests = |station| self.fresh(now, station).is_some_and(|heard| !heard.is_held);
         let all_at_rest = firing.orders.iter().all(|order| at_rest(order.key) && rests(order.station));
         let first = rule.filter(|rule| rule.is_automatic && all_at_rest).and_then(|rule| rule.answers.first());
         match first.filter(|first| answers.contains(first)) {
@@ -292,15 +290,15 @@ impl Coordination {
             }
         }
         // It may stand in any of them.
-        if firing.orders.iter().any(|order| !self.is_fresh(now, order.station)) {
+        if firing.orders.iter().any(|order| self.fresh(now, order.station).is_none()) {
             down.extend(handled.resources().map(|id| (id, OutOfServiceReason::Unheard(firing.id))));
         }
         down
     }
 
-    /// Whether a station is heard now.
-    pub(super) fn is_fresh(&self, now: Tick, station: StationId) -> bool {
-        self.watch.fresh(station, now, self.state.table().handling().stale).is_some()
+    /// A station's report, unless it is too old.
+    pub(super) fn fresh(&self, now: Tick, station: StationId) -> Option<&TaskReport> {
+        self.watch.fresh(station, now, self.state.table().handling().stale)
     }
 
     /// Whether another activity in progress has to do with a resource: then the number of its parts is uncertain.
@@ -379,8 +377,8 @@ impl Coordination {
     /// Last value of the sensor of a resource, if it has one.
     pub(super) fn presence(&self, id: ResourceId) -> Presence {
         let sensed = self.state.table().handling().resource(id).filter(|of| of.is_sensed);
-        let seen = sensed.and_then(|of| of.station).and_then(|station| self.watch.seen(station));
-        seen.map_or(Presence::NoSensor, |seen| seen.heard.presence)
+        let Some(station) = sensed.and_then(|of| of.station) else { return Presence::NoSensor };
+        self.watch.seen(station).map_or(Presence::Unread, |seen| seen.heard.presence)
     }
 
     /// Difference between the sensor of a resource and a model in which nothing is under way; none if they agree or the

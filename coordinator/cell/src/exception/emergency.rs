@@ -63,7 +63,7 @@ impl Coordination {
         if !self.state.exceptions().is_stopped(station) {
             return Some(AlarmAnswerRefusal::AlreadySo);
         }
-        match self.watch.fresh(station, now, self.state.table().handling().stale) {
+        match self.fresh(now, station) {
             None => Some(AlarmAnswerRefusal::NotHeard(station)),
             // It has not received the stop, or an activity that it works for has not failed yet: the station would be ordered
             // back, and would go once it is reset.

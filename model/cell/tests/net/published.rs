@@ -15,7 +15,7 @@ use linewright_nets::coloured::{
 
 use super::{mode, names};
 use linewright_testkit::cells::{ASSEMBLY, cell, edited};
-use linewright_testkit::published_cell::{self, Variant};
+use linewright_testkit::published_cell::{self, PublishedCellVariant};
 
 /// Places of the tokens, in terms that both nets have.
 type Class = BTreeMap<String, u32>;
@@ -151,7 +151,7 @@ fn the_generated_net_is_the_published_one() {
     assert_eq!(start, ["p1 m1", "p1 m2", "p2 r1"].map(|place| (place.to_owned(), 1)).into());
 
     for outside in [[1, 1, 1], [2, 2, 1]] {
-        let published = published_cell::cell(&Variant { outside, ..Variant::default() });
+        let published = published_cell::cell(&PublishedCellVariant { outside, ..PublishedCellVariant::default() });
         assert_eq!((published.transition_count(), published.place_count()), (7 + 2, 10 + 1));
         let there = seen(&published, source_cell, source_label);
         let here = seen(&ours(&outside), our_cell, our_label);

@@ -4,10 +4,10 @@ use linewright_nets::StateId;
 use linewright_nets::coloured::decide::{ClauseId, Decisions};
 use linewright_nets::coloured::{ColouredNet, Colours, explore, unfold};
 use linewright_testkit::coloured::{mode, names, play};
-use linewright_testkit::published_cell::{Variant, cell};
+use linewright_testkit::published_cell::{PublishedCellVariant, cell};
 
 fn waiting(waiting: [u32; 3]) -> ColouredNet {
-    cell(&Variant { waiting, ..Variant::default() })
+    cell(&PublishedCellVariant { waiting, ..PublishedCellVariant::default() })
 }
 
 /// L1490-1536: |T| = 7, |P| = 10, m₀(p1) = m1 + m2, m₀(p2) = r1, the rest 0. (L1500-1506 prints t5 twice and then t6.)
@@ -109,7 +109,7 @@ fn is_deadlock_scenario(net: &ColouredNet, marking: &linewright_nets::coloured::
 /// parts outside are a bounded stand-in for an endless supply.
 #[test]
 fn the_reservation_is_what_prevents_the_deadlock() {
-    let variant = Variant { outside: [2, 2, 1], ..Variant::default() };
+    let variant = PublishedCellVariant { outside: [2, 2, 1], ..PublishedCellVariant::default() };
     let net = cell(&variant);
     let safe = explore(&net, 1_000_000).unwrap();
     assert!(!safe.numbers().any(|state| is_deadlock_scenario(&net, safe.marking(state))));
@@ -123,7 +123,7 @@ fn the_reservation_is_what_prevents_the_deadlock() {
     assert_eq!(m, [1; 4]);
     assert!((0..net.cell_count()).all(|cell| net.cell(cell).place.0 >= 8 || safe.bound_of_cell(cell) <= 1));
 
-    let net = cell(&Variant { unreserved: true, ..variant });
+    let net = cell(&PublishedCellVariant { unreserved: true, ..variant });
     let unsafe_ = explore(&net, 1_000_000).unwrap();
     let scenario: Vec<StateId> =
         unsafe_.numbers().filter(|&state| is_deadlock_scenario(&net, unsafe_.marking(state))).collect();
@@ -143,7 +143,7 @@ fn the_reservation_is_what_prevents_the_deadlock() {
 #[test]
 fn the_unfolded_cell_says_the_same() {
     for unreserved in [false, true] {
-        let net = cell(&Variant { outside: [1, 1, 1], unreserved, ..Variant::default() });
+        let net = cell(&PublishedCellVariant { outside: [1, 1, 1], unreserved, ..PublishedCellVariant::default() });
         let direct = explore(&net, 100_000).unwrap();
         for colours in [Colours::All, Colours::Reachable] {
             let unfolded = unfold(&net, colours, 10_000).unwrap();

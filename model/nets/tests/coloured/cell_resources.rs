@@ -10,7 +10,7 @@ use linewright_nets::coloured::{
 };
 
 use super::names;
-use linewright_testkit::published_cell::{Variant, cell, transitions, work_plan};
+use linewright_testkit::published_cell::{PublishedCellVariant, cell, transitions, work_plan};
 
 /// Robot 1: free, or on one of its two ways, loading or unloading.
 fn robot() -> ColouredNet {
@@ -91,7 +91,7 @@ fn the_supports_of_the_resources_are_the_printed_ones() {
 /// Proposition 13 (L1948-1962): the path of a part through the cell is made of the paths of its resources.
 #[test]
 fn the_support_of_a_part_in_the_cell_is_all_of_it() {
-    let net = cell(&Variant { outside: [1, 1, 1], ..Variant::default() });
+    let net = cell(&PublishedCellVariant { outside: [1, 1, 1], ..PublishedCellVariant::default() });
     let unfolded = unfold(&net, Colours::Reachable, 1000).unwrap();
     let flows = TransitionFlow::minimal(&unfolded, &Default::default()).unwrap();
     assert_eq!(flows.len(), 3, "one for each kind of part");
@@ -124,7 +124,7 @@ fn the_fused_resources_are_the_cell() {
     let fused = fuse("cell", &nets, &fusions).unwrap();
     assert_eq!((fused.transition_count(), fused.place_count()), (9, 5 + 7 + 3));
 
-    let whole = cell(&Variant { outside, ..Variant::default() });
+    let whole = cell(&PublishedCellVariant { outside, ..PublishedCellVariant::default() });
     let (a, b) = (explore(&fused, 100_000).unwrap(), explore(&whole, 100_000).unwrap());
     assert_eq!((a.states().len(), a.steps().len()), (b.states().len(), b.steps().len()));
 
