@@ -86,7 +86,7 @@ enum CliCommand {
     Rejoin(operate::RejoinArgs),
     /// Make a simulated mechanism or device fail, or clear it.
     Fail(can::FailArgs),
-    /// Order parts of a running cell, see what is on order, cancel or withdraw.
+    /// Submit, list, cancel or withdraw production orders of a running cell.
     Order(cell::OrderArgs),
     /// Ask why a line, a part, a production order or a resource does not go on.
     Why(cell::WhyArgs),

@@ -18,7 +18,7 @@ use crate::out::{self, say};
 /// How long to wait for a cell to be heard.
 pub(super) const CONNECT: Duration = Duration::from_secs(5);
 
-/// Order parts of a running cell, see what is on order, cancel or withdraw.
+/// Submit, list, cancel or withdraw production orders of a running cell.
 #[derive(Debug, Args)]
 pub struct OrderArgs {
     /// The cell's directory.
@@ -32,16 +32,16 @@ pub struct OrderArgs {
 
 #[derive(Debug, Subcommand)]
 enum OrderOperation {
-    /// Put something on order.
+    /// Submit a production order.
     Submit(Submit),
-    /// Show what is on order; the same as no word at all.
+    /// List the production orders; the default without a subcommand.
     List,
-    /// Let nothing more of an order enter; what is inside is finished.
+    /// Cancel a production order: no more of its parts enter; parts inside are finished.
     Cancel {
         /// The order's name.
         name: String,
     },
-    /// Make an order of which nothing has entered as if it had never been.
+    /// Withdraw a production order of which no part has entered: no report counts it.
     Withdraw {
         /// The order's name.
         name: String,
@@ -181,7 +181,7 @@ fn list(state: &CellState) -> String {
         if state.starting { "activities may start" } else { "nothing starts: the cell is not in auto" }
     )];
     if orders.is_empty() {
-        lines.push("nothing is on order".to_owned());
+        lines.push("no production orders".to_owned());
     }
     let width = |of: fn(&ProductionState) -> usize| orders.iter().map(of).max().unwrap_or(0);
     let (names, products) = (width(|order| order.name.chars().count()), width(|order| order.product.chars().count()));

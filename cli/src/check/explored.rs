@@ -7,7 +7,7 @@ use linewright_proof::explore::{
     Grants, LimitReached, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits,
     Verdict, explore,
 };
-use linewright_proof::parts::{SubLine, cyclic, on_order, parts, smallest_parts};
+use linewright_proof::parts::{SubLine, cyclic, parts, smallest_parts, task_driven};
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
@@ -202,7 +202,7 @@ impl ExploreOptions {
             // Any orders are given there, so nothing keeps tasks apart.
             return self.together(&line.without_conflicts_of_tasks());
         }
-        let alone = on_order(line);
+        let alone = task_driven(line);
         if alone.is_empty() {
             return self.together(line);
         }

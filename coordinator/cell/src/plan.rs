@@ -28,7 +28,7 @@ pub struct PlayPlan {
     pub grace: Duration,
 }
 
-/// Something that is made on order.
+/// Part type that production orders can name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Product {
     /// Its name in production orders.

@@ -303,7 +303,7 @@ impl Coordination {
         let changed = changes.iter().filter_map(ProductionChange::order).collect();
         changes.into_iter().for_each(|change| self.write(now, RecordKind::Production { change }, out));
         Ok(match command {
-            // Those that were on order already are an answer as well.
+            // The reply has those that existed already, too.
             ProductionCommand::Submit(requests) => {
                 let production = self.state.production();
                 requests.iter().filter_map(|request| production.by_key(request.key)).map(|order| order.id).collect()

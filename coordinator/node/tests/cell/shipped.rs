@@ -36,8 +36,8 @@ pub fn paced(name: &str, parts: &[u32], pace: OrderTiming) -> Shipped {
     supplied(name, Supply::Batch(parts), parts.iter().sum(), pace)
 }
 
-/// A cell with this number of parts in all, on order.
-pub fn on_order(name: &str, parts: u32) -> Shipped {
+/// A cell with production orders for this number of parts in all.
+pub fn with_production_orders(name: &str, parts: u32) -> Shipped {
     supplied(name, Supply::Open, parts, PACE)
 }
 

@@ -102,7 +102,7 @@ keys! {
     pub(in crate::parse) struct RawSpan is "a state of a conflict" {
         /// The station.
         station: Option<LocatedName> = text().required(),
-        /// Of a station on order, instead of `from` and `until`: the task, from its start to its end.
+        /// Of a task-driven station, instead of `from` and `until`: the task, from its start to its end.
         task: Option<LocatedName> = text(),
         /// The operation with whose start the state begins.
         from: Option<LocatedName> = text().missed(KeyPresence::Unless(&["task"])),
@@ -262,7 +262,7 @@ fn complete(span: Option<RawSpan>, report: &mut Report) -> Option<RawSpan> {
         ),
         (None, None, None) => Some(
             Problem::error(at(), "a state of a conflict needs `from` and `until`, or `task`")
-                .hint("the first and the last operation of a stretch of the cycle; of a station on order, a task"),
+                .hint("the first and the last operation of a stretch of the cycle; of a task-driven station, a task"),
         ),
         (None, None, Some(_)) => Some(Problem::error(at(), "a state of a conflict needs `from`")),
         (None, Some(_), None) => Some(Problem::error(at(), "a state of a conflict needs `until`")),

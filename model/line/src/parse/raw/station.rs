@@ -1,4 +1,4 @@
-//! A station's table and its operations; what it does on order.
+//! A station's table, its operations and its tasks.
 
 use std::time::Duration;
 
@@ -31,16 +31,17 @@ keys! {
         parameters: Named<Located<Scalar>> = scalars(TYPE_PARAMETERS_MAX).or_default().like(parameters),
         /// What people call the station; the name if left out.
         title: Option<LocatedName> = text(),
-        /// The operation that brings the station to its home position. A station on order has tasks and rests instead.
+        /// The operation that brings the station to its home position. A task-driven station has tasks and rests instead.
         home: Option<LocatedName> = text().required_unless(&["task", "type"]),
         /// CAN interface (`"can1"`) of a bus of the station's own; left out, its devices hang on the coordinator's bus.
         bus: Option<LocatedName> = text(),
         /// The mechanisms, each with its position at home, in mm or degrees: `{ vertical = 0.0, horizontal = 0.0 }`. At
         /// most 64.
         axes: Vec<(LocatedName, f64)> = coordinates(AXES_MAX).required_unless(&["type"]).or_default(),
-        /// Of a station on order: positions of the whole station in which it rests, the first one being home. At most 8.
+        /// Of a task-driven station: positions of the whole station in which it rests, the first one being home. At
+        /// most 8.
         rests as "rest": Vec<RawRest> = tables(RESTS_MAX),
-        /// What the station does on order, instead of going round a cycle. At most 16.
+        /// Tasks of a task-driven station, which goes round no cycle. At most 16.
         tasks as "task": Vec<RawTask> = tables(TASKS_MAX),
         /// Where parts can be in this station, for the simulated plant. At most 1000.
         holders as "holder": Vec<RawHolder> = tables(HOLDERS_MAX),
@@ -60,7 +61,7 @@ keys! {
         positions as "at": Vec<(LocatedName, f64)> = coordinates(AXES_MAX).or_default(),
     }
 
-    /// What a station does on order: its operations lead from one rest to another, or to the same.
+    /// A task of a task-driven station: its operations lead from one rest to another, or to the same.
     pub(in crate::parse) struct RawTask is "a task" {
         /// Numbers that come with the order, at most 8, each with the outputs that carry it, the lowest bit first, at most
         /// 31: `{ program = ["prog_1", "prog_2"] }`.
@@ -110,11 +111,11 @@ keys! {
         recovery_path: Option<Located<Vec<LocatedName>>> = texts(OPERATIONS_MAX),
         /// The operation listed directly before, to run side by side with it.
         with: Option<LocatedName> = text(),
-        /// Of a station on order: the task it belongs to.
+        /// Of a task-driven station: the task it belongs to.
         task: Option<LocatedName> = text(),
-        /// Of a station on order: inputs that must be on before the motion starts, at most 16.
+        /// Of a task-driven station: inputs that must be on before the motion starts, at most 16.
         waits: Option<Located<Vec<LocatedName>>> = texts(WAITS_MAX),
-        /// Of a station on order: 1 to 999, how an order ends whose time runs out while the operation waits.
+        /// Of a task-driven station: 1 to 999, how an order ends whose time runs out while the operation waits.
         waits_code: Option<Located<i64>> = whole(1, CODE_MAX.into()),
     }
 
