@@ -84,7 +84,7 @@ fn of_cell(args: &Args, cell: &linewright_cell::Cell) -> miette::Result<()> {
         write(args, name, long.net())?;
     }
     // Without reservations the cell is not played, and needs no recovery net.
-    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let pace = OrderTiming { repeat_interval: Duration::from_secs(1), grace: Duration::from_secs(1) };
     let Ok(made) = compile_cell(cell, None, Supply::Open, pace) else { return Ok(()) };
     let recovery = recovery_net(&format!("{} with what fails", cell.name), &made.table).map_err(|errors| {
         let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();

@@ -162,7 +162,7 @@ impl World {
         let line = parse("line.toml", LINE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let cell =
             linewright_cell::parse("cell.toml", CELL, Some(&line)).unwrap_or_else(|problems| panic!("{problems:#}"));
-        let pace = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+        let pace = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
         let made =
             compile_cell(&cell.cell, Some(&line), Supply::Closed(&[parts]), pace).unwrap_or_else(|why| panic!("{why}"));
         let mut out = Says::default();

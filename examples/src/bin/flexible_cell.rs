@@ -14,7 +14,7 @@ use linewright_line::Tick;
 use linewright_simulation::cell::{CellSim, CellSimOptions};
 
 /// Orders are repeated after this time and given up after that; nothing is lost here.
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(10), grace: Duration::from_secs(10) };
+const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_secs(10), grace: Duration::from_secs(10) };
 
 fn main() -> Result<(), Box<dyn Error>> {
     let line = linewright_line::parse("line.toml", include_str!("../../../launch-config/lines/workcell-c1/line.toml"))

@@ -65,7 +65,7 @@ impl Coordination {
         let ruling =
             self.rulings(alarm).into_iter().find(|ruling| ruling.word == word).ok_or(AlarmAnswerRefusal::NoSuchWord)?;
         let handling = self.state.table().handling();
-        let fresh = |station| self.watch.fresh(station, now, handling.stale);
+        let fresh = |station| self.watch.fresh(station, now, handling.lost_after);
         if let Some(station) = self.moving(now, firing) {
             return Err(AlarmAnswerRefusal::Moves(station));
         }

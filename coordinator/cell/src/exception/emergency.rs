@@ -63,7 +63,7 @@ impl Coordination {
         if !self.state.exceptions().is_stopped(station) {
             return Some(AlarmAnswerRefusal::AlreadySo);
         }
-        match self.watch.fresh(station, now, self.state.table().handling().stale) {
+        match self.watch.fresh(station, now, self.state.table().handling().lost_after) {
             None => Some(AlarmAnswerRefusal::NotHeard(station)),
             // It has not received the stop, or an activity that it works for has not failed yet: the station would be ordered
             // back, and would go once it is reset.
@@ -83,7 +83,7 @@ impl Coordination {
         if self.state.exceptions().is_stopped(station) {
             return Some(AlarmAnswerRefusal::EmergencyStop(station));
         }
-        self.watch.objection(station, now, self.state.table().handling().stale)
+        self.watch.objection(station, now, self.state.table().handling().lost_after)
     }
 
     /// Whether a station that was received in this life can be given an order.

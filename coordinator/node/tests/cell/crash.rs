@@ -238,7 +238,7 @@ fn production_orders_are_made_once_whichever_step_the_coordinator_is_killed_at()
 #[test]
 fn where_messages_are_slow_only_limits_leave_something_unfinished() {
     let mut rng = Rng::new(8);
-    let pace = compile::OrderTiming { refresh: Duration::from_millis(500), ..shipped::PACE };
+    let pace = compile::OrderTiming { repeat_interval: Duration::from_millis(500), ..shipped::PACE };
     let mut late = 0;
     for (name, parts) in [("assembly-cell", &[2, 2, 1][..]), ("workcell-c1", &[3, 3])] {
         let of = shipped::paced(name, parts, pace);

@@ -12,7 +12,8 @@ use linewright_coordinator_cell::{CellTable, OrderKey, PartId};
 use linewright_simulation::cell::CellSim;
 use tempfile::TempDir;
 
-pub const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+pub const PACE: OrderTiming =
+    OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
 /// A cell and a production of it.
 pub struct Shipped {
