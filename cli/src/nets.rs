@@ -29,10 +29,10 @@ const NODES_MAX: usize = 1_000_000;
 pub struct Args {
     /// The directory of a line or a cell, or its description file.
     line: PathBuf,
-    /// Where to write them; made if it is not there. Files of the same names are written over.
+    /// Directory to write to; created if missing. Files of the same names are overwritten.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How to write them.
+    /// Format of the files.
     #[arg(long, value_enum, default_value_t = NetFormat::Pnml)]
     format: NetFormat,
 }
