@@ -41,7 +41,7 @@ enum OrderOperation {
         /// The order's name.
         name: String,
     },
-    /// Withdraw a production order of which no part has entered: no report counts it.
+    /// Withdraw a production order of which no part has entered; its name is free again.
     Withdraw {
         /// The order's name.
         name: String,

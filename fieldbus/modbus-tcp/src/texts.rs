@@ -56,6 +56,15 @@ mod tests {
             LastOrderTrouble::Unanswered => LastOrderTrouble::Unanswered;
         });
         let text = |trouble: &LastOrderTrouble| trouble.text_of("10.0.0.7:502 unit 1");
-        insta::assert_snapshot!(listed("last orders", &troubles, text), @"");
+        let listed = listed("last orders", &troubles, text);
+        let expected = "last orders
+  Unsent: Modbus device 10.0.0.7:502 unit 1 was not sent the order to turn its outputs off; they may be on
+  Gone: Modbus device 10.0.0.7:502 unit 1 ended the connection before it answered the order to turn its outputs off; \
+they may be on
+  Refused: Modbus device 10.0.0.7:502 unit 1 refuses the order to turn its outputs off: device failure (exception 4); \
+they may be on
+  Unanswered: Modbus device 10.0.0.7:502 unit 1 has not answered the order to turn its outputs off; they may be on
+";
+        assert_eq!(listed, expected);
     }
 }

@@ -56,7 +56,7 @@ pub(super) enum DistributionKind {
 pub enum FailureClock {
     /// All time in which it is not down.
     Calendar,
-    /// The time in which its station works on orders.
+    /// The time in which its station has a task order.
     Operating,
 }
 
