@@ -34,17 +34,17 @@ enum IoCommand {
         /// The directory of a line, or its description file.
         line: PathBuf,
     },
-    /// Put a list into the description: where each signal is, and comments. Shows what is different.
+    /// Put the addresses and comments of a list into the description, and show the differences.
     Import {
         /// The directory of a line, or its description file.
         line: PathBuf,
-        /// The list: CSV with columns name, address and device; station and comment may be there.
+        /// CSV file with columns name, address and device, optionally station and comment.
         list: PathBuf,
-        /// Where a device begins in a list counted through a whole controller, as in `drill io=%I4,%Q2`, or `drill io=4` for
-        /// both; repeat it for each device.
+        /// First address of a device in a list with the addresses of a whole controller, as `drill io=%I4,%Q2`, or
+        /// `drill io=4` for both; repeat it for each device.
         #[arg(long, value_name = "DEVICE=ADDRESS", value_parser = DeviceBegin::read)]
         begin: Vec<DeviceBegin>,
-        /// Only show what would be different.
+        /// Show the differences without writing.
         #[arg(long)]
         dry_run: bool,
     },

@@ -54,8 +54,7 @@ struct Cli {
 enum CliCommand {
     /// Write the description of a new line or cell.
     New(new::Args),
-    /// Check a description: text, structure, everything its controllers can do together; and of a cell, whether parts get
-    /// stuck.
+    /// Check a description: text, structure, and all behaviour of its controllers together; of a cell also deadlocks.
     Check(check::Args),
     /// Print the description of a line with every station of a type written out.
     Expand(expand::Args),
@@ -65,10 +64,10 @@ enum CliCommand {
     Nets(nets::Args),
     /// Analyse a place/transition net: bounded, live, reversible, deadlocks, invariants.
     Analyse(analyse::Args),
-    /// Simulate a line by its own controllers, or a cell, in virtual time: bar chart, cycle time, faults; what to expect of a
-    /// cell.
+    /// Simulate a line by its own controllers, or a cell, in virtual time: bar chart, cycle time, faults; figures of a
+    /// cell with confidence intervals.
     Simulate(simulate::Args),
-    /// Report what a flexible cell has done, from its database: how busy and how down, times of parts, lateness of orders.
+    /// Report on a line or a flexible cell from its database: times of resources, times of parts, lateness of orders.
     Report(report::Args),
     /// Run a whole line on this machine, with simulated devices.
     Run(run::Args),
@@ -82,26 +81,26 @@ enum CliCommand {
     Mode(operate::ModeArgs),
     /// Hold hand-mode buttons, or a station's panel buttons, for a while.
     Press(operate::PressArgs),
-    /// Confirm where a station stands that has lost its memory: by its switches, or in a named operation.
+    /// Confirm the position of a station that has lost its memory: by its switches, or in a named operation.
     Rejoin(operate::RejoinArgs),
-    /// Make a simulated mechanism or device fail, or clear it.
+    /// Cause or clear a fault of a simulated mechanism or device.
     Fail(can::FailArgs),
-    /// Order parts of a running cell, see what is on order, cancel or withdraw.
+    /// Submit, list, cancel or withdraw production orders of a running cell.
     Order(cell::OrderArgs),
-    /// Ask why a line, a part, a production order or a resource does not go on.
+    /// Show why a line, a part, a production order or a resource does not go on.
     Why(cell::WhyArgs),
     /// Answer an alarm of a running cell, or show those that stand.
     Answer(cell::AnswerArgs),
-    /// Show which resources of a running cell are left out; give alarm of one, leave it out, count on it again,
-    /// or reset its station.
+    /// Show the resources of a running cell that are out of service; stop one, put it out of service or back, or reset
+    /// its station.
     Resource(cell::ResourceArgs),
     /// Show a line or a cell as it runs.
     Watch(watch::Args),
-    /// Look at a CAN bus and its CANopen nodes, and talk to them: scan, status, nmt, sdo, monitor, record, replay.
+    /// Inspect and command the nodes of a CAN bus: scan, status, nmt, sdo, monitor, record, replay.
     Can(can::CanArgs),
-    /// Print the JSON schema of a description, for editors: line or cell.
+    /// Print the JSON schema of a description, for editors: line, cell or scenario.
     Schema(schema::Args),
-    /// Print what a shell needs to complete this command: bash, elvish, fish, powershell or zsh.
+    /// Print the completion script of a shell: bash, elvish, fish, powershell or zsh.
     Completions(shell::CompletionsArgs),
     /// Write the manual pages of this command into a directory.
     Man(shell::ManArgs),

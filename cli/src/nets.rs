@@ -29,10 +29,10 @@ const NODES_MAX: usize = 1_000_000;
 pub struct Args {
     /// The directory of a line or a cell, or its description file.
     line: PathBuf,
-    /// Where to write them; made if it is not there. Files of the same names are written over.
+    /// Directory to write to; created if missing. Files of the same names are overwritten.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How to write them.
+    /// Format of the files.
     #[arg(long, value_enum, default_value_t = NetFormat::Pnml)]
     format: NetFormat,
 }
@@ -84,7 +84,7 @@ fn of_cell(args: &Args, cell: &linewright_cell::Cell) -> miette::Result<()> {
         write(args, name, long.net())?;
     }
     // Without reservations the cell is not played, and needs no recovery net.
-    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let pace = OrderTiming { repeat_interval: Duration::from_secs(1), grace: Duration::from_secs(1) };
     let Ok(made) = compile_cell(cell, None, Supply::Open, pace) else { return Ok(()) };
     let recovery = recovery_net(&format!("{} with what fails", cell.name), &made.table).map_err(|errors| {
         let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();

@@ -17,14 +17,14 @@ use crate::load;
 pub struct Common {
     /// The line's directory, or its description file.
     pub line: PathBuf,
-    /// Keep the journal in this directory, and go on from it after a restart.
+    /// Directory of the journal, from which the node goes on after a restart.
     #[arg(long)]
     pub state_dir: Option<PathBuf>,
     /// Use a virtual bus, between processes of this machine, where there is no CAN interface of a bus's name. Without this a
     /// missing interface is an error.
     #[arg(long)]
     virtual_bus: bool,
-    /// End when standard input ends: for a supervisor whose death must not leave nodes behind.
+    /// End when standard input ends, so that no node outlives its supervisor.
     #[arg(long, hide = true)]
     pub end_with_stdin: bool,
 }
@@ -41,7 +41,7 @@ impl Common {
 pub struct StationArgs {
     #[command(flatten)]
     common: Common,
-    /// The station's name; repeat it to host several stations in this process.
+    /// Name of the station; repeat it to host several in this process.
     #[arg(long = "station", required = true)]
     stations: Vec<String>,
 }

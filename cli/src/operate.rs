@@ -34,7 +34,7 @@ const REPEAT: Duration = Duration::from_millis(50);
 pub struct ModeArgs {
     /// The line's directory, or its description file.
     line: PathBuf,
-    /// start, stop, auto, hand, manual, estop or reset; none shows the mode.
+    /// Mode command: start, stop, auto, hand, manual, estop or reset [default: show the mode].
     command: Option<String>,
     /// With stop: return when nothing moves any more, at home or in stand-by. Manual follows from both.
     #[arg(long)]
@@ -98,13 +98,13 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 pub struct PressArgs {
     /// The line's directory, or its description file.
     line: PathBuf,
-    /// What to press.
+    /// Buttons to press.
     #[arg(required = true)]
     buttons: Vec<String>,
-    /// At this station's panel.
+    /// Station whose panel has the buttons.
     #[arg(long)]
     station: Option<String>,
-    /// How long to hold, in seconds.
+    /// Time to hold them, in seconds.
     #[arg(long = "for", default_value_t = 1.0)]
     seconds: f64,
     /// One JSON object on standard output.
@@ -259,7 +259,7 @@ pub struct RejoinArgs {
     line: PathBuf,
     /// The station.
     station: String,
-    /// The operation it was stopped in; where its switches fit the ends of several, the one that was done last.
+    /// Operation in which it was stopped; where its switches fit the ends of several, the one that was done last.
     #[arg(long, value_name = "OPERATION")]
     within: Option<String>,
 }

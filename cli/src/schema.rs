@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 #[command(after_help = "A description names its schema in its first line, by the path from itself:\n\
     #:schema line.schema.json")]
 pub struct Args {
-    /// Of which description.
+    /// Kind of the description.
     description: Description,
 }
 

@@ -17,7 +17,7 @@ use crate::Cli;
     zsh:   linewright completions zsh > a directory of $fpath, as _linewright\n\
     fish:  linewright completions fish > ~/.config/fish/completions/linewright.fish")]
 pub struct CompletionsArgs {
-    /// Which shell.
+    /// Shell.
     shell: Shell,
 }
 
@@ -33,7 +33,7 @@ pub fn completions(args: &CompletionsArgs) -> miette::Result<ExitCode> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "For example:  linewright man ~/.local/share/man/man1  and then  man linewright-check")]
 pub struct ManArgs {
-    /// Where to write them; made if it is not there.
+    /// Directory to write to; created if missing.
     dir: PathBuf,
 }
 

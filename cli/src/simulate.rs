@@ -36,51 +36,52 @@ const VARIATION_PERCENT: (f64, f64) = (0.0, 90.0);
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The line's directory, or its description; or a cell's.
+    /// Directory of a line or a cell, or its description file.
     line: PathBuf,
-    /// Of a cell: how many parts of which types to make, as A=3,B=2 [default: one of each].
+    /// Of a cell: number of parts of each type to make, as A=3,B=2 [default: one of each].
     #[arg(long, value_name = "TYPE=N", value_delimiter = ',', value_parser = cell::parts)]
     parts: Vec<(String, u32)>,
-    /// Of a cell: print everything that is decided, and why.
+    /// Of a cell: print every dispatch decision with its reason.
     #[arg(long)]
     why: bool,
-    /// Of a cell: look ahead and follow a schedule, as its description asks for, and not its rules alone.
+    /// Of a cell: use look-ahead and schedule as described, instead of the dispatching rules alone.
     #[arg(long)]
     planned: bool,
-    /// Of a cell: write everything that happens into a new database, for `linewright report`.
+    /// Of a cell: new database to record to, for `linewright report`.
     #[arg(long, value_name = "DB")]
     record: Option<PathBuf>,
-    /// Of a cell: how often to simulate it, each time with other chance [default: what the scenario says, or 1].
+    /// Of a cell: number of replications, each with random numbers of its own [default: that of the scenario, or 1].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=REPLICATIONS_MAX))]
     replications: Option<u32>,
-    /// Of a cell: as many replications as it takes until throughput and time in the cell are known so precisely, as 5%.
+    /// Of a cell: wanted half width of the confidence intervals of throughput and time in the cell, as 5%; as many
+    /// replications are made as it takes.
     #[arg(long, value_name = "PERCENT", value_parser = precision)]
     precision: Option<f64>,
-    /// Of a cell: how many replications are played at once [default: as many as there are processors]. The result is the same.
+    /// Of a cell: number of replications simulated at once [default: one for each processor]. The result does not
+    /// depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZero<u16>>,
-    /// Of a line: how many cycles to run [default: what the scenario says, or 3].
+    /// Of a line: number of cycles [default: that of the scenario, or 3].
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=CYCLES_MAX as u64))]
     cycles: Option<u64>,
-    /// What everything random follows from.
+    /// Seed of all random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// What is to be made, and what people and bad luck do meanwhile: a TOML file, see docs/simulate.md.
+    /// Scenario, a TOML file: orders, operators' actions and faults; see docs/simulate.md.
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
-    /// What a message between nodes takes, in milliseconds [default: of a line what the scenario says,
-    /// or 1; of a cell 0].
+    /// Delay of a message between nodes, in ms [default: of a line that of the scenario, or 1; of a cell 0].
     #[arg(long, value_name = "MS", value_parser = millis)]
     delay: Option<Duration>,
-    /// What it may take longer, drawn for each message, in milliseconds [default: of a line what the scenario
-    /// says, or 0; of a cell 0].
+    /// Greatest additional delay, random for each message, in ms [default: of a line that of the scenario, or 0; of a
+    /// cell 0].
     #[arg(long, value_name = "MS", value_parser = millis)]
     jitter: Option<Duration>,
-    /// How much longer or shorter than described a motion, or a station's task, may take, in percent [default: of a line
-    /// what the scenario says, or 0; of a cell 0].
+    /// Greatest random deviation of the duration of a motion, or of a station's task, from the description, in percent
+    /// [default: of a line that of the scenario, or 0; of a cell 0].
     #[arg(long, value_name = "PERCENT", value_parser = variation)]
     variation: Option<f64>,
-    /// Of a line: carry images in CAN frames and messages, through managers, devices and gateway, as on the machine. Slower.
+    /// Of a line: simulate CAN frames and messages through managers, devices and gateway, as on the machine. Slower.
     #[arg(long)]
     frames: bool,
     /// Print one JSON object instead of text.
@@ -89,7 +90,7 @@ pub struct Args {
     /// Of a line: write the bar chart as SVG.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Of a line: write everything that happened, a line of text each.
+    /// Of a line: write all events, one in each line of text.
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
 }

@@ -53,22 +53,6 @@ pub enum InputFault {
 impl InputFault {
     pub const ALL: [InputFault; 2] = [InputFault::StuckOn, InputFault::StuckOff];
 
-    /// The word for it, in scenarios and in `linewright fail`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            InputFault::StuckOn => "stuck-on",
-            InputFault::StuckOff => "stuck-off",
-        }
-    }
-
-    /// What happens, for people.
-    pub const fn about(self) -> &'static str {
-        match self {
-            InputFault::StuckOn => "The input stays on, whatever the machine does.",
-            InputFault::StuckOff => "The input stays off, whatever the machine does.",
-        }
-    }
-
     /// The value it is held at.
     pub const fn value(self) -> bool {
         matches!(self, InputFault::StuckOn)
@@ -86,9 +70,6 @@ pub type FaultWrite = ((u16, u8), u32);
 /// Writes to a simulated device. The order matters.
 pub type ObjectWrites = Vec<FaultWrite>;
 
-/// The word for the end of a fault, in scenarios and in `linewright fail`.
-pub const CLEAR_WORD: &str = "clear";
-
 /// Write that clears all faults of a device.
 pub const CLEAR: FaultWrite = ((FAULT_INDEX, 0), 0);
 
@@ -102,30 +83,6 @@ impl MotionFault {
         MotionFault::Miss,
         MotionFault::Drop,
     ];
-
-    /// The word for it, in scenarios and in `linewright fail`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            MotionFault::Stick => "stick",
-            MotionFault::Slip => "slip",
-            MotionFault::Break => "break",
-            MotionFault::SlipBack => "slip-back",
-            MotionFault::Miss => "miss",
-            MotionFault::Drop => "drop",
-        }
-    }
-
-    /// Effect of the fault, in words.
-    pub const fn about(self) -> &'static [&'static str] {
-        match self {
-            MotionFault::Stick => &["The mechanism does not move."],
-            MotionFault::Slip => &["It moves at a quarter of its speed."],
-            MotionFault::Break => &["It does not move, and its fault signal comes on."],
-            MotionFault::SlipBack => &["It moves the wrong way."],
-            MotionFault::Miss => &["It moves, but the gripper that it closes takes nothing."],
-            MotionFault::Drop => &["It moves, but the gripper that it has closed holds nothing fast."],
-        }
-    }
 
     /// The number it has in 5F00h.
     pub fn code(self) -> u32 {

@@ -20,6 +20,7 @@ mod mechanism;
 mod parts;
 mod plant;
 mod rack;
+mod texts;
 mod wire;
 
 pub use device::{
@@ -27,10 +28,11 @@ pub use device::{
     PlantEffect,
 };
 pub use fault::{
-    CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, FaultWrite, HOLD_INDEX, InputFault, MotionFault, ObjectWrites, PRESS_INDEX,
+    CLEAR, DeviceFault, FAULT_INDEX, FaultWrite, HOLD_INDEX, InputFault, MotionFault, ObjectWrites, PRESS_INDEX,
     SIMULATED, SIMULATED_INDEX, STUCK_INDEX, TROUBLE_INDEX,
 };
 pub use parts::{NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
 pub use plant::{Plant, PlantOptions};
 pub use rack::Rack;
+pub use texts::CLEAR_WORD;
 pub use wire::FrameFaults;

@@ -17,6 +17,7 @@ mod mechanisms;
 mod parts;
 mod rack;
 mod sync;
+mod texts;
 mod troubles;
 mod turning;
 mod wire;

@@ -4,7 +4,7 @@ use linewright_line::{HolderId, Line, OutputId, Owner, StationId, Tick, parse};
 use linewright_plant::{MotionFault, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, Plant, PlantOptions};
 use proptest::prelude::*;
 
-const TEXT: &str = include_str!("../../model/line/tests/descriptions/on_order.toml");
+const TEXT: &str = include_str!("../../model/line/tests/descriptions/task_driven.toml");
 const M1: StationId = StationId(0);
 const ROBOT: StationId = StationId(1);
 const PART: PartNo = PartNo(101);
@@ -18,7 +18,7 @@ struct Shop {
 
 impl Shop {
     fn new() -> Self {
-        let line = parse("on_order.toml", TEXT).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        let line = parse("task_driven.toml", TEXT).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         Shop { plant: Plant::new(&line, PlantOptions::default()), line, now: Tick::ZERO }
     }
 

@@ -197,8 +197,8 @@ fn divide(part: &mut Line, station: usize, sequences: &Option<Sequences>) {
     }
 }
 
-/// Each station that works on order, alone: nothing joins it to another, and its orders are arbitrary.
-pub fn on_order(line: &Line) -> Vec<SubLine> {
+/// Each task-driven station, alone: nothing joins it to another, and its orders are arbitrary.
+pub fn task_driven(line: &Line) -> Vec<SubLine> {
     let alone = |id| SubLine { stations: vec![id], conflicts: Vec::new(), line: part_of(line, &[id]) };
     line.station_ids().filter(|&id| line.station(id).is_task_driven()).map(alone).collect()
 }

@@ -1,4 +1,4 @@
-//! The token player and the real controllers of two stations on order: they are joined by messages alone, which may be
+//! The token player and the real controllers of two task-driven stations: they are joined by messages alone, which may be
 //! lost, doubled and late. Each task is done once for each activity, whatever is restarted.
 //!
 //! A robot loads and unloads one machine from a store. They see each other by their switches: the machine clamps when the
@@ -22,7 +22,7 @@ use linewright_station_logic::{
     Controller, HappeningKind, ModeOrder, NO_DELAY, Restore, StationInput, StationOutbox, TaskCommand,
 };
 
-const LINE: &str = include_str!("../../model/line/tests/descriptions/on_order.toml");
+const LINE: &str = include_str!("../../model/line/tests/descriptions/task_driven.toml");
 const CELL: &str = r#"
 name = "served"
 [cell]
@@ -162,7 +162,7 @@ impl World {
         let line = parse("line.toml", LINE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let cell =
             linewright_cell::parse("cell.toml", CELL, Some(&line)).unwrap_or_else(|problems| panic!("{problems:#}"));
-        let pace = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+        let pace = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
         let made =
             compile_cell(&cell.cell, Some(&line), Supply::Closed(&[parts]), pace).unwrap_or_else(|why| panic!("{why}"));
         let mut out = Says::default();

@@ -16,7 +16,7 @@ use linewright_proof::cell::{CellExploration, check};
 use linewright_proof::generate::{self, CellShape, Random};
 use linewright_simulation::cell::{CellSim, CellSimOptions, SimulatedOperator, StationSpeed as Takes};
 
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
 /// A generated cell that does not get stuck, its machines with sensors and orders for what they do.
 fn sound(seed: u64) -> Option<Cell> {
@@ -65,7 +65,7 @@ fn machines(text: &str) -> Vec<(String, String)> {
 fn played(cell: &Cell, parts: &[u32]) -> Arc<CellTable> {
     let table = compile_cell(cell, None, Supply::Batch(parts), PACE).expect("it can be played").table;
     let mut handling = table.handling().clone();
-    (handling.stale, handling.secure) = (Some(Duration::from_secs(3)), Duration::from_secs(8));
+    (handling.lost_after, handling.secure) = (Some(Duration::from_secs(3)), Duration::from_secs(8));
     Arc::new(table.with_handling(handling))
 }
 

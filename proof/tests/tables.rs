@@ -1,4 +1,4 @@
-//! The tables of stations that go round a cycle are, to the byte, what they were before stations could work on order.
+//! The tables of stations that go round a cycle are, to the byte, what they were before there were task-driven ones.
 //!
 //! `tables.txt` was written by the compiler of that time, of the shipped line and of fifty random ones. A change of it
 //! is a change of every controller there is: it needs a reason that has nothing to do with orders.
@@ -25,9 +25,9 @@ fn without(text: String, from: &str, until: &str) -> String {
 fn tables(of: &str, line: &Line, out: &mut Vec<String>) {
     for id in line.station_ids() {
         let program = Program::compile(line, id).expect("a sound station compiles");
-        // Parts that only stations on order have are at the end, and absent here; the second barrier stands beside
+        // Parts that only task-driven stations have are at the end, and absent here; the second barrier stands beside
         // these tables.
-        let words = without(format!("{program:?}"), ", interlocks: ", ", on_order").replace(", on_order: None", "");
+        let words = without(format!("{program:?}"), ", interlocks: ", ", tasks").replace(", tasks: None", "");
         // These types had other names.
         let renamed = [
             ("IncomingArrow {", "Cause {"),

@@ -176,8 +176,9 @@ mod tests {
 
     #[test]
     fn a_task_is_a_state_where_no_other_task_leads() {
-        let text = include_str!("../../model/line/tests/descriptions/on_order.toml");
-        let line = linewright_line::parse("on_order.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        let text = include_str!("../../model/line/tests/descriptions/task_driven.toml");
+        let line =
+            linewright_line::parse("task_driven.toml", text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let m1 = line.station(StationId(0));
         let of = |name: &str| {
             let task = m1.tasks.iter().find(|task| task.name == name).expect("it has it");

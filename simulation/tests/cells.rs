@@ -23,7 +23,7 @@ use linewright_plant::{MotionFault, PlantOptions};
 use linewright_simulation::Rng;
 use linewright_simulation::cell::{CellSim, CellSimOptions, ShopFloor};
 
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
 const LONG: Tick = Tick::from_millis(24 * 3_600_000);
 
 /// A cell, its line, and a production of so many parts of each type.

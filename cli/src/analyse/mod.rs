@@ -35,7 +35,7 @@ const MEGABYTES: usize = 1024;
 pub struct Args {
     /// The net, a PNML file.
     file: PathBuf,
-    /// Which net of the file, by its id; needed if there are several.
+    /// Id of the net in the file; required if there are several.
     #[arg(long, value_name = "ID")]
     net: Option<String>,
     /// Print one JSON object instead of a table.
@@ -47,16 +47,16 @@ pub struct Args {
     /// Write the net as a GraphViz drawing.
     #[arg(long, value_name = "FILE")]
     dot: Option<PathBuf>,
-    /// Write what structure proves, with the evidence.
+    /// Write a certificate: what structure proves, with the evidence.
     #[arg(long, value_name = "FILE")]
     certificate: Option<PathBuf>,
-    /// Look at this many states at most; 64 million unless given.
+    /// Most states to explore [default: 64 million].
     #[arg(long, value_name = "N")]
     states: Option<u64>,
-    /// Use this many megabytes at most to keep them; 1024 unless given.
+    /// Most memory for states, in MB [default: 1024].
     #[arg(long, value_name = "MB")]
     memory: Option<usize>,
-    /// Threads for the search, as many as there are cores unless given; the answers do not depend on it.
+    /// Threads of the search [default: one for each core]. The answers do not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
 }

@@ -33,23 +33,23 @@ enum InjectedFault {
 /// Fault of a whole device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum DeviceTrouble {
-    /// The device falls silent
+    /// The device neither sends nor receives
     Silent,
     /// The device boots
     Reboot,
-    /// It boots and does not come up
+    /// The device boots and does not come up
     NoBoot,
-    /// Its heartbeats cease, all else goes on
+    /// The device sends no heartbeat; all else goes on
     NoHeartbeat,
-    /// Reports another product code (object 1018h:02) and boots
+    /// The device boots with another product code (object 1018h:02)
     Identity,
-    /// It refuses its heartbeat time (object 1017h) and boots
+    /// The device boots and refuses its heartbeat time (object 1017h)
     Refuse,
-    /// It reports an overload of its outputs (emergency 2310h)
+    /// The device reports an overload of its outputs (emergency 2310h)
     Emergency,
-    /// It is off the bus for a second
+    /// The device is off the bus for a second
     BusOff,
-    /// A twentieth of the frames to and from it is lost, a twentieth doubled
+    /// Of the frames to and from the device 5 % are lost and 5 % doubled
     Lossy,
 }
 
@@ -146,18 +146,18 @@ pub struct FailArgs {
     line: PathBuf,
     /// The station, or `console`.
     station: String,
-    /// What goes wrong.
+    /// Fault, or `clear`.
     what: InjectedFault,
-    /// With which operation's motion; needed for what goes wrong with a motion.
+    /// Operation whose motion has the fault; required for a fault of a motion.
     #[arg(long)]
     operation: Option<String>,
-    /// Its recovery motion instead of the normal one.
+    /// The fault is one of the operation's recovery motion instead of the normal one.
     #[arg(long, requires = "operation")]
     recovery: bool,
-    /// Input that fails, by its name; required for `stuck-on` and `stuck-off`
+    /// Input that has the fault; required for a fault of an input.
     #[arg(long, conflicts_with_all = ["operation", "device"])]
     input: Option<String>,
-    /// Which of the station's devices, by its name; the first one without this, and for `clear` all of them.
+    /// Name of the station's device [default: the first one; for `clear` all of them].
     #[arg(long, conflicts_with = "operation")]
     device: Option<String>,
     /// The CAN interface of the line's bus.

@@ -49,7 +49,7 @@ pub struct MonitorArgs {
     /// End after this many frames.
     #[arg(short = 'n', long)]
     count: Option<u64>,
-    /// Leave out heartbeats, and process data that say what they said before.
+    /// Leave out heartbeats, and process data without a change.
     #[arg(long)]
     news: bool,
 }
@@ -72,12 +72,12 @@ pub async fn monitor(bus: &mut Bus, interface: &str, args: &MonitorArgs) -> miet
 /// Record the bus.
 #[derive(Debug, Args)]
 pub struct RecordArgs {
-    /// The file; must not be there yet.
+    /// File to write; must not exist.
     file: PathBuf,
     /// End after this many frames.
     #[arg(short = 'n', long)]
     count: Option<u64>,
-    /// End after so many seconds.
+    /// End after this time, in seconds.
     #[arg(long)]
     seconds: Option<f64>,
 }
@@ -117,10 +117,10 @@ pub async fn record(bus: &mut Bus, args: &RecordArgs) -> miette::Result<ExitCode
 pub struct ReplayArgs {
     /// A log in the form of `candump -L`.
     file: PathBuf,
-    /// Only the frames of this interface; by default all of them.
+    /// Interface whose frames are sent [default: all].
     #[arg(long)]
     from: Option<String>,
-    /// So many times as fast.
+    /// Factor on the recorded speed.
     #[arg(long, default_value_t = 1.0)]
     speed: f64,
 }

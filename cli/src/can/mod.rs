@@ -39,20 +39,20 @@ pub struct CanArgs {
 
 #[derive(Debug, Subcommand)]
 enum CanCommand {
-    /// Ask every node id who is there: profile, identity, name, state.
+    /// List the nodes of the bus: profile, identity, name, state.
     Scan(scan::ScanArgs),
-    /// Listen, and say in a sentence how each device of a line is.
+    /// Listen, and show the state of each device of a line.
     Status(status::StatusArgs),
-    /// Order a node, or all, to another state, and see whether it obeys.
+    /// Send an NMT command to a node, or to all, and show the state that follows.
     Nmt(nmt::NmtArgs),
     /// Read or write an object of a node.
     #[command(subcommand)]
     Sdo(sdo::SdoCommand),
-    /// Show every frame with what it means.
+    /// Show every frame with its description.
     Monitor(log::MonitorArgs),
     /// Record the bus in the form of `candump -L`.
     Record(log::RecordArgs),
-    /// Send what was recorded, at the pace at which it was.
+    /// Send a record at its own pace.
     Replay(log::ReplayArgs),
 }
 

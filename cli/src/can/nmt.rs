@@ -61,9 +61,9 @@ enum NmtTarget {
 /// Order a node to another state.
 #[derive(Debug, Args)]
 pub struct NmtArgs {
-    /// NMT state to command.
+    /// NMT command.
     order: NmtRequest,
-    /// Who is to do it: a node id, or `all`.
+    /// Node id, or `all`.
     #[arg(value_parser = whom)]
     whom: NmtTarget,
 }

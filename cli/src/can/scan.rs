@@ -21,7 +21,7 @@ use tokio::time::{Instant, timeout_at};
 /// Ask every node id who is there.
 #[derive(Debug, Args)]
 pub struct ScanArgs {
-    /// How long to wait for answers and heartbeats, in milliseconds.
+    /// Time to wait for answers and heartbeats, in ms.
     #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u64).range(10..=60_000))]
     wait: u64,
     /// One JSON object on standard output.

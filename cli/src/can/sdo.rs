@@ -30,7 +30,7 @@ struct SdoTarget {
     node: NodeId,
     /// The object in hexadecimal, as in 1018:01 or 1008.
     object: ObjectId,
-    /// How long one answer may take, in milliseconds.
+    /// Time limit of each answer, in ms.
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(10..=60_000))]
     timeout: u64,
 }
@@ -45,7 +45,7 @@ impl SdoTarget {
 pub struct ReadArgs {
     #[command(flatten)]
     whose: SdoTarget,
-    /// What its bytes are; without it they are shown in every likely way.
+    /// Type of the value [default: shown as every likely type].
     #[arg(long = "type", value_enum)]
     kind: Option<ValueKind>,
 }
@@ -57,7 +57,7 @@ pub struct WriteArgs {
     /// The value.
     #[arg(allow_hyphen_values = true)]
     value: String,
-    /// What its bytes are. It must be said: a device refuses a number of another length.
+    /// Type of the value. Required: a device refuses a number of another length.
     #[arg(long = "type", value_enum)]
     kind: ValueKind,
 }

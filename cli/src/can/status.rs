@@ -22,7 +22,7 @@ use crate::load;
 pub struct StatusArgs {
     /// The line's directory, or its description file.
     line: PathBuf,
-    /// How long to listen, in milliseconds; by default four heartbeats of the description.
+    /// Time to listen, in ms [default: four heartbeat periods of the description].
     #[arg(long, value_parser = clap::value_parser!(u64).range(10..=60_000))]
     listen: Option<u64>,
     /// One JSON object on standard output.

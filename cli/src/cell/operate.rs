@@ -18,7 +18,7 @@ use crate::out::{self, say};
 /// How long to wait for a cell to be heard.
 pub(super) const CONNECT: Duration = Duration::from_secs(5);
 
-/// Order parts of a running cell, see what is on order, cancel or withdraw.
+/// Submit, list, cancel or withdraw production orders of a running cell.
 #[derive(Debug, Args)]
 pub struct OrderArgs {
     /// The cell's directory.
@@ -32,16 +32,16 @@ pub struct OrderArgs {
 
 #[derive(Debug, Subcommand)]
 enum OrderOperation {
-    /// Put something on order.
+    /// Submit a production order.
     Submit(Submit),
-    /// Show what is on order; the same as no word at all.
+    /// List the production orders; the default without a subcommand.
     List,
-    /// Let nothing more of an order enter; what is inside is finished.
+    /// Cancel a production order: no more of its parts enter; parts inside are finished.
     Cancel {
         /// The order's name.
         name: String,
     },
-    /// Make an order of which nothing has entered as if it had never been.
+    /// Withdraw a production order of which no part has entered; its name is free again.
     Withdraw {
         /// The order's name.
         name: String,
@@ -50,24 +50,24 @@ enum OrderOperation {
 
 #[derive(Debug, Args)]
 struct Submit {
-    /// What is to be made: one of the cell's part types.
+    /// Part type to make.
     product: String,
     /// Number of parts, from 1.
     #[arg(default_value_t = 1)]
     quantity: u32,
-    /// What to call it; by default what it makes, and the time.
+    /// Name of the order [default: the part type and the time].
     #[arg(long)]
     name: Option<String>,
-    /// To be finished in so many seconds from now.
+    /// Due date, in seconds from now.
     #[arg(long)]
     due: Option<f64>,
-    /// Nothing of it enters for so many seconds from now.
+    /// Release, in seconds from now: no part of it enters before.
     #[arg(long)]
     release: Option<f64>,
-    /// More comes first.
+    /// Priority; the greater number comes first.
     #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     priority: i32,
-    /// Not before this order is over; repeat it for several.
+    /// Order that has to be over before; repeat it for several.
     #[arg(long)]
     after: Vec<String>,
 }
@@ -181,7 +181,7 @@ fn list(state: &CellState) -> String {
         if state.starting { "activities may start" } else { "nothing starts: the cell is not in auto" }
     )];
     if orders.is_empty() {
-        lines.push("nothing is on order".to_owned());
+        lines.push("no production orders".to_owned());
     }
     let width = |of: fn(&ProductionState) -> usize| orders.iter().map(of).max().unwrap_or(0);
     let (names, products) = (width(|order| order.name.chars().count()), width(|order| order.product.chars().count()));
@@ -201,10 +201,10 @@ fn list(state: &CellState) -> String {
 pub struct AnswerArgs {
     /// The cell's directory.
     cell: PathBuf,
-    /// The alarm's number; none shows the alarms.
+    /// Number of the alarm [default: show the alarms].
     #[arg(requires = "word")]
     alarm: Option<u64>,
-    /// What is true now: one of the alarm's answers.
+    /// One of the alarm's answers.
     word: Option<String>,
     /// One JSON object on standard output.
     #[arg(long)]
@@ -240,30 +240,30 @@ pub async fn answer(args: AnswerArgs, ros: &RosArgs) -> miette::Result<ExitCode>
 pub struct ResourceArgs {
     /// The cell's directory.
     cell: PathBuf,
-    /// The resource, by its name in the cell's description; none shows those that are left out.
+    /// Name of the resource [default: show those out of service].
     resource: Option<String>,
     /// One JSON object on standard output.
     #[arg(long, global = true)]
     json: bool,
-    /// How it is.
+    /// What to do with it.
     #[command(subcommand)]
     is: Option<ResourceService>,
 }
 
 #[derive(Debug, Subcommand)]
 enum ResourceService {
-    /// Stop what the resource takes part in: all stations of its activities stand at once, half-way if need be; the activities
-    /// have failed, and the resource is left out. This is no emergency stop.
+    /// Stop the activities of the resource: all their stations stand at once, also half-way; the activities have
+    /// failed, and the resource is out of service. This is no emergency stop.
     Alarm {
-        /// What is wrong.
+        /// Reason.
         text: Vec<String>,
     },
-    /// Leave it out from now on; what it is doing it finishes.
+    /// Put the resource out of service; activities in progress are finished.
     Down,
-    /// Count on it again.
+    /// Put the resource back into service.
     Up,
-    /// Reset its station, which went into emergency stop by itself when something failed. It follows the line's mode again;
-    /// what was stopped half-way is led on in manual. A station can be named instead.
+    /// Reset the resource's station, or a named station, that a recovery rule has put into emergency stop. It follows
+    /// the line's mode again; a motion that was stopped half-way is led on in manual.
     Reset,
 }
 

@@ -22,8 +22,8 @@ use crate::watch;
 pub struct WhyArgs {
     /// The directory of a line or cell, or its description file.
     line: PathBuf,
-    /// A station, by its name; of a cell also a part, by its number (7, or "part 7"), or a production order or a resource, by its
-    /// name. None: every station.
+    /// Name of a station; of a cell also the number of a part (7, or "part 7"), or the name of a production order or a
+    /// resource [default: every station].
     about: Vec<String>,
     /// One JSON object on standard output.
     #[arg(long)]

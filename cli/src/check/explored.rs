@@ -7,7 +7,7 @@ use linewright_proof::explore::{
     Grants, LimitReached, LineExploration, LineExplored, LineNotExplorable, LinePath, LineProperty, SearchLimits,
     Verdict, explore,
 };
-use linewright_proof::parts::{SubLine, cyclic, on_order, parts, smallest_parts};
+use linewright_proof::parts::{SubLine, cyclic, parts, smallest_parts, task_driven};
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
@@ -15,40 +15,40 @@ use serde::Serialize;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Exploration")]
 pub struct ExploreOptions {
-    /// Structure only: explore nothing.
+    /// Check structure only, without exploration.
     #[arg(long, conflicts_with_all = ["modes", "views", "no_faults", "any_grants", "flags", "without", "whole", "states", "memory", "parts", "expanded"])]
     structure: bool,
-    /// A mode that may be granted; repeat it for several. All of them if none is named.
+    /// Mode that may be granted; repeat it for several [default: all].
     #[arg(long = "mode", value_enum)]
     modes: Vec<GrantedMode>,
-    /// Whether a station may act on an older report than the newest sent, or hears each at once.
+    /// Age of the reports that stations act on.
     #[arg(long, value_enum, default_value_t = ViewFreshness::Stale)]
     views: ViewFreshness,
-    /// Nothing fails.
+    /// Explore without faults.
     #[arg(long)]
     no_faults: bool,
-    /// Stations hear of modes in any order and mixture, as from a coordinator that keeps no rule.
+    /// Let stations receive modes in any order and mixture, without the rules of a coordinator.
     #[arg(long)]
     any_grants: bool,
-    /// Use one Boolean per operation instead of counts, as the published controllers do, to see what that allows.
+    /// Use one Boolean per operation instead of counts, as the published controllers do.
     #[arg(long)]
     flags: bool,
-    /// Switch off a rule, to see what it is good for; repeat it for several.
+    /// Safety rule to switch off, to show what it prevents; repeat it for several.
     #[arg(long, value_enum)]
     without: Vec<SafetyRule>,
-    /// Explore the whole line, however many stations it has, instead of its parts.
+    /// Explore the whole line at once instead of its parts.
     #[arg(long)]
     whole: bool,
-    /// Give up when this many states are kept.
+    /// Most states to keep; beyond, the verdict is undecided.
     #[arg(long, default_value_t = 50_000_000)]
     states: usize,
-    /// Give up at about this much memory, in MiB.
+    /// Most memory, about, in MiB; beyond, the verdict is undecided.
     #[arg(long, default_value_t = 3072)]
     memory: usize,
-    /// Of a cell: let in only so many parts of each type, as in `A=2,B=1`; others not at all.
+    /// Of a cell: number of parts of each type that are let in, as `A=2,B=1`; none of other types.
     #[arg(long, value_name = "TYPE=N", value_delimiter = ',', value_parser = part)]
     pub parts: Vec<(String, u32)>,
-    /// Of a cell: count the states in which activities are in progress, too. The answers are the same.
+    /// Of a cell: explore the states with activities in progress, too. The answers are the same.
     #[arg(long)]
     pub expanded: bool,
 }
@@ -69,9 +69,9 @@ enum GrantedMode {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ViewFreshness {
-    /// Reports take as long as they like, and some are lost.
+    /// Reports arrive late or are lost.
     Stale,
-    /// Every report is heard at once.
+    /// Every report arrives at once.
     Fresh,
 }
 
@@ -79,13 +79,13 @@ enum ViewFreshness {
 enum SafetyRule {
     /// Counts go back before the recovery motion starts, not when it is complete.
     WithdrawFirst,
-    /// Counts go back only when every station that could build on them agrees.
+    /// Counts go back only when every station whose operations depend on them agrees.
     Agreement,
     /// Every request has a number that was never used before.
     FreshNumbers,
     /// Going home on a recovery path takes the round's counts back; the home operation does not count.
     RedoRound,
-    /// The way home waits for the arrows into everything it skips.
+    /// A recovery path waits for the arrows into every operation that it skips.
     WayHome,
     /// Counts of another generation, as after a lost memory, are unknown.
     Generations,
@@ -202,7 +202,7 @@ impl ExploreOptions {
             // Any orders are given there, so nothing keeps tasks apart.
             return self.together(&line.without_conflicts_of_tasks());
         }
-        let alone = on_order(line);
+        let alone = task_driven(line);
         if alone.is_empty() {
             return self.together(line);
         }

@@ -32,10 +32,10 @@ enum NewKind {
 
 #[derive(Debug, clap::Args)]
 struct TransferLineArgs {
-    /// How many clamp-and-mill pairs, 1 to 23.
+    /// Number of clamp-and-mill pairs, 1 to 23.
     #[arg(long, default_value_t = 1, value_parser = machines)]
     machines: usize,
-    /// What every duration is multiplied with, 0.01 to 1000; watchdogs stay at one second or above.
+    /// Factor on every duration, 0.01 to 1000; watchdogs stay at 1 s or above.
     #[arg(long, default_value_t = 1.0, value_parser = time_scale)]
     time_scale: f64,
     #[command(flatten)]
@@ -45,13 +45,13 @@ struct TransferLineArgs {
 /// What it is called, and where it goes.
 #[derive(Debug, clap::Args)]
 struct NewTarget {
-    /// Its name, which is the ROS namespace: lower-case letters, digits and single `_`, a letter first.
+    /// Name, which is the ROS namespace: lower-case letters, digits and single `_`, a letter first.
     #[arg(long, value_parser = name)]
     name: Option<String>,
-    /// Where to write it; made if it is not there. Left out: the name, or else the kind.
+    /// Directory to write to; created if missing [default: the name, or else the kind].
     #[arg(long)]
     dir: Option<PathBuf>,
-    /// Write over a description that is there already.
+    /// Overwrite an existing description.
     #[arg(long)]
     force: bool,
 }

@@ -11,7 +11,7 @@ use linewright_line::Tick;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde::Serialize;
 
-use super::json::on_order;
+use super::json::production_order;
 use super::rows::{EventRow, event_row};
 use super::story::{ReportSource, failed};
 
@@ -55,7 +55,7 @@ pub fn write(story: &ReportSource, dir: &Path) -> miette::Result<()> {
     std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| format!("cannot make {}", dir.display()))?;
     table(dir, "activity.csv", story.activities.iter().map(|done| activity(story, done)))?;
     table(dir, "part.csv", story.tracking.passages().map(|passage| part(story, passage)))?;
-    table(dir, "order.csv", story.orders().map(|order| on_order(story, order)))?;
+    table(dir, "order.csv", story.orders().map(|order| production_order(story, order)))?;
     events(&story.reader, (story.from, story.to), dir, |event| event_row(story, event))
 }
 

@@ -143,7 +143,7 @@ impl From<Effectiveness> for Shares {
 }
 
 /// An order as it is written in tables.
-pub fn on_order(story: &ReportSource, order: &ProductionOrder) -> JsonProductionOrder {
+pub fn production_order(story: &ReportSource, order: &ProductionOrder) -> JsonProductionOrder {
     let show = |tick: Option<Tick>| tick.map(|tick| story.show(tick));
     JsonProductionOrder {
         id: order.id.0,
@@ -223,6 +223,6 @@ fn resource(of: &ResourceReport, observed: Duration) -> JsonResourceReport {
 
 fn orders(story: &ReportSource, of: &OrdersReport) -> JsonOrders {
     let &OrdersReport { open, done, cancelled, withdrawn, due, in_time, late } = of;
-    let list = story.orders().map(|order| on_order(story, order)).collect();
+    let list = story.orders().map(|order| production_order(story, order)).collect();
     JsonOrders { done, open, cancelled, withdrawn, due, in_time, late_s: late.into(), list }
 }

@@ -27,13 +27,13 @@ use when::Zone;
 /// Options of `report`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The database, or the directory that has it as `cell.db` or `line.db`.
+    /// Database, or directory with a `cell.db` or `line.db`.
     db: PathBuf,
-    /// From when on: a time as RFC 3339 (2026-11-22T06:00:00+01:00), or without offset in local time, the time of day left
-    /// out if it does not matter; of a simulation in seconds.
+    /// Beginning of the span: a time as RFC 3339 (2026-11-22T06:00:00+01:00), without an offset in local time, with or
+    /// without the time of day; of a simulation in seconds [default: the first event].
     #[arg(long, value_name = "TIME")]
     from: Option<String>,
-    /// Until when [default: the last event].
+    /// End of the span [default: the last event].
     #[arg(long, value_name = "TIME")]
     to: Option<String>,
     /// Times in UTC instead of local time.
@@ -45,7 +45,7 @@ pub struct Args {
     /// Write events, activities, parts and orders (of a line motions, waits, stops and cycles) as CSV files into a directory.
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
-    /// Write it as MCAP, for Foxglove Studio and others.
+    /// Write an MCAP file, for Foxglove Studio and others.
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
     /// Write the Gantt chart, plan above actual, as SVG; of a line the bar chart of one cycle.
@@ -57,10 +57,10 @@ pub struct Args {
     /// Of a line: draw this cycle [default: the newest in which every operation was done].
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     cycle: Option<i32>,
-    /// Of a line: the planned busy time (ISO 22400-2 PBT) in the span, in hours; for the availability.
+    /// Of a line: planned busy time (ISO 22400-2 PBT) in the span, in hours; for the availability.
     #[arg(long, value_name = "HOURS")]
     planned_busy: Option<f64>,
-    /// Of a line: how many of the span's cycles gave a part that was not good; for the quality ratio.
+    /// Of a line: number of the span's cycles with a rejected part; for the quality ratio.
     #[arg(long, value_name = "NUMBER")]
     rejected: Option<u64>,
 }

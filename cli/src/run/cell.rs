@@ -16,7 +16,7 @@ pub struct CellRun {
     client: CellClient,
     /// Part types ordered, with their quantities.
     wanted: Vec<(String, u32)>,
-    /// The orders' numbers, when they are on order.
+    /// Numbers of the production orders, once they are accepted.
     ids: Option<BTreeSet<u64>>,
     /// Alarms that were shown.
     shown: BTreeSet<u64>,
@@ -65,7 +65,7 @@ impl CellRun {
         self.progress.1
     }
 
-    /// Puts on order what is to be made, once.
+    /// Submits the production orders, once.
     pub async fn begin(&mut self) -> miette::Result<()> {
         if self.ids.is_some() || self.wanted.is_empty() {
             return Ok(());

@@ -46,16 +46,17 @@ use tally::RunTally;
 pub struct Args {
     /// The line's directory, or its description file.
     line: PathBuf,
-    /// End after this many cycles, at home. After a fault an operator can lead on; the run then ends with 1 all the same.
+    /// Cycles of the line after which to end, at home. After a fault an operator can go on; the exit code is 1 all the
+    /// same.
     #[arg(long)]
     cycles: Option<usize>,
-    /// Make these parts of a cell and end, as A=2,B=1.
+    /// Of a cell: parts to make before the end, as A=2,B=1.
     #[arg(long, value_delimiter = ',', value_parser = crate::simulate::parts)]
     parts: Vec<(String, u32)>,
     /// Print one JSON object at the end, and nothing else.
     #[arg(long)]
     json: bool,
-    /// Leave the line at home, in the mode it comes up in; somebody else operates it.
+    /// Leave the line at home in its first mode, to be operated from elsewhere.
     #[arg(long)]
     no_auto: bool,
     /// Start no simulated plant: the devices are real, or run elsewhere.
@@ -64,15 +65,15 @@ pub struct Args {
     /// The CAN interface of the line's bus.
     #[arg(long, default_value = DEFAULT_BUS)]
     bus: String,
-    /// Keep journals and logs in this directory and go on from them; by default in a new temporary one.
+    /// Directory of journals and logs, from which the run goes on [default: a new temporary one].
     #[arg(long)]
     state_dir: Option<PathBuf>,
-    /// Host this many stations per process.
+    /// Number of stations in each process.
     #[arg(long, default_value_t = 1)]
     stations_per_process: usize,
-    /// With --cycles or --parts, fail when no cycle ends and no mode changes for this many seconds; always, when the line is
-    /// not at home this long after Ctrl-C. By default 30, or four times what the chart's operations take together if that is
-    /// more.
+    /// Longest time without progress, in seconds: with --cycles or --parts, the run fails when no cycle ends and no
+    /// mode changes for so long; always, when the line is not at home so long after Ctrl-C [default: 30, or four times
+    /// the durations of the chart's operations together if that is more].
     #[arg(long)]
     patience: Option<f64>,
 }

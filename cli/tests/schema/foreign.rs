@@ -67,7 +67,7 @@ fn read(of: &str, text: &str) -> Vec<(String, String)> {
 }
 
 const CELL: &str = include_str!("../../../model/line/tests/descriptions/cell.toml");
-const ON_ORDER: &str = include_str!("../../../model/line/tests/descriptions/on_order.toml");
+const TASK_DRIVEN: &str = include_str!("../../../model/line/tests/descriptions/task_driven.toml");
 const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives.toml");
 const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
 const PRODUCTION: &str = include_str!("../../../launch-config/lines/workcell-c1/scenarios/production.toml");
@@ -136,7 +136,7 @@ fn samples() -> Vec<(&'static str, Value)> {
     let head = "name = \"rest\"\nbuttons = []\n";
     let texts = [
         ("line", CELL),
-        ("line", ON_ORDER),
+        ("line", TASK_DRIVEN),
         ("line", DRIVES),
         ("cell", C1),
         ("cell", ASSEMBLY),
@@ -208,7 +208,7 @@ fn what_is_out_of_range_the_schemas_refuse() {
         ("line", CELL, "module = \"R\"", "module = \"r\""),
         ("line", CELL, "from = \"feeder: push\"", "from = \"push\""),
         ("line", DRIVES, "units_per_mm = 1000", "units_per_mm = 0"),
-        ("line", ON_ORDER, "waits_code = ", "waits_code = 1000#"),
+        ("line", TASK_DRIVEN, "waits_code = ", "waits_code = 1000#"),
         ("cell", C1, "wip_max = ", "wip_max = 0#"),
         ("cell", C1, "prototype = \"machine\"", "prototype = \"machin\""),
         ("cell", C1, "retries = ", "retries = 101#"),

@@ -125,7 +125,7 @@ fn ordered<'a>(production: &mut Production, products: impl Iterator<Item = (&'a 
 }
 
 fn compare(seed: u64, cell: &Cell, parts: u32) -> [f64; 3] {
-    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let pace = OrderTiming { repeat_interval: Duration::from_secs(1), grace: Duration::from_secs(1) };
     let made = compile_cell(cell, None, Supply::Open, pace).expect("it can be played");
     let table = Arc::new(made.table.clone());
     let mut production = Production::new(&table);
@@ -164,7 +164,7 @@ fn small() {
     let text = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
     let text = text.replace("wip_max = 5", "wip_max = 9").replace("capacity = 5", "capacity = 9");
     let cell = linewright_cell::parse("cell.toml", &text, None).unwrap_or_else(|why| panic!("{why:#}")).cell;
-    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let pace = OrderTiming { repeat_interval: Duration::from_secs(1), grace: Duration::from_secs(1) };
     let table =
         Arc::new(compile_cell(&cell, None, Supply::Open, pace).expect("it can be played").table.without_orders());
     println!("assembly cell, makespans in s\nparts      optimum    fifo     spt   ahead  schedule");

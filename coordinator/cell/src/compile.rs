@@ -35,9 +35,9 @@ const NODES_MAX: usize = 1_000_000;
 /// Time limits of the player for stations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OrderTiming {
-    /// An order that no station has acknowledged is repeated after this time.
-    pub refresh: Duration,
-    /// After a restart no limit runs out before this time.
+    /// Time after which an order that no station has acknowledged is sent again.
+    pub repeat_interval: Duration,
+    /// Time after a restart in which no limit runs out.
     pub grace: Duration,
 }
 
@@ -134,7 +134,7 @@ pub fn compile_cell(
         cells: long.net().places().map(kind).collect(),
         activity_of: (0..activities.len()).collect(),
         activities,
-        refresh: pace.refresh,
+        repeat_interval: pace.repeat_interval,
         grace: pace.grace,
     };
     let table = CellTable::compile(&long, plan)?;

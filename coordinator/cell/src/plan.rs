@@ -22,13 +22,13 @@ pub struct PlayPlan {
     pub products: Vec<Product>,
     /// The stores whose parts have positions.
     pub stores: Vec<StorePositions>,
-    /// An order that no station has acknowledged is repeated after this time.
-    pub refresh: Duration,
-    /// After a restart no limit runs out before this time: first the ends of meanwhile are received.
+    /// Time after which an order that no station has acknowledged is sent again.
+    pub repeat_interval: Duration,
+    /// Time after a restart in which no limit runs out: reports on orders that ended meanwhile arrive first.
     pub grace: Duration,
 }
 
-/// Something that is made on order.
+/// Part type that production orders can name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Product {
     /// Its name in production orders.

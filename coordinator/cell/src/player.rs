@@ -184,7 +184,7 @@ impl Coordination {
     pub fn next_deadline(&self) -> Option<Tick> {
         let limit = self.state.due.first().map(|&(due, _)| due);
         let resend = self.next_to_send().map(|key| match self.sent.get(&key) {
-            Some(&(_, at)) => at + self.state.table.refresh(),
+            Some(&(_, at)) => at + self.state.table.repeat_interval(),
             None => self.state.now(),
         });
         let again = self.cut_short.then_some(self.state.now());
@@ -303,7 +303,7 @@ impl Coordination {
         let changed = changes.iter().filter_map(ProductionChange::order).collect();
         changes.into_iter().for_each(|change| self.write(now, RecordKind::Production { change }, out));
         Ok(match command {
-            // Those that were on order already are an answer as well.
+            // The reply has those that existed already, too.
             ProductionCommand::Submit(requests) => {
                 let production = self.state.production();
                 requests.iter().filter_map(|request| production.by_key(request.key)).map(|order| order.id).collect()
@@ -465,8 +465,8 @@ impl Coordination {
     }
 
     fn send(&mut self, now: Tick, out: &mut PlayerOutbox) {
-        let refresh = self.state.table.refresh();
-        let is_due = |key: &OrderKey| self.sent.get(key).is_none_or(|&(_, at)| at + refresh <= now);
+        let repeat_interval = self.state.table.repeat_interval();
+        let is_due = |key: &OrderKey| self.sent.get(key).is_none_or(|&(_, at)| at + repeat_interval <= now);
         for key in self.heads().filter(is_due).collect::<Vec<_>>() {
             let Some(message) = self.message(now, key) else { continue };
             self.sent.entry(key).and_modify(|(tries, at)| (*tries, *at) = (*tries + 1, now)).or_insert((1, now));

@@ -148,7 +148,7 @@ pub struct CellTable {
     stores: Vec<StorePositions>,
     /// The store of each cell, if it belongs to one.
     store_of: Vec<Option<usize>>,
-    refresh: Duration,
+    repeat_interval: Duration,
     grace: Duration,
     handling: Arc<RecoveryPolicy>,
 }
@@ -196,7 +196,7 @@ impl CellTable {
             products: plan.products,
             stores: plan.stores,
             store_of,
-            refresh: plan.refresh,
+            repeat_interval: plan.repeat_interval,
             grace: plan.grace,
             handling: Arc::default(),
         };
@@ -353,9 +353,9 @@ impl CellTable {
         self.store_of[cell.index()]
     }
 
-    /// Time until an order is repeated.
-    pub fn refresh(&self) -> Duration {
-        self.refresh
+    /// Time after which an order that no station has acknowledged is sent again.
+    pub fn repeat_interval(&self) -> Duration {
+        self.repeat_interval
     }
 
     /// Time after a restart in which no limit runs out.

@@ -18,7 +18,7 @@ use linewright_orders::TaskFailure;
 
 const C1: &str = include_str!("../../../launch-config/lines/workcell-c1/cell.toml");
 const ASSEMBLY: &str = include_str!("../../../launch-config/lines/assembly-cell/cell.toml");
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
 /// No rule of a shipped cell is about this code, which is no wait that was too long.
 const ANY_CODE: u16 = 1997;
 

@@ -32,8 +32,8 @@ struct StationEntry {
     compares: bool,
     /// Not received when auto or hand was left, nor since.
     missed: bool,
-    /// Works on order: it has no rounds, and is at home at any rest.
-    on_order: bool,
+    /// Task-driven: it has no rounds, and is at home at any rest.
+    task_driven: bool,
     /// Its fault is an exception of its order (see [`Coordinator::isolate`]).
     isolated: bool,
     /// Between two rests, at no order (see [`Coordinator::hold`]).
@@ -47,12 +47,12 @@ struct StationEntry {
 impl StationEntry {
     fn of(line: &Line, id: StationId) -> Self {
         let compares = line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
-        StationEntry { on_order: line.station(id).is_task_driven(), compares, ..StationEntry::default() }
+        StationEntry { task_driven: line.station(id).is_task_driven(), compares, ..StationEntry::default() }
     }
 
     /// Whether it is not in the latest round, or at the end of it.
     fn is_behind(&self, latest_round: i32) -> bool {
-        !self.on_order && self.heard.round != latest_round
+        !self.task_driven && self.heard.round != latest_round
     }
 }
 
@@ -180,7 +180,7 @@ impl Coordinator {
     /// The latest round that any station has begun. It may still rise after the stop was given, until every station has
     /// received it; then all follow.
     fn latest_round(&self) -> i32 {
-        self.stations.iter().filter(|s| !s.on_order).map(|s| s.heard.round).max().unwrap_or(0)
+        self.stations.iter().filter(|s| !s.task_driven).map(|s| s.heard.round).max().unwrap_or(0)
     }
 
     /// Rounds of different generations are not compared: what counts then is that all are at home.
@@ -321,7 +321,7 @@ impl Coordinator {
             trouble: !self.troubles().is_empty() || (self.stopping && counted_home && !all_home),
             stopping: self.stopping,
             all_home,
-            away: self.stations.iter().any(|s| s.on_order && self.is_known(s) && !s.heard.at_home),
+            away: self.stations.iter().any(|s| s.task_driven && self.is_known(s) && !s.heard.at_home),
             all_stopped: self.all(|h| self.is_at_rest(h)),
             any_manual: self.is_manual_commanded() || self.any_selector(),
         }

@@ -4,6 +4,6 @@ mod common;
 mod cycle_time;
 mod isolated;
 mod mode_table;
-mod on_order;
+mod task_driven;
 mod texts;
 mod watchfulness;

@@ -162,8 +162,8 @@ fn rounds_that_leap_or_are_of_different_generations_end_no_cycle() {
 }
 
 #[test]
-fn stations_on_order_have_no_part_in_it() {
-    let mut bench = Bench::with_one_on_order();
+fn task_driven_stations_have_no_part_in_it() {
+    let mut bench = Bench::with_one_task_driven();
     bench.command(ModeCommand::Start);
     bench.command(ModeCommand::Auto);
     [0, 2].into_iter().for_each(|station| leaves(&mut bench, station, 1));

@@ -8,14 +8,14 @@ use crate::common::Bench;
 
 /// The line in auto.
 fn bench() -> Bench {
-    let mut bench = Bench::with_one_on_order();
+    let mut bench = Bench::with_one_task_driven();
     for command in [ModeCommand::Start, ModeCommand::Auto] {
         assert_eq!(bench.command(command), None);
     }
     bench
 }
 
-const ON_ORDER: StationId = StationId(1);
+const TASK_DRIVEN: StationId = StationId(1);
 
 #[test]
 fn its_trouble_is_not_the_lines() {
@@ -26,7 +26,7 @@ fn its_trouble_is_not_the_lines() {
         ("restarted", |heard| heard.boot_id += 1),
     ] {
         let mut bench = bench();
-        bench.coordinator.isolate(|id, _| id == ON_ORDER);
+        bench.coordinator.isolate(|id, _| id == TASK_DRIVEN);
         wrong(&mut bench.heard[1]);
         bench.beat();
         assert_eq!(bench.mode(), ControlMode::Auto, "{what}");
@@ -40,7 +40,7 @@ fn its_trouble_is_not_the_lines() {
 #[test]
 fn one_that_is_not_heard_is_not_waited_for() {
     let mut bench = bench();
-    bench.coordinator.isolate(|id, _| id == ON_ORDER);
+    bench.coordinator.isolate(|id, _| id == TASK_DRIVEN);
     let stale = bench.line.timing.stale;
     for _ in 0..4 {
         bench.now = bench.now + stale / 2;
@@ -49,11 +49,11 @@ fn one_that_is_not_heard_is_not_waited_for() {
     assert_eq!((bench.mode(), bench.coordinator.text().as_str()), (ControlMode::Auto, "auto, without clamp_1"));
     // A new epoch is acknowledged by the others alone.
     bench.command(ModeCommand::Stop);
-    assert!(!bench.coordinator.waiting_for().contains(&ON_ORDER));
+    assert!(!bench.coordinator.waiting_for().contains(&TASK_DRIVEN));
 }
 
 #[test]
-fn only_stations_on_order_are_left_out() {
+fn only_task_driven_stations_are_left_out() {
     let mut bench = bench();
     bench.coordinator.isolate(|_, _| true);
     bench.heard[0].incomplete = true;
@@ -65,7 +65,7 @@ fn only_stations_on_order_are_left_out() {
 #[test]
 fn in_the_emergency_stop_all_count() {
     let mut bench = bench();
-    bench.coordinator.isolate(|id, _| id == ON_ORDER);
+    bench.coordinator.isolate(|id, _| id == TASK_DRIVEN);
     bench.heard[1].stopped = false;
     bench.command(ModeCommand::EStop);
     assert_eq!(bench.mode(), ControlMode::EStop);
@@ -83,12 +83,12 @@ fn in_the_emergency_stop_all_count() {
 fn one_that_is_stopped_alone_stops_nobody_else() {
     let mut bench = bench();
     let before = bench.coordinator.epoch();
-    bench.coordinator.stop_alone(|id| id == ON_ORDER);
+    bench.coordinator.stop_alone(|id| id == TASK_DRIVEN);
     bench.heard[1].estopped = true;
     bench.heard[1].incomplete = true;
     bench.beat();
     assert_eq!((bench.mode(), bench.coordinator.epoch()), (ControlMode::Auto, before));
-    assert!(bench.coordinator.is_stopped(ON_ORDER) && !bench.coordinator.is_stopped(StationId(0)));
+    assert!(bench.coordinator.is_stopped(TASK_DRIVEN) && !bench.coordinator.is_stopped(StationId(0)));
     assert!(bench.coordinator.text().ends_with(", clamp_1 in emergency stop"), "{}", bench.coordinator.text());
     assert!(bench.coordinator.order().enabled);
 
@@ -98,40 +98,40 @@ fn one_that_is_stopped_alone_stops_nobody_else() {
     bench.coordinator.stop_alone(|_| false);
     let reset = bench.coordinator.epoch();
     assert_eq!(reset, before + 1);
-    assert_eq!(bench.coordinator.stopped_until(ON_ORDER), reset);
+    assert_eq!(bench.coordinator.stopped_until(TASK_DRIVEN), reset);
     assert!(bench.coordinator.stopped_until(StationId(0)) < reset);
     let heard = bench.heard[1];
-    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Station(ON_ORDER, heard));
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Station(TASK_DRIVEN, heard));
     bench.coordinator.step(bench.now, &mut linewright_coordinator_logic::ModeOutbox::default());
     assert_eq!(bench.mode(), ControlMode::Auto);
     assert!(bench.coordinator.order().enabled);
 
     // If it is in one still though it has, another has stopped it.
     let heard = linewright_coordinator_logic::StationView { mode_epoch: reset, ..heard };
-    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Station(ON_ORDER, heard));
+    bench.coordinator.handle(bench.now, linewright_coordinator_logic::ModeInput::Station(TASK_DRIVEN, heard));
     bench.coordinator.step(bench.now, &mut linewright_coordinator_logic::ModeOutbox::default());
     assert_eq!(bench.mode(), ControlMode::EStop);
 }
 
 #[test]
-fn only_stations_on_order_are_stopped_alone() {
+fn only_task_driven_stations_are_stopped_alone() {
     let mut bench = bench();
     bench.coordinator.stop_alone(|_| true);
     let stopped = bench.line.station_ids().filter(|&id| bench.coordinator.is_stopped(id));
-    assert_eq!(stopped.collect::<Vec<_>>(), [ON_ORDER]);
+    assert_eq!(stopped.collect::<Vec<_>>(), [TASK_DRIVEN]);
 }
 
 /// A station that was led away from its rest by hand has nothing to go on with in auto, and nothing can be ordered of it.
 #[test]
 fn between_two_rests_without_an_order_it_keeps_the_line_from_auto() {
     for mode in [ControlMode::StandBy, ControlMode::Manual] {
-        let mut bench = Bench::with_one_on_order();
+        let mut bench = Bench::with_one_task_driven();
         bench.command(ModeCommand::Start);
         if mode == ControlMode::Manual {
             bench.command(ModeCommand::Manual);
         }
         bench.heard[1].at_home = false;
-        bench.coordinator.hold(|id| id == ON_ORDER);
+        bench.coordinator.hold(|id| id == TASK_DRIVEN);
         bench.beat();
         let expected = format!(
             "auto refused in {mode}: clamp_1: between two rests, with no task order; lead it to a rest in manual, or \
@@ -139,7 +139,7 @@ fn between_two_rests_without_an_order_it_keeps_the_line_from_auto() {
         );
         assert_eq!((bench.command(ModeCommand::Auto), bench.mode()), (Some(expected), mode));
         // Left out by its cell it is none of the line's.
-        bench.coordinator.isolate(|id, _| id == ON_ORDER);
+        bench.coordinator.isolate(|id, _| id == TASK_DRIVEN);
         assert_eq!((bench.command(ModeCommand::Auto), bench.mode()), (None, ControlMode::Auto));
     }
 }
@@ -148,7 +148,7 @@ fn between_two_rests_without_an_order_it_keeps_the_line_from_auto() {
 #[test]
 fn a_stop_ends_in_stand_by_while_a_station_that_is_left_out_is_away() {
     let mut bench = bench();
-    bench.coordinator.isolate(|id, _| id == ON_ORDER);
+    bench.coordinator.isolate(|id, _| id == TASK_DRIVEN);
     bench.heard[1].at_home = false;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::Auto);
@@ -166,7 +166,7 @@ fn a_stop_ends_in_stand_by_while_a_station_that_is_left_out_is_away() {
 /// A coordinator that was killed and comes up finds it away: the line is not at home.
 #[test]
 fn a_coordinator_that_comes_up_while_it_is_away_is_in_stand_by() {
-    let mut bench = Bench::with_one_on_order();
+    let mut bench = Bench::with_one_task_driven();
     bench.heard[1].at_home = false;
     bench.beat();
     assert_eq!(bench.mode(), ControlMode::StandBy);

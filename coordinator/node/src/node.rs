@@ -63,7 +63,7 @@ pub enum CoordinatorNodeError {
 pub struct CoordinatorOptions {
     /// The checked description.
     pub line: Line,
-    /// Its cell, if its stations work on order.
+    /// Its cell, if its stations are task-driven.
     pub cell: Option<Cell>,
     /// The line's bus, by the CAN interface's name.
     pub interface: String,

@@ -355,7 +355,7 @@ impl CoordinatorShell {
         self.refresh_due = self.refresh_due.min(now);
     }
 
-    /// In a cell a fault of a station on order is an exception of its order, and the others work on: faults that have
+    /// In a cell a fault of a task-driven station is an exception of its order, and the others work on: faults that have
     /// become one, and in auto also those about to, since a station reports in two messages at once.
     fn isolate(&mut self) {
         let Some(isolated) = &self.isolated else { return };

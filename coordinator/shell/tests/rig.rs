@@ -29,8 +29,8 @@ impl Rig {
         Rig::of(parse("line.toml", &TransferLine::default().text()).expect("the shipped line").line, remembered)
     }
 
-    /// With one station that works on order.
-    pub fn with_one_on_order(remembered: CoordinatorRecord) -> Self {
+    /// With one task-driven station.
+    pub fn with_one_task_driven(remembered: CoordinatorRecord) -> Self {
         let mut line = parse("line.toml", &TransferLine::default().text()).expect("the shipped line").line;
         let id = line.station_named("clamp_1").expect("a clamp");
         let station = &mut line.stations[id.index()];

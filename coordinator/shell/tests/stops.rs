@@ -109,7 +109,7 @@ fn a_station_in_an_emergency_stop_is_believed_whatever_its_epoch() {
 /// Reset, nothing that it decided before is put out.
 #[test]
 fn a_station_is_stopped_by_itself_and_follows_again_in_an_epoch_of_its_own() {
-    let mut rig = Rig::with_one_on_order(CoordinatorRecord::default());
+    let mut rig = Rig::with_one_task_driven(CoordinatorRecord::default());
     rig.shell.plays_cell([].into_iter(), [].into_iter());
     rig.in_auto();
     let (id, other) = (rig.line.station_named("clamp_1").expect("there"), StationId(0));
@@ -151,7 +151,7 @@ fn a_station_is_stopped_by_itself_and_follows_again_in_an_epoch_of_its_own() {
 #[test]
 fn a_new_coordinator_knows_the_station_or_stops_the_line() {
     for is_known in [true, false] {
-        let mut rig = Rig::with_one_on_order(CoordinatorRecord { epoch: 40, estop: false });
+        let mut rig = Rig::with_one_task_driven(CoordinatorRecord { epoch: 40, estop: false });
         let id = rig.line.station_named("clamp_1").expect("there");
         let stopped = is_known.then_some(id);
         rig.shell.plays_cell(stopped.into_iter(), stopped.into_iter());

@@ -27,11 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let played = compile_cell(&cell, Some(&line), Supply::Batch(&batch), UNDISTURBED)?;
     let table = Arc::new(played.table.clone());
     let mut rules = dispatcher(&cell, &table);
-    let mut sim = CellSim::new(
-        table,
-        line.stations.len(),
-        CellSimOptions { period: UNCHANGED, ..CellSimOptions::default() },
-    );
+    let mut sim =
+        CellSim::new(table, line.stations.len(), CellSimOptions { period: UNCHANGED, ..CellSimOptions::default() });
     sim.run(&mut rules, Tick::NEVER);
     for record in &sim.log {
         if let RecordKind::Started { mode, part, .. } = record.fact {

@@ -5,7 +5,9 @@ use std::net::TcpStream;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use linewright_modbus::{ModbusRequest, exception_text};
+use linewright_modbus::ModbusRequest;
+
+use crate::texts::LastOrderTrouble;
 
 /// The transaction of a last order: one that the connection itself reaches after an hour at the earliest, and which
 /// identifies the answer.
@@ -110,26 +112,12 @@ pub fn send_all(lasts: &[LastOrder]) -> Vec<LastOutcome> {
     let (sent, unsent): (Vec<_>, Vec<_>) =
         lasts.iter().filter(|last| last.is_connected()).partition(|last| last.send());
     for last in unsent {
-        let device = &last.device;
-        tracing::error!("Modbus device {device} was not sent the order to turn its outputs off; they may be on");
+        tracing::error!("{}", LastOrderTrouble::Unsent.text_of(&last.device));
     }
     let outcomes = wait_for(&sent);
     for (last, outcome) in sent.iter().zip(&outcomes) {
-        let device = &last.device;
-        match outcome {
-            LastOutcome::Taken => {}
-            LastOutcome::Gone => tracing::error!(
-                "Modbus device {device} ended the connection before it answered the order to turn its outputs off; they may be on"
-            ),
-            LastOutcome::Refused(code) => tracing::error!(
-                "Modbus device {device} refuses the order to turn its outputs off: {} (exception {code}); they may be on",
-                exception_text(*code)
-            ),
-            LastOutcome::Unanswered => {
-                tracing::error!(
-                    "Modbus device {device} has not answered the order to turn its outputs off; they may be on"
-                );
-            }
+        if let Some(trouble) = LastOrderTrouble::of(*outcome) {
+            tracing::error!("{}", trouble.text_of(&last.device));
         }
     }
     outcomes

@@ -7,6 +7,7 @@
 
 mod last;
 mod link;
+mod texts;
 
 use linewright_fieldbus::Clock;
 use linewright_fieldbus_seam::{

@@ -124,13 +124,13 @@ fn outcome(request: ModbusRequest, response: Response) -> LinkOutcome {
         {
             LinkOutcome::Written
         }
-        _ => LinkOutcome::Failed(ModbusFailure::Malformed("the answer does not belong to it".to_owned())),
+        _ => LinkOutcome::Failed(ModbusFailure::OtherAnswer),
     }
 }
 
 /// The fault if `came` is not the `count` requested; up to `most` may come with padding.
 fn has(count: u16, most: usize, came: usize) -> Option<ModbusFailure> {
-    let wrong = || ModbusFailure::Malformed(format!("wrong register map: {came} came, {count} were asked for"));
+    let wrong = || ModbusFailure::Count { came, count };
     // More than 64 was never requested.
     (came < usize::from(count) || came > most || most > 64).then(wrong)
 }

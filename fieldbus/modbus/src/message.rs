@@ -1,7 +1,5 @@
 //! Requests and answers, and the few of them that are encoded here.
 
-use std::fmt;
-
 use linewright_line::{REGISTER_BITS, Table};
 
 /// Request to a device. Bits and registers are numbers: bit `i` is the one at `first + i`, and of registers each has
@@ -28,24 +26,12 @@ pub enum ModbusFailure {
     Gone(String),
     /// The device refuses, with this code.
     Exception(u8),
-    /// The answer does not fit the question.
+    /// The answer cannot be decoded; the error.
     Malformed(String),
-}
-
-/// Meaning of an exception code (§7).
-pub fn exception_text(code: u8) -> &'static str {
-    match code {
-        1 => "illegal function",
-        2 => "illegal data address",
-        3 => "illegal data value",
-        4 => "device failure",
-        5 => "acknowledge",
-        6 => "device busy",
-        8 => "memory parity error",
-        10 => "gateway path unavailable",
-        11 => "gateway target does not respond",
-        _ => "unknown",
-    }
+    /// The answer is one to another request.
+    OtherAnswer,
+    /// The answer has another number of bits or registers than requested.
+    Count { came: usize, count: u16 },
 }
 
 /// Of a number, so many low bits.
@@ -115,17 +101,6 @@ fn function_of(table: Table) -> u8 {
         Table::DiscreteInputs => 2,
         Table::HoldingRegisters => 3,
         Table::InputRegisters => 4,
-    }
-}
-
-impl fmt::Display for ModbusRequest {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (what, count, table, first) = match self {
-            ModbusRequest::Read { table, first, count } => ("reading", count, *table, first),
-            ModbusRequest::WriteCoils { first, count, .. } => ("writing", count, Table::Coils, first),
-            ModbusRequest::WriteRegisters { first, count, .. } => ("writing", count, Table::HoldingRegisters, first),
-        };
-        write!(f, "{what} {count} {table} from {first}")
     }
 }
 

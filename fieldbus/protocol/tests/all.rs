@@ -3,3 +3,4 @@
 //! Another is `allocations`, which counts them, with an allocator for its whole program.
 
 mod frames;
+mod texts;

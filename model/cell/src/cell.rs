@@ -21,7 +21,7 @@ index_id! {
     PartTypeId
     /// Progress of parts of one type, by its place in [`Cell::stages`]. Its tone in the nets is one more.
     StageId
-    /// A station that works on order, by its place in [`Cell::controllers`].
+    /// A task-driven station, by its place in [`Cell::controllers`].
     ControllerId
 }
 

@@ -70,7 +70,7 @@ fn the_shipped_cells_are_sound_beside_their_lines() {
 }
 
 #[test]
-fn a_station_that_does_not_work_on_order_gets_none_and_one_that_does_should() {
+fn a_station_that_is_not_task_driven_gets_none_and_one_that_is_should() {
     let line = include_str!("../../../launch-config/lines/transfer-line/line.toml").replacen(
         "transfer_line",
         "workcell_c1",
@@ -79,7 +79,7 @@ fn a_station_that_does_not_work_on_order_gets_none_and_one_that_does_should() {
     let text = edited(C1, &[("station = \"robot\", task = \"load m1\"", "station = \"clamp_1\", task = \"load m1\"")]);
     let problems = parse("cell.toml", &text, Some(&line_of(&line))).expect_err("it is another line");
     let has = |words: &str| problems.iter().any(|problem| problem.message.contains(words));
-    assert!(has("station `clamp_1` does not work on order"), "{problems:#}");
+    assert!(has("station `clamp_1` is not task-driven"), "{problems:#}");
 
     let line = C1_LINE
         .replacen("name = \"robot\"", "name = \"other\"", 1)

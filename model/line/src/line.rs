@@ -94,7 +94,7 @@ pub struct Line {
     pub handling: MaterialFlow,
 }
 
-/// One station: an ordered cycle of operations, or tasks that are done on order.
+/// One station: an ordered cycle of operations, or tasks that are done when ordered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
     /// The ROS node name: lower-case letters, digits and `_`, starting with a letter.
@@ -102,12 +102,12 @@ pub struct Station {
     pub title: String,
     /// The operations in the order the chart lists them. The first starts a new cycle; those of a task stand together.
     pub operations: Vec<Operation>,
-    /// The operation that brings the station to its home position: of a station on order, its first rest.
+    /// The operation that brings the station to its home position: of a task-driven station, its first rest.
     pub home: OpId,
     /// The steps of the cycle, in chart order: one operation each, or several that run side by side (seed 002,
     /// Appendix). Neither the first step nor the one of the home operation has more than one.
     pub steps: Vec<Vec<OpId>>,
-    /// Rests of a station on order, between its tasks, home first. Empty in a station that goes round a cycle.
+    /// Rests of a task-driven station, between its tasks, home first. Empty in a station that goes round a cycle.
     pub rests: Vec<Rest>,
     /// Its tasks. Empty in a station that goes round a cycle.
     pub tasks: Vec<Task>,
@@ -170,7 +170,7 @@ pub struct Operation {
     pub motion: Motion,
     /// Signals of the normal motion.
     pub normal: MotionSignals,
-    /// Inputs that must be on before the normal motion starts; of stations on order.
+    /// Inputs that must be on before the normal motion starts; of task-driven stations.
     pub waits: Vec<InputId>,
     /// The code of an order whose time runs out while it waits for them, from 1; 0 where the description gives none.
     pub waits_code: u16,
@@ -251,8 +251,8 @@ pub struct Conflict {
     pub b: StateSpan,
 }
 
-/// A state of a station as a stretch of its cycle, or one task of a station on order: it begins when operation `from` starts (or the undoing of `until`
-/// starts) and ends when `until` is complete (or `from` has been undone).
+/// A state of a station as a stretch of its cycle, or one task of a task-driven station: it begins when operation
+/// `from` starts (or the undoing of `until` starts) and ends when `until` is complete (or `from` has been undone).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateSpan {
     pub station: StationId,
@@ -360,8 +360,8 @@ impl Station {
         if op <= self.home || self.is_task_driven() { n } else { n - 1 }
     }
 
-    /// The round a station that has never moved stands at the end of: 0 on order, and if the home operation is the last one
-    /// listed, else 1 (so that the operations listed up to it count cycle 1 and everything else counts 0).
+    /// The round a station that has never moved stands at the end of: 0 if it is task-driven or the home operation is
+    /// the last one listed, else 1 (so that the operations listed up to it count cycle 1 and everything else counts 0).
     pub fn initial_round(&self) -> i32 {
         i32::from(!self.is_task_driven() && self.home.index() + 1 < self.operations.len())
     }

@@ -1,4 +1,4 @@
-//! Stations that work on order: they rest until one of their tasks is ordered, and rest again when it is done.
+//! Task-driven stations: they rest until one of their tasks is ordered, and rest again when it is done.
 //!
 //! A rest is a position of the whole station, by name: a clamp has two, open and closed on a part. A task leads from one
 //! rest to another, or to the same, and its operations are a stretch of the station's list. What is at one rest is at one
@@ -32,7 +32,7 @@ pub const PARAMETER_BITS_MAX: usize = 31;
 /// The greatest code that a description may give; greater ones are the controller's own.
 pub const CODE_MAX: u16 = 999;
 
-/// Rest of a station on order, between its tasks.
+/// Rest of a task-driven station, between its tasks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rest {
     /// Name, as in the description.
@@ -41,7 +41,7 @@ pub struct Rest {
     pub at: Vec<f64>,
 }
 
-/// Task of a station on order.
+/// Task of a task-driven station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
     /// Name, as in the description.
@@ -96,7 +96,7 @@ impl Line {
 }
 
 impl Station {
-    /// Whether it works on order, and not round a cycle.
+    /// Whether it is task-driven; else it goes round a cycle.
     pub fn is_task_driven(&self) -> bool {
         !self.tasks.is_empty()
     }

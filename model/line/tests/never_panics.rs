@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 const SHIPPED: &str = include_str!("../../../launch-config/lines/transfer-line/line.toml");
 const CELL: &str = include_str!("descriptions/cell.toml");
-const ON_ORDER: &str = include_str!("descriptions/on_order.toml");
+const TASK_DRIVEN: &str = include_str!("descriptions/task_driven.toml");
 
 /// Parses, and checks what must hold of any outcome.
 fn survives(text: &str) {
@@ -95,7 +95,7 @@ proptest! {
 
     #[test]
     fn a_file_with_slips(slips in prop::collection::vec((0.0..1.0, 0usize..12, slip()), 1..4), of in 0usize..3) {
-        let mut text = [CELL, ON_ORDER, SHIPPED][of].to_owned();
+        let mut text = [CELL, TASK_DRIVEN, SHIPPED][of].to_owned();
         for (at, removed, inserted) in slips {
             let start = cut(&text, at);
             let end = ((start + removed).min(text.len())..=text.len()).find(|&at| text.is_char_boundary(at)).unwrap_or(text.len());
@@ -114,7 +114,7 @@ proptest! {
 
     #[test]
     fn a_file_with_a_value_swapped(key in 0usize..400, value in 0usize..400, of in 0usize..2) {
-        let mut lines: Vec<String> = [CELL, ON_ORDER][of].lines().map(str::to_owned).collect();
+        let mut lines: Vec<String> = [CELL, TASK_DRIVEN][of].lines().map(str::to_owned).collect();
         let (key, value) = (key % lines.len(), value % lines.len());
         let taken = lines[value].split_once(" = ").map(|(_, v)| v.to_owned());
         if let (Some((name, _)), Some(taken)) = (lines[key].clone().split_once(" = "), taken) {

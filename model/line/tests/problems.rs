@@ -10,7 +10,7 @@ const CELL: &str = include_str!("descriptions/cell.toml");
 fn base(name: &str) -> String {
     match name {
         "cell" => CELL.to_owned(),
-        "on_order" => include_str!("descriptions/on_order.toml").to_owned(),
+        "task_driven" => include_str!("descriptions/task_driven.toml").to_owned(),
         "endless" => include_str!("../../../examples/rotary-table.toml").to_owned(),
         "driven" => include_str!("../../../examples/driven-table.toml").to_owned(),
         "drives" => include_str!("descriptions/drives.toml").to_owned(),
@@ -42,7 +42,7 @@ fn rules_of_a_line() {
 
 #[test]
 fn rules_of_tasks_and_material_flow() {
-    check("on_order.cases");
+    check("task_driven.cases");
 }
 
 #[test]

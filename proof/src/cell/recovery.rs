@@ -28,7 +28,8 @@ pub const BOUNDED: &str = "with what fails the net is bounded";
 
 /// Properties by the structure of a cell's net with error places; none of a cell that is not played.
 pub fn check_recovery(cell: &Cell, line: Option<&Line>) -> Vec<CellProperty> {
-    let pace = OrderTiming { refresh: std::time::Duration::from_secs(1), grace: std::time::Duration::from_secs(1) };
+    let pace =
+        OrderTiming { repeat_interval: std::time::Duration::from_secs(1), grace: std::time::Duration::from_secs(1) };
     let Ok(made) = compile_cell(cell, line, Supply::Open, pace) else { return Vec::new() };
     match recovery_net(&cell.name, &made.table) {
         Ok(net) => judge(&net),

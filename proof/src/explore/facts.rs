@@ -177,7 +177,7 @@ fn wrong(line: &Line, id: StationId, situation: &Situation) -> Option<String> {
             return Some(format!("{}: done {done}, started {started}", station.operations[op.index()].name));
         }
     }
-    // On order each task is a round of its own.
+    // At a task-driven station each task is a round of its own.
     let rounds: Vec<&[Vec<OpId>]> = match station.tasks.as_slice() {
         [] => vec![&station.steps],
         tasks => tasks.iter().map(|task| &station.steps[task.steps.clone()]).collect(),

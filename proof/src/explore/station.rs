@@ -266,10 +266,10 @@ impl Situations {
         let before = &self.all[from as usize].controller;
         let open = |controller: &Controller| controller.request().map(|request| request.number);
         let closed = setting.rules.fresh_numbers && open(before).is_some() && open(before) != open(&next.controller);
-        // On order, cycles are not compared: they count orders and grow for ever.
-        let on_order = setting.line.stations[self.station].is_task_driven();
+        // Cycles of a task-driven station are not compared: they count orders and grow for ever.
+        let task_driven = setting.line.stations[self.station].is_task_driven();
         // Nor are those of a station without its memory compared.
-        let compared = !on_order && next.stood.is_none();
+        let compared = !task_driven && next.stood.is_none();
         let cycles = if compared { next.controller.cycle() - before.cycle() } else { 0 };
         for &transition in next.controller.fired() {
             self.fired[usize::from(transition)] = true;

@@ -10,8 +10,8 @@
 mod arrows;
 mod breakage;
 mod cell;
-mod on_order;
 mod station;
+mod task_driven;
 mod text;
 
 use std::ops::RangeInclusive;
@@ -24,7 +24,7 @@ use linewright_line::{
 pub use breakage::{Breakage, break_it, breakages, without_literal};
 pub use cell::{CellShape, cell};
 pub use linewright_random::Random;
-pub use on_order::on_order;
+pub use task_driven::task_driven;
 pub use text::text;
 
 /// The kind of lines to generate. Chances are in percent.

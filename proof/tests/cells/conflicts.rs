@@ -63,8 +63,8 @@ fn with_one_part_at_a_time_two_machines_never_run_at_once() {
 /// Two machines whose slides would meet. Each slide is moved by this task alone, so each has the other's clearance.
 #[test]
 fn measured_positions_by_themselves_keep_two_tasks_apart() {
-    let text = include_str!("../../../model/line/tests/descriptions/on_order.toml");
-    let mut line = linewright_line::parse("on_order.toml", text).unwrap_or_else(|why| panic!("{why:#}")).line;
+    let text = include_str!("../../../model/line/tests/descriptions/task_driven.toml");
+    let mut line = linewright_line::parse("task_driven.toml", text).unwrap_or_else(|why| panic!("{why:#}")).line;
     line.stations[1] = Station { name: "m2".to_owned(), ..line.stations[0].clone() };
     let machine = line.stations[0].task(TaskId(1)).steps.clone();
     let [from, until] = [machine.start, machine.end - 1].map(|step| line.stations[0].steps[step][0]);

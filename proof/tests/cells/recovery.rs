@@ -12,7 +12,7 @@ use linewright_proof::cell::recovery::{BACK, BOUNDED, KEPT, check_recovery, judg
 
 use super::described as shipped;
 
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_secs(1), grace: Duration::from_secs(1) };
 
 fn net(cell: &Cell, supply: Supply<'_>) -> RecoveryNet {
     let made = compile_cell(cell, None, supply, PACE).unwrap_or_else(|why| panic!("{why}"));

@@ -7,7 +7,7 @@
 //!                    Station … Station                      their ledgers have what has really been done
 //! ```
 //!
-//! [`CellSim`] plays it, from a seed; [`SimulatedStation`] stands for a station that works on order, without axes and sensors;
+//! [`CellSim`] plays it, from a seed; [`SimulatedStation`] stands for a task-driven station, without axes and sensors;
 //! or [`ShopFloor`] has the real ones, with mechanisms and parts; [`RecordStore`] keeps records. With pretended stations
 //! [`PartTruth`] has the true places of parts, which [`SimulatedOperator`] sees. The coordinator can be killed at each of its
 //! steps, of which every record and every message is one. The caller sets what stations do, and what happens to them, between

@@ -1,4 +1,4 @@
-//! A station that works on order, pretended: it does one order at a time, keeps past ones over its own restarts, and does
+//! A task-driven station, pretended: it does one order at a time, keeps past ones over its own restarts, and does
 //! no key twice.
 //!
 //! It answers as the token player expects of every station. What it has really done is in [`SimulatedStation::done`], which the

@@ -54,7 +54,7 @@ pub enum StationInput<'a> {
     /// An operator's confirmation that the station stands where its switches measure it (see [`Controller::read_off`]),
     /// or was stopped in this operation.
     Rejoin(Option<OpId>),
-    /// An order for a task, or about one; for a station that works on order.
+    /// An order for a task, or about one; for a task-driven station.
     Task(TaskCommand<'a>),
 }
 
@@ -146,7 +146,7 @@ impl Controller {
             commands: Commands::new(),
             levels: Levels { now: 0, before: 0, mode: ControlMode::StandBy },
             agreement: Agreement { pending: None, next_request: 1, refusal: None },
-            orders: program.on_order.as_ref().map(|_| Box::new(OrderSlot::new(boot_id))),
+            orders: program.tasks.as_ref().map(|_| Box::new(OrderSlot::new(boot_id))),
             output: StationOutput::default(),
             due: Due { outputs: true, report: true, settled: false, deadline: Tick::ZERO },
             fired: Fired::NONE,
@@ -352,7 +352,7 @@ impl Controller {
     /// Number of times that the station has come home since the line first stood at home together; not counted on
     /// order.
     pub(crate) fn home_round(&self) -> i32 {
-        if self.program.on_order.is_some() {
+        if self.program.tasks.is_some() {
             0
         } else {
             self.counts.done[self.program.home.index()] - self.counts.initial_round
@@ -381,10 +381,10 @@ impl Controller {
         self.commands.panel_is_live()
     }
 
-    /// At home: the home operation is complete, or everything after it has been undone — the same position. On order: at
-    /// any rest.
+    /// At home: the home operation is complete, or everything after it has been undone — the same position. Task-driven:
+    /// at any rest.
     pub fn is_at_home(&self) -> bool {
-        if self.program.on_order.is_some() {
+        if self.program.tasks.is_some() {
             return self.rest().is_some();
         }
         let after = (usize::from(self.program.step_of[self.program.home.index()]) + 1) % self.program.causes.len();

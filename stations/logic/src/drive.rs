@@ -21,7 +21,7 @@ impl Controller {
             outputs |= self.parameter_outputs();
         }
         deadline = deadline.min(self.order_limit());
-        self.image.watched |= self.program.on_order.as_ref().map_or(0, |tasks| tasks.watched);
+        self.image.watched |= self.program.tasks.as_ref().map_or(0, |tasks| tasks.watched);
         self.image.watched |= self.program.places_of_axis.as_ref().map_or(0, |axis| axis.numbers.report(u16::MAX));
         let mode = self.commands.mode();
         let number = self.output.number + 1;

@@ -85,7 +85,8 @@ pub enum HappeningKind {
     Stopped(OpId, Block, StopCause),
     /// The counts of these operations (a bit each) were taken back.
     Withdrawn(u64),
-    /// The station is home after a recovery path: at the end of the previous cycle; on order, where the task began.
+    /// The station is home after a recovery path: at the end of the previous cycle; if task-driven, at the rest where
+    /// the task began.
     HomeAgain,
     /// A generation was founded: the station counts anew from home, together with the others.
     Founded,

@@ -86,7 +86,7 @@ impl Controller {
     /// The way back of a station that has lost its memory, or an axis of which is not where its chart has it.
     fn explain_generation(&self, line: &Line, reasons: &mut Vec<String>) {
         let is_doubtful = self.position_lost().is_some() && self.doubtful_index().is_some();
-        let compares = self.rules.generations && self.program.on_order.is_none();
+        let compares = self.rules.generations && self.program.tasks.is_none();
         let compares = compares && (is_doubtful || !self.program.peers.is_empty());
         let is_lost = self.position_lost().is_some();
         let forgot = self.views.generation == 0;
@@ -142,7 +142,7 @@ impl Controller {
             MotionStage::Operating => self.explain_motion(line, place, reasons),
             MotionStage::Incomplete => {
                 // What it stands in is not known before rejoin.
-                let unknown = self.rules.generations && self.views.generation == 0 && self.program.on_order.is_none();
+                let unknown = self.rules.generations && self.views.generation == 0 && self.program.tasks.is_none();
                 reasons.extend(match self.marking.causes_of_stop[place.op.index()] {
                     StopCause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
                     // What ends a doubt is said before; nothing at the panel does.
@@ -235,7 +235,7 @@ impl Controller {
             (Block::Normal, TransitionKind::Undo(op)) => op == place.op,
             (Block::Recovery, TransitionKind::Back { from, .. }) => from == step,
             (Block::Recovery, TransitionKind::GiveUp(task)) => {
-                self.program.on_order.as_ref().is_some_and(|tasks| tasks.task(task).first == place.op)
+                self.program.tasks.as_ref().is_some_and(|tasks| tasks.task(task).first == place.op)
             }
             _ => false,
         })

@@ -7,10 +7,10 @@ use crate::controller::Controller;
 use crate::texts::StationWait;
 
 impl Controller {
-    /// Where a station on order stands between two motions: what it waits for. False where its wait is one of every
+    /// Where a task-driven station stands between two motions: what it waits for. False where its wait is one of every
     /// station.
     pub(crate) fn explain_order(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) -> bool {
-        let Some(tasks) = &self.program.on_order else { return false };
+        let Some(tasks) = &self.program.tasks else { return false };
         let station = line.station(self.program.station);
         match self.mode() {
             ControlMode::Auto => {

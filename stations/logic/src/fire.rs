@@ -14,9 +14,9 @@
 //! Undoing the first operation listed thus leads back into the cycle before, and doing it again into the same cycle
 //! as the first time: reset and undo agree across the cycle boundary.
 //!
-//! A station on order has no cycle that others could build on. There `cycle` counts the tasks that were begun, `done` how
-//! often an operation was done and not taken back, and `started` is one more while it is under way. A recovery path takes
-//! back what the task has done before, and the end of the path is that of the task not done.
+//! A task-driven station has no cycle that others could build on. There `cycle` counts the tasks that were begun,
+//! `done` how often an operation was done and not taken back, and `started` is one more while it is under way. A
+//! recovery path takes back what the task has done before, and the end of the path is that of the task not done.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -150,19 +150,19 @@ impl Controller {
     }
 
     fn begin_cycle_with(&mut self, op: OpId) {
-        if self.program.on_order.is_none() && op == self.program.first {
+        if self.program.tasks.is_none() && op == self.program.first {
             self.counts.cycle += 1;
         }
     }
 
     /// Count of an operation that starts now, when it is done.
     fn count_of_start(&self, op: OpId) -> i32 {
-        if self.program.on_order.is_some() { self.counts.done[op.index()] + 1 } else { self.counts.cycle }
+        if self.program.tasks.is_some() { self.counts.done[op.index()] + 1 } else { self.counts.cycle }
     }
 
-    /// On order: operations done of a task when one of its operations is stopped.
+    /// At a task-driven station: operations done of a task when one of its operations is stopped.
     pub(crate) fn done_in_task_before(&self, failed: OpId) -> u64 {
-        self.program.on_order.as_ref().map_or(0, |tasks| {
+        self.program.tasks.as_ref().map_or(0, |tasks| {
             let first = tasks.task(tasks.task_of[failed.index()]).first;
             (first.0..failed.0).fold(0, |bits, op| bits | 1 << op)
         })
@@ -196,7 +196,7 @@ impl Controller {
     /// Home by a recovery path: this is the end of the previous round, and the cycle will be done again.
     fn home_again(&mut self, failed: OpId) {
         self.refresh_path();
-        if self.program.on_order.is_some() {
+        if self.program.tasks.is_some() {
             self.counts.started.copy_from_slice(&self.counts.done);
             self.note(HappeningKind::HomeAgain);
             return;
@@ -227,7 +227,7 @@ impl Controller {
         }
         if self.marking.path.is_none() {
             self.counts.started[op.index()] = self.counts.done[op.index()];
-            if self.program.on_order.is_none() && op == self.program.first {
+            if self.program.tasks.is_none() && op == self.program.first {
                 self.counts.cycle -= 1;
             }
         }
@@ -237,8 +237,8 @@ impl Controller {
     /// Operations that the path skips count as started until the station is home, so that no station takes back what
     /// they wait for.
     fn claim_way_home(&mut self, failed: OpId) {
-        // No counts are compared with those of a station on order.
-        if !self.rules.home_waits || !self.rules.redo_round || self.program.on_order.is_some() {
+        // No counts are compared with those of a task-driven station.
+        if !self.rules.home_waits || !self.rules.redo_round || self.program.tasks.is_some() {
             return;
         }
         let program = Arc::clone(&self.program);

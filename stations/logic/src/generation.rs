@@ -57,7 +57,7 @@ impl Controller {
             && self.position_lost().is_none()
             && self.is_home_measured();
         let meant = founding.boot_id == self.boot_id && founding.generation != 0;
-        if !meant || !stands || self.program.on_order.is_some() || founding.generation == self.views.generation {
+        if !meant || !stands || self.program.tasks.is_some() || founding.generation == self.views.generation {
             return;
         }
         self.count_from_home();
@@ -138,7 +138,7 @@ impl Controller {
     pub(crate) fn rejoin(&mut self, within: Option<OpId>) -> Result<(), Ignored> {
         let moves = self.tokens().iter().any(|token| self.place(token).is_operating());
         let is_lost = self.views.generation == 0 || self.position_lost().is_some();
-        if self.program.on_order.is_some() {
+        if self.program.tasks.is_some() {
             return Err(Ignored::NoRejoin);
         }
         if moves {

@@ -10,7 +10,7 @@
 //! * **Rests.** An axis that stands still by the chart is measured there ([`Station::rest_inputs`]). While one is not, nothing
 //!   new starts in auto and hand, and nothing that relies on the axis starts in manual: its position is lost.
 //!
-//! Two tasks of stations on order are kept apart by orders: the one is not ordered while the other is under way. Where
+//! Two tasks of task-driven stations are kept apart by orders: the one is not ordered while the other is under way. Where
 //! switches measure a task, the other station checks them all the same; where none do, there is no second barrier.
 //!
 //! What this does not exclude by itself: two stations that start within the time a report takes see each other outside still.

@@ -31,7 +31,7 @@ pub(crate) mod bit {
     pub const RETRACT: u128 = 1 << 5;
     pub const ANY_PATH: u128 = 1 << 7;
     pub const MASTER_STOP: u128 = 1 << 8;
-    /// A station on order is to go back to the rest it came from.
+    /// A task-driven station is to go back to the rest it came from.
     pub const SECURE: u128 = 1 << 9;
     /// One bit for each recovery path.
     pub const PATH_0: u32 = 16;
@@ -204,8 +204,8 @@ pub struct Program {
     pub(crate) ahead_max: i32,
     /// The numbered places of the endless axis that a drive turns.
     pub(crate) places_of_axis: Option<NumberedPlaces>,
-    /// What only a station on order has.
-    pub(crate) on_order: Option<StationTasks>,
+    /// What only a task-driven station has.
+    pub(crate) tasks: Option<StationTasks>,
 }
 
 impl Program {
@@ -283,7 +283,7 @@ impl Program {
             peers,
             paths,
             places_of_axis,
-            on_order: StationTasks::of(described),
+            tasks: StationTasks::of(described),
         })
     }
 

@@ -29,10 +29,10 @@ pub struct StationReport {
     pub places: Vec<u8>,
     /// On its way home from a fault in an irreversible operation.
     pub recovering_home: bool,
-    /// At its home place; on order at any rest.
+    /// At its home place; if task-driven, at any rest.
     pub at_home: bool,
     /// The round it is in, or at the end of which it stands at home: how often it has come home since the line first
-    /// stood at home together, plus one while it is away. On order it means nothing.
+    /// stood at home together, plus one while it is away. No meaning at a task-driven station.
     pub round: i32,
     /// Nothing moves.
     pub stopped: bool,
@@ -52,7 +52,7 @@ pub struct StationReport {
     pub request: Option<WithdrawalRequest>,
     /// Its answers to the requests of others.
     pub answers: Vec<WithdrawalAnswer>,
-    /// Its orders, if it works on order.
+    /// Its orders, if it is task-driven.
     pub order: Option<TaskOrderReport>,
 }
 
@@ -100,7 +100,7 @@ pub struct StationSnapshot {
     pub place: u16,
     /// The next number for a request.
     pub next_request: u64,
-    /// Its task orders, if it works on order.
+    /// Its task orders, if it is task-driven.
     pub order: Option<OrderMemory>,
 }
 

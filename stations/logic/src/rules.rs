@@ -52,7 +52,7 @@ impl Rules {
     };
 }
 
-/// Rules of orders in force, of a station on order. As with [`Rules`].
+/// Rules of orders in force, of a task-driven station. As with [`Rules`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OrderRules {
     /// An order whose time is over has not ended before the station stands. Off: it ends at once, and the station goes back.

@@ -41,7 +41,7 @@ use crate::order::{
 use crate::program::{bit, task_bit};
 use crate::rules::OrderRules;
 
-/// The orders of a station on order.
+/// The orders of a task-driven station.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OrderSlot {
     memory: u64,
@@ -172,7 +172,7 @@ impl OrderSlot {
 }
 
 impl Controller {
-    /// Takes a command. Gives false at a station that does not work on order.
+    /// Takes a command. Gives false at a station that is not task-driven.
     pub(crate) fn command(&mut self, command: TaskCommand<'_>) -> Result<(), Ignored> {
         let orders = self.orders.as_ref().ok_or(Ignored::NoTasks)?;
         let epoch = orders.epoch;
@@ -236,7 +236,7 @@ impl Controller {
 
     /// The order as it would be done; why it will not be.
     fn begin(&self, order: &TaskOrder) -> Result<ActiveOrder, TaskRefusal> {
-        let tasks = self.program.on_order.as_ref().ok_or(TaskRefusal::Unknown)?;
+        let tasks = self.program.tasks.as_ref().ok_or(TaskRefusal::Unknown)?;
         if order.limit.is_zero() {
             return Err(TaskRefusal::Late);
         }
@@ -312,12 +312,12 @@ impl Controller {
     }
 
     fn task_of(&self, op: OpId) -> Option<TaskId> {
-        self.program.on_order.as_ref().map(|tasks| tasks.task_of[op.index()])
+        self.program.tasks.as_ref().map(|tasks| tasks.task_of[op.index()])
     }
 
-    /// The rest a station on order stands at.
+    /// The rest a task-driven station stands at.
     pub(crate) fn rest(&self) -> Option<RestId> {
-        let tasks = self.program.on_order.as_ref().filter(|_| self.marking.path.is_none())?;
+        let tasks = self.program.tasks.as_ref().filter(|_| self.marking.path.is_none())?;
         let place = self.marking().next()?;
         let task = tasks.task(tasks.task_of[place.op.index()]);
         if place == StationPlace::completed(task.last) {
@@ -360,7 +360,7 @@ impl Controller {
 
     /// A task's first operation starts.
     pub(crate) fn order_begins(&mut self, step: u8) {
-        let Some(tasks) = &self.program.on_order else { return };
+        let Some(tasks) = &self.program.tasks else { return };
         let Some(slot) = self.orders.as_mut().and_then(|orders| orders.slot.as_mut()) else { return };
         slot.begun |= tasks.task(slot.task).first_step == step;
     }
@@ -368,7 +368,7 @@ impl Controller {
     /// An operation is complete. The last one of the task is its end, on the way back too: the task is done.
     pub(crate) fn order_completes(&mut self, op: OpId) {
         let Some(slot) = self.slot().filter(|slot| slot.begun) else { return };
-        if self.program.on_order.as_ref().is_some_and(|tasks| tasks.task(slot.task).last == op) {
+        if self.program.tasks.as_ref().is_some_and(|tasks| tasks.task(slot.task).last == op) {
             self.conclude(TaskOutcome::Done);
         }
     }
@@ -417,7 +417,7 @@ impl Controller {
 
     /// The step that the order would go on with, where the station stands between two.
     pub(crate) fn next_step(&self) -> Option<u8> {
-        let (tasks, slot) = (self.program.on_order.as_ref()?, self.slot()?);
+        let (tasks, slot) = (self.program.tasks.as_ref()?, self.slot()?);
         if !slot.begun {
             return Some(tasks.task(slot.task).first_step);
         }
@@ -428,7 +428,7 @@ impl Controller {
     /// The code of the inputs that the order waits for.
     fn waited_for(&self) -> Option<u16> {
         let step = self.next_step().filter(|&step| self.missing(step) != 0)?;
-        let (_, code) = *self.program.on_order.as_ref()?.waits.get(usize::from(step))?;
+        let (_, code) = *self.program.tasks.as_ref()?.waits.get(usize::from(step))?;
         (code != 0).then_some(code)
     }
 

@@ -308,12 +308,12 @@ impl Controller {
 
     /// The inputs that a step waits for and that are off.
     pub(crate) fn missing(&self, step: u8) -> u128 {
-        self.program.on_order.as_ref().map_or(0, |tasks| tasks.waits[usize::from(step)].0 & !self.image.bits)
+        self.program.tasks.as_ref().map_or(0, |tasks| tasks.waits[usize::from(step)].0 & !self.image.bits)
     }
 
-    /// The cycle in which a step would start: the first one listed starts a new one, on order the first one of a task.
+    /// The cycle in which a step would start: the first one listed starts a new one; if task-driven, the first of a task.
     pub(crate) fn cycle_of_start(&self, step: u8) -> i32 {
-        let begins = self.program.on_order.as_ref().map_or(step == 0, |tasks| tasks.begins_with(step));
+        let begins = self.program.tasks.as_ref().map_or(step == 0, |tasks| tasks.begins_with(step));
         self.counts.cycle + i32::from(begins)
     }
 
@@ -395,7 +395,7 @@ impl Controller {
                 ops.fold(0, |bits, (op, _)| bits | 1 << op)
             }
             TransitionKind::EnterPath(_) if !self.rules.redo_round => 0,
-            TransitionKind::EnterPath(failed) if self.program.on_order.is_some() => self.done_in_task_before(failed),
+            TransitionKind::EnterPath(failed) if self.program.tasks.is_some() => self.done_in_task_before(failed),
             TransitionKind::EnterPath(_) => {
                 let round = self.counts.done[self.program.home.index()];
                 let counted = |&(op, &done): &(usize, &i32)| done > self.counts.at_home[op] + round;

@@ -1,10 +1,10 @@
-//! A station's tasks, compiled: tables of a station on order beside those of every station.
+//! A station's tasks, compiled: tables of a task-driven station beside those of every station.
 
 use std::time::Duration;
 
 use linewright_line::{OpId, Parameter, RestId, Station, TaskId};
 
-/// The tasks of a station on order.
+/// The tasks of a task-driven station.
 #[derive(Clone, Debug)]
 pub(crate) struct StationTasks {
     pub tasks: Vec<TaskTable>,
@@ -30,7 +30,7 @@ pub(crate) struct TaskTable {
 }
 
 impl StationTasks {
-    /// Of a station on order; none for one that goes round a cycle.
+    /// Of a task-driven station; none for one that goes round a cycle.
     pub fn of(station: &Station) -> Option<Self> {
         if !station.is_task_driven() {
             return None;

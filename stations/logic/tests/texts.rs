@@ -22,9 +22,9 @@ fn transfer_line() -> Line {
     parse("line.toml", &TransferLine::default().text()).expect("sound").line
 }
 
-fn on_order() -> Line {
-    let text = include_str!("../../../model/line/tests/descriptions/on_order.toml");
-    parse("on_order.toml", text).expect("sound").line
+fn task_driven() -> Line {
+    let text = include_str!("../../../model/line/tests/descriptions/task_driven.toml");
+    parse("task_driven.toml", text).expect("sound").line
 }
 
 fn causes() -> Vec<StopCause> {
@@ -204,7 +204,7 @@ fn compile_errors() -> Vec<CompileError> {
 
 #[test]
 fn all_texts_of_a_station() {
-    let (line, tasks) = (transfer_line(), on_order());
+    let (line, tasks) = (transfer_line(), task_driven());
     let choices = [StationWait::task_button("PB_run", "machine"), StationWait::task_button("PB_open", "release")];
     let arrow = StationWait::Arrow { station: "clamp_1", op: "close", cycle: 7, own: "advance" }.text();
     let detail = StopCause::Interlock { station: CLAMP, input: Some(INPUT) }.detail(&line, TRANSFER);

@@ -65,7 +65,7 @@ struct StationRecord {
     /// Start of the host that it was written in.
     #[serde(default)]
     host: String,
-    /// Stations on order alone have it, so that the records of all others have their old form.
+    /// Task-driven stations alone have it, so that the records of all others have their old form.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     order: Option<OrderRecord>,
 }
@@ -242,7 +242,7 @@ mod tests {
 
     use super::*;
 
-    const ON_ORDER: &str = include_str!("../../../model/line/tests/descriptions/on_order.toml");
+    const TASK_DRIVEN: &str = include_str!("../../../model/line/tests/descriptions/task_driven.toml");
     const CYCLIC: &str = include_str!("../../../model/line/tests/descriptions/cell.toml");
 
     fn line(text: &str) -> Line {
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn a_record_gives_back_what_was_kept_of_orders() {
-        let line = line(ON_ORDER);
+        let line = line(TASK_DRIVEN);
         let mut kept = snapshot(&line);
         let orders = kept.order.as_mut().expect("it is task-driven");
         assert_eq!((orders.memory, orders.epoch, orders.last, orders.results.len()), (7, 2, 5, 1));
@@ -353,8 +353,8 @@ mod tests {
     }
 
     #[test]
-    fn a_record_without_orders_is_not_one_of_a_station_on_order_nor_the_other_way_round() {
-        let line = line(ON_ORDER);
+    fn a_record_without_orders_is_not_one_of_a_task_driven_station_nor_the_other_way_round() {
+        let line = line(TASK_DRIVEN);
         let mut kept = snapshot(&line);
         let with = String::from_utf8(to_record(&line, StationId(0), &kept, "host")).expect("text");
         kept.order = None;

@@ -1,4 +1,4 @@
-//! ROS 2 interface of a station on order.
+//! ROS 2 interface of a task-driven station.
 //!
 //! Orders come as goals of the action `~/run_task`; one order may come by any number of goals, and each of them ends as the
 //! order does. It is left by cancelling a goal, or by `~/secure`, where it can be stopped as well. The state of all orders goes
@@ -63,7 +63,7 @@ pub struct TaskOrderTopics {
 }
 
 impl TaskOrderTopics {
-    /// Opens the action and the topics of a station on order.
+    /// Opens the action and the topics of a task-driven station.
     pub fn open(
         node: &mut RosNode,
         station: &str,

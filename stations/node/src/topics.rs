@@ -42,7 +42,7 @@ pub struct StationPublishers {
     pub event: Publisher<StationEvent>,
     /// Only behind the gateway.
     pub outputs: Option<Publisher<ProcessImage>>,
-    /// Only where it works on order.
+    /// Only where it is task-driven.
     pub orders: Option<TaskOrderTopics>,
 }
 

@@ -50,10 +50,10 @@ fn table(resources: usize) -> Arc<CellTable> {
     let made = bays(resources);
     let parsed = linewright_cell::parse("cell.toml", &made.text, None).unwrap_or_else(|why| panic!("{why:#}"));
     assert_eq!(parsed.cell.resources.len(), resources);
-    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let pace = OrderTiming { repeat_interval: Duration::from_secs(1), grace: Duration::from_secs(1) };
     let table = compile_cell(&parsed.cell, None, Supply::Closed(&made.parts), pace).expect("it can be played").table;
     let mut handling = table.handling().clone();
-    handling.stale = Some(NEVER);
+    handling.lost_after = Some(NEVER);
     Arc::new(table.with_handling(handling))
 }
 

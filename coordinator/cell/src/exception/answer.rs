@@ -98,8 +98,9 @@ impl Coordination {
         }
     }
 
-    /// The first ordered station of an activity that is not heard, and the resource to take out of service if it stays so; none as
-    /// well where that is done. It may stand anywhere, also in a resource whose room closing the activity would give to others.
+    /// The first task-driven station of an activity that is not heard, and the resource to take out of service if it
+    /// stays so; none as well where that is done. It may stand anywhere, also in a resource whose room closing the
+    /// activity would give to others.
     pub fn unheard(&self, now: Tick, firing: FiringId) -> Option<(StationId, ResourceId)> {
         let firing = self.state.firing(firing)?;
         let handling = self.state.table().handling();

@@ -103,20 +103,20 @@ impl Coordination {
 
     /// The orders of a mode are waited for from now on.
     pub(in super::super) fn expect(&mut self, mode: ModeId) {
-        let Some(stale) = self.state.table().handling().stale else { return };
+        let Some(lost_after) = self.state.table().handling().lost_after else { return };
         let orders = self.state.table().activity(mode).orders.iter();
-        let missed = orders.map(|order| self.watch.last(order.station) + stale).min();
+        let missed = orders.map(|order| self.watch.last(order.station) + lost_after).min();
         self.watch.missed_from = self.watch.missed_from.map(|at| missed.map_or(at, |missed| at.min(missed)));
     }
 
     /// The order whose station will be missed first, and when.
     fn first_to_miss(&self) -> Option<(Tick, OrderKey)> {
-        let stale = self.state.table().handling().stale?;
+        let lost_after = self.state.table().handling().lost_after?;
         let running = self.state.firings().filter(|firing| firing.phase == ActivityPhase::Running);
         let open = running.flat_map(|firing| firing.orders.iter().map(move |order| (firing, order)));
         let open = open.filter(|(_, order)| order.is_open());
         let missed = |(firing, order): (&OngoingActivity, &super::super::firing::OngoingOrder)| {
-            ((self.watch.last(order.station) + stale).max(firing.spared_until), order.key)
+            ((self.watch.last(order.station) + lost_after).max(firing.spared_until), order.key)
         };
         open.map(missed).min()
     }
@@ -137,14 +137,14 @@ impl Coordination {
 
     /// Time at which exceptions need a step without an arrival.
     pub(in super::super) fn next_of_exceptions(&self) -> Option<Tick> {
-        let (secure, refresh) = (self.state.table().handling().secure, self.state.table().refresh());
+        let (secure, repeat_interval) = (self.state.table().handling().secure, self.state.table().repeat_interval());
         let limit = self.state.exceptions().open().filter_map(|(_, trouble)| match &trouble.stage {
             ExceptionStage::Securing => Some(trouble.since + secure),
-            ExceptionStage::Restoring { ruling: _, since } => Some(*since + secure.max(refresh)),
+            ExceptionStage::Restoring { ruling: _, since } => Some(*since + secure.max(repeat_interval)),
             ExceptionStage::Waiting(_) => None,
         });
         let again = self.to_secure().into_iter().map(|leave| match self.told(leave) {
-            Some(told) => told.at + refresh,
+            Some(told) => told.at + repeat_interval,
             None => self.state.now(),
         });
         let missed = match self.watch.missed_from {
@@ -298,7 +298,7 @@ impl Coordination {
 
     /// A station's report, unless it is too old.
     pub(super) fn fresh(&self, now: Tick, station: StationId) -> Option<&TaskReport> {
-        self.watch.fresh(station, now, self.state.table().handling().stale)
+        self.watch.fresh(station, now, self.state.table().handling().lost_after)
     }
 
     /// Whether another activity in progress has to do with a resource: then the number of its parts is uncertain.
@@ -327,7 +327,7 @@ impl Coordination {
     }
 
     fn verdict(&self, now: Tick, firing: &OngoingActivity, ruling: &RecoveryDecision, since: Tick) -> SensorVerdict {
-        let (handling, refresh) = (self.state.table().handling(), self.state.table().refresh());
+        let (handling, repeat_interval) = (self.state.table().handling(), self.state.table().repeat_interval());
         let handled = handling.mode(firing.mode);
         let (mut found, mut unchecked, mut waits) = (Vec::new(), Vec::new(), false);
         for id in handled.resources() {
@@ -339,9 +339,9 @@ impl Coordination {
                 continue;
             }
             // What was on its way while it was put right does not count.
-            let seen = self.watch.seen(station).filter(|seen| seen.at >= since + refresh);
+            let seen = self.watch.seen(station).filter(|seen| seen.at >= since + repeat_interval);
             let Some(seen) = seen else {
-                if now < since + handling.secure.max(refresh) {
+                if now < since + handling.secure.max(repeat_interval) {
                     waits = true
                 } else {
                     unchecked.push(id)
@@ -398,7 +398,7 @@ impl Coordination {
         let all: Vec<(ResourceId, Tick)> = self.watch.uncompared.iter().map(|(&id, &from)| (id, from)).collect();
         for (id, from) in all {
             if self.is_in_use(id, None) {
-                self.watch.uncompared.insert(id, from.max(now + self.state.table().refresh()));
+                self.watch.uncompared.insert(id, from.max(now + self.state.table().repeat_interval()));
                 continue;
             }
             let station = self.state.table().handling().resource(id).and_then(|of| of.station);

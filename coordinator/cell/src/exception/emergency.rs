@@ -83,7 +83,7 @@ impl Coordination {
         if self.state.exceptions().is_stopped(station) {
             return Some(AlarmAnswerRefusal::EmergencyStop(station));
         }
-        self.watch.objection(station, now, self.state.table().handling().stale)
+        self.watch.objection(station, now, self.state.table().handling().lost_after)
     }
 
     /// Whether a station that was received in this life can be given an order.

@@ -182,7 +182,7 @@ pub enum OutOfServiceReason {
     Rule(FiringId),
     /// Its station could not come to rest, or could not work, when an activity was closed.
     Station(FiringId),
-    /// An ordered station of this activity was not heard when it was closed: it may stand in the resource.
+    /// A task-driven station of this activity was not heard when it was closed: it may stand in the resource.
     Unheard(FiringId),
     /// Its sensor contradicts the model.
     Mismatch,

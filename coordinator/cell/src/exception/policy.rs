@@ -25,8 +25,8 @@ pub struct RecoveryPolicy {
     pub stations: Vec<(StationId, Arc<str>)>,
     /// Where stations rest and how they come from rest to rest; none without a line.
     pub rests: Vec<StationRests>,
-    /// A station that has an order and was not heard for so long is lost; none if it never is.
-    pub stale: Option<Duration>,
+    /// Time without a report after which a station with an order is lost; none: never.
+    pub lost_after: Option<Duration>,
     /// Longest wait for a station that was ordered to come to rest.
     pub secure: Duration,
 }
@@ -133,7 +133,7 @@ impl Default for RecoveryPolicy {
             rules: Vec::new(),
             stations: Vec::new(),
             rests: Vec::new(),
-            stale: None,
+            lost_after: None,
             secure: Duration::from_secs(30),
         }
     }

@@ -73,7 +73,7 @@ pub enum AlarmAnswerRefusal {
     HasNoPart(ResourceId),
     /// The station is not heard.
     NotHeard(StationId),
-    /// An ordered station of the activity is not heard, and this resource, by which it can be left out, is in service.
+    /// A task-driven station of the activity is not heard, and this resource, by which it can be left out, is in service.
     Unheard(StationId, ResourceId),
     /// The station stands between two rests.
     NotAtRest(StationId),

@@ -100,10 +100,10 @@ impl Coordination {
             return;
         }
         self.watch.told.retain(|key, _| all.iter().any(|of| of.key == *key));
-        let refresh = self.state.table().refresh();
+        let repeat_interval = self.state.table().repeat_interval();
         for leave in all {
             let SecureOrderRequest { station, key, stop } = leave;
-            if self.told(leave).is_none_or(|told| told.at + refresh <= now) {
+            if self.told(leave).is_none_or(|told| told.at + repeat_interval <= now) {
                 let answered = self.watch.told.get(&key).and_then(|told| told.answered);
                 self.watch.told.insert(key, SecureRequest { at: now, stop, answered });
                 out.sends.push(CellMessage::Secure { station, key, stop });

@@ -96,8 +96,9 @@ impl StationMonitor {
     }
 
     /// A station's report, unless it is too old.
-    pub(super) fn fresh(&self, station: StationId, now: Tick, stale: Option<Duration>) -> Option<&TaskReport> {
-        let seen = self.seen.get(&station).filter(|seen| stale.is_none_or(|stale| seen.at + stale > now));
+    pub(super) fn fresh(&self, station: StationId, now: Tick, lost_after: Option<Duration>) -> Option<&TaskReport> {
+        let seen =
+            self.seen.get(&station).filter(|seen| lost_after.is_none_or(|lost_after| seen.at + lost_after > now));
         seen.map(|seen| &seen.heard)
     }
 
@@ -106,9 +107,11 @@ impl StationMonitor {
         &self,
         station: StationId,
         now: Tick,
-        stale: Option<Duration>,
+        lost_after: Option<Duration>,
     ) -> Option<AlarmAnswerRefusal> {
-        let Some(heard) = self.fresh(station, now, stale) else { return Some(AlarmAnswerRefusal::NotHeard(station)) };
+        let Some(heard) = self.fresh(station, now, lost_after) else {
+            return Some(AlarmAnswerRefusal::NotHeard(station));
+        };
         if heard.is_held {
             return Some(AlarmAnswerRefusal::NotAtRest(station));
         }

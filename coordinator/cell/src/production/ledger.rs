@@ -39,7 +39,7 @@ pub struct Production {
 }
 
 impl Production {
-    /// Of a cell that makes the products of its table, before anything is on order.
+    /// Of a cell that makes the products of its table, without production orders yet.
     pub fn new(table: &CellTable) -> Self {
         let products = table.products();
         let modes = products.iter().enumerate().flat_map(|(at, of)| of.enters.iter().map(move |&mode| (mode, at)));

@@ -6,7 +6,8 @@
 //! - [`Production`]: all of them, a fold over the records of the cell: those of operators' changes ([`ProductionChange`]), and
 //!   those of parts that have entered or left. It is part of the cell's state. A dispatcher has one of its own, since it also
 //!   decides in forward simulations.
-//! - [`DispatchConfiguration`]: the dispatcher with rules; it lets in parts on order and has their due dates.
+//! - [`DispatchConfiguration`]: the dispatcher with rules; it lets in the parts of production orders and has their due
+//!   dates.
 //!
 //! ```text
 //!  waiting ──released, and all before it are over──▶ released ──its first part enters──▶ in work ──its last leaves──▶ done

@@ -1,4 +1,4 @@
-//! The schedule: when everything that is on order starts and ends, made in advance and made anew when it does not hold.
+//! The schedule: planned starts and ends for all open production orders, made in advance and anew when it does not hold.
 //!
 //! # Map
 //! - [`Schedule`], [`ScheduleSlot`]: what is to start when, in which window, and what has become of it; the dispatcher's rule
@@ -45,6 +45,7 @@ pub struct PlanningSituation<'a> {
 /// Makes schedules. Others than [`RolloutScheduler`] may use more of a cell; their schedules are followed in the same
 /// way.
 pub trait Scheduler {
-    /// A schedule for parts inside and on order. It has to come to an end within a bound that does not depend on time.
+    /// A schedule for parts inside and parts that production orders have yet to let in. It has to come to an end within
+    /// a bound that does not depend on time.
     fn plan(&mut self, situation: &PlanningSituation<'_>) -> Schedule;
 }

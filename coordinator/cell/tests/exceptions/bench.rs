@@ -15,9 +15,9 @@ use linewright_coordinator_cell::{
 use linewright_line::{Line, StationId, Tick};
 use linewright_simulation::cell::{CellSim, CellSimOptions, StationSpeed as Takes};
 
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+const PACE: OrderTiming = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
 /// A station with an order is lost after this time without a report.
-pub const STALE: Duration = Duration::from_secs(3);
+pub const LOST_AFTER: Duration = Duration::from_secs(3);
 /// So long stations have to come to rest.
 pub const SECURE: Duration = Duration::from_secs(10);
 
@@ -35,7 +35,7 @@ fn table_of(text: &str, line: Option<&Line>, parts: &[u32]) -> (Cell, Arc<CellTa
     let cell = linewright_cell::parse("cell.toml", text, line).expect("it is sound").cell;
     let table = compile_cell(&cell, line, Supply::Batch(parts), PACE).expect("it can be played").table;
     let mut handling = table.handling().clone();
-    (handling.stale, handling.secure) = (Some(STALE), SECURE);
+    (handling.lost_after, handling.secure) = (Some(LOST_AFTER), SECURE);
     (cell, Arc::new(table.with_handling(handling)))
 }
 

@@ -11,7 +11,7 @@ use linewright_coordinator_cell::{
 use linewright_line::{StationId, Tick};
 use linewright_random::Random;
 
-use super::bench::{STALE, table, workcell};
+use super::bench::{LOST_AFTER, table, workcell};
 
 fn is_open(order: &OngoingOrder) -> bool {
     match order.state {
@@ -24,7 +24,7 @@ fn is_open(order: &OngoingOrder) -> bool {
 fn waited_for<'a>(state: &'a PlayerState, last: &'a [Tick]) -> impl Iterator<Item = Tick> + 'a {
     let running = state.firings().filter(|firing| firing.phase == ActivityPhase::Running);
     let open = running.flat_map(|firing| firing.orders.iter().filter(|order| is_open(order)));
-    open.map(|order| last[order.station.index()] + STALE)
+    open.map(|order| last[order.station.index()] + LOST_AFTER)
 }
 
 /// Number of orders lost.
@@ -63,7 +63,7 @@ fn play(seed: u64) -> usize {
         for record in out.records.drain(..) {
             if let RecordKind::OrderFailed { key, failure: OrderFailure::Lost } = record.fact {
                 let (_, order) = player.state().order(key).expect("it is kept while it is not known what is true");
-                assert!(last[order.station.index()] + STALE <= now, "{seed}: {key} is lost too early");
+                assert!(last[order.station.index()] + LOST_AFTER <= now, "{seed}: {key} is lost too early");
                 lost += 1;
             }
         }

@@ -200,16 +200,16 @@ fn cancelled_and_withdrawn_orders() {
     let over = ProductionRefusal::Over("order 1".to_owned());
     assert_eq!(shop.command(Cancel("order 1"), &mut desk), Err(ProductionCommandError::Order(over)));
     assert_eq!(desk.production(), Some(shop.state().production()), "both were told the same");
-    // What was on order is in the log, and in a snapshot, with all that has become of it.
+    // The production orders are in the log, and in a snapshot, with all that has become of them.
     assert!(PlayerState::replay(made.table.clone(), &shop.log).as_ref() == Ok(shop.state()));
     let text = serde_json::to_string(&shop.state().snapshot()).unwrap();
     let again = PlayerState::restore(made.table.clone(), serde_json::from_str(&text).unwrap()).unwrap();
     assert_eq!(again.snapshot(), shop.state().snapshot());
 }
 
-/// After a restart in the middle, from the log or from a snapshot, what is on order is made to its end, once.
+/// After a restart in the middle, from the log or from a snapshot, production orders are made to their end, once.
 #[test]
-fn what_is_on_order_outlives_its_coordinator() {
+fn production_orders_outlive_their_coordinator() {
     let made = Made::new(C1);
     let dispatcher = |state: &PlayerState| {
         DispatchConfiguration::new(

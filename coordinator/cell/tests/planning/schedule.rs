@@ -38,7 +38,7 @@ impl Closed {
     fn new(text: &str, counts: &[u32]) -> Self {
         let cell =
             linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
-        let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+        let pace = OrderTiming { repeat_interval: Duration::from_secs(1), grace: Duration::from_secs(1) };
         let made = compile_cell(&cell, None, Supply::Closed(counts), pace).unwrap_or_else(|why| panic!("{why}"));
         let net = made.long.net();
         let mut marking = net.initial_marking().as_slice().to_vec();

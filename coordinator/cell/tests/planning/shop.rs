@@ -31,7 +31,7 @@ impl Made {
     pub fn new(text: &str) -> Self {
         let cell =
             linewright_cell::parse("cell.toml", text, None).unwrap_or_else(|problems| panic!("{problems:#}")).cell;
-        let pace = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+        let pace = OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
         let made = compile_cell(&cell, None, Supply::Open, pace).unwrap_or_else(|why| panic!("{why}"));
         let table = Arc::new(made.table.clone());
         Made { cell, made, table }

@@ -27,7 +27,7 @@ impl Compiled {
             cells: names.places().map(|p| kind(names.place_name(p))).collect(),
             activity_of: (0..activities.len()).collect(),
             activities,
-            refresh: Duration::from_millis(200),
+            repeat_interval: Duration::from_millis(200),
             grace: Duration::from_secs(1),
             products: Vec::new(),
             stores: Vec::new(),

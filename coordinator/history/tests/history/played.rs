@@ -23,7 +23,7 @@ pub fn played(name: &str, parts: &[u32], seed: u64, failing: u64) -> Played {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../launch-config/lines").join(name).join("cell.toml");
     let text = std::fs::read_to_string(file).expect("it is there");
     let cell = linewright_cell::parse("cell.toml", &text, None).expect("it is sound").cell;
-    let pace = OrderTiming { refresh: Duration::from_secs(1), grace: Duration::from_secs(1) };
+    let pace = OrderTiming { repeat_interval: Duration::from_secs(1), grace: Duration::from_secs(1) };
     let made = compile_cell(&cell, None, Supply::Batch(parts), pace).expect("it can be played");
     let table = Arc::new(made.table.clone());
     let mut sim =

@@ -14,11 +14,11 @@ use crate::texts::ModeText;
 
 impl Coordinator {
     /// Leaves these stations out, and no others: their faults are exceptions of the cell they work in (found by the
-    /// cell), and the others work on. Only stations on order can be left out. Call it whenever that changes, before
+    /// cell), and the others work on. Only task-driven stations can be left out. Call it whenever that changes, before
     /// [`Coordinator::step`]. The second argument of `stations`: the station is received.
     pub fn isolate(&mut self, stations: impl Fn(StationId, bool) -> bool) {
         for (id, station) in self.line.station_ids().zip(&mut self.stations) {
-            let isolated = station.on_order && stations(id, self.now < station.known_until);
+            let isolated = station.task_driven && stations(id, self.now < station.known_until);
             self.changed |= station.isolated != isolated;
             station.isolated = isolated;
         }
@@ -28,7 +28,7 @@ impl Coordinator {
     /// is refused while there is one. To be called whenever that set changes.
     pub fn hold(&mut self, stations: impl Fn(StationId) -> bool) {
         for (id, station) in self.line.station_ids().zip(&mut self.stations) {
-            station.held = station.on_order && stations(id);
+            station.held = station.task_driven && stations(id);
         }
     }
 
@@ -42,13 +42,13 @@ impl Coordinator {
         self.line.station_ids().zip(&self.stations).filter(move |(_, station)| !is_out(station))
     }
 
-    /// These stations are in emergency stop by themselves, and no others. Only stations on order can be. Call it whenever that
-    /// changes, before [`Coordinator::step`].
+    /// These stations are in emergency stop by themselves, and no others. Only task-driven stations can be. Call it
+    /// whenever that changes, before [`Coordinator::step`].
     pub fn stop_alone(&mut self, stations: impl Fn(StationId) -> bool) {
         let next = self.epoch.saturating_add(1);
         let mut any_is_reset = false;
         for (id, station) in self.line.station_ids().zip(&mut self.stations) {
-            let stopped = station.on_order && stations(id);
+            let stopped = station.task_driven && stations(id);
             self.changed |= station.stopped != stopped;
             if station.stopped && !stopped {
                 (station.reset_in, any_is_reset) = (next, true);

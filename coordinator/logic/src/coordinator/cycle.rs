@@ -2,7 +2,7 @@
 //!
 //! The line has completed a cycle when each of its stations has come home from it. The cycle took the time since the end of
 //! the one before, as in the report of `linewright run`; if the line stood at home since, the time since motion was enabled
-//! there. Faults and stops on the way are part of it. Stations on order have no cycles and do not count.
+//! there. Faults and stops on the way are part of it. Task-driven stations have no cycles and do not count.
 //!
 //! Times are those of the arrival of reports. Where a beginning or an end may have passed unreported (after a start of
 //! the coordinator, or of a station that was stale) the cycle has no time, and is not published.
@@ -33,7 +33,7 @@ pub(super) struct OpenCycle {
 
 impl Coordinator {
     fn cyclic(&self) -> impl Iterator<Item = &StationEntry> {
-        self.stations.iter().filter(|station| !station.on_order)
+        self.stations.iter().filter(|station| !station.task_driven)
     }
 
     /// Whether the rounds of all stations are known and may be compared.

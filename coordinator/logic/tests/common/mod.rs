@@ -63,8 +63,8 @@ impl Bench {
         bench
     }
 
-    /// With the second station on order. What it can be ordered to do does not matter here.
-    pub fn with_one_on_order() -> Self {
+    /// With the second station task-driven. What it can be ordered to do does not matter here.
+    pub fn with_one_task_driven() -> Self {
         let mut line = line();
         let station = &mut line.stations[1];
         station.rests = vec![Rest { name: "home".to_owned(), at: Vec::new() }];

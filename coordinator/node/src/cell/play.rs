@@ -231,9 +231,10 @@ impl CellLoop {
         apart: watch::Sender<IsolatedStations>,
     ) -> Result<Self, CellError> {
         let CellNodeOptions { cell, line, state_dir, boot_id } = options;
-        let pace = OrderTiming { refresh: line.timing.stale, grace: line.timing.stale * 2 };
+        let pace = OrderTiming { repeat_interval: line.timing.stale, grace: line.timing.stale * 2 };
         let mut made = compile_cell(&cell, Some(&line), Supply::Open, pace)?;
-        let handling = RecoveryPolicy { stale: Some(line.timing.stale * LOST_AFTER), ..made.table.handling().clone() };
+        let handling =
+            RecoveryPolicy { lost_after: Some(line.timing.stale * LOST_AFTER), ..made.table.handling().clone() };
         made.table = made.table.with_handling(handling);
         let table = Arc::new(made.table.clone());
         let (state, mut log) = known(state_dir.as_deref(), &cell.name, &table)?;

@@ -24,7 +24,7 @@ pub enum CellInbound {
     Cancel(String, ServiceReply<ChangeOrder>),
     /// An order is to be as if it had never been.
     Withdraw(String, ServiceReply<ChangeOrder>),
-    /// Further state of a station on order.
+    /// Further state of a task-driven station.
     State(StationId, Box<StationState>),
     /// Answer to an alarm: its number, the answer, and the operator's name.
     Answer(u64, String, String, ServiceReply<AnswerAlarm>),
@@ -34,7 +34,7 @@ pub enum CellInbound {
     Why(String, ServiceReply<WhyNot>),
 }
 
-/// A station that works on order.
+/// A task-driven station.
 struct TaskStationTopics {
     station: StationId,
     tasks: ActionCaller<RunTask>,

@@ -201,8 +201,8 @@ fn ordered(orders: &[(&str, u32)]) -> Vec<ProductionOrderRequest> {
 /// Production orders are made to their end, each part once, whichever step the coordinator is killed at: the request is
 /// repeated until there is a reply, and the dispatcher begins from the log.
 #[test]
-fn what_is_on_order_is_made_once_whichever_step_the_coordinator_is_killed_at() {
-    let of = shipped::on_order("assembly-cell", 5);
+fn production_orders_are_made_once_whichever_step_the_coordinator_is_killed_at() {
+    let of = shipped::with_production_orders("assembly-cell", 5);
     let requests = ordered(&[("1", 2), ("2", 1), ("3", 1), ("2", 1)]);
     let ids: Vec<_> = (1..=4).map(ProductionId).collect();
     let made = |crash_at: Vec<usize>, planned: bool, snapshot_after: u64| {
@@ -238,7 +238,7 @@ fn what_is_on_order_is_made_once_whichever_step_the_coordinator_is_killed_at() {
 #[test]
 fn where_messages_are_slow_only_limits_leave_something_unfinished() {
     let mut rng = Rng::new(8);
-    let pace = compile::OrderTiming { refresh: Duration::from_millis(500), ..shipped::PACE };
+    let pace = compile::OrderTiming { repeat_interval: Duration::from_millis(500), ..shipped::PACE };
     let mut late = 0;
     for (name, parts) in [("assembly-cell", &[2, 2, 1][..]), ("workcell-c1", &[3, 3])] {
         let of = shipped::paced(name, parts, pace);

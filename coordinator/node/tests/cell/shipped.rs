@@ -12,7 +12,8 @@ use linewright_coordinator_cell::{CellTable, OrderKey, PartId};
 use linewright_simulation::cell::CellSim;
 use tempfile::TempDir;
 
-pub const PACE: OrderTiming = OrderTiming { refresh: Duration::from_millis(200), grace: Duration::from_secs(1) };
+pub const PACE: OrderTiming =
+    OrderTiming { repeat_interval: Duration::from_millis(200), grace: Duration::from_secs(1) };
 
 /// A cell and a production of it.
 pub struct Shipped {
@@ -36,8 +37,8 @@ pub fn paced(name: &str, parts: &[u32], pace: OrderTiming) -> Shipped {
     supplied(name, Supply::Batch(parts), parts.iter().sum(), pace)
 }
 
-/// A cell with this number of parts in all, on order.
-pub fn on_order(name: &str, parts: u32) -> Shipped {
+/// A cell with production orders for this number of parts in all.
+pub fn with_production_orders(name: &str, parts: u32) -> Shipped {
     supplied(name, Supply::Open, parts, PACE)
 }
 

@@ -13,6 +13,7 @@ use linewright_fieldbus_seam::{Answer, BusRefusal, BusReply, BusTarget, InputIma
 use linewright_line::{Device, DeviceKind, Owner, Tick};
 
 use crate::message::{ModbusFailure, ModbusRequest};
+use crate::texts::ModbusServiceReply;
 use peer::ModbusPeer;
 
 /// Task of one connection.
@@ -225,20 +226,20 @@ impl ModbusManager {
         let BusTarget::Device(name) = target else { return None };
         let at = self.peers.iter().position(|peer| peer.name == *name)?;
         self.requests += 1;
-        let done = |text: &str| Ok(BusReply { value: Vec::new(), text: text.to_owned() });
+        let done = |reply: ModbusServiceReply| Ok(BusReply { value: Vec::new(), text: reply.text().to_owned() });
         let answer = match request {
             Asked::Reset => {
                 let change = self.peers[at].reset(now, out);
                 self.settle(now, at, change, out);
-                done("its outputs are let go, and it is connected to anew")
+                done(ModbusServiceReply::Reset)
             }
-            Asked::Start if self.peers[at].is_operational() => done("operational"),
+            Asked::Start if self.peers[at].is_operational() => done(ModbusServiceReply::Started),
             Asked::Start => {
                 self.peers[at].retry_now(now);
-                done("it is being looked at again")
+                done(ModbusServiceReply::TriedAgain)
             }
             Asked::Read(_) | Asked::Write { .. } => Err(BusRefusal {
-                text: format!("{target}, {request}: it speaks Modbus, and has no objects"),
+                text: format!("{target}, {request}: {}", ModbusServiceReply::NoObjects.text()),
                 code: abort::UNSUPPORTED,
             }),
         };

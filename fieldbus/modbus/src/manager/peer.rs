@@ -15,7 +15,8 @@ use linewright_fieldbus_seam::{News, gather, scatter};
 use linewright_line::{Modbus, Owner, RegisterValue, Table, Tick};
 
 use super::{LinkAct, LinkOutcome, LinkTask, ModbusChange, ModbusOutbox};
-use crate::message::{ModbusFailure, ModbusRequest, exception_text, kept_bits};
+use crate::message::{ModbusRequest, kept_bits};
+use crate::texts::{ModbusNote, ModbusTrouble};
 
 /// Most time until a device takes a connection.
 const CONNECT: Duration = Duration::from_secs(1);
@@ -61,14 +62,6 @@ enum ReadPart {
     Inputs,
 }
 
-/// Why it is not operational.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Why {
-    pub text: String,
-    /// It answers, but not what it should.
-    pub is_refusal: bool,
-}
-
 pub(super) struct ModbusPeer {
     at: usize,
     pub name: String,
@@ -93,7 +86,8 @@ pub(super) struct ModbusPeer {
     heard: u64,
     /// When its inputs last came; `None` since it was last lost.
     pub updated: Option<Tick>,
-    pub why: Option<Why>,
+    /// Why it is not operational.
+    pub why: Option<ModbusTrouble>,
     failures: u32,
     up_since: Tick,
     pub losses: u32,
@@ -206,21 +200,17 @@ impl ModbusPeer {
     /// Why earlier outputs may not be written any more: no request was sent for longer than a cycle may take, since
     /// this program or its machine stood still, or the device's watchdog may have run out. The device may have turned
     /// its outputs off by itself then, and a write would turn them on again.
-    fn stood_still(&self, now: Tick) -> Option<Why> {
+    fn stood_still(&self, now: Tick) -> Option<ModbusTrouble> {
         if !self.is_operational() || self.asked.is_some() {
             return None;
         }
-        let text = if !self.is_trusted(now) {
-            format!("not asked for {} ms", now.since(self.answered).as_millis())
-        } else if self.modbus.watchdog.is_some_and(|watchdog| {
-            // A write that is sent now may take as long as an answer to arrive.
-            self.fed + watchdog.timeout <= now + self.modbus.timeout
-        }) {
-            format!("its watchdog was not written for {} ms and may have run out", now.since(self.fed).as_millis())
-        } else {
-            return None;
-        };
-        Some(Why { text, is_refusal: false })
+        if !self.is_trusted(now) {
+            return Some(ModbusTrouble::NotAsked(now.since(self.answered)));
+        }
+        let watchdog = self.modbus.watchdog?;
+        // A write that is sent now may take as long as an answer to arrive.
+        let is_due = self.fed + watchdog.timeout <= now + self.modbus.timeout;
+        is_due.then(|| ModbusTrouble::WatchdogUnwritten(now.since(self.fed)))
     }
 
     pub fn poll(&mut self, now: Tick, out: &mut ModbusOutbox) -> ModbusChange {
@@ -231,15 +221,13 @@ impl ModbusPeer {
                 self.act(LinkTask::Connect, out);
             }
             Phase::Connecting { until } if until <= now => {
-                let text = format!("it does not take a connection within {} ms", CONNECT.as_millis());
-                return self.lose(now, Why { text, is_refusal: false }, out);
+                return self.lose(now, ModbusTrouble::NotConnected(CONNECT), out);
             }
             _ => {}
         }
         match self.asked {
             Some((request, since)) if since + self.modbus.timeout <= now => {
-                let text = format!("no answer within {} ms ({request})", self.modbus.timeout.as_millis());
-                self.lose(now, Why { text, is_refusal: false }, out)
+                self.lose(now, ModbusTrouble::Unanswered { request, within: self.modbus.timeout }, out)
             }
             _ => match self.stood_still(now) {
                 Some(why) => self.lose(now, why, out),
@@ -258,7 +246,9 @@ impl ModbusPeer {
         }
         let asked = self.asked.take();
         let value = match outcome {
-            LinkOutcome::Failed(failure) => return self.lose(now, why(asked.map(|asked| asked.0), failure), out),
+            LinkOutcome::Failed(failure) => {
+                return self.lose(now, ModbusTrouble::Failed { request: asked.map(|asked| asked.0), failure }, out);
+            }
             LinkOutcome::Read(value) => Some(value),
             LinkOutcome::Written | LinkOutcome::Connected => None,
         };
@@ -296,20 +286,15 @@ impl ModbusPeer {
         if found == written {
             return ModbusChange::Nothing;
         }
-        let text = format!(
-            "its outputs are {found:X}h, where {written:X}h was written: another master writes them, or the device has \
-             changed them by itself"
-        );
-        self.lose(now, Why { text, is_refusal: true }, out)
+        self.lose(now, ModbusTrouble::OutputsChanged { found, written }, out)
     }
 
     /// A step of its preparation is answered.
     fn prepared(&mut self, now: Tick, step: usize, value: Option<u64>, out: &mut ModbusOutbox) -> ModbusChange {
         match (self.steps.get(step), value) {
             (Some(Step::Expect(expected)), Some(value)) if value != u64::from(expected.value) => {
-                let RegisterValue { register, value: wanted } = expected;
-                let text = format!("another device: holding register {register} is {value}, expected {wanted}");
-                return self.lose(now, Why { text, is_refusal: true }, out);
+                let RegisterValue { register, value: expected } = *expected;
+                return self.lose(now, ModbusTrouble::OtherDevice { register, found: value, expected }, out);
             }
             (Some(Step::Inputs), Some(value)) => {
                 self.hear(now, value);
@@ -334,7 +319,7 @@ impl ModbusPeer {
                 self.phase = Phase::Operational;
                 (self.why, self.up_since, self.wanted, self.sent) = (None, now, 0, Some(0));
                 (self.part, self.next_cycle) = (self.parts.len(), now + self.modbus.cycle);
-                out.news.push(News::Noted(format!("{} is operational", self.name)));
+                self.note(ModbusNote::Operational, out);
                 return ModbusChange::Inputs;
             }
         };
@@ -402,33 +387,33 @@ impl ModbusPeer {
             self.calm = 0;
             if !self.is_slow {
                 self.is_slow = true;
-                out.news.push(News::Noted(format!("{} is slow: {}", self.name, self.pace())));
+                self.note(ModbusNote::Slow { took: self.took, cycle: self.modbus.cycle }, out);
             }
         } else if self.is_slow {
             self.calm += 1;
             if self.calm >= CALM {
                 self.is_slow = false;
-                out.news.push(News::Noted(format!("{} is slow no longer", self.name)));
+                self.note(ModbusNote::SlowNoLonger, out);
             }
         }
     }
 
-    /// That it is slow, in words.
-    pub fn pace(&self) -> String {
-        format!("an answer took {} ms, in a cycle of {} ms", self.took.as_millis(), self.modbus.cycle.as_millis())
+    fn note(&self, note: ModbusNote<'_>, out: &mut ModbusOutbox) {
+        out.news.push(News::Noted(format!("{} {note}", self.name)));
     }
 
     /// It cannot be used, or not any more.
-    fn lose(&mut self, now: Tick, why: Why, out: &mut ModbusOutbox) -> ModbusChange {
+    fn lose(&mut self, now: Tick, why: ModbusTrouble, out: &mut ModbusOutbox) -> ModbusChange {
         let was_up = self.is_operational();
         if was_up && self.up_since + PROVEN <= now {
             self.failures = 0;
         }
-        let word = if was_up { "lost" } else { "not started" };
-        if was_up || self.why.as_ref() != Some(&why) {
-            out.news.push(News::Noted(format!("{} is {word}: {}", self.name, why.text)));
+        if was_up {
+            self.note(ModbusNote::Lost(&why), out);
+        } else if self.why.as_ref() != Some(&why) {
+            self.note(ModbusNote::NotStarted(&why), out);
         }
-        let wait = if why.is_refusal { RETRY_MAX } else { RETRY_FIRST * 2u32.pow(self.failures.min(5)) };
+        let wait = if why.is_refusal() { RETRY_MAX } else { RETRY_FIRST * 2u32.pow(self.failures.min(5)) };
         self.failures += 1;
         self.why = Some(why);
         self.losses += u32::from(was_up);
@@ -460,7 +445,7 @@ impl ModbusPeer {
 
     /// Starts anew on request.
     pub fn reset(&mut self, now: Tick, out: &mut ModbusOutbox) -> ModbusChange {
-        let change = self.lose(now, Why { text: "reset by request".to_owned(), is_refusal: false }, out);
+        let change = self.lose(now, ModbusTrouble::Reset, out);
         self.retry_now(now);
         change
     }
@@ -471,19 +456,5 @@ impl ModbusPeer {
         if let Phase::Down { retry } = &mut self.phase {
             *retry = now;
         }
-    }
-}
-
-fn why(asked: Option<ModbusRequest>, failure: ModbusFailure) -> Why {
-    let doing = asked.map_or_else(|| "connecting".to_owned(), |request| request.to_string());
-    match failure {
-        ModbusFailure::Gone(text) => Why { text: format!("no connection: {text}"), is_refusal: false },
-        ModbusFailure::Exception(code) => {
-            // The two by which a device reports that there is nothing at an address, or not so much.
-            let map = if matches!(code, 2 | 3) { "wrong register map: " } else { "" };
-            let text = format!("{map}{doing} is refused: {} (exception {code})", exception_text(code));
-            Why { text, is_refusal: true }
-        }
-        ModbusFailure::Malformed(text) => Why { text: format!("{doing}: {text}"), is_refusal: true },
     }
 }

@@ -1,10 +1,11 @@
-//! State of a device, in words.
+//! Diagnosis of a device, and why its inputs are invalid.
 
 use linewright_fieldbus_seam::{Diagnosis, Level, NOT_HEARD};
 use linewright_line::{Owner, Tick};
 
 use super::ModbusManager;
 use super::peer::ModbusPeer;
+use crate::texts::ModbusCondition;
 
 impl ModbusManager {
     /// Why the inputs of `owner` are invalid at `now`: a sentence for each of its devices that is in the way.
@@ -40,41 +41,36 @@ impl ModbusPeer {
             None if !self.is_trusted(now) => Level::Error,
             None if self.is_slow => Level::Warn,
             None => Level::Ok,
-            Some(why) if why.is_refusal => Level::Error,
+            Some(why) if why.is_refusal() => Level::Error,
             Some(_) => Level::Stale,
         }
     }
 
-    /// Why it cannot be used at `now`: what happened, and what it waits for.
-    fn trouble(&self, now: Tick) -> String {
-        match (&self.why, self.retry()) {
-            (Some(why), Some(retry)) => format!("{}; tried again in {} ms", why.text, retry.since(now).as_millis()),
-            (Some(why), None) => why.text.clone(),
-            (None, _) => self.doing(),
+    /// Why it cannot be used at `now`.
+    fn trouble(&self, now: Tick) -> ModbusCondition<'_> {
+        match (&self.why, self.pending()) {
+            (Some(trouble), _) => ModbusCondition::Down { trouble, retry: self.retry().map(|retry| retry.since(now)) },
+            (None, Some(request)) if self.is_operational() => ModbusCondition::Unanswered(request),
+            (None, Some(request)) => ModbusCondition::Preparing(request),
+            (None, None) if self.is_operational() => ModbusCondition::Unasked,
+            (None, None) => ModbusCondition::Connecting,
         }
     }
 
-    fn doing(&self) -> String {
-        match self.pending() {
-            Some(request) if self.is_operational() => format!("no answer yet ({request})"),
-            Some(request) => format!("connected; {request}"),
-            None if self.is_operational() => "not asked for too long".to_owned(),
-            None => "it is being connected to".to_owned(),
+    fn condition(&self, now: Tick) -> ModbusCondition<'_> {
+        match self.updated {
+            _ if !self.is_trusted(now) => self.trouble(now),
+            _ if self.is_slow => ModbusCondition::Slow { took: self.took, cycle: self.modbus.cycle },
+            updated => ModbusCondition::Operational { inputs: updated.map(|at| now.since(at)) },
         }
     }
 
     fn diagnosis(&self, now: Tick) -> Diagnosis {
-        let message = match self.updated {
-            _ if !self.is_trusted(now) => self.trouble(now),
-            _ if self.is_slow => format!("operational, but slow: {}", self.pace()),
-            Some(at) => format!("operational; its inputs came {} ms ago", now.since(at).as_millis()),
-            None => "operational".to_owned(),
-        };
         Diagnosis {
             device: self.name.clone(),
             owner: self.owner,
             level: self.level(now),
-            message,
+            message: self.condition(now).to_string(),
             hardware_id: format!("Modbus {}", self.modbus.place()),
             state: Some(self.state()),
             error: None,

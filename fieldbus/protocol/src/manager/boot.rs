@@ -8,14 +8,13 @@
 //! Every step is one SDO transfer, so a boot always waits for exactly one object. Heartbeats and other devices are not
 //! handled here: all devices boot side by side, and one that does not answer delays none.
 
-use std::fmt;
 use std::time::Duration;
 
 use linewright_line::{DeviceIdentity, DeviceSetup, Tick, Timing};
 
 use super::MANAGER_NODE;
 use super::errors::ERROR_REGISTER;
-use super::on_error::{is_one, judged};
+use super::on_error::judged;
 use super::process::ProcessData;
 use super::transfer::Transfer;
 use crate::codec::NodeId;
@@ -65,58 +64,21 @@ pub enum BootError {
     },
 }
 
-impl fmt::Display for BootError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            BootError::Identity { object, expected, found } => {
-                let what = what(*object);
-                write!(f, "it is another device: its {what} (object {object}) is {found:08X}h, not {expected:08X}h")
-            }
-            BootError::NotANumber { object, bytes } => {
-                write!(f, "its {} (object {object}) has {bytes} bytes, not 4", what(*object))
-            }
-            BootError::NotKept { object, written, found } => {
-                write!(f, "object {object}{} is {found:02X}h, not {written:02X}h as written", remedied(object.index))
-            }
-            BootError::NotReadBack(error) => {
-                write!(
-                    f,
-                    "object {}{} cannot be read back: {}",
-                    error.object,
-                    remedied(error.object.index),
-                    error.cause
-                )
-            }
-            BootError::NoSync { times } => write!(f, "it has lost SYNC (080h) {times} times in a row"),
-            BootError::Transfer { writing: true, error } => {
-                write!(f, "it cannot be configured: {error}{}", remedied(error.object.index))
-            }
-            BootError::Transfer { writing: false, error } if error.object == ERROR_REGISTER => {
-                write!(f, "it does not say whether an error stands: {error}")
-            }
-            BootError::Transfer { writing: false, error } => write!(f, "it cannot be identified: {error}"),
-        }
-    }
-}
-
-/// For objects by which outputs go off without a manager: their purpose, and the remedy if a device lacks one.
-fn remedied(index: u16) -> &'static str {
-    if is_one(index) {
-        " (it turns the outputs off when the manager is gone; without it they may stay on. Use or set up a device that \
-         keeps it, or give the reason in `without_error_values` why that is safe)"
-    } else {
-        ""
-    }
-}
-
-fn what(object: ObjectId) -> &'static str {
-    match (object.index, object.sub) {
-        (0x1000, _) => "device type",
-        (_, 1) => "vendor id",
-        (_, 2) => "product code",
-        (_, 3) => "revision number",
-        _ => "serial number",
-    }
+/// How far a boot is: the object it waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BootStage {
+    Identifying(ObjectId),
+    Configuring {
+        object: ObjectId,
+        /// It is read back; otherwise written.
+        reads_back: bool,
+        /// Number of the setting, from 1.
+        number: usize,
+        /// Number of settings in all.
+        of: usize,
+    },
+    /// Configured; whether an error stands is read.
+    AskingForErrors(ObjectId),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -211,17 +173,14 @@ impl Boot {
         self.transfer.deadline()
     }
 
-    /// The object it waits for, in words.
-    pub fn explain(&self, plan: &BootPlan) -> String {
+    /// What it waits for.
+    pub fn stage(&self, plan: &BootPlan) -> BootStage {
         let object = self.transfer.object();
         match self.at.checked_sub(READ.len()) {
-            None => format!("being identified: waits for its {} (object {object})", what(object)),
-            Some(nth) if nth == plan.settings.len() => {
-                format!("configured, and asked whether an error stands (object {object})")
-            }
+            None => BootStage::Identifying(object),
+            Some(nth) if nth == plan.settings.len() => BootStage::AskingForErrors(object),
             Some(nth) => {
-                let does = if self.reads_back { "read back" } else { "written" };
-                format!("being configured: object {object} is {does}, {} of {}", nth + 1, plan.settings.len())
+                BootStage::Configuring { object, reads_back: self.reads_back, number: nth + 1, of: plan.settings.len() }
             }
         }
     }

@@ -1,9 +1,5 @@
 //! From the devices of a description to the manager of their bus, or why there can be none.
 
-use linewright_fieldbus_seam::InputImage;
-use linewright_line::{Canopen, Device, DeviceKind, FrameId, Timing};
-use thiserror::Error;
-
 use super::fault::IGNORE_REASONS;
 use super::pace::SendQueue;
 use super::peer::Peer;
@@ -13,19 +9,19 @@ use super::rival::Rival;
 use super::status::DeviceMemory;
 use super::{MANAGER_NODE, ManagedImage, Manager, TOLD};
 use crate::codec::NodeId;
+use linewright_fieldbus_seam::InputImage;
+use linewright_line::{Canopen, Device, DeviceKind, FrameId, Timing};
 
 /// Why a manager cannot be built from a set of devices.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ManagerError {
     /// Not a node id, or the manager's own.
-    #[error("device `{device}` has node id {node}; devices have 1 to 126, the manager itself is 127")]
     NodeId {
         device: String,
         /// Node id found; allowed are 1 to 127.
         node: u8,
     },
     /// Two devices of one bus with the same id.
-    #[error("devices `{first}` and `{second}` share node id {node}")]
     Duplicate {
         /// The device described first.
         first: String,
@@ -33,13 +29,10 @@ pub enum ManagerError {
         node: u8,
     },
     /// The DBC file of a device without CANopen has not been read.
-    #[error("device `{device}`: its file {file} has not been read")]
     Unread { device: String, file: String },
     /// An identifier with two meanings.
-    #[error("device `{device}` has messages with identifier {id}, which is that of {other}")]
     FrameId { device: String, id: FrameId, other: String },
     /// More bits than one PDO carries.
-    #[error("device `{device}` has {bits} bits in one direction; one PDO carries 64")]
     TooWide { device: String, bits: usize },
 }
 

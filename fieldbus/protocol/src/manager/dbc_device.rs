@@ -21,6 +21,7 @@ use super::channels::AnalogueChannels;
 use super::event::{BusEvent, BusOutbox};
 use super::fault::{FrameFault, IgnoreReason};
 use super::peer::{Peer, PeerChange};
+use super::texts::DbcDeviceText;
 use super::{Manager, ManagerError};
 use crate::frame::Frame;
 
@@ -214,14 +215,10 @@ impl DbcDevice {
 
     pub fn explain(&self, now: Tick) -> String {
         match self.late(now) {
-            None if self.heard.is_empty() => "sent to, and not heard: nobody knows how it is".to_owned(),
-            None => "live: all its messages come in time".to_owned(),
+            None if self.heard.is_empty() => DbcDeviceText::NotHeard.to_string(),
+            None => DbcDeviceText::Live.to_string(),
             Some((heard, since, why)) => {
-                let what = format!("message {} ({})", heard.frame.name, heard.frame.id);
-                match since {
-                    Some(since) => format!("nothing of {what} for {} ms: {why}", since.as_millis()),
-                    None => format!("nothing of {what} yet: {why}"),
-                }
+                DbcDeviceText::Missing { message: &heard.frame.name, id: heard.frame.id, since, why }.to_string()
             }
         }
     }

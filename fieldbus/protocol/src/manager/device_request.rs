@@ -2,8 +2,7 @@
 
 use std::time::Duration;
 
-use thiserror::Error;
-
+use super::protected_objects::WriteProtection;
 use crate::sdo::{Abort, ObjectId, TransferError, TransferFailure};
 
 /// Requests that may wait, for all devices together.
@@ -32,31 +31,26 @@ impl DeviceRequest {
 }
 
 /// Why a request was not fulfilled.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DeviceRequestError {
     /// No device of this bus has that node id.
-    #[error("no device of this bus has node id {node}")]
-    UnknownNode { node: u8 },
-    #[error("{WAITING_MAX} requests are waiting already")]
+    UnknownNode {
+        node: u8,
+    },
     Full,
     /// The device cannot answer now.
-    #[error("the device {0}")]
     NotReady(String),
     /// The channel was not free for too long.
-    #[error("not begun within {within} s: the device {0}", within = PATIENCE.as_secs())]
     Waited(String),
     /// The manager needed the channel before the transfer was done.
-    #[error("interrupted by the manager: the device {0}")]
     Overtaken(String),
     /// Not to be written for others.
-    #[error("object {object} is not written for others: {why}")]
     Guarded {
         object: ObjectId,
         /// Reason of the protection.
-        why: &'static str,
+        why: WriteProtection,
     },
     /// The number is too large for the object.
-    #[error("{value} ({value:X}h) does not fit object {object}, which has {bytes} byte(s)")]
     TooLarge {
         object: ObjectId,
         value: u32,
@@ -64,8 +58,13 @@ pub enum DeviceRequestError {
         bytes: usize,
     },
     /// The device refused, or did not answer.
-    #[error(transparent)]
-    Transfer(#[from] TransferError),
+    Transfer(TransferError),
+}
+
+impl From<TransferError> for DeviceRequestError {
+    fn from(error: TransferError) -> Self {
+        DeviceRequestError::Transfer(error)
+    }
 }
 
 impl DeviceRequestError {

@@ -30,6 +30,7 @@ mod request;
 mod rival;
 mod status;
 mod sync;
+mod texts;
 mod transfer;
 
 use std::time::Duration;
@@ -37,13 +38,15 @@ use std::time::Duration;
 use linewright_fieldbus_seam::{Budget, InputImage};
 use linewright_line::{Owner, Tick, Timing};
 
-pub use boot::BootError;
+pub use boot::{BootError, BootStage};
 pub use build::ManagerError;
 pub use dbc_device::DbcDeviceState;
 pub use device_request::{DeviceRequest, DeviceRequestError, RequestResult};
 pub use event::{BusEvent, BusOutbox};
 pub use fault::{ChannelFault, FrameFault, IgnoreReason};
+pub use protected_objects::WriteProtection;
 pub use status::{DeviceCondition, DeviceStatus};
+pub use texts::{DbcDeviceText, StartReply};
 
 use crate::codec::{CanopenMessage, FrameDecodeError, NmtState, NodeId};
 use crate::frame::{Frame, FrameKind};

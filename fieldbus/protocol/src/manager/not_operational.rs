@@ -65,7 +65,7 @@ impl Peer {
                 let asked = format!("asked for its device type (1000h) every {} ms", RETRY.as_millis());
                 format!("{}; {asked}", self.silence(now))
             }
-            PeerPhase::Booting(boot) => boot.explain(&self.plan),
+            PeerPhase::Booting(boot) => boot.stage(&self.plan).to_string(),
             PeerPhase::Refused { why, retry } => {
                 let again = retry.since(now).as_millis();
                 format!("not started: {why}; looked at again in {again} ms, and when it boots")

@@ -11,20 +11,34 @@
 
 use crate::sdo::{ObjectId, SdoWrite};
 
+/// Why an object is not written for others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WriteProtection {
+    /// The description sets it.
+    Described,
+    /// Heartbeats and their consumers.
+    Heartbeat,
+    /// Mapping of the process data.
+    Mapping,
+    Communication,
+    /// Outputs, targets, and the meaning of inputs.
+    Process,
+    /// No standard gives it a meaning that is known to be harmless.
+    Unknown,
+}
+
 /// Why `object` is not written for others; `None` if it may be.
-pub(super) fn guarded(object: ObjectId, settings: &[SdoWrite]) -> Option<&'static str> {
+pub(super) fn guarded(object: ObjectId, settings: &[SdoWrite]) -> Option<WriteProtection> {
     match object.index {
-        _ if settings.iter().any(|setting| setting.object == object) => {
-            Some("the manager has set it, by the line's description")
-        }
+        _ if settings.iter().any(|setting| setting.object == object) => Some(WriteProtection::Described),
         // 1003h:00 clears the list of past errors, 1010h stores parameters.
         0x1003 | 0x1010 => None,
-        0x1016 | 0x1017 => Some("the watch between device and manager rests on it"),
-        0x1400..0x1C00 => Some("the process image rests on the mapping of the PDOs"),
-        0x1000..0x2000 => Some("it decides how the device communicates"),
+        0x1016 | 0x1017 => Some(WriteProtection::Heartbeat),
+        0x1400..0x1C00 => Some(WriteProtection::Mapping),
+        0x1000..0x2000 => Some(WriteProtection::Communication),
         0x2000..0x6000 => None,
-        0x6000..0xA000 => Some("it belongs to the process: outputs, targets and what the inputs mean"),
-        _ => Some("its meaning is not known to be harmless"),
+        0x6000..0xA000 => Some(WriteProtection::Process),
+        _ => Some(WriteProtection::Unknown),
     }
 }
 

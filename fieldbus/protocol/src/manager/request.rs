@@ -17,6 +17,7 @@ use super::device_request::{DeviceRequest, DeviceRequestError, PATIENCE, Request
 use super::event::{BusEvent, BusOutbox};
 use super::peer::{Peer, PeerPhase};
 use super::protected_objects::guarded;
+use super::texts::{StartReply, not_asked, unknown_node};
 use super::transfer::Transfer;
 use crate::codec::{NmtCommand, NodeId};
 use crate::sdo::wire::SdoBytes;
@@ -243,11 +244,11 @@ impl Peer {
             PeerPhase::Stopped => {
                 self.order(NmtCommand::EnterPreOperational, out);
                 self.boot(now, out);
-                Ok("woken, to be configured and started".to_owned())
+                Ok(StartReply::Woken.text(&text))
             }
             PeerPhase::Refused { .. } => {
                 self.boot(now, out);
-                Err(format!("{text}. It is being looked at again"))
+                Err(StartReply::LookedAtAgain.text(&text))
             }
             PeerPhase::Absent { .. } | PeerPhase::Booting(_) => Err(text),
         }
@@ -266,7 +267,7 @@ impl Manager {
             return number;
         };
         if let Some(why) = self.rival.keeps_off(now) {
-            tell(number, Err(DeviceRequestError::NotReady(format!("is not asked: {why}"))), out);
+            tell(number, Err(DeviceRequestError::NotReady(not_asked(&why))), out);
         } else if let DeviceRequest::Write { object, .. } = ask
             && let Some(why) = guarded(object, &peer.plan.settings)
         {
@@ -307,7 +308,7 @@ impl Manager {
         let start = out.frames.len();
         let said = match self.peers.iter_mut().find(|peer| peer.node == node) {
             Some(peer) => peer.start_by_request(now, out),
-            None => Err(format!("no device of this bus has node id {node}")),
+            None => Err(unknown_node(node)),
         };
         self.pass(now, start, out);
         said

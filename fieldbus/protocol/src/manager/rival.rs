@@ -25,6 +25,7 @@ use std::time::Duration;
 use linewright_line::{Tick, Timing};
 
 use super::event::{BusEvent, BusOutbox};
+use super::texts::{STILL_LISTENING, other_manager};
 use super::{MANAGER_NODE, Manager};
 use crate::codec::CanopenMessage;
 use crate::frame::Frame;
@@ -120,17 +121,12 @@ impl Rival {
 
     /// Why no device may be read or ordered at `now`, if so.
     pub fn keeps_off(&self, now: Tick) -> Option<String> {
-        let listens = || "this manager still listens whether another one drives the bus".to_owned();
-        self.explain(now).or_else(|| self.is_mute().then(listens))
+        self.explain(now).or_else(|| self.is_mute().then(|| STILL_LISTENING.to_owned()))
     }
 
     /// In one sentence, if another one is there at `now`.
     pub fn explain(&self, now: Tick) -> Option<String> {
-        let since = now.since(self.since()?).as_millis();
-        Some(format!(
-            "another CANopen manager (node {MANAGER_NODE}) has sent its heartbeat (77Fh) on this bus for {since} ms: \
-             every output is let go and nothing moves; end one of the two"
-        ))
+        Some(other_manager(now.since(self.since()?)))
     }
 }
 

@@ -72,45 +72,49 @@ keys! {
         /// The ROS namespace, the same as in the `line.toml` beside this file: lower-case letters, digits and single `_`, a
         /// letter first, at most 64.
         name: Option<LocatedName> = text().required(),
-        /// What people call the cell; the name if left out.
+        /// Title of the cell for people; the name if left out.
         title: Option<LocatedName> = text(),
-        /// By which rules is decided what happens next.
+        /// Dispatching: the rules by which enabled activities are chosen.
         dispatch: RawDispatch = table().or_default(),
         /// Machines, robots, stores and people, at most 1000.
         resources as "resource": Vec<RawResource> = tables(RESOURCES_MAX),
-        /// Actions of resources that are one, at most 5000.
+        /// Synchronisations: actions of several resources that are one activity; at most 5000.
         syncs as "sync": Vec<RawSync> = tables(SYNCS_MAX),
-        /// What resources do by themselves that is work for a station, at most 5000.
+        /// Actions of one resource that its station works on, at most 5000.
         actions as "action": Vec<RawCellAction> = tables(SYNCS_MAX),
         /// The part types with their plans, at most 2000.
         parts as "part": Vec<RawPart> = tables(PARTS_MAX),
-        /// What to do when an activity fails, at most 1000. The first that fits counts.
+        /// Recovery rules for failed activities, at most 1000. The first that fits counts.
         exceptions as "exception": Vec<RawException> = tables(EXCEPTIONS_MAX),
-        /// Numbers of the cell as a whole.
+        /// Limits of the cell as a whole.
         cell: Option<RawBounds> = table().required(),
     }
 
-    /// Numbers of the cell as a whole.
+    /// Limits of the cell as a whole.
     pub(super) struct RawBounds is "`[cell]`" {
-        /// Parts in the cell at once, 1 to 10000. More than the stores hold is a warning: then it can get stuck.
+        /// Work in process: most parts in the cell at once, 1 to 10000. More than the stores hold is a warning, since
+        /// the cell can deadlock.
         wip_max: Option<Located<i64>> = whole(1, WIP_MAX).required(),
-        /// A part is grasped only if the place for it is reserved; `false` is there to be found wrong by `check`.
+        /// Whether a part is grasped only if a place for it is reserved. `false` is for showing what `check` finds;
+        /// such a cell does not run.
         reserve: bool = flag().or(true),
-        /// A limit that is not given is so many times the nominal time; 1 to 100.
+        /// Factor on the nominal time for limits that are not given, 1 to 100.
         safety: f64 = within(1.0, 100.0).or(SAFETY),
     }
 
-    /// By which rules is decided what happens next.
+    /// Dispatching: the rules by which enabled activities are chosen.
     #[derive(Default)]
     pub(super) struct RawDispatch is "`[dispatch]`" {
-        /// In this order, what one leaves equal the next decides; `["fifo"]` if left out. `schedule` is not the last.
+        /// Dispatching rules in their order; each decides between candidates that the rules before it leave equal.
+        /// `["fifo"]` if left out. `schedule` may not be the last.
         rules: Option<Located<Vec<LocatedName>>> = texts(DispatchRule::ALL.len()).like(rules),
-        /// How far decisions are tried out beforehand, in seconds of nominal times, up to a day; 0: not at all.
+        /// Horizon of the look-ahead, in seconds of nominal times, up to a day; 0 for none.
         look_ahead as "look_ahead_s": Option<Located<f64>> = within(0.0, DAY_S).usually(0.0),
-        /// A part that could move and has waited for so many seconds goes first, regardless of the schedule; up to a day.
+        /// Time of waiting after which a part that could move goes first, regardless of the schedule, in seconds, up to
+        /// a day.
         patience as "patience_s": Option<Located<Duration>> = seconds().usually(600.0),
-        /// How far from its window in the schedule something may start, in seconds, up to a day; what is later makes the
-        /// schedule be revised.
+        /// Tolerance around the window of a planned start, in seconds, up to a day; a later start has the schedule
+        /// revised.
         window as "window_s": Option<Located<f64>> = within(0.0, DAY_S).usually(0.0),
     }
 
@@ -118,66 +122,69 @@ keys! {
     pub(super) struct RawResource is "a resource" {
         /// Its name, without `.` `<` `>` `,` `/` `*` `:`; not `outside` or `running`, which every cell's net has.
         name: Option<LocatedName> = text().required(),
-        /// What it is and which actions it has: `"machine"`, `"human"`, `"random-access-store"`, `"fifo-buffer"`,
-        /// `"lifo-buffer"`, `"robot"` or `"conveyor"`.
+        /// Prototype, which gives the resource its actions: `"machine"`, `"human"`, `"random-access-store"`,
+        /// `"fifo-buffer"`, `"lifo-buffer"`, `"robot"` or `"conveyor"`.
         prototype: Option<LocatedName> = text().required().like(prototypes),
-        /// Parts that it holds, or carries at a time: 1 to 10000, of a buffer 1 to 100. Machines and people have 1 if it is
-        /// left out; robots have none.
+        /// Number of parts that it holds or carries at once: 1 to 10000, of a buffer 1 to 100. 1 for machines and
+        /// people if left out; robots have none.
         capacity: Option<Located<i64>> = integer().from_to(1, 10_000),
-        /// Its station; one resource each.
+        /// Station of the resource; at most one resource for each station.
         station: Option<LocatedName> = text(),
-        /// An input of that station that is on while a part is there; of a `"fifo-buffer"`, at the end it is taken from.
+        /// Input of that station that is on while a part is there; of a `"fifo-buffer"`, at the end from which parts
+        /// are taken.
         presence: Option<LocatedName> = text(),
     }
 
-    /// Actions that are one: together they move one part from one place to one other.
+    /// A synchronisation: actions of several resources that are one activity and move one part from one place to
+    /// another.
     pub(super) struct RawSync is "a synchronisation" {
         /// The transition's name, without `.` `<` `>` `,` `/` `*` `:`.
         name: Option<LocatedName> = text().required(),
         /// `"resource.action"`, at most 8: one source (`unload`, `retrieve`, `outside.in`), one target (`load`, `store`,
         /// `outside.out`), at most one carrier.
         actions: Option<Located<Vec<LocatedName>>> = texts(ACTIONS_MAX).required(),
-        /// How many seconds it takes, up to a day; without it, and without orders, it takes no time.
+        /// Nominal time, in seconds, up to a day; without it and without orders it takes no time.
         time as "time_s": Option<Located<Duration>> = seconds(),
-        /// What stations are ordered to do for it, at most 16. It has ended when all are done.
+        /// Task orders of the activity, at most 16. It has ended when all are done.
         orders: Vec<RawOrder> = tables(ORDERS_MAX),
     }
 
-    /// What a machine does by itself, with the work of its station.
+    /// An action of one resource that its station works on.
     pub(super) struct RawCellAction is "an action" {
-        /// `"M1.process"`: the resource and its action.
+        /// Resource and its action: `"M1.process"`.
         of: Option<LocatedName> = text().required(),
-        /// What stations are ordered to do for it, at most 16.
+        /// Task orders of the activity, at most 16.
         orders: Vec<RawOrder> = tables(ORDERS_MAX),
     }
 
-    /// A task that a station is ordered to do.
+    /// A task order to a station.
     pub(super) struct RawOrder is "an order" {
-        /// By name, at most 16: a whole number, `"step.program"` where a machine works, or `"ST.position"` where a
-        /// `random-access-store` or `lifo-buffer` takes part: the position, from 1, that the part has there.
+        /// Parameters by name, at most 16. Each is a whole number, `"step.program"` where a machine works, or
+        /// `"ST.position"` where a `random-access-store` or `lifo-buffer` takes part: the position of the part there,
+        /// from 1.
         parameters: Vec<(LocatedName, Located<Scalar>)> = scalars(PARAMETERS_MAX).or_default(),
-        /// The station, at most once in an activity.
+        /// Station; at most once in an activity.
         station: Option<LocatedName> = text().required(),
-        /// One of its tasks.
+        /// Task of the station.
         task: Option<LocatedName> = text().required(),
-        /// How many seconds it may take from the start of the activity, up to a day; longer than the activity's time. Left
-        /// out it is `safety` times that.
+        /// Time limit from the start of the activity, in seconds, up to a day; longer than the activity's nominal time.
+        /// `safety` times that if left out.
         limit as "max_s": Option<Located<Duration>> = seconds(),
     }
 
-    /// A part type: what is done with it, in which order.
+    /// A part type with its plan.
     pub(super) struct RawPart is "a part" {
         /// Its name, without `.` `<` `>` `,` `/` `*` `:`.
         name: Option<LocatedName> = text().required(),
-        /// Its plan, which leads forward only; at most 500 steps.
+        /// Steps of its plan, which leads forward only; at most 500.
         steps as "step": Vec<RawStep> = tables(STEPS_MAX),
-        /// Part types of their own with which some of these steps are not done, at most 100.
+        /// Variants: part types with the same plan without some of its steps; at most 100.
         variants as "variant": Vec<RawVariant> = tables(VARIANTS_MAX),
     }
 
-    /// A part type with the plan of another one, but for some steps.
+    /// A variant: a part type with the plan of another one without some of its steps.
     pub(super) struct RawVariant is "a variant" {
-        /// Its name, which production orders have: without `.` `<` `>` `,` `/` `*` `:`, no other part's.
+        /// Name, which production orders refer to: without `.` `<` `>` `,` `/` `*` `:`, unique among part types.
         name: Option<LocatedName> = text().required(),
         /// The steps that are left out.
         without: Option<Located<Vec<LocatedName>>> = texts(STEPS_MAX).required(),
@@ -187,11 +194,11 @@ keys! {
     pub(super) struct RawStep is "a step" {
         /// Its name, without `.` `<` `>` `,` `/` `*` `:`; not `new` or `done`, which every part has.
         name: Option<LocatedName> = text().required(),
-        /// An alternative: it begins where this earlier step begins.
+        /// Earlier step with which it begins: the two are alternatives.
         or: Option<LocatedName> = text(),
-        /// It leads to where this later step begins, or with `"done"` to the end; the next one listed if left out.
+        /// Later step that follows it, or `"done"` for the end; the next one listed if left out.
         then: Option<LocatedName> = text(),
-        /// Where it can be done, one or several, at most 100: `{ resource = "M1", time_s = 40, program = 1 }`.
+        /// Resources on which it can be done, 1 to 100: `{ resource = "M1", time_s = 40, program = 1 }`.
         on: Vec<RawOn> = tables(ALTERNATIVES_MAX).missed(KeyPresence::Required),
     }
 
@@ -201,45 +208,50 @@ keys! {
         has_program as "program": bool = written(),
         /// The resource.
         resource: Option<LocatedName> = text().required(),
-        /// How many seconds it takes there, up to a day.
+        /// Nominal time there, in seconds, up to a day.
         time as "time_s": Option<Located<Duration>> = seconds().required(),
-        /// A part stays in the resource after a step there and is not unloaded for this one: it `"may"`, or it `"must"` and
-        /// is not loaded for this step. Left out, each step is after a load.
+        /// Whether a part stays in the resource after a step there, without being unloaded: it `"may"`, or it `"must"`
+        /// and is not loaded for this step. If left out, it is loaded for each step.
         stays: Option<Located<Staying>> = one_of(&STAYING),
-        /// The number that orders mean by `"step.program"`, of 32 bits.
+        /// Program number of the step, the value of `"step.program"` in orders; 32 bits with a sign.
         program: Option<Located<i64>> = whole(i32::MIN.into(), i32::MAX.into()),
     }
 
-    /// What to do when an activity fails.
+    /// A recovery rule for failed activities.
     pub(super) struct RawException is "an exception" {
-        /// Of which synchronisations and actions; `*` stands for anything: `"load M*"`, `"M1.process"`.
+        /// Synchronisations and actions that it is for; `*` stands for any text: `"load M*"`, `"M1.process"`.
         within as "in": Option<LocatedName> = text().required(),
-        /// `"time-out"`, `"refused"`, `"station-lost"`, `"device-lost"`, `"alarm"`, a code of the task, or `"*"`.
+        /// Kind of failure: `"time-out"`, `"refused"`, `"station-lost"`, `"device-lost"`, `"alarm"`, a code of the
+        /// task, or `"*"` for any.
         code: Option<LocatedName> = text().required(),
-        /// The message to the operator, with `{part}`, `{type}`, `{activity}`, `{carrier}`, `{from}`, `{to}`, `{slot}`.
+        /// Text of the alarm for the operator; may contain `{part}`, `{type}`, `{activity}`, `{carrier}`, `{from}`,
+        /// `{to}`, `{slot}`.
         tell: Option<LocatedName> = text().required(),
-        /// How often `redo` may be answered, 0 to 100.
+        /// Number of times that `redo` may be answered, 0 to 100.
         retries: i64 = whole(0, 100).or(0),
-        /// What is left out after any answer, at most 16: resources, or `"from"`, `"to"`, `"carrier"` of the activity.
+        /// Resources that are out of service after any answer, at most 16: names, or `"from"`, `"to"`, `"carrier"` of
+        /// the activity.
         down: Option<Located<Vec<LocatedName>>> = texts(DOWN_MAX),
-        /// The first answer is taken without asking, as long as all stations are at rest.
+        /// Whether the first answer is taken without an alarm, as long as all stations are at rest.
         automatic: bool = flag().or(false),
-        /// Stations that go into emergency stop at once, at most 16; `"*"` for all that have an order in the activity. Not
+        /// Stations that go into emergency stop at once, at most 16; `"*"` for all with an order in the activity. Not
         /// with `automatic`.
         emergency_stop: Option<Located<Vec<LocatedName>>> = texts(DOWN_MAX),
-        /// What can be answered, at most 16.
+        /// Permitted answers, at most 16.
         answers: Vec<RawAnswer> = tables(ANSWERS_MAX).missed(KeyPresence::Required),
     }
 
     /// An answer to an alarm.
     pub(super) struct RawAnswer is "an answer" {
-        /// What is answered: one word.
+        /// Word of the answer.
         word: Option<LocatedName> = text().required(),
-        /// Where the part is: where it was, where it was to go, with the carrier, or gone.
+        /// Place of the part with this answer: where it was, where it was to go, with the carrier, or gone.
         part: Option<Located<Whereabouts>> = one_of(&WHEREABOUTS).required(),
-        /// `"redo"`: the same once more; `"backward"`: decided anew; `"forward"`: as if it were done.
+        /// Recovery. `"redo"`: the activity once more; `"backward"`: the activity is undone, and dispatching decides
+        /// anew; `"forward"`: the activity counts as done.
         then: Option<Located<Strategy>> = one_of(&STRATEGIES).required(),
-        /// What is left out after it, at most 16: resources, or `"from"`, `"to"`, `"carrier"` of the activity.
+        /// Resources that are out of service after it, at most 16: names, or `"from"`, `"to"`, `"carrier"` of the
+        /// activity.
         down: Option<Located<Vec<LocatedName>>> = texts(DOWN_MAX),
     }
 }

@@ -87,7 +87,7 @@ pub enum Var {
     /// h↑.
     Pressed(ButtonId),
     /// Conditions of this step hold: the causal arrows into every operation of it, in the mode of the evaluation; at a
-    /// station on order the inputs that its operation waits for are on.
+    /// task-driven station the inputs that its operation waits for are on.
     Causal(usize),
     /// The causal arrows hold into every operation after this irreversible one, up to and including home: what its
     /// recovery path skips must be as free as if it were done.

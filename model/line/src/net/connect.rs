@@ -52,12 +52,12 @@ pub enum TransitionKind {
         to: usize,
     },
     /// The first operation of a task has been undone, so the station is at the rest where the task begins: on to the place
-    /// that stands for that rest. At stations on order only.
+    /// that stands for that rest. At task-driven stations only.
     GiveUp(TaskId),
     /// t5 of an I-module: onto its recovery path. Withdraws every count of the round.
     EnterPath(OpId),
     /// From one operation of a recovery path to the next; the last one leads to the home operation's normal motion, at a
-    /// station on order to that of the task's last operation.
+    /// task-driven station to that of the task's last operation.
     FollowPath {
         /// The operation whose recovery motion has ended.
         from: OpId,
@@ -107,8 +107,8 @@ pub(super) fn transitions_of(station: &Station) -> Vec<StationTransition> {
     // Step 2: the normal cycle. Step 3: the reverse sequences.
     for step in 0..station.steps.len() {
         if station.is_task_driven() {
-            builder.next_on_order(step);
-            builder.back_on_order(step);
+            builder.next_of_task(step);
+            builder.back_in_task(step);
         } else {
             builder.next(step);
             builder.back(step);
@@ -193,7 +193,7 @@ impl StationNetBuilder<'_> {
         let settled = self.neighbours(op);
         let back_by_itself = self.secured(op);
         let back_by_hand = self.reversed_at_rest(op).unwrap_or_else(|| hand.reverse(next));
-        let on_order = self.station.is_task_driven();
+        let task_driven = self.station.is_task_driven();
         let held_at_home = self.unless_stopped(self.preceding(step));
         let (p1, p2, p3) = (StationPlace::operating(op), StationPlace::incomplete(op), StationPlace::completed(op));
         let (p4, p5, p6) = (StationPlace::undoing(op), StationPlace::undo_incomplete(op), StationPlace::undone(op));
@@ -230,8 +230,8 @@ impl StationNetBuilder<'_> {
         let may_start = [on(Var::Causal(step)), off(Var::OnAnyPath)];
         let mut by_itself = may_start.to_vec();
         by_itself.extend(held_at_home);
-        // On order nothing is begun again by itself: the order has failed.
-        t9.when(ControlMode::Auto, (!on_order).then_some(by_itself));
+        // At a task-driven station nothing is begun again by itself: the order has failed.
+        t9.when(ControlMode::Auto, (!task_driven).then_some(by_itself));
         t9.when(ControlMode::Hand, hand.restart().map(|term| and(and(term, &may_start), &settled)));
         t9.when(ControlMode::Manual, [and(and(vec![on(Var::AdvancePressed)], &may_start), &settled)]);
 

@@ -1,4 +1,4 @@
-//! The transitions of a station that works on order, where they differ from those of one that goes round a cycle.
+//! The transitions of a task-driven station, where they differ from those of one that goes round a cycle.
 //!
 //! Its tasks are stretches of the list, and a rest is the place p3 of the last operation of any task that ends there:
 //! one physical position, so the net has no place that operations do not have. From a rest t11 leads to the first step of
@@ -50,7 +50,7 @@ impl StationNetBuilder<'_> {
     }
 
     /// t11: within a task to its next step, at its end to the first step of each task that begins there.
-    pub(super) fn next_on_order(&mut self, step: usize) {
+    pub(super) fn next_of_task(&mut self, step: usize) {
         let station = self.station;
         let op = station.steps[step][0];
         let Some(task) = station.task_of(op) else { return };
@@ -80,7 +80,7 @@ impl StationNetBuilder<'_> {
     }
 
     /// t12 within a task, and what follows when its first operation has been undone.
-    pub(super) fn back_on_order(&mut self, step: usize) {
+    pub(super) fn back_in_task(&mut self, step: usize) {
         let station = self.station;
         let op = station.steps[step][0];
         let Some(task) = station.task_of(op).filter(|_| is_reversible(station, op)) else { return };

@@ -280,7 +280,7 @@ impl DraftStation<'_> {
         self.raw.name.as_ref().map_or_else(|| self.raw.at.clone(), |name| name.at.clone())
     }
 
-    /// Whether it works on order, and not round a cycle.
+    /// Whether it is task-driven; else it goes round a cycle.
     pub fn is_task_driven(&self) -> bool {
         !self.tasks.is_empty()
     }

@@ -284,7 +284,7 @@ fn span(
             report.add(
                 Problem::error(
                     raw.at.clone(),
-                    format!("a stretch of a cycle of `{}`, which works on order", described.name),
+                    format!("a stretch of a cycle of `{}`, which is task-driven", described.name),
                 )
                 .hint("name one of its tasks: `task = \"…\"` instead of `from` and `until`"),
             );

@@ -1,4 +1,4 @@
-//! Tasks and rests of a station on order: from the text to a draft, and from a draft to the line.
+//! Tasks and rests of a task-driven station: from the text to a draft, and from a draft to the line.
 //!
 //! A task's operations are found by the name of their task; that they stand together is for the rules.
 

@@ -19,7 +19,8 @@ use super::players::{ProtocolPlayer, SingleStart, StartableModes};
 use super::station::TaskStationModel;
 
 /// Sent again only after everything else has run out: a late copy of the first message is the same.
-const PACE: OrderTiming = OrderTiming { refresh: Duration::from_secs(24 * 3600), grace: Duration::from_secs(1) };
+const PACE: OrderTiming =
+    OrderTiming { repeat_interval: Duration::from_secs(24 * 3600), grace: Duration::from_secs(1) };
 /// So often the cell is played from its beginning, each time with other decisions.
 const ROUNDS: u64 = 24;
 /// At most so many activities in one round.
@@ -63,7 +64,7 @@ pub(super) fn stages(setting: &ProtocolSetting<'_>) -> Result<Vec<ActivityStart>
     let table = Arc::new(compile_cell(setting.cell, Some(setting.line), Supply::Batch(&parts), PACE)?.table);
     let mut handling = table.handling().clone();
     // Sensors, and stations that are silent for long, are not explored.
-    handling.stale = None;
+    handling.lost_after = None;
     handling.resources.iter_mut().for_each(|resource| resource.is_sensed = false);
     let table = Arc::new(Arc::unwrap_or_clone(table).with_handling(handling));
     let ours = |mode: &ModeId| {

@@ -56,37 +56,38 @@ pub(super) enum DistributionKind {
 pub enum FailureClock {
     /// All time in which it is not down.
     Calendar,
-    /// The time in which its station works on orders.
+    /// The time in which its station has a task order.
     Operating,
 }
 
 const CLOCKS: &[(&str, FailureClock)] = &[("calendar", FailureClock::Calendar), ("operating", FailureClock::Operating)];
 
 keys! {
-    /// What a cell has to make in a simulation, and what happens meanwhile.
+    /// A scenario of a cell: its production orders, and what happens in the simulation.
     pub(super) struct RawCellScenario is "a scenario" {
-        /// What people call it.
+        /// Title for people.
         title: Option<LocatedName> = text(),
-        /// How long a replication lasts, in seconds, up to 1e9; without it until all orders are done.
+        /// Length of a replication, in seconds, 1 to 1e9; until all orders are done if left out.
         duration as "duration_s": Option<Located<f64>> = within(1.0, LONGEST_S),
-        /// What is over before counts in no figure: the cell has been empty at the beginning. In seconds.
+        /// Warm-up: time at the beginning, while the cell fills, that counts in no figure, in seconds.
         warm_up as "warm_up_s": Option<Located<f64>> = within(0.0, LONGEST_S).usually(0.0),
-        /// How often it is simulated, each time with other chance, 1 to 10000; with `precision_percent` at least so often.
+        /// Number of replications, each with random numbers of its own, 1 to 10000; with `precision_percent` the least
+        /// number.
         replications: Option<Located<i64>> = whole(1, REPLICATIONS_MAX),
-        /// As many replications as it takes until throughput and time in the cell are known up to this part of them, 0.1
-        /// to 50.
+        /// Wanted half width of the confidence intervals of throughput and time in the cell, in percent of their means,
+        /// 0.1 to 50; as many replications are made as it takes.
         precision as "precision_percent": Option<Located<f64>> = within(PRECISION_PERCENT.0, PRECISION_PERCENT.1),
-        /// How sure it is to be that the true mean is within the interval, 50 to 99.9.
+        /// Level of the confidence intervals, in percent, 50 to 99.9.
         confidence as "confidence_percent": f64 = within(50.0, 99.9).or(CONFIDENCE),
         /// Production orders that are known from the beginning, at most 10000.
         orders as "order": Vec<RawScenarioOrder> = tables(LIST_MAX),
-        /// Production orders that come one after the other.
+        /// Series of production orders that arrive one after the other.
         arrivals: Vec<RawArrivals> = tables(LIST_MAX),
-        /// Activities that take other times than described, by chance.
+        /// Random times of activities.
         times as "time": Vec<RawTime> = tables(LIST_MAX),
-        /// Resources that break down by chance, and are repaired.
+        /// Random breakdowns of resources.
         breakdowns as "breakdown": Vec<RawBreakdown> = tables(LIST_MAX),
-        /// What happens at certain times, in their order.
+        /// Faults at certain times, in their order.
         steps as "step": Vec<RawScenarioStep> = tables(LIST_MAX),
     }
 
@@ -96,45 +97,45 @@ keys! {
         name: Option<LocatedName> = text(),
         /// The part type.
         part: Option<LocatedName> = text().required(),
-        /// How many parts, 1 to 1000000.
+        /// Number of parts, 1 to 1000000.
         quantity: i64 = whole(1, 1_000_000).or(1),
-        /// Nothing of it enters before, in seconds from the beginning.
+        /// Release: time before which no part of it enters, in seconds from the beginning.
         release as "release_s": Option<Located<f64>> = within(0.0, LONGEST_S),
-        /// When all of it is to be finished, in seconds from the beginning.
+        /// Due date of the whole order, in seconds from the beginning.
         due as "due_s": Option<Located<f64>> = within(0.0, LONGEST_S),
-        /// More comes first.
+        /// Priority; the greater number comes first.
         priority: i64 = whole(-PRIORITY_MAX, PRIORITY_MAX).or(0),
-        /// Orders of this list that have to be over before.
+        /// Orders of this list that have to be over before it starts.
         after: Option<Located<Vec<LocatedName>>> = texts(NAMES_MAX),
     }
 
-    /// Orders that come one after the other.
+    /// A series of production orders that arrive one after the other.
     pub(super) struct RawArrivals is "`arrivals`" {
-        /// What its orders are called, with a number; the part type if left out.
+        /// Name of its orders, to which a number is added; the part type if left out.
         name: Option<LocatedName> = text(),
         /// The part type.
         part: Option<LocatedName> = text().required(),
-        /// How many parts each order has, 1 to 1000000.
+        /// Number of parts of each order, 1 to 1000000.
         quantity: i64 = whole(1, 1_000_000).or(1),
         /// Time from one order to the next, in seconds: a number, or a distribution.
         every as "every_s": Option<Located<Distribution>> = distribution().required(),
-        /// When the first one comes, in seconds from the beginning; after a time of `every_s` if left out.
+        /// Arrival of the first one, in seconds from the beginning; after a time of `every_s` if left out.
         first as "first_s": Option<Located<f64>> = within(0.0, LONGEST_S),
-        /// None comes later than this, in seconds from the beginning.
+        /// Latest arrival, in seconds from the beginning.
         until as "until_s": Option<Located<f64>> = within(0.0, LONGEST_S),
-        /// How many orders come, 1 to 1000000.
+        /// Number of orders, 1 to 1000000.
         count: Option<Located<i64>> = whole(1, 1_000_000),
-        /// When an order is due, in seconds from its coming: a number, or a distribution.
+        /// Due date of an order, in seconds from its arrival: a number, or a distribution.
         due_after as "due_after_s": Option<Located<Distribution>> = distribution(),
-        /// More comes first.
+        /// Priority; the greater number comes first.
         priority: i64 = whole(-PRIORITY_MAX, PRIORITY_MAX).or(0),
     }
 
-    /// Activities whose times are drawn: the described time times a number of this distribution.
+    /// Activities with random times: the described time multiplied by a random number.
     pub(super) struct RawTime is "`time`" {
-        /// Synchronisations and actions, by name; `*` stands for anything. The first table that fits counts.
+        /// Synchronisations and actions, by name; `*` stands for any text. The first table that fits counts.
         of: Option<Located<Vec<LocatedName>>> = texts(NAMES_MAX).required(),
-        /// What the described time is multiplied by: a number, or a distribution.
+        /// Factor on the described time: a number, or a distribution.
         factor: Option<Located<Distribution>> = distribution().required(),
     }
 
@@ -142,32 +143,32 @@ keys! {
     pub(super) struct RawBreakdown is "a breakdown" {
         /// The resource.
         resource: Option<LocatedName> = text().required(),
-        /// What breaks, where one resource has several breakdowns.
+        /// Name of the breakdown, where one resource has several.
         name: Option<LocatedName> = text(),
         /// Time from a repair to the next failure, in seconds: a number, or a distribution. Its mean is the MTBF.
         between as "between_failures_s": Option<Located<Distribution>> = distribution().required(),
         /// Time from a failure to the end of its repair, in seconds: a number, or a distribution. Its mean is the MTTR.
         repair as "repair_s": Option<Located<Distribution>> = distribution().required(),
-        /// What the time between failures is counted in: `calendar`, all time, or `operating`, the time in which its
-        /// station works on orders.
+        /// Time in which the time between failures is counted: `calendar`, all time, or `operating`, the time in which
+        /// its station has a task order.
         clock: FailureClock = word(CLOCKS),
     }
 
-    /// A moment, and what happens then.
+    /// A step of the scenario: a time, and the faults that happen then.
     pub(super) struct RawScenarioStep is "a step" {
-        /// Not before this moment, in seconds from the beginning.
+        /// Earliest time of the step, in seconds from the beginning.
         at_s as "at_s": Option<Located<f64>> = within(0.0, LONGEST_S),
-        /// This much later still, in seconds.
+        /// Further delay, in seconds.
         after as "after_s": Option<Located<f64>> = within(0.0, LONGEST_S),
-        /// What happens to which resource.
+        /// Faults of resources.
         faults: Vec<FaultOf> = faults(),
     }
 
     /// A distribution, by its name in the literature.
     pub(super) struct RawDistribution is "a distribution" {
-        /// Which one.
+        /// Kind of the distribution.
         distribution: Option<Located<DistributionKind>> = one_of(KINDS).required(),
-        /// Its mean; of `constant` its value.
+        /// Mean; the value of `constant`.
         mean: Option<Located<f64>> = positive(),
         /// The standard deviation of `lognormal` and, before it is cut at 0, `truncated-normal`.
         deviation: Option<Located<f64>> = positive(),
@@ -177,9 +178,9 @@ keys! {
         mode: Option<Located<f64>> = within(0.0, LONGEST_S),
         /// The greatest value of `uniform` and `triangular`.
         high: Option<Located<f64>> = positive(),
-        /// Of `weibull`: below 1 failures become rarer with age, above 1 more frequent; 0.1 to 100.
+        /// Shape of `weibull`, 0.1 to 100: below 1 failures become rarer with age, above 1 more frequent.
         shape: Option<Located<f64>> = within(0.1, 100.0),
-        /// Of `weibull`: not exceeded by 63 % of all values.
+        /// Scale of `weibull`: the value that 63 % of all values do not exceed.
         scale: Option<Located<f64>> = positive(),
     }
 }

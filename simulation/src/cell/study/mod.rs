@@ -34,7 +34,8 @@ pub use figures::{OrderFigures, ReplicationFigures, ResourceFigures};
 pub use several::ReplicationGoal;
 
 /// Nothing is lost, so nothing is repeated, and the coordinator is not killed.
-pub const UNDISTURBED: OrderTiming = OrderTiming { refresh: Duration::from_secs(3600), grace: Duration::from_secs(10) };
+pub const UNDISTURBED: OrderTiming =
+    OrderTiming { repeat_interval: Duration::from_secs(3600), grace: Duration::from_secs(10) };
 /// Period of the reports of stations whose states do not change.
 pub const UNCHANGED: Duration = Duration::from_secs(86_400);
 /// Time limit of an order: what stands is repaired and goes on, so no time limit of the description counts.

@@ -11,7 +11,7 @@ use linewright_station_logic::{
 
 use super::bench::order;
 
-const BASE: &str = include_str!("../../../../model/line/tests/descriptions/on_order.toml");
+const BASE: &str = include_str!("../../../../model/line/tests/descriptions/task_driven.toml");
 const M1: StationId = StationId(0);
 const ROBOT: StationId = StationId(1);
 
@@ -20,7 +20,7 @@ fn line() -> Line {
     let conflict = "[[conflict]]\nwhy = \"the slide is in the way\"\na = { station = \"m1\", task = \"machine\" }\n\
                     b = { station = \"robot\", task = \"load m1\" }\n\n[console]";
     let text = BASE.replacen("[console]", conflict, 1);
-    parse("on_order.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line
+    parse("task_driven.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line
 }
 
 struct Arm {

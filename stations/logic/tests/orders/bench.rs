@@ -12,7 +12,7 @@ use linewright_station_logic::{
 
 use crate::controller::rig::Rig;
 
-const BASE: &str = include_str!("../../../../model/line/tests/descriptions/on_order.toml");
+const BASE: &str = include_str!("../../../../model/line/tests/descriptions/task_driven.toml");
 
 /// The memory of the station's first life.
 pub const MEMORY: u64 = 7;
@@ -85,7 +85,7 @@ impl Bench {
 
     /// A station of the description with these inputs on.
     pub fn standing(station: StationId, restore: Restore, boot_id: u64, on: &[&str]) -> Self {
-        let line = parse("on_order.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        let line = parse("task_driven.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
         let names = line.station(station).inputs.iter().enumerate();
         let image = names.filter(|(_, name)| on.contains(&name.as_str())).fold(0, |bits, (bit, _)| bits | 1 << bit);
         Bench { rig: Rig::standing(line, station, boot_id, restore, image), is_taken: true }

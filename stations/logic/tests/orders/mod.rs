@@ -1,6 +1,6 @@
-//! Stations on order: replies, actions, ways back, and memory after a restart.
+//! Task-driven stations: replies, actions, ways back, and memory after a restart.
 //!
-//! The station is the machine of the description `on_order.toml`: it clamps a part, machines it, releases it.
+//! The station is the machine of the description `task_driven.toml`: it clamps a part, machines it, releases it.
 
 mod answers;
 mod apart;

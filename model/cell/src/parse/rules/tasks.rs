@@ -28,7 +28,7 @@ fn task_of<'d>(draft: &DraftCell<'d>, order: &DraftOrder<'_>, report: &mut Repor
     let of = line.station(line.station_named(&station.value)?);
     if !of.is_task_driven() {
         report.add(
-            Problem::error(station.at.clone(), format!("station `{}` does not work on order", station.value))
+            Problem::error(station.at.clone(), format!("station `{}` is not task-driven", station.value))
                 .hint("give it tasks in the line's description, instead of `home`"),
         );
         return None;
@@ -113,7 +113,7 @@ fn fits(parameter: &Parameter, number: i64, at: &TextRange, also: Option<&TextRa
     });
 }
 
-/// A station that works on order and never gets one was left out by mistake, or is not needed.
+/// A task-driven station that never gets one was left out by mistake, or is not needed.
 fn stations_have_something_to_do(draft: &DraftCell<'_>, report: &mut Report) {
     let Some(line) = draft.line else { return };
     let orders = || draft.activities.iter().flat_map(|activity| &activity.orders);

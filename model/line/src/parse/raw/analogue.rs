@@ -12,21 +12,21 @@ const LIMITS_MAX: usize = 64;
 keys! {
     /// The analogue channels of a device.
     pub(in crate::parse) struct RawAnalogue is "a device" {
-        /// What it measures, up to 12 channels: measurements become inputs by limits.
+        /// Measured channels, at most 12: measurements become inputs by limits.
         inputs as "analogue_inputs": Vec<RawAnalogueInput> = tables(CHANNELS_MAX.into()),
-        /// What it puts out, up to 12 channels: an output that is on gives a channel its value.
+        /// Channels that the device puts out, at most 12: an output that is on gives a channel its value.
         outputs as "analogue_outputs": Vec<RawAnalogueOutput> = tables(CHANNELS_MAX.into()),
     }
 
     /// A channel.
     pub(in crate::parse) struct RawChannel is "a channel" {
-        /// 1 to 12, the subindex of its object (6401h, 6411h); each once.
+        /// Number of the channel, 1 to 12: the subindex of its object (6401h, 6411h); each once.
         number as "channel": Option<Located<i64>> = integer().required().from_to(1, CHANNELS_MAX.into()),
-        /// What it is measured in, for people.
+        /// Unit, for people.
         unit: Option<LocatedName> = text(),
-        /// What one step of its number is worth, in its unit; not 0. A value is number × factor + offset.
+        /// Value of one step of the channel's number, in its unit; not 0. A value is number × factor + offset.
         factor: Option<Located<f64>> = number().usually(1.0),
-        /// The value of the number 0, in its unit.
+        /// Value of the number 0, in the channel's unit.
         offset: Option<Located<f64>> = number().usually(0.0),
     }
 
@@ -34,15 +34,16 @@ keys! {
     pub(in crate::parse) struct RawAnalogueInput is "an analogue input" {
         /// The channel.
         channel: RawChannel = part(),
-        /// A value below this is no measurement.
+        /// Least measurement, in the channel's unit; a value below it is a fault.
         least: Option<Located<f64>> = number(),
-        /// A value above this is no measurement.
+        /// Greatest measurement, in the channel's unit; a value above it is a fault.
         most: Option<Located<f64>> = number(),
-        /// Inputs that follow from it by limits, up to 64.
+        /// Inputs that follow from the measurement by limits, at most 64.
         inputs: Vec<RawLimit> = tables(LIMITS_MAX),
         /// Input: on while there is no measurement. Without it, the station's inputs are invalid meanwhile.
         broken: Option<LocatedName> = text(),
-        /// What a simulated plant has behind it; left out: what the simulated mechanisms' switches would be.
+        /// Value in the simulated plant; if left out, the one that gives its inputs the state of the simulated
+        /// mechanisms' switches.
         simulated: Option<RawLag> = table(),
     }
 
@@ -50,11 +51,11 @@ keys! {
     pub(in crate::parse) struct RawLimit is "a limit" {
         /// The input.
         input: Option<LocatedName> = text().required(),
-        /// On from this value up, in the channel's unit.
+        /// Limit from which up the input is on, in the channel's unit.
         above: Option<Located<f64>> = number(),
-        /// On from this value down, in the channel's unit.
+        /// Limit from which down the input is on, in the channel's unit.
         below: Option<Located<f64>> = number(),
-        /// How far the value has to go back beyond the limit for the input to go off, in the channel's unit; 0 or more.
+        /// Distance back from the limit at which the input goes off, in the channel's unit; 0 or more.
         hysteresis: Option<Located<f64>> = number().usually(0.0),
     }
 
@@ -62,23 +63,23 @@ keys! {
     pub(in crate::parse) struct RawLag is "`simulated`" {
         /// The output of the station that it follows.
         output: Option<LocatedName> = text(),
-        /// Where it goes while the output is on, in the channel's unit.
+        /// Final value while the output is on, in the channel's unit.
         on: Option<Located<f64>> = number(),
-        /// Where it goes while the output is off, in the channel's unit.
+        /// Final value while the output is off, in the channel's unit.
         off: Option<Located<f64>> = number().usually(0.0),
-        /// Instead of `output`: the analogue output of the device that it follows, 1 to 12.
+        /// Analogue output of the device that it follows, 1 to 12, instead of `output`.
         channel: Option<Located<i64>> = integer().from_to(1, CHANNELS_MAX.into()),
-        /// After this many ms it has gone 63 % of its way; 1 to 60000.
+        /// Time constant, in ms, 1 to 60000: the time after which 63 % of a change are done.
         lag as "lag_ms": Option<Located<Duration>> = millis().required(),
     }
 
-    /// A channel that is put out.
+    /// A channel that the device puts out.
     pub(in crate::parse) struct RawAnalogueOutput is "an analogue output" {
         /// The channel.
         channel: RawChannel = part(),
-        /// Its value while none of its outputs is on, or more than one, and without a manager; in its unit.
+        /// Value while none of the channel's outputs is on, or more than one, and without a manager; in its unit.
         rest: Option<Located<f64>> = number().required(),
-        /// Its values while outputs are on, up to 64.
+        /// Values while outputs are on, at most 64.
         outputs: Vec<RawLevel> = tables(LIMITS_MAX),
     }
 

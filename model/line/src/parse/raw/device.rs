@@ -32,7 +32,7 @@ keys! {
         inputs: Vec<LocatedName> = texts(DEVICE_BITS).entries(),
         /// Names in the order of the bits of RPDO1, lowest bit of the first byte first; `""` is not connected. At most 64.
         outputs: Vec<LocatedName> = texts(DEVICE_BITS).entries(),
-        /// What people want to know of its signals, such as where a switch is: `{ LS_open = "at the top, -B12" }`.
+        /// Comments on signals for people: `{ LS_open = "at the top, -B12" }`.
         comments: Vec<(LocatedName, LocatedName)> = texts_by_name(COMMENTS_MAX).or_default(),
         /// A device without CANopen, described by a DBC file; it then has none of the keys of CANopen.
         frames as "dbc": Option<RawFrames> = table(),
@@ -45,26 +45,27 @@ keys! {
         node: Option<Located<i64>> = integer().required_unless(&["dbc", "modbus"]).from_to(1, 126),
         /// Its name, unique in the line.
         name: Option<LocatedName> = text().required(),
-        /// The station whose signals it carries; or else `console`.
+        /// Station whose signals it carries; required without `console`.
         station: Option<LocatedName> = text().missed(KeyPresence::Unless(&["console"])),
-        /// `true`: it carries the main console's signals.
+        /// `true` if it carries the main console's signals.
         console: Option<Located<bool>> = flag(),
-        /// Its EDS or DCF, by its path from this file; what that says of identity and settings is added to what stands here.
+        /// EDS or DCF of the device, by its path from this file; its identity and settings are added to those given
+        /// here.
         file: Option<LocatedName> = text(),
-        /// What it has to answer in objects 1000h and 1018h; a device that answers otherwise is not started.
+        /// Expected answers in objects 1000h and 1018h; a device that answers otherwise is not started.
         identity: Option<RawIdentity> = table(),
         /// Objects written before it is started, in this order; at most 256.
         settings: Vec<RawSetting> = tables(SETTINGS_MAX),
-        /// The reason, in words, why the device may be without error values for its outputs, or keep one on: what else lets
-        /// them go when the manager is gone.
+        /// Reason, in words, why the device may have no error values for its outputs, or keep one on: what turns them
+        /// off when the manager is gone.
         without_error_values: Option<LocatedName> = text(),
         /// Transmission types of its process data (CiA 301).
         transmission: Option<RawTransmission> = table(),
-        /// What an emergency of the device does to its owner. Left out it is `"fault"`, but `"report"` for a drive with a
-        /// `fault` signal and for a device that may be lost.
+        /// Reaction to an emergency of the device; if left out `"fault"`, but `"report"` for a drive with a `fault`
+        /// signal and for a device that may be lost.
         on_emergency: Option<Located<Reaction>> = reaction(),
-        /// What its loss does to its owner; `"report"`: the device may be absent, which only one may by which nothing is
-        /// decided or moved. `"fault"` if left out.
+        /// Reaction to the loss of the device. `"report"`: the device may be absent; only for one whose inputs decide
+        /// nothing and whose outputs move nothing.
         when_lost: Option<Located<Reaction>> = reaction().usually(linewright_text::Usual::Word("fault")),
         /// The device is a drive; it then has no `inputs` and `outputs`.
         drive: Option<RawDrive> = table(),
@@ -72,7 +73,7 @@ keys! {
         analogue: RawAnalogue = part(),
     }
 
-    /// What a device answers in objects 1000h and 1018h; each is optional and a number from 0 to 0xFFFFFFFF.
+    /// Identity of a device, objects 1000h and 1018h; each key is optional and a number from 0 to 0xFFFFFFFF.
     pub(in crate::parse) struct RawIdentity is "`identity`" {
         /// The device type, object 1000h.
         device_type as "type": Option<Located<i64>> = number_of_32_bits(),
@@ -86,7 +87,7 @@ keys! {
         serial: Option<Located<i64>> = number_of_32_bits(),
     }
 
-    /// Transmission types of process data: 1 to 240 with every so many SYNCs, 254 or 255 at once.
+    /// Transmission types of process data: 1 to 240 for that number of SYNCs, 254 or 255 for at once.
     pub(in crate::parse) struct RawTransmission is "`transmission`" {
         /// Of its inputs.
         inputs: Option<Located<i64>> = transmission(),
@@ -98,9 +99,9 @@ keys! {
     pub(in crate::parse) struct RawSetting is "a setting" {
         /// Index and subindex in hexadecimal: `"6206:01"`.
         object: Option<LocatedName> = text().required().like(|| Shape::Like(OBJECT)),
-        /// How many bits the number has, and whether it has a sign.
+        /// Number of bits of the value, and whether it has a sign.
         width as "type": Width = word(&WIDTHS),
-        /// The number, within what `type` holds.
+        /// Value to write, within the range of `type`.
         value: Option<Located<i64>> = integer().required().from_to(i32::MIN.into(), u32::MAX.into()),
     }
 }

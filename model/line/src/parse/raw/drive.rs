@@ -14,77 +14,78 @@ const PLACE_BITS_MAX: usize = 10;
 keys! {
     /// A servo or stepper drive (CiA 402) that moves one axis of its station. Lengths are in the axis's unit, mm or degrees.
     pub(in crate::parse) struct RawDrive is "`drive`" {
-        /// The axis it moves; nothing else moves it.
+        /// Axis that the drive moves; no other output moves it.
         axis: Option<LocatedName> = text().required(),
-        /// `"position"`: it goes to its targets; `"velocity"`: the targets are velocities, and the axis turns while its
-        /// output is on.
+        /// Mode of operation. `"position"`: the drive goes to its targets; `"velocity"`: targets are velocities, and
+        /// the axis turns while an output is on.
         mode: DriveMode = word(&[("position", DriveMode::Position), ("velocity", DriveMode::Velocity)]),
         /// Increments of the drive for one unit of the axis, above zero.
         units as "units_per_mm": Option<Located<f64>> = positive().required(),
-        /// It is at a target within this distance, in mm or degrees, above zero.
+        /// Distance within which it is at a target, in mm or degrees, above zero.
         window: Option<Located<f64>> = positive().required(),
-        /// How fast it moves, in mm/s or degrees/s, above zero.
+        /// Velocity, in mm/s or degrees/s, above zero.
         velocity: Option<Located<f64>> = positive().required(),
-        /// How fast it gains and loses speed, in mm/s² or degrees/s², above zero.
+        /// Acceleration and deceleration, in mm/s² or degrees/s², above zero.
         acceleration: Option<Located<f64>> = positive().required(),
-        /// How fast it loses speed when its output goes off on the way, in mm/s² or degrees/s²; the acceleration if left out.
+        /// Deceleration when its output goes off on the way, in mm/s² or degrees/s²; the acceleration if left out.
         quick_stop: Option<Located<f64>> = positive(),
-        /// Without an order it stops, and `"off"`: switches its power off; `"hold"`: holds its position.
+        /// Behaviour while no output is on. It stops, and `"off"`: switches its power off; `"hold"`: holds its
+        /// position.
         at_rest: AtRest = word(&[("off", AtRest::Off), ("hold", AtRest::Hold)]),
-        /// Input: on while it has failed or refuses an order.
+        /// Input: on while the drive has a fault or refuses an order.
         fault: Option<LocatedName> = text(),
-        /// Where outputs send it, up to 64.
+        /// Targets, each with the output that sends the drive there; at most 64.
         targets: Vec<RawTarget> = tables(TARGETS_MAX).missed(KeyPresence::Unless(&["index"])),
-        /// Instead of `targets`, of an endless axis: how it turns from place to place.
+        /// Motion of an endless axis from place to place, instead of `targets`.
         index: Option<RawDriveIndex> = table(),
-        /// How it finds its zero; left out for a drive that knows where it is.
+        /// Homing; left out for a drive with an absolute encoder.
         homing: Option<RawHoming> = table(),
     }
 
     /// How a drive turns an endless axis from place to place. The places are numbered from 1, the home position, in the order
     /// in which the axis comes to them.
     pub(in crate::parse) struct RawDriveIndex is "`index`" {
-        /// The output that turns it.
+        /// Output that turns the axis.
         output: Option<LocatedName> = text().required(),
-        /// The input that is on while it is at one of its places.
+        /// Input that is on while the axis is at one of its places.
         input as "at": Option<LocatedName> = text().required(),
-        /// After this way, in mm or degrees, it is where it was: a whole number of indexes, at least two.
+        /// Length of one whole turn, in mm or degrees: a whole number of indexes, at least two.
         turn: Option<Located<f64>> = positive().required(),
-        /// Which way it turns.
+        /// Direction in which it turns.
         direction: TurnDirection = word(&[("positive", TurnDirection::Positive), ("negative", TurnDirection::Negative)]),
-        /// Outputs that say to which place, as a number, the lowest bit first; at most 10.
+        /// Outputs with the number of the place to go to, the lowest bit first; at most 10.
         to: Vec<LocatedName> = texts(PLACE_BITS_MAX).entries().missed(KeyPresence::Required),
-        /// Inputs that say at which place it is, or which it has left last, as a number, the lowest bit first; at most 10.
+        /// Inputs with the number of the place it is at, or has left last, the lowest bit first; at most 10.
         place: Vec<LocatedName> = texts(PLACE_BITS_MAX).entries().missed(KeyPresence::Required),
     }
 
     /// A place to which an output sends the drive.
     pub(in crate::parse) struct RawTarget is "a target" {
-        /// The output that sends it there.
+        /// Output that sends the drive there.
         output: Option<LocatedName> = text().required(),
-        /// The place on the axis, in mm or degrees.
+        /// Position on the axis, in mm or degrees.
         to: Option<Located<f64>> = coordinate().required(),
-        /// The input that is on while it is there; targets at the same place share it.
+        /// Input that is on while the drive is there; targets at the same position share it.
         input as "at": Option<LocatedName> = text().required(),
-        /// How fast it goes there, in mm/s or degrees/s; the drive's if left out.
+        /// Velocity on the way there, in mm/s or degrees/s; that of the drive if left out.
         velocity: Option<Located<f64>> = positive(),
     }
 
-    /// How a drive finds its zero.
+    /// Homing of a drive.
     pub(in crate::parse) struct RawHoming is "`homing`" {
-        /// 1 to 37 as CiA 402 numbers them, or -128 to -1 for the manufacturer's own.
+        /// Homing method: 1 to 37 by CiA 402, or -128 to -1 for one of the manufacturer.
         method: Option<Located<i64>> = integer().required().from_to(-128, 37),
-        /// Speed for finding the switch, in mm/s or degrees/s.
+        /// Speed of the search for the switch, in mm/s or degrees/s.
         fast: Option<Located<f64>> = positive().required(),
-        /// Speed for finding its edge, in mm/s or degrees/s.
+        /// Speed of the search for the switch's edge, in mm/s or degrees/s.
         slow: Option<Located<f64>> = positive().required(),
-        /// How fast it gains and loses speed meanwhile, in mm/s² or degrees/s²; the drive's if left out.
+        /// Acceleration while homing, in mm/s² or degrees/s²; that of the drive if left out.
         acceleration: Option<Located<f64>> = positive(),
-        /// Where it is then, in mm or degrees; 0 if left out.
+        /// Position after homing, in mm or degrees.
         offset: Option<Located<f64>> = coordinate().usually(0.0),
-        /// The output that starts it. If that is a target's output, the drive is homed before it first goes there.
+        /// Output that starts homing. If it is a target's output, the drive is homed before it first goes there.
         output: Option<LocatedName> = text().required(),
-        /// Input: on while it knows where it is.
+        /// Input: on while the drive is homed.
         done: Option<LocatedName> = text(),
     }
 }

@@ -10,13 +10,13 @@ use crate::Checksum;
 const SIGNALS_MAX: usize = 64;
 
 keys! {
-    /// A device that speaks no CANopen: plain frames, described by a DBC file.
+    /// A device without CANopen, whose frames a DBC file describes.
     pub(in crate::parse) struct RawFrames is "`dbc`" {
         /// The DBC file, by its path from this file.
         file: Option<LocatedName> = text().required(),
-        /// The messages the device sends, each once, up to 64.
+        /// The messages the device sends, each once, at most 64.
         receive: Vec<RawHeard> = tables(SIGNALS_MAX),
-        /// The messages it is sent, up to 64.
+        /// The messages sent to the device, at most 64.
         send: Vec<RawTold> = tables(SIGNALS_MAX),
     }
 
@@ -24,39 +24,40 @@ keys! {
     pub(in crate::parse) struct RawHeard is "a message received" {
         /// Its name in the DBC file.
         message: Option<LocatedName> = text().required(),
-        /// The device is lost when the message has not come for this long, in ms, 1 to 60000.
+        /// Time without this message after which the device is lost, in ms, 1 to 60000.
         timeout as "timeout_ms": Option<Located<Duration>> = millis().required(),
-        /// A signal that is another in each frame; a frame with the number of the one before it does not count.
+        /// Counter: a signal with another value in each frame; a frame with the value of the one before does not count.
         counter: Option<LocatedName> = text(),
-        /// The signal that adds up the bytes of the frame.
+        /// Checksum over the bytes of the frame.
         checksum: Option<RawChecksum> = table(),
-        /// Inputs that follow from its signals, up to 64.
+        /// Inputs that follow from the message's signals, at most 64.
         inputs: Vec<RawSignalInput> = tables(SIGNALS_MAX),
     }
 
-    /// A message that the device is sent.
+    /// A message sent to the device.
     pub(in crate::parse) struct RawTold is "a message sent" {
         /// Its name in the DBC file.
         message: Option<LocatedName> = text().required(),
-        /// How often it is sent when nothing changes, in ms, 1 to 60000.
+        /// Period of the message when nothing changes, in ms, 1 to 60000.
         every as "every_ms": Option<Located<Duration>> = millis().required(),
-        /// After how many ms without this message the device turns its outputs off by itself; longer than `every_ms`.
+        /// Time without this message after which the device turns its outputs off by itself, in ms; longer than
+        /// `every_ms`.
         lets_go_after as "lets_go_after_ms": Option<Located<Duration>> = millis(),
-        /// A signal that counts the frames.
+        /// Counter: a signal that counts the frames.
         counter: Option<LocatedName> = text(),
-        /// The signal that adds up the bytes of the frame.
+        /// Checksum over the bytes of the frame.
         checksum: Option<RawChecksum> = table(),
-        /// Signals that follow from outputs, up to 64.
+        /// Signals that follow from outputs, at most 64.
         outputs: Vec<RawSignalOutput> = tables(SIGNALS_MAX),
-        /// Signals that never change, up to 64; all others are 0.
+        /// Signals with a constant value, at most 64; all others are 0.
         set: Vec<RawSet> = tables(SIGNALS_MAX),
     }
 
-    /// The signal that adds up the bytes of a frame.
+    /// Checksum over the bytes of a frame.
     pub(in crate::parse) struct RawChecksum is "`checksum`" {
         /// The signal, a whole byte.
         signal: Option<LocatedName> = text().required(),
-        /// How: all bytes but its own, `"xor"`, `"sum"` or `"crc8"` (SAE J1850).
+        /// Method, over all bytes but its own: `"xor"`, `"sum"` or `"crc8"` (SAE J1850).
         kind: Checksum = word(&[("xor", Checksum::Xor), ("sum", Checksum::Sum), ("crc8", Checksum::Crc8)]),
     }
 
@@ -67,15 +68,15 @@ keys! {
         input: Option<LocatedName> = text().required(),
         /// The signal's name in the DBC file.
         signal: Option<LocatedName> = text().required(),
-        /// On while the signal has this value, in its unit.
+        /// Value of the signal with which the input is on, in the signal's unit.
         equals: Option<Located<f64>> = number(),
-        /// On from this value up, in the signal's unit.
+        /// Limit from which up the input is on, in the signal's unit.
         above: Option<Located<f64>> = number(),
-        /// On from this value down, in the signal's unit.
+        /// Limit from which down the input is on, in the signal's unit.
         below: Option<Located<f64>> = number(),
-        /// On while this bit of the signal is, before scaling; 0 to 63.
+        /// Bit of the unscaled signal that the input follows, 0 to 63.
         bit: Option<Located<i64>> = integer().from_to(0, 63),
-        /// How far the value has to go back beyond the limit for the input to go off, in the signal's unit; 0 or more.
+        /// Distance back from the limit at which the input goes off, in the signal's unit; 0 or more.
         hysteresis: Option<Located<f64>> = number().usually(0.0),
     }
 
@@ -91,11 +92,11 @@ keys! {
         off: Option<Located<f64>> = number().usually(0.0),
     }
 
-    /// A signal that never changes.
+    /// A signal with a constant value.
     pub(in crate::parse) struct RawSet is "a value" {
         /// The signal's name in the DBC file.
         signal: Option<LocatedName> = text().required(),
-        /// Its value, in its unit.
+        /// Value, in the signal's unit.
         value: Option<Located<f64>> = number().required(),
     }
 }

@@ -16,62 +16,63 @@ const SIGNS_MAX: usize = 16;
 keys! {
     /// A place for parts that belongs to no station.
     pub(super) struct RawStore is "a holder" {
-        /// One word without a full stop.
+        /// Name: one word without a full stop.
         name: Option<LocatedName> = text().required(),
-        /// For how many parts there is room, each at a position of its own, from 1; 1 to 10000.
+        /// Number of positions, 1 to 10000, each for one part and numbered from 1.
         places: Option<Located<i64>> = whole(1, PLACES_MAX).usually(1),
     }
 
-    /// A place for parts in a station: a nest, where a part can lie, or a hand.
+    /// A place for parts in a station: a nest, where a part can lie, or a gripper.
     pub(in crate::parse) struct RawHolder is "a holder" {
-        /// One word without a full stop; elsewhere the holder is called `station.name`.
+        /// Name: one word without a full stop; outside of the station the holder is called `station.name`.
         name: Option<LocatedName> = text().required(),
         /// Of a holder of no station.
         places: Option<Located<i64>> = nothing(),
-        /// `"hand"`: it has a part only while it is closed; `"nest"`: parts lie in it.
+        /// Kind. `"hand"`: a gripper, which has a part only while it is closed; `"nest"`: parts lie in it.
         is_hand as "kind": bool = word(&[("nest", false), ("hand", true)]),
-        /// Closed while this axis of the station stands there: `{ axis, at }`. A hand needs it; a nest that closes is a
-        /// clamp.
+        /// Position of an axis of the station at which it is closed: `{ axis, at }`. Required for a gripper; a nest
+        /// with it is a clamp.
         closes: Option<RawStand> = table(),
     }
 
-    /// Where an axis stands.
+    /// Position of an axis.
     pub(in crate::parse) struct RawStand is "`closes`" {
         /// The axis.
         axis: Option<LocatedName> = text().required(),
-        /// Where it stands, in mm or degrees.
+        /// Position, in mm or degrees.
         position as "at": Option<Located<f64>> = coordinate().required(),
     }
 
-    /// A nest that a hand of the station reaches.
+    /// A nest that a gripper of the station reaches.
     pub(in crate::parse) struct RawReach is "a reach" {
-        /// A hand of this station.
+        /// Gripper of this station.
         hand: Option<LocatedName> = text().required(),
         /// The nest: `"ST"`, or `"m1.clamp"` of a station.
         to: Option<LocatedName> = text().required(),
-        /// Axes of the station and where they stand then, in mm or degrees: `{ arm = 100 }`.
+        /// Positions of axes of the station at which it reaches the nest, in mm or degrees: `{ arm = 100 }`.
         when: Vec<(LocatedName, f64)> = coordinates(AXES_MAX).required().or_default(),
-        /// Of a nest with `places`: outputs of the station, the lowest bit first, that say at which position.
+        /// Outputs of the station with the number of the position, the lowest bit first, of a nest with `places`.
         position: Option<Located<Vec<LocatedName>>> = texts(PARAMETER_BITS_MAX),
     }
 
-    /// An input that sees parts.
+    /// An input that reports parts.
     pub(in crate::parse) struct RawSensor is "a sensor" {
         /// The station whose input it is.
         station: Option<LocatedName> = text().required(),
-        /// The input, which no mechanism of the station presses.
+        /// Input; not one of a mechanism of the station.
         input: Option<LocatedName> = text().required(),
-        /// On while all of this is so, at most 16: `{ part = "robot.hand" }`, `{ axis = "robot.arm", at = 100 }`.
+        /// Conditions that all hold while the input is on, at most 16: `{ part = "robot.hand" }`, `{ axis =
+        /// "robot.arm", at = 100 }`.
         when: Vec<RawSign> = tables(SIGNS_MAX).missed(KeyPresence::Required),
     }
 
     /// A condition of a sensor: a part in a holder, or an axis that stands somewhere.
     pub(in crate::parse) struct RawSign is "a condition of a sensor" {
-        /// The holder in which there is a part.
+        /// Holder in which there is a part.
         part: Option<LocatedName> = text(),
         /// The axis, `"station.axis"`.
         axis: Option<LocatedName> = text(),
-        /// Where the axis stands, in mm or degrees.
+        /// Position of the axis, in mm or degrees.
         position as "at": Option<Located<f64>> = coordinate(),
     }
 }

@@ -34,11 +34,11 @@ keys! {
     pub(in crate::parse) struct RawLine is "the description" {
         /// The ROS namespace: lower-case letters, digits and single `_`, a letter first, at most 64.
         name: Option<LocatedName> = text().required(),
-        /// What people call the line; the name if left out.
+        /// Title of the line for people; the name if left out.
         title: Option<LocatedName> = text(),
         /// Names of the hand-mode push buttons on the main console, at most 32.
         buttons: Vec<LocatedName> = texts(BUTTONS_MAX).entries(),
-        /// How often things are sent, and after how long they count as lost. All optional.
+        /// Periods of repetition, and times after which a state or a device is lost. All optional.
         timing: RawTiming = table().or_default(),
         /// Types of like stations, at most 100.
         types as "station_type": Vec<RawStationType> = tables(TYPES_MAX).like(station_type::shape),
@@ -50,51 +50,54 @@ keys! {
         conflicts as "conflict": Vec<RawConflict> = tables(CONFLICTS_MAX),
         /// The devices on the buses, at most 4000.
         devices as "device": Vec<RawDevice> = tables(DEVICES_MAX),
-        /// Where parts can be outside of stations, for the simulated plant; at most 1000.
+        /// Places for parts outside of stations, for the simulated plant; at most 1000.
         holders as "holder": Vec<RawHolder> = tables::<RawStore>(HOLDERS_MAX).then(stores),
-        /// Inputs that see parts, for the simulated plant; at most 4000.
+        /// Inputs that report parts, for the simulated plant; at most 4000.
         sensors as "sensor": Vec<RawSensor> = tables(SENSORS_MAX),
         /// The main console: names of its devices' signals, all optional.
         console: Option<RawConsole> = table(),
     }
 
-    /// How often things are sent, and after how long they count as lost.
+    /// Periods of repetition, and times after which a state or a device is lost.
     #[derive(Default)]
     pub(in crate::parse) struct RawTiming is "`[timing]`" {
-        /// How often a station and the coordinator send their whole state when nothing changes, in ms, 1 to 60000.
+        /// Period of the whole state of each station and of the coordinator when nothing changes, in ms, 1 to 60000.
         refresh as "refresh_ms": Option<Located<Duration>> = millis().usually(50),
-        /// A state, an image or a held button older than this is unknown, and unknown blocks. In ms, at least twice
-        /// `refresh_ms`.
+        /// Age from which a state, an image or a held button is unknown, which blocks what reads it, in ms; at least
+        /// twice `refresh_ms`.
         stale as "stale_ms": Option<Located<Duration>> = millis().usually(250),
-        /// A mode not refreshed within this time has run out: stand-by. In ms, at least twice `refresh_ms`.
+        /// Time after which a mode that is not repeated has run out, and the station is in stand-by, in ms; at least
+        /// twice `refresh_ms`.
         lease as "lease_ms": Option<Located<Duration>> = millis().usually(500),
-        /// How often CAN devices and managers send their heartbeat, in ms, 1 to 60000.
+        /// Period of the heartbeat of CAN devices and managers, in ms, 1 to 60000.
         heartbeat as "heartbeat_ms": Option<Located<Duration>> = millis().usually(50),
-        /// A device not heard for this long is lost. In ms, at least twice `heartbeat_ms`.
+        /// Time without a heartbeat after which a device is lost, in ms; at least twice `heartbeat_ms`.
         heartbeat_timeout as "heartbeat_timeout_ms": Option<Located<Duration>> = millis().usually(200),
-        /// How often a manager sends SYNC on its bus, in ms, 1 to 60000; never if left out.
+        /// Period of SYNC of each manager, in ms, 1 to 60000; no SYNC if left out.
         sync as "sync_ms": Option<Located<Duration>> = millis(),
     }
 
     /// An arrow of the timing bar chart: an operation of one station that waits for one of another.
     pub(in crate::parse) struct RawArrow is "an arrow" {
-        /// `"station: operation"` that must be done.
+        /// Operation that must be done: `"station: operation"`.
         from: Option<RawEnd> = text().required().then(end).like(|| Shape::Like(":")),
-        /// `"station: operation"`, of another station, that waits for it.
+        /// Operation of another station that waits for it: `"station: operation"`.
         to: Option<RawEnd> = text().required().then(end).like(|| Shape::Like(":")),
-        /// 0: done in the same cycle; 1: in the cycle before. Up to 8, above 1 with a warning.
+        /// Number of cycles back in which it must be done, 0 to 8: 0 the same cycle, 1 the cycle before. Above 1 with a
+        /// warning.
         lag: u32 = integer().then(lag).from_to(0, LAG_MAX).usually(0),
-        /// The modes it holds in, `"auto"` and `"manual"`; both if left out. Hand mode observes the arrows of both.
+        /// Modes in which the arrow holds, `"auto"` and `"manual"`; both if left out. Hand mode observes the arrows of
+        /// both.
         modes: Modes = texts(MODES_MAX).then(modes).like(|| Shape::List(Box::new(Shape::Word(vec!["auto", "manual"])), 2)),
     }
 
     /// Two states of two stations that must never hold together. `linewright check` proves that the arrows exclude them.
     pub(in crate::parse) struct RawConflict is "a conflict" {
-        /// Why, in words; printed with a counterexample.
+        /// Reason, in words; printed with a counterexample.
         why: Option<LocatedName> = text().required(),
-        /// The one state.
+        /// State of one station.
         a: Option<RawSpan> = table().required().then(complete),
-        /// The other state, of another station.
+        /// State of another station.
         b: Option<RawSpan> = table().required().then(complete),
     }
 
@@ -102,17 +105,17 @@ keys! {
     pub(in crate::parse) struct RawSpan is "a state of a conflict" {
         /// The station.
         station: Option<LocatedName> = text().required(),
-        /// Of a station on order, instead of `from` and `until`: the task, from its start to its end.
+        /// Of a task-driven station, instead of `from` and `until`: the task, from its start to its end.
         task: Option<LocatedName> = text(),
-        /// The operation with whose start the state begins.
+        /// Operation with whose start the state begins.
         from: Option<LocatedName> = text().missed(KeyPresence::Unless(&["task"])),
-        /// The operation with whose end it is over.
+        /// Operation with whose end the state is over.
         until: Option<LocatedName> = text().missed(KeyPresence::Unless(&["task"])),
     }
 
     /// The main console: names of its devices' signals.
     pub(in crate::parse) struct RawConsole is "`[console]`" {
-        /// Outputs: the lamps that say which mode it is.
+        /// Outputs: the lamps of the modes.
         lamps: RawLamps = table().or_default(),
         /// Input: the emergency stop, on while it is pressed; or `{ input, pressed = "off" }` for a closed-circuit contact.
         estop: RawStop = contact(),
@@ -128,7 +131,7 @@ keys! {
         reset: Option<LocatedName> = text(),
     }
 
-    /// The lamps that say which mode it is.
+    /// The lamps of the modes.
     #[derive(Default)]
     pub(in crate::parse) struct RawLamps is "`lamps`" {
         /// Output: on in auto mode.
@@ -145,8 +148,8 @@ keys! {
     pub(in crate::parse) struct RawContact is "`estop`" {
         /// The input.
         input: Option<LocatedName> = text().required(),
-        /// What the input reads while the button is pressed: `"off"` for a closed-circuit contact, which reads off as well
-        /// when its wire is broken.
+        /// Value of the input while the button is pressed: `"off"` for a closed-circuit contact, whose input is off
+        /// when its wire is broken, too.
         pressed: Option<Located<bool>> = one_of(&[("on", true), ("off", false)]).required(),
     }
 }
@@ -262,7 +265,7 @@ fn complete(span: Option<RawSpan>, report: &mut Report) -> Option<RawSpan> {
         ),
         (None, None, None) => Some(
             Problem::error(at(), "a state of a conflict needs `from` and `until`, or `task`")
-                .hint("the first and the last operation of a stretch of the cycle; of a station on order, a task"),
+                .hint("the first and the last operation of a stretch of the cycle; of a task-driven station, a task"),
         ),
         (None, None, Some(_)) => Some(Problem::error(at(), "a state of a conflict needs `from`")),
         (None, Some(_), None) => Some(Problem::error(at(), "a state of a conflict needs `until`")),

@@ -12,7 +12,7 @@ const WORD_MAX: i64 = 0xFFFF;
 const REGISTERS_MAX: usize = 256;
 
 keys! {
-    /// A device in Modbus TCP: where it is, where its bits are, and how often it is read and written.
+    /// A device in Modbus TCP: its address, the addresses of its bits, and its times.
     pub(in crate::parse) struct RawModbus is "`modbus`" {
         /// Host and port: `"192.168.1.20:502"`; 502 is the usual port.
         address: Option<LocatedName> = text().required(),
@@ -22,17 +22,18 @@ keys! {
         cycle as "cycle_ms": Option<Located<Duration>> = millis().usually(20),
         /// Longest time for an answer, in ms; 100 if left out.
         timeout as "timeout_ms": Option<Located<Duration>> = millis().usually(100),
-        /// Where the bits of its `inputs` begin; discrete input 0 if left out.
+        /// Address of the first bit of its `inputs`; discrete input 0 if left out.
         inputs: Option<RawInputRegisters> = table(),
-        /// Where the bits of its `outputs` begin; coil 0 if left out.
+        /// Address of the first bit of its `outputs`; coil 0 if left out.
         outputs: Option<RawOutputRegisters> = table(),
-        /// Whether its outputs are read back and compared in each cycle, so that another master shows; false if left out.
+        /// Whether its outputs are read back and compared in each cycle, which detects another master; false if left
+        /// out.
         read_back: Option<Located<bool>> = flag(),
-        /// The register that makes the device turn its outputs off when it is not written any more.
+        /// Watchdog register: the device turns its outputs off when it is no longer written.
         watchdog: Option<RawWatchdog> = table(),
-        /// The reason, in words, why a device with outputs may be without a watchdog register: what else turns them off.
+        /// Reason, in words, why a device with outputs may have no watchdog register: what else turns them off.
         without_watchdog: Option<LocatedName> = text(),
-        /// Holding registers that must have these values, or the device is not used; at most 256.
+        /// Holding registers with their expected values, at most 256; a device with another value is not used.
         expect: Vec<RawRegisterValue> = tables(REGISTERS_MAX),
         /// Holding registers that are written before the device is used, in this order; at most 256.
         settings: Vec<RawRegisterValue> = tables(REGISTERS_MAX),

@@ -1,4 +1,4 @@
-//! A station's table and its operations; what it does on order.
+//! A station's table, its operations and its tasks.
 
 use std::time::Duration;
 
@@ -25,30 +25,30 @@ keys! {
     pub(in crate::parse) struct RawStation is "a station" {
         /// The ROS node name: lower-case letters, digits and single `_`, a letter first, at most 64; `coordinator` is taken.
         name: Option<LocatedName> = text().required(),
-        /// The type of the station: what that says need not be written here.
+        /// Station type; keys that the type gives can be left out here.
         of as "type": Option<LocatedName> = text(),
         /// Values of the type's parameters: `{ number = 3, io = 0x29 }`.
         parameters: Named<Located<Scalar>> = scalars(TYPE_PARAMETERS_MAX).or_default().like(parameters),
-        /// What people call the station; the name if left out.
+        /// Title of the station for people; the name if left out.
         title: Option<LocatedName> = text(),
-        /// The operation that brings the station to its home position. A station on order has tasks and rests instead.
+        /// The operation that brings the station to its home position. A task-driven station has tasks and rests instead.
         home: Option<LocatedName> = text().required_unless(&["task", "type"]),
-        /// CAN interface (`"can1"`) of a bus of the station's own; left out, its devices hang on the coordinator's bus.
+        /// CAN interface (`"can1"`) of a bus of the station's own; the coordinator's bus if left out.
         bus: Option<LocatedName> = text(),
         /// The mechanisms, each with its position at home, in mm or degrees: `{ vertical = 0.0, horizontal = 0.0 }`. At
         /// most 64.
         axes: Vec<(LocatedName, f64)> = coordinates(AXES_MAX).required_unless(&["type"]).or_default(),
-        /// Of a station on order: positions of the whole station in which it rests, the first one being home. At most 8.
+        /// Rests of a task-driven station, home first; at most 8.
         rests as "rest": Vec<RawRest> = tables(RESTS_MAX),
-        /// What the station does on order, instead of going round a cycle. At most 16.
+        /// Tasks of a task-driven station, at most 16.
         tasks as "task": Vec<RawTask> = tables(TASKS_MAX),
-        /// Where parts can be in this station, for the simulated plant. At most 1000.
+        /// Places for parts in this station, for the simulated plant; at most 1000.
         holders as "holder": Vec<RawHolder> = tables(HOLDERS_MAX),
-        /// Which nests the station's hands reach, for the simulated plant. At most 256.
+        /// Nests that the station's grippers reach, for the simulated plant; at most 256.
         reaches as "reach": Vec<RawReach> = tables(REACHES_MAX),
         /// The operator's panel at the station: inputs of its own devices.
         panel: Option<RawPanel> = table(),
-        /// The operations, in the order of the timing bar chart. The first one begins a new cycle. At most 64.
+        /// The operations, in the order of the timing bar chart, at most 64. The first one begins a new cycle.
         operations as "operation": Vec<RawOperation> = tables(OPERATIONS_MAX),
     }
 
@@ -56,27 +56,27 @@ keys! {
     pub(in crate::parse) struct RawRest is "a rest" {
         /// Its name, unique in the station.
         name: Option<LocatedName> = text().required(),
-        /// Where axes stand, in mm or degrees; one that is left out stands as `axes` says. The first rest has none.
+        /// Positions of axes, in mm or degrees; that of `axes` for each that is left out. The first rest has none.
         positions as "at": Vec<(LocatedName, f64)> = coordinates(AXES_MAX).or_default(),
     }
 
-    /// What a station does on order: its operations lead from one rest to another, or to the same.
+    /// A task of a task-driven station: its operations lead from one rest to another, or to the same.
     pub(in crate::parse) struct RawTask is "a task" {
-        /// Numbers that come with the order, at most 8, each with the outputs that carry it, the lowest bit first, at most
-        /// 31: `{ program = ["prog_1", "prog_2"] }`.
+        /// Parameters of the order, at most 8: each a number, with the outputs that carry it, the lowest bit first, at
+        /// most 31: `{ program = ["prog_1", "prog_2"] }`.
         parameters: Vec<(LocatedName, Located<Vec<LocatedName>>)> = lists(PARAMETERS_MAX, PARAMETER_BITS_MAX).or_default(),
-        /// What it is ordered by, unique in the station.
+        /// Name by which it is ordered, unique in the station.
         name: Option<LocatedName> = text().required(),
         /// The rest where it begins.
         from: Option<LocatedName> = text().required(),
         /// The rest where it ends.
         to: Option<LocatedName> = text().required(),
-        /// After this many seconds it has failed, whatever time the order leaves it; longer than its motions together, up to
-        /// a day.
+        /// Time limit of the task, in seconds, up to a day, whatever limit the order has; longer than its motions
+        /// together.
         limit as "limit_s": Option<Located<Duration>> = seconds().required(),
     }
 
-    /// The operator's panel at a station. What is left out can be operated over ROS topics only.
+    /// The operator's panel at a station. Keys that are left out can be operated over ROS topics only.
     pub(in crate::parse) struct RawPanel is "`panel`" {
         /// Input: the selector, on is station-manual.
         manual: Option<LocatedName> = text(),
@@ -88,16 +88,16 @@ keys! {
 
     /// An operation: one motion of an axis, with its signals, and how it is recovered.
     pub(in crate::parse) struct RawOperation is "an operation" {
-        /// As the chart prints it; unique in its station; words without `:`, at most 64 characters.
+        /// Name in the chart, unique in its station; words without `:`, at most 64 characters.
         name: Option<LocatedName> = text().required(),
         /// `"R"`: reversible, after a fault it is resumed or taken back; `"I"`: irreversible, it is resumed or the station
         /// goes home along `recovery_path`.
         kind as "module": Option<Located<ModuleKind>> = text().required().then(kind).like(|| Shape::Word(vec!["R", "I"])),
         /// The motion: `{ axis = "vertical", from = 0, to = 50 }`; the index of an endless axis: `{ axis = "table", by = 90 }`.
         moves: Option<RawMoves> = table().required(),
-        /// What the motion takes when nothing is wrong, in seconds, up to a day.
+        /// Duration of the motion without faults, in seconds, up to a day.
         duration as "duration_s": Option<Located<Duration>> = seconds().required(),
-        /// After this many seconds it has failed; longer than the duration, twice as long is usual.
+        /// Time limit of the motion, in seconds, up to a day; longer than the duration, twice as long is usual.
         watchdog as "watchdog_s": Option<Located<Duration>> = seconds().required(),
         /// The signals of the motion.
         normal: Option<RawSignals> = table().required(),
@@ -105,29 +105,30 @@ keys! {
         recovery: Option<RawRecovery> = table(),
         /// Hand-mode type and buttons: `{ type = 3, forward = "PB_2", back = "PB_4" }`.
         hand: Option<RawHand> = table().required(),
-        /// The way home after a fault, of an irreversible operation that is no index: reversible operations that are taken back
-        /// in this order, then the home operation follows by itself.
+        /// Recovery path after a fault, of an irreversible operation that is no index: reversible operations that are
+        /// taken back in this order; the home operation follows by itself.
         recovery_path: Option<Located<Vec<LocatedName>>> = texts(OPERATIONS_MAX),
-        /// The operation listed directly before, to run side by side with it.
+        /// Operation listed directly before; the two run side by side.
         with: Option<LocatedName> = text(),
-        /// Of a station on order: the task it belongs to.
+        /// Task of the operation, at a task-driven station.
         task: Option<LocatedName> = text(),
-        /// Of a station on order: inputs that must be on before the motion starts, at most 16.
+        /// Inputs that must be on before the motion starts, at a task-driven station; at most 16.
         waits: Option<Located<Vec<LocatedName>>> = texts(WAITS_MAX),
-        /// Of a station on order: 1 to 999, how an order ends whose time runs out while the operation waits.
+        /// Code with which an order fails whose time runs out while the operation waits for `waits`, at a task-driven
+        /// station; 1 to 999.
         waits_code: Option<Located<i64>> = whole(1, CODE_MAX.into()),
     }
 
     /// The motion of an operation.
     pub(in crate::parse) struct RawMoves is "`moves`" {
-        /// The axis that moves.
+        /// Axis that moves.
         axis: Option<LocatedName> = text().required(),
-        /// Where it starts, in mm or degrees.
+        /// Position where it starts, in mm or degrees.
         from: Option<Located<f64>> = coordinate().required_unless(&["by"]),
-        /// Where it ends, in mm or degrees.
+        /// Position where it ends, in mm or degrees.
         to: Option<Located<f64>> = coordinate().required_unless(&["by"]),
-        /// Instead of both, of an axis that turns endlessly and one way: how far it goes on with one index, in mm or degrees,
-        /// above zero. It begins and ends at the switch `complete`.
+        /// Length of one index of an endless axis, in mm or degrees, above zero, instead of `from` and `to`. The index
+        /// begins and ends at the switch `complete`.
         by: Option<Located<f64>> = positive(),
     }
 
@@ -147,24 +148,24 @@ keys! {
     pub(in crate::parse) struct RawRecovery is "`recovery`" {
         /// Its signals.
         signals: RawSignals = part(),
-        /// What the motion back takes, in seconds, up to a day; if left out, as long as the operation that is the same motion, or
-        /// else as the motion.
+        /// Duration of the motion back, in seconds, up to a day; if left out, that of the operation that is the same
+        /// motion, or else that of the motion.
         duration as "duration_s": Option<Located<Duration>> = seconds(),
-        /// After this many seconds it has failed; as for the motion if left out.
+        /// Time limit of the motion back, in seconds, up to a day; that of the motion if left out.
         watchdog as "watchdog_s": Option<Located<Duration>> = seconds(),
     }
 
-    /// What an operation is in hand mode, where one held button runs a sequence of operations and a second one may run it
-    /// back.
+    /// Part of an operation in a hand-mode sequence: one held button runs the sequence, a second one may run it back.
     pub(in crate::parse) struct RawHand is "`hand`" {
-        /// 1: first or intermediate operation of a sequence that is never reversed; 2: the last one. 3, 4, 5: first,
-        /// intermediate and last operation of a reversed sequence. 6: on its own, reversed by another button.
+        /// Hand type, 1 to 6. 1: first or intermediate operation of a sequence that is never reversed; 2: its last one.
+        /// 3, 4, 5: first, intermediate and last operation of a reversed sequence. 6: on its own, reversed by another
+        /// button.
         number as "type": Option<Located<i64>> = integer().required().from_to(1, 6),
-        /// The button that is held to run.
+        /// Button that is held to run.
         forward: Option<LocatedName> = text().required(),
-        /// The button that is held to run back; types 3 to 6.
+        /// Button that is held to run back; types 3 to 6.
         back: Option<LocatedName> = text(),
-        /// The button that starts what follows, the `forward` of the next operation; types 2, 5 and 6.
+        /// Button that starts the next operation, the `forward` of that; types 2, 5 and 6.
         next: Option<LocatedName> = text(),
     }
 }

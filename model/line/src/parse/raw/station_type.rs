@@ -17,11 +17,12 @@ pub(in crate::parse) const TYPE_PARAMETERS_MAX: usize = 64;
 const PARAMETER: &str = "^\\{[^{}]+\\}$";
 
 keys! {
-    /// A type of like stations: what stands in `[[station]]`, and arrows, conflicts, devices and sensors that come with each.
-    /// `{name}` in a text is the station's name, `{other}` the value that the station gives to a parameter of that name; a
-    /// text that is a parameter alone becomes its value, text or number. Braces of its own are written twice.
+    /// A station type: the keys of `[[station]]`, and arrows, conflicts, devices and sensors that come with each
+    /// station of the type. In a text `{name}` is the station's name, `{other}` the value that the station gives to the
+    /// parameter `other`; a text that is a parameter alone becomes its value, text or number. A literal brace is
+    /// written twice.
     pub(in crate::parse) struct RawStationType is "a station type" {
-        /// What stations call it in `type`; unique.
+        /// Name, to which `type` of a station refers; unique.
         name: Option<LocatedName> = text().required(),
         /// Names of its parameters besides `name`, at most 64.
         parameters: Vec<LocatedName> = texts(TYPE_PARAMETERS_MAX).entries(),

@@ -31,7 +31,7 @@ pub(super) fn check(draft: &DraftLine<'_>, id: StationId, stale: Duration, repor
     if station.is_task_driven() {
         let at = first.by().map_or_else(|| first.place(), |by| by.at.clone());
         report.add(
-            Problem::error(at, format!("an endless axis in station `{}`, which works on order", station.name)).hint(
+            Problem::error(at, format!("an endless axis in station `{}`, which is task-driven", station.name)).hint(
                 "where an order ends in the midst of an index nothing leads back: let the station go round a cycle",
             ),
         );

@@ -10,7 +10,7 @@ use crate::parse::raw::ModuleKind;
 use crate::{HandMode, HandType};
 
 /// Each step's hand entry with the operation that stands for the step, and the following step's, going round; at a
-/// station on order as far as the task goes.
+/// task-driven station as far as the task goes.
 fn neighbours<'s>(
     station: &'s DraftStation<'s>,
 ) -> impl Iterator<Item = (&'s DraftOperation<'s>, &'s Located<HandMode>, &'s DraftOperation<'s>, &'s Located<HandMode>)>

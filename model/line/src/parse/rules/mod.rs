@@ -90,7 +90,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     console::console_exists(draft, report);
     console::buttons_are_used(draft, report);
     console::signals_mean_one_thing(draft, report);
-    tasks::stations_on_order_are_not_joined(draft, report);
+    tasks::task_driven_stations_are_not_joined(draft, report);
     arrows::arrows_join_stations(draft, report);
     arrows::arrows_are_unique(draft, report);
     arrows::arrows_hold_at_home(draft, report);

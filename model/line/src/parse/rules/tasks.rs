@@ -1,4 +1,4 @@
-//! Stations on order: do the tasks, their operations and the rests between them fit together?
+//! Task-driven stations: do the tasks, their operations and the rests between them fit together?
 //!
 //! The rests and tasks form a graph. Each task must lead to the rest it names, and from every rest there must be a way to
 //! every other: a station that is somewhere else than home must be able to come home by tasks alone.
@@ -13,7 +13,7 @@ use crate::parse::draft::{DraftLine, DraftStation, DraftTask};
 use crate::parse::raw::ModuleKind;
 use crate::{OpId, RestId, TaskId};
 
-/// Applies the rules for a station on order.
+/// Applies the rules for a task-driven station.
 pub(super) fn check(station: &DraftStation<'_>, report: &mut Report) {
     tasks_take_the_place_of_home(station, report);
     operations_belong_to_tasks(station, report);
@@ -38,9 +38,9 @@ pub(super) fn check(station: &DraftStation<'_>, report: &mut Report) {
     }
 }
 
-/// Keys for a station on order alone, in one that is none.
+/// Keys for a task-driven station alone, in one that is none.
 pub(super) fn nothing_of_tasks(station: &DraftStation<'_>, report: &mut Report) {
-    let hint = "only a station that works on order has it: one with `[[station.task]]`";
+    let hint = "only a task-driven station has it: one with `[[station.task]]`";
     if let Some(rest) = station.raw.rests.first() {
         report.add(Problem::error(rest.at.clone(), "a rest of a station without tasks").hint(hint));
     }
@@ -59,14 +59,14 @@ pub(super) fn nothing_of_tasks(station: &DraftStation<'_>, report: &mut Report) 
     }
 }
 
-/// No arrows: a station on order waits for its orders.
-pub(super) fn stations_on_order_are_not_joined(draft: &DraftLine<'_>, report: &mut Report) {
-    let on_order = |station: crate::StationId| draft.stations[station.index()].is_task_driven();
+/// No arrows: a task-driven station waits for its orders.
+pub(super) fn task_driven_stations_are_not_joined(draft: &DraftLine<'_>, report: &mut Report) {
+    let task_driven = |station: crate::StationId| draft.stations[station.index()].is_task_driven();
     for arrow in &draft.arrows {
         let ends = [&arrow.from, &arrow.to].into_iter().flatten();
-        if let Some(end) = ends.into_iter().find(|end| on_order(end.value.0)) {
+        if let Some(end) = ends.into_iter().find(|end| task_driven(end.value.0)) {
             report.add(
-                Problem::error(end.at.clone(), "an arrow of a station on order")
+                Problem::error(end.at.clone(), "an arrow of a task-driven station")
                     .hint("it does a task when it is ordered to: what must come before, the coordinator sees to"),
             );
         }
@@ -75,10 +75,10 @@ pub(super) fn stations_on_order_are_not_joined(draft: &DraftLine<'_>, report: &m
 
 /// Two tasks are kept apart by orders, two stretches by arrows; nothing keeps one of each apart.
 pub(super) fn tasks_are_in_conflict_with_tasks(draft: &DraftLine<'_>, report: &mut Report) {
-    let on_order = |station: crate::StationId| draft.stations[station.index()].is_task_driven();
+    let task_driven = |station: crate::StationId| draft.stations[station.index()].is_task_driven();
     for conflict in &draft.conflicts {
         let (Some(a), Some(b)) = (&conflict.a, &conflict.b) else { continue };
-        let (task, stretch) = match (on_order(a.value.station), on_order(b.value.station)) {
+        let (task, stretch) = match (task_driven(a.value.station), task_driven(b.value.station)) {
             (true, false) => (a, b),
             (false, true) => (b, a),
             (true, true) | (false, false) => continue,
@@ -136,7 +136,7 @@ fn operations_belong_to_tasks(station: &DraftStation<'_>, report: &mut Report) {
 fn operations_run_one_by_one(station: &DraftStation<'_>, report: &mut Report) {
     for with in station.operations.iter().filter_map(|operation| operation.raw.with.as_ref()) {
         report.add(
-            Problem::error(with.at.clone(), "operations side by side in a station on order")
+            Problem::error(with.at.clone(), "operations side by side in a task-driven station")
                 .hint("the operations of a task run one by one; divide the station, or leave `with` out"),
         );
     }

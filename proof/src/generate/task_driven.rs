@@ -1,5 +1,5 @@
-//! A random station on order: rests in a ring of tasks, more tasks between any of them, and operations that lead from one
-//! rest to the next along one axis.
+//! A random task-driven station: rests in a ring of tasks, more tasks between any of them, and operations that lead
+//! from one rest to the next along one axis.
 //!
 //! Each rest is a position of that axis, so whatever a task does in between, its last operation leads to its rest, and so
 //! does every recovery path. Irreversible operations are in tasks that come back, after something that can be taken back.
@@ -22,13 +22,13 @@ const OPERATIONS: std::ops::RangeInclusive<usize> = 1..=3;
 /// Distance of rests.
 const APART: f64 = 100.0;
 
-/// A line of so many stations on order; the same for the same seed. Of the shape count the chances.
-pub fn on_order(shape: &LineShape, stations: usize, seed: u64) -> Line {
+/// A line of so many task-driven stations; the same for the same seed. Of the shape count the chances.
+pub fn task_driven(shape: &LineShape, stations: usize, seed: u64) -> Line {
     let mut random = Random::new(seed);
     let mut buttons = Vec::new();
     let stations: Vec<Station> =
         (0..stations).map(|number| station(shape, number, &mut buttons, &mut random)).collect();
-    unjoined(format!("Generated stations on order {seed}"), stations, buttons)
+    unjoined(format!("Generated task-driven stations {seed}"), stations, buttons)
 }
 
 fn station(shape: &LineShape, number: usize, buttons: &mut Vec<String>, random: &mut Random) -> Station {

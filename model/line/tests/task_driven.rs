@@ -2,10 +2,10 @@
 
 use linewright_line::{AxisId, Grip, Line, OpId, RestId, Sign, Stand, StationId, TaskId, parse};
 
-const BASE: &str = include_str!("descriptions/on_order.toml");
+const BASE: &str = include_str!("descriptions/task_driven.toml");
 
 fn base() -> Line {
-    let parsed = parse("on_order.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}"));
+    let parsed = parse("task_driven.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}"));
     assert_eq!(parsed.warnings, []);
     parsed.line
 }
@@ -63,7 +63,7 @@ fn conflict(a: &str, b: &str) -> String {
 #[test]
 fn two_tasks_may_be_in_conflict() {
     let text = BASE.replacen("[console]", &conflict(MACHINE, LOAD), 1);
-    let line = parse("on_order.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+    let line = parse("task_driven.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).line;
     let [conflict] = &line.conflicts[..] else { panic!("{:?}", line.conflicts) };
     assert!(line.is_of_tasks(conflict));
     let (m1, robot) = (line.station(conflict.a.station), line.station(conflict.b.station));
@@ -81,7 +81,7 @@ fn two_tasks_may_be_in_conflict() {
 
 #[test]
 fn a_task_and_a_stretch_of_a_cycle_are_in_no_conflict() {
-    // The feeder of the cyclic cell beside the machine on order.
+    // The feeder of the cyclic cell beside the task-driven machine.
     let cyclic = include_str!("descriptions/cell.toml");
     let (begin, end) =
         (BASE.find("[[station]]").expect("there"), BASE.find("[[station]]\nname = \"robot\"").expect("there"));
@@ -117,7 +117,7 @@ fn what_can_have_parts_and_who_reaches_it() {
 #[test]
 fn a_hand_that_reaches_nothing_is_worth_a_warning() {
     let text = BASE.replacen("kind = \"hand\"\n", "kind = \"hand\"\ncloses = { axis = \"grip\", at = 1 }\n\n[[station.holder]]\nname = \"other\"\nkind = \"hand\"\n", 1);
-    let warnings = parse("on_order.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).warnings;
+    let warnings = parse("task_driven.toml", &text).unwrap_or_else(|problems| panic!("{problems:#}")).warnings;
     let said: Vec<&str> = warnings.iter().map(|problem| problem.message.as_str()).collect();
     assert_eq!(said, ["`robot.other` reaches nothing"]);
 }

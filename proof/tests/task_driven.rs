@@ -11,7 +11,7 @@ use linewright_proof::structure::judge_stations;
 use crate::common::{DEADLOCK, HOME, REVERSIBLE, SOUND, explored, undisturbed, verdict};
 
 fn lines() -> impl Iterator<Item = Line> {
-    (0..150).map(|seed| generate::on_order(&LineShape { irreversible: 60, ..LineShape::default() }, 1, seed))
+    (0..150).map(|seed| generate::task_driven(&LineShape { irreversible: 60, ..LineShape::default() }, 1, seed))
 }
 
 #[test]
@@ -69,18 +69,18 @@ fn playing_them_out_agrees_and_every_rest_leads_to_its_tasks() {
     }
 }
 
-const BASE: &str = include_str!("../../model/line/tests/descriptions/on_order.toml");
+const BASE: &str = include_str!("../../model/line/tests/descriptions/task_driven.toml");
 
 /// The stations of the base description, each by itself: nothing joins them.
 fn base() -> Vec<Line> {
-    let line = parse("on_order.toml", BASE).expect("the base is sound").line;
+    let line = parse("task_driven.toml", BASE).expect("the base is sound").line;
     line.stations.iter().map(|station| Line { stations: vec![station.clone()], ..line.clone() }).collect()
 }
 
 #[test]
 fn whatever_is_ordered_left_and_fails_no_station_gets_stuck() {
     let generated =
-        (0..12).map(|seed| generate::on_order(&LineShape { irreversible: 60, ..LineShape::default() }, 1, seed));
+        (0..12).map(|seed| generate::task_driven(&LineShape { irreversible: 60, ..LineShape::default() }, 1, seed));
     for line in base().into_iter().chain(generated) {
         let found = explored(&LineExploration::new(&line), 2_000_000);
         assert!(found.exhausted, "{}", line.title);
@@ -113,7 +113,7 @@ fn in_auto_alone_every_order_that_is_left_leads_back_to_a_rest_unless_something_
     for (irreversible, expected) in [(0, Verdict::Holds), (100, Verdict::Fails)] {
         let mut seen = 0;
         for seed in 0..60 {
-            let line = generate::on_order(&LineShape { irreversible, ..LineShape::default() }, 1, seed);
+            let line = generate::task_driven(&LineShape { irreversible, ..LineShape::default() }, 1, seed);
             let ops = &line.stations[0].operations;
             let all_reversible =
                 ops.iter().all(|op| matches!(op.module, linewright_line::OperationModule::Reversible { .. }));
@@ -129,8 +129,8 @@ fn in_auto_alone_every_order_that_is_left_leads_back_to_a_rest_unless_something_
 }
 
 #[test]
-fn two_stations_on_order_are_explored_together_as_each_by_itself() {
-    let line = parse("on_order.toml", BASE).expect("the base is sound").line;
+fn two_task_driven_stations_are_explored_together_as_each_by_itself() {
+    let line = parse("task_driven.toml", BASE).expect("the base is sound").line;
     let found = explored(&LineExploration::new(&line), 2_000_000);
     assert!(found.exhausted && found.holds(), "{:?}", found.properties);
     let alone: Vec<usize> =

@@ -1,0 +1,3 @@
+//! All tests of this crate as one program: programs of their own would each be linked with all that they share.
+
+mod texts;
