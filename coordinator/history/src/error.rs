@@ -65,6 +65,12 @@ pub enum HistoryError {
         /// Contradiction found.
         why: String,
     },
+    /// Another program has replaced, removed or shortened the file while it was open.
+    #[error("database {path} was replaced, removed or cut off while it was written")]
+    Replaced {
+        /// The file.
+        path: PathBuf,
+    },
     /// The database refuses.
     #[error("cannot use database {path}: {why}")]
     Refused {
@@ -79,6 +85,48 @@ pub enum HistoryError {
         /// Reason.
         why: String,
     },
+}
+
+impl HistoryError {
+    /// The file.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            HistoryError::File { path, .. }
+            | HistoryError::Exists { path }
+            | HistoryError::NotOurs { path, .. }
+            | HistoryError::Form { path, .. }
+            | HistoryError::Other { path, .. }
+            | HistoryError::OtherLog { path, .. }
+            | HistoryError::Damaged { path, .. }
+            | HistoryError::Replaced { path }
+            | HistoryError::Refused { path, .. }
+            | HistoryError::Source { path, .. } => {
+                Some(path).map(PathBuf::as_path).filter(|path| *path != Path::new(""))
+            }
+        }
+    }
+
+    /// Whether the file cannot be used by anything as a database: its contents are not those of one.
+    pub(crate) fn is_damage(&self) -> bool {
+        matches!(self, HistoryError::Damaged { .. } | HistoryError::NotOurs { why: None, .. })
+    }
+
+    /// What a person can do; none where the reason contains it.
+    pub(crate) fn remedy(&self) -> Option<&'static str> {
+        match self {
+            HistoryError::File { .. } | HistoryError::Refused { .. } => {
+                Some("make room on the disk, or make file and directory writable")
+            }
+            HistoryError::Source { .. } => Some("make the log readable"),
+            HistoryError::NotOurs { .. } | HistoryError::Form { .. } | HistoryError::Damaged { .. } => {
+                Some("move it away to begin a new one")
+            }
+            HistoryError::Exists { .. }
+            | HistoryError::Other { .. }
+            | HistoryError::OtherLog { .. }
+            | HistoryError::Replaced { .. } => None,
+        }
+    }
 }
 
 /// Adds the file to a failure, and distinguishes a damaged file from a missing one.
