@@ -19,6 +19,7 @@ mod fault;
 mod mechanism;
 mod parts;
 mod plant;
+mod positions;
 mod rack;
 mod wire;
 
@@ -32,5 +33,6 @@ pub use fault::{
 };
 pub use parts::{NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
 pub use plant::{Plant, PlantOptions};
+pub use positions::{AxisPosition, PartPosition, PositionsMisfit, PositionsWatch, RackPositions};
 pub use rack::Rack;
 pub use wire::FrameFaults;

@@ -136,7 +136,9 @@ pub(crate) fn at(path: &Path) -> impl Fn(rusqlite::Error) -> HistoryError + Copy
         match error.sqlite_error_code() {
             Some(ErrorCode::NotADatabase) => HistoryError::NotOurs { path, why: None },
             Some(ErrorCode::DatabaseCorrupt) => HistoryError::Damaged { path, why: error.to_string() },
-            _ => HistoryError::Refused { path, why: error.to_string() },
+            // A value of another type than was written.
+            None => HistoryError::Damaged { path, why: error.to_string() },
+            Some(_) => HistoryError::Refused { path, why: error.to_string() },
         }
     }
 }

@@ -54,6 +54,8 @@ pub struct Feeding {
     /// The number of the newest record of the log when this life began, until the database is compared with the log.
     begins: Option<u64>,
     outages: Outages,
+    /// Another program has replaced the file, or cut it off.
+    is_suspect: bool,
     /// Notes taken and not yet written.
     pending: LostNotes,
     began: Instant,
@@ -69,8 +71,8 @@ impl Feeding {
         shared: Arc<FeedState>,
     ) -> Self {
         let (shift, outages, pending) = (Shift::None, Outages::default(), LostNotes::default());
-        let (shifts, begins, began) = (false, Some(last), Instant::now());
-        Feeding { open, history, source, shared, shift, shifts, begins, outages, pending, began }
+        let (shifts, begins, is_suspect, began) = (false, Some(last), false, Instant::now());
+        Feeding { open, history, source, shared, shift, shifts, begins, outages, is_suspect, pending, began }
     }
 
     /// Without a log.
@@ -200,7 +202,7 @@ impl Feeding {
     /// Opens the database unless it is open, compares it with the log, and notes the gap of an outage.
     fn open_again(&mut self) -> Result<(), HistoryError> {
         if self.history.is_none() {
-            let opened = match (self.open)() {
+            let opened = match self.open_checked() {
                 Err(error) if error.is_damage() => {
                     self.set_aside(&error)?;
                     (self.open)()
@@ -229,6 +231,15 @@ impl Feeding {
             self.shared.resume();
         }
         Ok(())
+    }
+
+    /// Opens it. A file that another program has touched is checked as a whole.
+    fn open_checked(&mut self) -> Result<History, HistoryError> {
+        let history = (self.open)()?;
+        if std::mem::take(&mut self.is_suspect) {
+            history.check()?;
+        }
+        Ok(history)
     }
 
     /// Compares with the log, takes missing records, and removes those that the log has lost.
@@ -261,6 +272,7 @@ impl Feeding {
                     self.set_aside(&error)?;
                 } else if let Some(path) = error.path() {
                     self.shared.tell(HistoryNews::Replaced { path: path.to_owned() });
+                    self.is_suspect = true;
                 }
                 self.open_again()?;
                 self.put(items)?;

@@ -175,6 +175,16 @@ impl History {
         Ok(())
     }
 
+    /// Checks all of it.
+    ///
+    /// # Errors
+    /// When something is wrong.
+    pub(crate) fn check(&self) -> Result<(), HistoryError> {
+        let found =
+            self.db.query_row("PRAGMA quick_check(1)", [], |row| row.get::<_, String>(0)).map_err(at(&self.path))?;
+        if found == "ok" { Ok(()) } else { Err(HistoryError::Damaged { path: self.path.clone(), why: found }) }
+    }
+
     /// Closes it without writing anything more into a file that has its name now.
     pub(crate) fn abandon(self) {
         let is_moved = OpenFile::of(&self.path)

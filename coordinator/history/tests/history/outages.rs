@@ -175,7 +175,7 @@ fn a_file_that_is_removed_or_cut_off_is_begun_anew() {
             Some(length) => std::fs::File::options().write(true).open(&path).unwrap().set_len(length).unwrap(),
         }
         feed.offer_note(AT(7), said("new"));
-        wait_for("it goes on", || feed.resumed() > 0 && !feed.is_failing());
+        wait_for(&format!("it goes on, cut {cut:?}"), || feed.resumed() > 0 && !feed.is_failing());
         feed.offer_note(AT(8), said("after"));
         feed.end_within(Duration::from_secs(20));
         let notes = notes(&path);
