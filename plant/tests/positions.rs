@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_canopen::NodeId;
-use linewright_line::{AxisId, DeviceBus, Line, Owner, StationId, Tick, parse};
+use linewright_line::{AxisId, DeviceBus, DeviceKind, Line, Owner, StationId, Tick, parse};
 use linewright_plant::{
     AxisPosition, MotionFault, NestPosition, PartNo, PartPosition, PlantOptions, PositionsWatch, Rack, RackPositions,
 };
@@ -90,30 +90,39 @@ fn parts_are_where_they_were_and_hands_have_what_they_had() {
     assert_eq!(after.plant().mishaps().1, 0);
 }
 
-/// An absolute drive knows its place without homing; it is moved as with cansend.
+/// Moved as with cansend. An absolute drive knows its place, one with homing begins with an unknown zero: its axis stands where it stood.
 #[test]
 fn a_drive_stands_where_it_stood() {
-    let line = described(DRIVES);
-    let mut bench = Alone::booted(3, |now, _| Rack::new(now, &line, &DeviceBus::Line, PlantOptions::default()));
-    bench.pass(10);
-    bench.hear("000#0100");
-    for frame in ["603#2381600000A08601", "603#23836000C0C62D00", "603#23846000C0C62D00", "603#237A6000409C0000"] {
-        bench.hear(frame);
+    for is_absolute in [false, true] {
+        let mut line = described(DRIVES);
+        for device in &mut line.devices {
+            if let DeviceKind::Drive(_, drive) = &mut device.kind {
+                assert!(drive.homing.is_some());
+                drive.homing = drive.homing.filter(|_| !is_absolute);
+            }
+        }
+        let mut bench = Alone::booted(3, |now, _| Rack::new(now, &line, &DeviceBus::Line, PlantOptions::default()));
+        bench.pass(10);
+        bench.hear("000#0100");
+        for frame in ["603#2381600000A08601", "603#23836000C0C62D00", "603#23846000C0C62D00", "603#237A6000409C0000"] {
+            bench.hear(frame);
+        }
+        for frame in ["203#0600", "203#0700", "203#0F00", "203#3F00"] {
+            bench.hear(frame);
+        }
+        bench.pass(1150);
+        let now = bench.now;
+        let kept = bench.device.positions(now, &line);
+        assert_eq!(kept.axes["slide"]["x"].at, 40.0);
+        let mut again = Alone::booted(3, |now, _: NodeId| {
+            Rack::resumed(now, &line, &DeviceBus::Line, PlantOptions::default(), &kept).expect("its own positions")
+        });
+        again.pass(10);
+        again.hear("000#0100");
+        assert_eq!(again.device.plant().position(StationId(0), AxisId(0)), 40.0);
+        let own: u32 = if is_absolute { 40_000 } else { 0 };
+        assert_eq!(again.read("6064"), Ok(own.to_le_bytes().to_vec()), "its own increments");
     }
-    for frame in ["203#0600", "203#0700", "203#0F00", "203#3F00"] {
-        bench.hear(frame);
-    }
-    bench.pass(1150);
-    let now = bench.now;
-    let kept = bench.device.positions(now, &line);
-    assert_eq!(kept.axes["slide"]["x"].at, 40.0);
-    let mut again = Alone::booted(3, |now, _: NodeId| {
-        Rack::resumed(now, &line, &DeviceBus::Line, PlantOptions::default(), &kept).expect("its own positions")
-    });
-    again.pass(10);
-    assert_eq!(again.device.plant().position(StationId(0), AxisId(0)), 40.0);
-    again.hear("000#0100");
-    assert_eq!(again.read("6064"), Ok(40_000u32.to_le_bytes().to_vec()), "its own increments");
 }
 
 #[test]

@@ -23,7 +23,7 @@ struct SmallDisk {
 impl SmallDisk {
     /// One that is mounted at this directory. `None`: there is no right to do that.
     fn mount(at: &std::path::Path) -> Option<Self> {
-        let script = "mount -t tmpfs -o size=1m none \"$0\" && echo mounted && exec sleep 600";
+        let script = "mount -t tmpfs -o size=16m none \"$0\" && echo mounted && exec sleep 600";
         let mut command = Command::new("unshare");
         command.args(["-rm", "sh", "-c", script]).arg(at).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut disk = SmallDisk { holder: command.spawn().ok()? };
