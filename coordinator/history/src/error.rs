@@ -100,9 +100,7 @@ impl HistoryError {
             | HistoryError::Damaged { path, .. }
             | HistoryError::Replaced { path }
             | HistoryError::Refused { path, .. }
-            | HistoryError::Source { path, .. } => {
-                Some(path).map(PathBuf::as_path).filter(|path| *path != Path::new(""))
-            }
+            | HistoryError::Source { path, .. } => Some(path.as_path()).filter(|path| *path != Path::new("")),
         }
     }
 
