@@ -17,7 +17,7 @@ use crate::load;
 pub struct Common {
     /// The line's directory, or its description file.
     pub line: PathBuf,
-    /// Directory of the journal, from which the node goes on after a restart.
+    /// Keep the journal in this directory, and go on from it after a restart; of the simulated plant its positions.
     #[arg(long)]
     pub state_dir: Option<PathBuf>,
     /// Use a virtual bus, between processes of this machine, where there is no CAN interface of a bus's name. Without this a
@@ -243,11 +243,17 @@ pub fn plant(args: PlantArgs) -> miette::Result<ExitCode> {
             plant: linewright_plant::PlantOptions { people: true, ..Default::default() },
             clock: Clock::start(),
         };
-        let buses = linewright_racks::run_plant(&line, &options);
-        tokio::select! {
-            ended = buses => ended.map_err(|error| miette!("{error}")),
-            _ = stop.wait_for(|stop| *stop) => Ok(()),
-        }
+        let stopped = async {
+            let _ = stop.wait_for(|stop| *stop).await;
+        };
+        let ended = match &args.common.state_dir {
+            Some(dir) => linewright_racks::run_kept_plant(&line, &options, dir, stopped).await,
+            None => tokio::select! {
+                ended = linewright_racks::run_plant(&line, &options) => ended,
+                () = stopped => Ok(()),
+            },
+        };
+        ended.map_err(|error| miette!("{error}"))
     })?;
     Ok(ExitCode::SUCCESS)
 }

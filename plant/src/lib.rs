@@ -19,6 +19,7 @@ mod fault;
 mod mechanism;
 mod parts;
 mod plant;
+mod positions;
 mod rack;
 mod texts;
 mod wire;
@@ -33,6 +34,7 @@ pub use fault::{
 };
 pub use parts::{NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
 pub use plant::{Plant, PlantOptions};
+pub use positions::{AxisPosition, PartPosition, PositionsMisfit, PositionsWatch, RackPositions};
 pub use rack::Rack;
 pub use texts::CLEAR_WORD;
 pub use wire::FrameFaults;

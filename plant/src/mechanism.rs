@@ -9,6 +9,7 @@ use linewright_line::{Drive, DriveIndex, InputId, MotionSignals, OpId, Operation
 
 use crate::axis::{AxisState, Travel};
 use crate::fault::MotionFault;
+use crate::positions::{AxisPosition, PositionsMisfit, misfit};
 
 /// A switch is on within this fraction of its operation's way.
 ///
@@ -136,6 +137,27 @@ impl Mechanism {
             duration: duration.max(Duration::from_micros(1)),
             fault_input: signals.fault,
         });
+    }
+
+    /// Where it is kept: its position, between home and the next place if it is endless, and the places left behind.
+    pub(crate) fn kept(&self, now: Tick) -> AxisPosition {
+        AxisPosition { at: self.state.position(now), left: self.index.as_ref().map_or(0, |index| index.left) }
+    }
+
+    /// Stands where it was kept. One that a drive moves can be anywhere.
+    ///
+    /// # Errors
+    /// When it cannot be there.
+    pub(crate) fn resume(&mut self, now: Tick, kept: AxisPosition, has_drive: bool) -> Result<(), PositionsMisfit> {
+        let (home, ends) = (self.state.position(now), self.drives.iter().flat_map(|drive| [drive.from, drive.target]));
+        let (least, most) = ends.fold((home, home), |(least, most), end| (least.min(end), most.max(end)));
+        let is_there = (least - SAME_PLACE..=most + SAME_PLACE).contains(&kept.at) || has_drive;
+        if !kept.at.is_finite() || !is_there {
+            return misfit(format!("{} is no position of it, from {least} to {most}", kept.at));
+        }
+        self.state.place(now, kept.at);
+        self.index.iter_mut().for_each(|index| index.left = kept.left);
+        Ok(())
     }
 
     pub(crate) fn position(&self, now: Tick) -> f64 {

@@ -16,9 +16,10 @@
 
 use std::collections::BTreeMap;
 
-use linewright_line::{Grip, HolderId, MaterialFlow, Sign, Stand, StationId, Tick};
+use linewright_line::{Grip, HolderId, MaterialFlow, Reach, Sign, Stand, StationId, Tick};
 
 use crate::fault::MotionFault;
+use crate::positions::{PartPosition, PositionsMisfit, misfit};
 
 /// So many mishaps are kept; later ones are only counted.
 const MISHAPS_MAX: usize = 10_000;
@@ -121,6 +122,70 @@ impl PlantParts {
 
     pub(crate) fn in_hand(&self, hand: HolderId) -> Option<PartNo> {
         self.all().find(|(_, at)| at.hand == Some(hand)).map(|(part, _)| part)
+    }
+
+    /// Where parts are, and what hands reach, to be kept.
+    pub(crate) fn kept(&self) -> (Vec<PartPosition>, Vec<Option<u16>>) {
+        let name = |holder: HolderId| self.handling.holders[holder.index()].name.clone();
+        let part = |(part, at): (PartNo, PartLocation)| PartPosition {
+            number: part.0,
+            nest: at.spot.map(|spot| (name(spot.nest), spot.position)),
+            hand: at.hand.map(name),
+        };
+        (self.all().map(part).collect(), self.reached.iter().map(|reached| reached.map(|spot| spot.position)).collect())
+    }
+
+    /// Puts parts where they were kept, with the mechanisms as they stand.
+    ///
+    /// # Errors
+    /// When they cannot be there.
+    pub(crate) fn resume(
+        &mut self,
+        parts: &[PartPosition],
+        reached: &[Option<u16>],
+        mechanisms: &impl Mechanisms,
+    ) -> Result<(), PositionsMisfit> {
+        if reached.len() != self.reached.len() {
+            return misfit(format!("{} reaches of hands, expected {}", reached.len(), self.reached.len()));
+        }
+        let places = |reach: &Reach| self.handling.holders[reach.to.index()].places;
+        for ((reach, now), kept) in self.handling.reaches.iter().zip(&mut self.reached).zip(reached) {
+            if kept.is_some_and(|position| !(1..=places(reach)).contains(&position)) {
+                return misfit(format!("a hand at position {kept:?} of a nest with {}", places(reach)));
+            }
+            *now = kept.map(|position| NestPosition { nest: reach.to, position });
+        }
+        self.parts.clear();
+        for part in parts {
+            let at = self.location(part)?;
+            let is_taken = |other: &PartLocation| {
+                at.spot.is_some() && other.spot == at.spot || at.hand.is_some() && other.hand == at.hand
+            };
+            if self.parts.values().any(is_taken) || self.parts.insert(PartNo(part.number), at).is_some() {
+                return misfit(format!("part {} is where another is, or twice", part.number));
+            }
+        }
+        // As they stood when the power went: nothing closes or opens by this.
+        self.closed = self.handling.holders.iter().map(|holder| closed(holder.grip, mechanisms)).collect();
+        self.look(mechanisms);
+        Ok(())
+    }
+
+    fn location(&self, part: &PartPosition) -> Result<PartLocation, PositionsMisfit> {
+        let holder = |name: &str, is_hand: bool| {
+            let found = self.handling.holders.iter().position(|of| of.name == name && of.is_hand() == is_hand);
+            found.map(HolderId::at).ok_or_else(|| PositionsMisfit(format!("there is no `{name}`")))
+        };
+        let spot = part.nest.as_ref().map(|(name, position)| {
+            let (nest, position) = (holder(name, false)?, *position);
+            let places = self.handling.holders[nest.index()].places;
+            if !(1..=places).contains(&position) {
+                return misfit(format!("position {position} of `{name}`, which has {places}"));
+            }
+            Ok(NestPosition { nest, position })
+        });
+        let hand = part.hand.as_ref().map(|name| holder(name, true));
+        Ok(PartLocation { spot: spot.transpose()?, hand: hand.transpose()? })
     }
 
     pub(crate) fn mishaps(&self) -> (&[(Tick, PartFault)], u64) {

@@ -10,6 +10,7 @@ use linewright_random::mix;
 use crate::fault::MotionFault;
 use crate::mechanism::{Mechanism, Stroke};
 use crate::parts::{Mechanisms, NestPosition, PartFault, PartLocation, PartNo, PartRefusal, PlantParts};
+use crate::positions::{AxisPosition, PartPosition, PositionsMisfit, misfit};
 
 /// Deviations of a plant from its description.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -213,6 +214,40 @@ impl Plant {
         self.advance(now);
         self.stations[station.index()][axis.index()].place(self.now, at);
         self.settle();
+    }
+
+    /// Where an axis is kept while the power is off.
+    pub(crate) fn kept_axis(&self, station: StationId, axis: AxisId) -> AxisPosition {
+        self.stations[station.index()][axis.index()].kept(self.now)
+    }
+
+    /// Puts an axis where it was kept, before anything has moved.
+    pub(crate) fn resume_axis(
+        &mut self,
+        (station, axis): (StationId, AxisId),
+        kept: AxisPosition,
+        has_drive: bool,
+    ) -> Result<(), PositionsMisfit> {
+        self.stations[station.index()][axis.index()].resume(self.now, kept, has_drive)
+    }
+
+    /// Where parts are, and what hands reach.
+    pub(crate) fn kept_parts(&self) -> (Vec<PartPosition>, Vec<Option<u16>>) {
+        self.parts.as_ref().map(PlantParts::kept).unwrap_or_default()
+    }
+
+    /// Puts parts where they were kept, once all axes are.
+    pub(crate) fn resume_parts(
+        &mut self,
+        parts: &[PartPosition],
+        reached: &[Option<u16>],
+    ) -> Result<(), PositionsMisfit> {
+        let axes = Axes { now: self.now, stations: &self.stations, outputs: &self.outputs };
+        match &mut self.parts {
+            Some(own) => own.resume(parts, reached, &axes),
+            None if parts.is_empty() && reached.is_empty() => Ok(()),
+            None => misfit("it has no places for parts"),
+        }
     }
 
     /// Number of times that drives both ways of one axis have come on at once. A controller must never do that; the

@@ -3,6 +3,8 @@
 //! Pure: frames and time in, frames out. Every device sees every frame, as on a bus; what one device sends is not
 //! shown to the others, which have no use for it.
 
+mod kept;
+
 use linewright_canopen::codec::Abort;
 use linewright_canopen::{Frame, NodeId};
 use linewright_line::{Device, DeviceBus, DeviceKind, Drive, DriveMode, Line, OutputId, Owner, StationId, Tick};

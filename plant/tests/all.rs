@@ -15,6 +15,7 @@ mod lines;
 mod managed;
 mod mechanisms;
 mod parts;
+mod positions;
 mod rack;
 mod sync;
 mod texts;

@@ -19,6 +19,8 @@ pub struct ReportJson {
     observed_s: f64,
     /// Records of the log that are not in the database, each from and to.
     missing: Vec<(u64, u64)>,
+    /// Spans of notes that could not be written.
+    gaps: Vec<JsonGap>,
     parts: JsonParts,
     failures: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -126,6 +128,14 @@ pub struct JsonProductionOrder {
     pub lateness_s: Option<f64>,
 }
 
+/// Notes that could not be written, from the first to the last.
+#[derive(Serialize)]
+pub struct JsonGap {
+    pub from: String,
+    pub to: String,
+    pub lost: u64,
+}
+
 impl From<Spread> for Times {
     fn from(of: Spread) -> Self {
         let [least, median, p90, p99, most] =
@@ -179,6 +189,11 @@ impl ReportJson {
             to: story.show(story.to),
             observed_s: report.observed.as_secs_f64(),
             missing: story.missing.clone(),
+            gaps: story
+                .gaps
+                .iter()
+                .map(|&(from, to, lost)| JsonGap { from: story.show(from), to: story.show(to), lost })
+                .collect(),
             parts: JsonParts {
                 left: report.left,
                 inside: report.inside,

@@ -287,7 +287,9 @@ pub fn say_event(to: &mut Recording, name: &str, row: &EventRow, at: Tick) -> Re
 fn log_line(name: &str, row: &EventRow, at: Tick) -> Value {
     let level = match row.kind.as_str() {
         "decided" | "acknowledged" | "memory" | "order-ended" | "planned" | "observed" => DEBUG,
-        "raised" | "order-failed" | "alarm" | "mismatch" | "down" | "missing" | "emergency-stop" | "fault" => WARNING,
+        "raised" | "order-failed" | "alarm" | "mismatch" | "down" | "missing" | "gap" | "emergency-stop" | "fault" => {
+            WARNING
+        }
         // Whatever else there is, or will be.
         _ => INFO,
     };

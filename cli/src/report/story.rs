@@ -56,6 +56,8 @@ pub struct ReportSource {
     pub planned: BTreeMap<FiringId, (Tick, Tick)>,
     /// Records that are not in the database.
     pub missing: Vec<(u64, u64)>,
+    /// Notes that could not be written: first, last, how many.
+    pub gaps: Vec<(Tick, Tick, u64)>,
 }
 
 /// Converts an error of the database.
@@ -71,7 +73,7 @@ impl ReportSource {
     pub fn read(reader: HistoryReader, about: CellAbout, span: (Tick, Tick), zone: Zone) -> miette::Result<Self> {
         let (from, to) = span;
         let (mut tracking, mut activities) = (Tracking::since(about.sheet.clone(), from), Activities::default());
-        let (mut planned, mut missing) = (BTreeMap::new(), Vec::new());
+        let (mut planned, mut missing, mut gaps) = (BTreeMap::new(), Vec::new(), Vec::new());
         reader
             .each(to, |event| {
                 if let Some(record) = event.record() {
@@ -81,6 +83,7 @@ impl ReportSource {
                 match event.what {
                     EventKind::Note(Note::Planned { firing, from, to }) => _ = planned.insert(firing, (from, to)),
                     EventKind::Note(Note::Missing { from, to }) => missing.push((from, to)),
+                    EventKind::Note(Note::Gap { from, to, lost }) => gaps.push((from, to, lost)),
                     EventKind::Note(
                         Note::Mode { .. }
                         | Note::EmergencyStop { .. }
@@ -101,7 +104,7 @@ impl ReportSource {
         let within = activities.all().iter().filter(|done| done.ended.is_none_or(|ended| ended >= from));
         let activities = within.cloned().collect();
         let report = tracking.report(to);
-        Ok(ReportSource { reader, about, zone, from, to, tracking, report, activities, planned, missing })
+        Ok(ReportSource { reader, about, zone, from, to, tracking, report, activities, planned, missing, gaps })
     }
 
     /// The production orders that were not over before the span.
@@ -118,6 +121,9 @@ impl ReportSource {
     pub fn text(&self) -> String {
         let missing = self.missing.iter().map(|(from, to)| format!("records {from} to {to} of the log are missing\n"));
         let (title, from, to) = (&self.about.title, self.show(self.from), self.show(self.to));
-        format!("{title}, {from} to {to}\n{}{}", missing.collect::<String>(), self.report)
+        let gaps = self.gaps.iter().map(|&(from, to, lost)| {
+            format!("{lost} notes from {} to {} could not be written\n", self.show(from), self.show(to))
+        });
+        format!("{title}, {from} to {to}\n{}{}{}", missing.collect::<String>(), gaps.collect::<String>(), self.report)
     }
 }

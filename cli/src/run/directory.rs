@@ -3,12 +3,16 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use linewright_line::{Line, Tick};
+use linewright_plant::PlantOptions;
+use linewright_racks::{KeptPositions, kept_positions};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 /// A run goes on from an earlier one's journals, and its simulated machine does not.
-pub const MACHINE_BEGINS_ANEW: &str = "the simulated machine begins at home, empty, and its stations go on from their \
-                                       journals. Where one was stopped elsewhere, `position lost` follows: lead it home in \
-                                       manual or give `linewright rejoin`, or start with another --state-dir";
+const MACHINE_BEGINS_ANEW: &str = "no positions of the simulated machine are kept there: it begins at home, empty, and its \
+                                   stations go on from their journals. Where one was stopped elsewhere, `position lost` \
+                                   follows: lead it home in manual or give `linewright rejoin`, or start with another \
+                                   --state-dir";
 
 /// The directory that was given, or a temporary one.
 pub struct RunDirectory {
@@ -41,6 +45,15 @@ impl RunDirectory {
         Err(miette!("{} and 98 like it are there; remove those of runs that have ended", first.display()))
     }
 
+    /// What a run with a simulated machine finds: why that does not stand where it stood, if it should.
+    pub fn machine_note(&self, line: &Line) -> Option<String> {
+        match kept_positions(&self.dir, line, Tick::ZERO, PlantOptions::default()) {
+            Ok(KeptPositions::Nothing) => self.has_journals.then(|| MACHINE_BEGINS_ANEW.to_owned()),
+            Ok(KeptPositions::Racks(_)) => None,
+            Err(why) => Some(why),
+        }
+    }
+
     /// Removes a temporary directory, unless the run failed: its logs are needed then.
     pub fn end(self, ok: bool) {
         if self.temporary && ok {
@@ -65,5 +78,18 @@ mod tests {
         assert!(!RunDirectory::new(Some(dir.path())).expect("it can be used").has_journals);
         std::fs::write(dir.path().join("clamp_1.journal"), "").expect("a file");
         assert!(RunDirectory::new(Some(dir.path())).expect("it can be used").has_journals);
+    }
+
+    #[test]
+    fn a_machine_that_does_not_stand_where_it_stood_is_said_to_begin_at_home() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let text = linewright_line::TransferLine::default().text();
+        let line = linewright_line::parse("line.toml", &text).expect("parses").line;
+        let note = || RunDirectory::new(Some(dir.path())).expect("it can be used").machine_note(&line);
+        assert_eq!(note(), None);
+        std::fs::write(dir.path().join("clamp_1.journal"), "").expect("a file");
+        assert!(note().is_some_and(|note| note.contains("no positions") && note.contains("at home")));
+        std::fs::write(dir.path().join("plant.json"), "{").expect("a file");
+        assert!(note().is_some_and(|note| note.contains("plant.json cannot be used") && note.contains("at home")));
     }
 }

@@ -115,8 +115,8 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     nothing_runs_yet(&line, &args, &ros, &bus)?;
     let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir), &load::files_of(&args.line))?;
     let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
-    if scratch.has_journals && !args.no_plant {
-        session.note(directory::MACHINE_BEGINS_ANEW.to_owned());
+    if !args.no_plant {
+        scratch.machine_note(&line).into_iter().for_each(|note| session.note(note));
     }
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, &args.parts, &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &scratch.dir, session.virtual_bus) {

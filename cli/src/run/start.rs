@@ -40,7 +40,12 @@ pub fn start_all(
         words
     };
     if !args.no_plant {
-        children.start("plant", words(&["plant", "--bus", &args.bus]))?;
+        let mut more = vec!["plant", "--bus", args.bus.as_str()];
+        // A temporary directory outlives no run, and a plant that is started again there begins at home.
+        if args.state_dir.is_some() {
+            more.extend(["--state-dir", state.as_str()]);
+        }
+        children.start("plant", words(&more))?;
     }
     children.start("coordinator", words(&["coordinator", "--bus", &args.bus, "--state-dir", &state]))?;
     for group in line.stations.chunks(args.stations_per_process) {

@@ -44,6 +44,8 @@ pub struct Rig {
     domain: u16,
     directory: TempDir,
     environment: Vec<(&'static str, PathBuf)>,
+    /// Words before each command.
+    prefix: Vec<String>,
     _turn: Turn,
 }
 
@@ -58,12 +60,35 @@ impl Rig {
         let plan = Plan::of(text);
         let buses = [BUS, OWN_BUS].map(|bus| directory.path().join("bus").join(bus));
         let eye = Eye::open(plan.clone(), buses.to_vec());
-        Rig { eye, plan, run: None, domain: free_domain(), directory, environment: Vec::new(), _turn: turn }
+        Rig {
+            eye,
+            plan,
+            run: None,
+            domain: free_domain(),
+            directory,
+            environment: Vec::new(),
+            prefix: Vec::new(),
+            _turn: turn,
+        }
     }
 
     /// Adds a variable to the environment of its processes.
     pub fn environment(&mut self, name: &'static str, value: &Path) {
         self.environment.push((name, value.to_owned()));
+    }
+
+    /// Starts its processes by these words, as `nsenter` in a namespace.
+    pub fn inside(&mut self, prefix: Vec<String>) {
+        self.prefix = prefix;
+    }
+
+    /// The `linewright` command, without words yet.
+    fn program(&self) -> Command {
+        let own = env!("CARGO_BIN_EXE_linewright");
+        let Some((first, rest)) = self.prefix.split_first() else { return Command::new(own) };
+        let mut command = Command::new(first);
+        command.args(rest).arg(own);
+        command
     }
 
     /// One more file beside the description.
@@ -89,7 +114,7 @@ impl Rig {
 
     /// The `linewright` command in this rig's surroundings: `words`, then the line, then `more`.
     pub fn command(&self, words: &[&str], more: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
+        let mut command = self.program();
         command.args(words).arg(self.directory.path().join("line")).args(more);
         for other in ["ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "RUST_LOG"] {
             command.env_remove(other);
@@ -125,7 +150,7 @@ impl Rig {
 
     /// Report of `linewright report` on the database with these options.
     pub fn reported(&self, options: &[&str]) -> String {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_linewright"));
+        let mut command = self.program();
         let output = command.arg("report").arg(self.state()).args(options).output().expect("the command starts");
         assert!(output.status.success(), "{output:?}");
         String::from_utf8(output.stdout).expect("text")

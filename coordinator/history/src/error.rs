@@ -65,6 +65,12 @@ pub enum HistoryError {
         /// Contradiction found.
         why: String,
     },
+    /// Another program has replaced, removed or shortened the file while it was open.
+    #[error("database {path} was replaced, removed or cut off while it was written")]
+    Replaced {
+        /// The file.
+        path: PathBuf,
+    },
     /// The database refuses.
     #[error("cannot use database {path}: {why}")]
     Refused {
@@ -81,6 +87,46 @@ pub enum HistoryError {
     },
 }
 
+impl HistoryError {
+    /// The file.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            HistoryError::File { path, .. }
+            | HistoryError::Exists { path }
+            | HistoryError::NotOurs { path, .. }
+            | HistoryError::Form { path, .. }
+            | HistoryError::Other { path, .. }
+            | HistoryError::OtherLog { path, .. }
+            | HistoryError::Damaged { path, .. }
+            | HistoryError::Replaced { path }
+            | HistoryError::Refused { path, .. }
+            | HistoryError::Source { path, .. } => Some(path.as_path()).filter(|path| *path != Path::new("")),
+        }
+    }
+
+    /// Whether the file cannot be used by anything as a database: its contents are not those of one.
+    pub(crate) fn is_damage(&self) -> bool {
+        matches!(self, HistoryError::Damaged { .. } | HistoryError::NotOurs { why: None, .. })
+    }
+
+    /// What a person can do; none where the reason contains it.
+    pub(crate) fn remedy(&self) -> Option<&'static str> {
+        match self {
+            HistoryError::File { .. } | HistoryError::Refused { .. } => {
+                Some("make room on the disk, or make file and directory writable")
+            }
+            HistoryError::Source { .. } => Some("make the log readable"),
+            HistoryError::NotOurs { .. } | HistoryError::Form { .. } | HistoryError::Damaged { .. } => {
+                Some("move it away to begin a new one")
+            }
+            HistoryError::Exists { .. }
+            | HistoryError::Other { .. }
+            | HistoryError::OtherLog { .. }
+            | HistoryError::Replaced { .. } => None,
+        }
+    }
+}
+
 /// Adds the file to a failure, and distinguishes a damaged file from a missing one.
 pub(crate) fn at(path: &Path) -> impl Fn(rusqlite::Error) -> HistoryError + Copy {
     |error| {
@@ -88,7 +134,9 @@ pub(crate) fn at(path: &Path) -> impl Fn(rusqlite::Error) -> HistoryError + Copy
         match error.sqlite_error_code() {
             Some(ErrorCode::NotADatabase) => HistoryError::NotOurs { path, why: None },
             Some(ErrorCode::DatabaseCorrupt) => HistoryError::Damaged { path, why: error.to_string() },
-            _ => HistoryError::Refused { path, why: error.to_string() },
+            // A value of another type than was written.
+            None => HistoryError::Damaged { path, why: error.to_string() },
+            Some(_) => HistoryError::Refused { path, why: error.to_string() },
         }
     }
 }

@@ -15,13 +15,19 @@
 //! A line has no log: its coordinator gives notes alone, with the whole state of the line wherever some may be missing, and
 //! [`mod@line`] folds them.
 //!
-//! *Only this crate contains SQL.* It has no clock: times are those of the records.
+//! A database that cannot be written is tried again: what was lost until then is a [`Note::Gap`] in it. A damaged one is kept
+//! under another name.
+//!
+//! *Only this crate contains SQL.* Times are those of the records; the thread has a clock for its trials alone.
 
 mod about;
 mod error;
 mod event;
+mod feeding;
 pub mod line;
+mod news;
 mod note;
+mod outage;
 mod reader;
 mod recorder;
 mod schema;
@@ -30,7 +36,9 @@ mod writer;
 pub use about::{About, CellAbout, LineAbout, LineOperation, LineStation, TimeBase};
 pub use error::HistoryError;
 pub use event::{EventKind, HistoryEvent};
+pub use news::HistoryNews;
 pub use note::{MotionOutcome, Note};
+pub use outage::LostNotes;
 pub use reader::HistoryReader;
 pub use recorder::{HistoryFeed, RecordSource};
 pub use writer::History;

@@ -56,6 +56,17 @@ pub enum Note {
         /// The last.
         to: u64,
     },
+    /// Notes that are not in the database, since it could not be written.
+    Gap {
+        /// Time of the first of them.
+        #[serde(with = "micros")]
+        from: Tick,
+        /// Time of the last.
+        #[serde(with = "micros")]
+        to: Tick,
+        /// How many.
+        lost: u64,
+    },
     /// Of a line, as all below: the observation begins here, or goes on after a gap. The whole situation follows.
     Began {},
     /// An operation was in motion.
@@ -96,7 +107,10 @@ impl Note {
     /// The same, so much later.
     pub(crate) fn later(mut self, by: Duration) -> Self {
         match &mut self {
-            Note::Motion { from, to, .. } | Note::Waited { from, to, .. } | Note::Planned { from, to, .. } => {
+            Note::Motion { from, to, .. }
+            | Note::Waited { from, to, .. }
+            | Note::Planned { from, to, .. }
+            | Note::Gap { from, to, lost: _ } => {
                 (*from, *to) = (*from + by, *to + by);
             }
             Note::Mode { .. }

@@ -1,4 +1,4 @@
-//! Feeds the database on a thread of its own, so that no decision waits for a disk.
+//! Feeds the database on a thread of its own ([`Feeding`]), so that no decision waits for a disk.
 //!
 //! Records are offered through a bounded queue, after they are in the cell's log. What finds the queue full is dropped: the
 //! thread sees by the numbers that something is missing and reads it from the log ([`RecordSource`]). The same happens when it
@@ -7,8 +7,8 @@
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -16,15 +16,16 @@ use std::time::Duration;
 use linewright_coordinator_cell::Record;
 use linewright_line::Tick;
 
-use crate::writer::HistoryItem;
+use crate::feeding::Feeding;
+use crate::news::HistoryNews;
 use crate::{History, HistoryError, Note};
 
 /// Batches that can wait. A step of the player is one.
 const QUEUE: usize = 1024;
-/// Records or notes written at once.
-const BATCH: usize = 1000;
 /// Notes kept while the queue is full; then the oldest are lost.
 const NOTES_MAX: usize = 1000;
+/// News kept until they are taken; then the oldest are lost.
+const NEWS_MAX: usize = 16;
 
 /// Period of the check whether the thread has ended.
 const POLL: Duration = Duration::from_millis(10);
@@ -49,31 +50,53 @@ impl RecordSource for NoRecords {
 }
 
 /// Items that wait to be written.
-enum FeedQueue {
+pub(crate) enum FeedQueue {
     Records(u64, Vec<Record>),
     Note(Tick, Note),
 }
 
 /// State shared by both sides.
 #[derive(Debug, Default)]
-struct FeedState {
+pub(crate) struct FeedState {
     /// The newest record that the database has.
-    newest: AtomicU64,
+    pub newest: AtomicU64,
     /// The newest that the log has.
-    written: AtomicU64,
-    /// Reason why the thread has given up.
+    pub written: AtomicU64,
+    /// How often notes may have been lost, or another file begun, and that is over.
+    resumed: AtomicU64,
+    is_failing: AtomicBool,
+    /// Reason why nothing is written now.
     failed: Mutex<Option<String>>,
+    news: Mutex<VecDeque<HistoryNews>>,
 }
 
 impl FeedState {
-    /// Keeps why the thread has given up, if it has.
-    fn noting<T>(&self, fed: Result<T, HistoryError>) -> Result<T, HistoryError> {
+    /// Keeps why nothing can be written, if that is so.
+    pub fn noting<T>(&self, fed: Result<T, HistoryError>) -> Result<T, HistoryError> {
         if let Err(error) = &fed
             && let Ok(mut failed) = self.failed.lock()
         {
             *failed = Some(error.to_string());
+            self.is_failing.store(true, Ordering::Release);
         }
         fed
+    }
+
+    /// It is written again, or into another file.
+    pub fn resume(&self) {
+        if let Ok(mut failed) = self.failed.lock() {
+            *failed = None;
+        }
+        self.is_failing.store(false, Ordering::Release);
+        self.resumed.fetch_add(1, Ordering::AcqRel);
+    }
+
+    pub fn tell(&self, of: HistoryNews) {
+        let Ok(mut news) = self.news.lock() else { return };
+        if news.len() >= NEWS_MAX {
+            news.pop_front();
+        }
+        news.push_back(of);
     }
 }
 
@@ -95,29 +118,37 @@ impl HistoryFeed {
 
     /// The same with room for so many batches.
     pub fn with_queue(history: History, source: Box<dyn RecordSource>, last: u64, queue: usize) -> Self {
-        let (sender, receiver) = sync_channel(queue);
-        let shared = Arc::new(FeedState::default());
-        shared.written.store(last, Ordering::Release);
-        let feeding = Feeding { history, source, shared: shared.clone(), shift: Shift::None };
-        let thread = std::thread::spawn(move || {
-            let shared = feeding.shared.clone();
-            shared.noting(feeding.feed(last, &receiver))
-        });
-        HistoryFeed { queue: Some(sender), notes: VecDeque::new(), shared, thread: Some(thread) }
+        let (path, about) = (history.path().to_owned(), history.about().clone());
+        let open = move || History::open(&path, about.clone());
+        Self::on_thread(queue, |shared| {
+            shared.written.store(last, Ordering::Release);
+            Feeding::of_log(Box::new(open), Some(history), source, last, shared)
+        })
     }
 
-    /// Begins without a log, for notes alone. Opening the database is left to the thread as well. Where the newest in it is
-    /// later than the first note, as after a clock was set back, all notes are as much later.
-    pub fn of_notes(open: impl FnOnce() -> Result<History, HistoryError> + Send + 'static) -> Self {
-        let (sender, receiver) = sync_channel(QUEUE);
+    /// The same with a database that is opened on the thread, and again after each failure.
+    pub fn of_log(
+        open: impl FnMut() -> Result<History, HistoryError> + Send + 'static,
+        source: Box<dyn RecordSource>,
+        last: u64,
+    ) -> Self {
+        Self::on_thread(QUEUE, |shared| {
+            shared.written.store(last, Ordering::Release);
+            Feeding::of_log(Box::new(open), None, source, last, shared)
+        })
+    }
+
+    /// Begins without a log, for notes alone. Opening the database is left to the thread as well, also after each failure.
+    /// Where the newest in it is later than the first note, as after a clock was set back, all notes are as much later.
+    pub fn of_notes(open: impl FnMut() -> Result<History, HistoryError> + Send + 'static) -> Self {
+        Self::on_thread(QUEUE, |shared| Feeding::of_notes(Box::new(open), Box::new(NoRecords), shared))
+    }
+
+    fn on_thread(queue: usize, feeding: impl FnOnce(Arc<FeedState>) -> Feeding) -> Self {
+        let (sender, receiver) = sync_channel(queue);
         let shared = Arc::new(FeedState::default());
-        let its = shared.clone();
-        let thread = std::thread::spawn(move || {
-            its.noting(open().and_then(|history| {
-                let shift = history.last()?.map_or(Shift::None, Shift::After);
-                Feeding { history, source: Box::new(NoRecords), shared: its.clone(), shift }.feed(0, &receiver)
-            }))
-        });
+        let feeding = feeding(shared.clone());
+        let thread = std::thread::spawn(move || feeding.run(&receiver));
         HistoryFeed { queue: Some(sender), notes: VecDeque::new(), shared, thread: Some(thread) }
     }
 
@@ -185,12 +216,30 @@ impl HistoryFeed {
         self.shared.newest.load(Ordering::Acquire)
     }
 
-    /// Reason why nothing is written any more; none while it is. The cell goes on without it.
+    /// Reason why nothing is written now; none while it is. It is tried again, and the cell goes on meanwhile.
     pub fn failed(&self) -> Option<String> {
-        // In this order: a thread that gives up sets the reason before it ends.
-        let has_ended = self.thread.as_ref().is_some_and(JoinHandle::is_finished);
         let why = self.shared.failed.lock().ok().and_then(|failed| failed.clone());
-        why.or_else(|| has_ended.then(|| "the thread that writes the database has ended".to_owned()))
+        why.or_else(|| self.has_ended().then(|| "the thread that writes the database has ended".to_owned()))
+    }
+
+    /// Whether nothing is written now.
+    pub fn is_failing(&self) -> bool {
+        self.shared.is_failing.load(Ordering::Acquire) || self.has_ended()
+    }
+
+    /// Whether nothing will be written any more: a bug has ended the thread.
+    pub fn has_ended(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// A number that changes when notes may have been lost, or another file begun, and notes are written again.
+    pub fn resumed(&self) -> u64 {
+        self.shared.resumed.load(Ordering::Acquire)
+    }
+
+    /// The oldest news not yet taken.
+    pub fn news(&self) -> Option<HistoryNews> {
+        self.shared.news.lock().ok()?.pop_front()
     }
 
     /// Returns when all that was offered is in the database.
@@ -218,125 +267,5 @@ impl Drop for HistoryFeed {
     fn drop(&mut self) {
         self.queue = None;
         _ = self.thread.take().map(JoinHandle::join);
-    }
-}
-
-/// The thread.
-struct Feeding {
-    history: History,
-    source: Box<dyn RecordSource>,
-    shared: Arc<FeedState>,
-    shift: Shift,
-}
-
-/// Correction of the time of notes.
-#[derive(Clone, Copy, Debug)]
-enum Shift {
-    None,
-    /// So that the first is not before this.
-    After(Tick),
-    By(Duration),
-}
-
-impl Feeding {
-    /// Feeds until nothing more is offered.
-    fn feed(mut self, last: u64, queue: &Receiver<FeedQueue>) -> Result<History, HistoryError> {
-        self.begin(last)?;
-        self.go_on(queue)?;
-        Ok(self.history)
-    }
-
-    fn shifted(&mut self, at: Tick, note: Note) -> HistoryItem {
-        if let Shift::After(last) = self.shift {
-            self.shift = Shift::By(last.since(at));
-        }
-        match self.shift {
-            Shift::By(by) => HistoryItem::Note(at + by, note.later(by)),
-            Shift::None | Shift::After(_) => HistoryItem::Note(at, note),
-        }
-    }
-
-    /// Compares with the log, takes missing records, and removes those that the log has lost.
-    fn begin(&mut self, last: u64) -> Result<(), HistoryError> {
-        // What is behind that is of this life, and may stand under numbers that the database has from one before.
-        self.catch_up(0, last)?;
-        if self.history.newest() > last {
-            self.history.forget_after(last)?;
-        }
-        self.tell();
-        Ok(())
-    }
-
-    fn tell(&self) {
-        self.shared.newest.store(self.history.newest(), Ordering::Release);
-    }
-
-    fn go_on(&mut self, queue: &Receiver<FeedQueue>) -> Result<(), HistoryError> {
-        let mut items = Vec::new();
-        while let Ok(first) = queue.recv() {
-            let mut next = Some(first);
-            while let Some(what) = next {
-                self.take(what, &mut items)?;
-                next = if items.len() < BATCH { queue.try_recv().ok() } else { None };
-            }
-            let is_drained = items.len() < BATCH;
-            self.write(&mut items)?;
-            // What was dropped last is followed by nothing that would show it.
-            if is_drained {
-                self.complete()?;
-            }
-        }
-        self.complete()
-    }
-
-    /// Takes from the log records that were offered and have not come.
-    fn complete(&mut self) -> Result<(), HistoryError> {
-        let newest = self.history.newest();
-        if self.shared.written.load(Ordering::Acquire) > newest { self.catch_up(newest, u64::MAX) } else { Ok(()) }
-    }
-
-    fn take(&mut self, what: FeedQueue, items: &mut Vec<HistoryItem>) -> Result<(), HistoryError> {
-        match what {
-            FeedQueue::Note(at, note) => items.push(self.shifted(at, note)),
-            FeedQueue::Records(first, records) => {
-                let newest = items.iter().map(HistoryItem::number).max().unwrap_or(0).max(self.history.newest());
-                if first > newest + 1 {
-                    self.write(items)?;
-                    self.catch_up(self.history.newest(), u64::MAX)?;
-                }
-                items.extend((first..).zip(records).map(|(number, record)| HistoryItem::Record(number, record)));
-            }
-        }
-        Ok(())
-    }
-
-    fn write(&mut self, items: &mut Vec<HistoryItem>) -> Result<(), HistoryError> {
-        self.history.put(items)?;
-        items.clear();
-        self.tell();
-        Ok(())
-    }
-
-    /// Takes from the log the records after a number, until another.
-    fn catch_up(&mut self, after: u64, until: u64) -> Result<(), HistoryError> {
-        let Feeding { history, source, .. } = self;
-        let (mut items, mut put) = (Vec::new(), Ok(()));
-        let read = source.read(&mut |number, record| {
-            if number <= after || number > until || put.is_err() {
-                return;
-            }
-            let newest = items.last().map_or(0, HistoryItem::number).max(history.newest());
-            if number > newest + 1 {
-                items.push(HistoryItem::Note(record.at, Note::Missing { from: newest + 1, to: number - 1 }));
-            }
-            items.push(HistoryItem::Record(number, record));
-            if items.len() >= BATCH {
-                put = history.put(&items);
-                items.clear();
-            }
-        });
-        put?;
-        read.map_err(|why| HistoryError::Source { path: self.history.path().to_owned(), why })?;
-        self.write(&mut items)
     }
 }

@@ -3,11 +3,13 @@
 //! What is written in one call is there whole or not at all. It is in the write-ahead log of the database then, which a
 //! killed process survives; a power cut may take the newest of it, and records are fed again from the cell's log.
 
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use linewright_coordinator_cell::Record;
 use linewright_line::Tick;
+use rusqlite::config::DbConfig;
 use rusqlite::{Connection, OptionalExtension, Transaction, TransactionBehavior, params};
 
 use crate::error::at;
@@ -22,7 +24,29 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
 pub struct History {
     db: Connection,
     path: PathBuf,
+    about: About,
     newest: u64,
+    file: OpenFile,
+}
+
+/// The file as it was last seen: device, number and length. Others may replace or shorten it.
+#[derive(Clone, Copy, Debug)]
+struct OpenFile {
+    device: u64,
+    number: u64,
+    length: u64,
+}
+
+impl OpenFile {
+    fn of(path: &Path) -> std::io::Result<Self> {
+        let of = std::fs::metadata(path)?;
+        Ok(OpenFile { device: of.dev(), number: of.ino(), length: of.len() })
+    }
+
+    /// Whether it is the same file, and nothing was cut off. A write-ahead log makes it longer only.
+    fn is_continued_by(&self, now: &OpenFile) -> bool {
+        (self.device, self.number) == (now.device, now.number) && self.length <= now.length
+    }
 }
 
 /// Item to be written.
@@ -95,7 +119,13 @@ impl History {
         // With a write-ahead log this keeps the database whole over power cuts; what it may lose is fed again.
         db.pragma_update(None, "synchronous", "NORMAL").map_err(failed)?;
         let newest = db.query_row("SELECT ifnull(max(log), 0) FROM event", [], |row| row.get(0)).map_err(failed)?;
-        Ok(History { db, path: path.to_owned(), newest })
+        let file = OpenFile::of(path).map_err(|error| HistoryError::File { path: path.to_owned(), error })?;
+        Ok(History { db, path: path.to_owned(), about: about.clone(), newest, file })
+    }
+
+    /// Identity of the cell or line.
+    pub fn about(&self) -> &About {
+        &self.about
     }
 
     /// Path of the database.
@@ -145,7 +175,43 @@ impl History {
         Ok(())
     }
 
+    /// Checks all of it.
+    ///
+    /// # Errors
+    /// When something is wrong.
+    pub(crate) fn check(&self) -> Result<(), HistoryError> {
+        let found =
+            self.db.query_row("PRAGMA quick_check(1)", [], |row| row.get::<_, String>(0)).map_err(at(&self.path))?;
+        if found == "ok" { Ok(()) } else { Err(HistoryError::Damaged { path: self.path.clone(), why: found }) }
+    }
+
+    /// Closes it without writing anything more into a file that has its name now.
+    pub(crate) fn abandon(self) {
+        let is_moved = OpenFile::of(&self.path)
+            .map_or(true, |now| (now.device, now.number) != (self.file.device, self.file.number));
+        if is_moved {
+            // What it has yet to take over from the write-ahead log would be put into the other file.
+            let _ = self.db.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
+        }
+        let _ = self.db.set_db_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, true);
+    }
+
+    /// Whether the file with its name still is the one that is open.
+    fn check_file(&mut self) -> Result<(), HistoryError> {
+        match OpenFile::of(&self.path) {
+            Ok(now) if self.file.is_continued_by(&now) => {
+                self.file = now;
+                Ok(())
+            }
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(HistoryError::File { path: self.path.clone(), error })
+            }
+            Ok(_) | Err(_) => Err(HistoryError::Replaced { path: self.path.clone() }),
+        }
+    }
+
     pub(crate) fn put(&mut self, items: &[HistoryItem]) -> Result<(), HistoryError> {
+        self.check_file()?;
         let failed = at(&self.path);
         let change = self.db.transaction_with_behavior(TransactionBehavior::Immediate).map_err(failed)?;
         let mut newest = self.newest;

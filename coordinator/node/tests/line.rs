@@ -167,17 +167,38 @@ fn of(line: &Line, station: u16) -> StationState {
     StationState { boot_id: 1, places: vec![0; operations], started: vec![0; operations], ..StationState::default() }
 }
 
+/// Another line's database cannot be used. When it is moved away while the line runs, the observation begins in a new one.
 #[test]
-fn a_line_goes_on_without_a_database_that_cannot_be_used() {
+fn a_line_goes_on_while_its_database_cannot_be_used_and_is_recorded_when_it_can() {
     let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
-    std::fs::write(dir.path().join("line.db"), [7; 4096]).expect("written");
+    let path = dir.path().join("line.db");
+    let other = LineAbout {
+        line: "other".to_owned(),
+        title: String::new(),
+        clock: TimeBase::Unix,
+        stations: vec![],
+        cycle_us: 0,
+    };
+    drop(History::open(&path, &other).expect("opens"));
     let mut history = LineHistory::begin(dir.path(), &line, AT(0));
     let now = in_auto(&line);
-    let goes_on = |_: &u64| {
-        std::thread::sleep(std::time::Duration::from_millis(10));
-        history.situation(AT(1), &now)
+    assert!(history.situation(AT(1), &now), "the line is observed");
+    history.cycle(AT(2), CompletedCycle { number: 7, took: std::time::Duration::from_millis(3600) });
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    std::fs::rename(&path, dir.path().join("other.db")).expect("moved away");
+    let mut is_recorded = |at: &u64| {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        assert!(history.situation(AT(10 + at), &now), "the line is observed");
+        let mut notes = Vec::new();
+        if path.is_file()
+            && let Ok(reader) = HistoryReader::open(&path)
+        {
+            reader.each(Tick::NEVER, |event| notes.push(event.what)).expect("reads");
+        }
+        let is_gap = |of: &EventKind| matches!(of, EventKind::Note(Note::Gap { lost: 3, .. }));
+        notes.iter().any(is_gap) && notes.contains(&EventKind::Note(Note::Began {}))
     };
-    assert!((0..500_u64).take_while(goes_on).count() < 500, "it is reported that nothing is written");
+    assert!((0..500_u64).any(|at| is_recorded(&at)), "a gap, and the whole situation behind it");
 }
 
 /// A disk that hangs: when it takes notes again, the observation begins anew, a second after the note that found no room.

@@ -4,21 +4,31 @@
 //! comes; a switch is reported at its time, up to one millisecond late, the resolution of tokio's timers. The
 //! mechanisms themselves have no such grain: a late report changes no later position.
 
+mod kept;
 mod modbus;
 
+use std::collections::BTreeMap;
+use std::future::Future;
 use std::io;
+use std::path::Path;
+use std::time::Duration;
 
 use linewright_canopen::Frame;
 use linewright_canopen::candump::CandumpWriter;
 use linewright_fieldbus::bus::{self, BusError};
 use linewright_fieldbus::{Bus, Clock};
-use linewright_line::{Device, DeviceBus as BusName, Line};
-use linewright_plant::{PlantOptions, Rack};
+use linewright_line::{Device, DeviceBus as BusName, Line, Tick};
+use linewright_plant::{PlantOptions, PositionsWatch, Rack};
 use thiserror::Error;
 use tokio::task::JoinSet;
 
+use kept::Keeper;
+pub use kept::{KEPT_IN, KeptPositions, kept_positions};
 use modbus::{Asked, Servers};
 pub use modbus::{fail_device, is_simulated};
+
+/// Positions are kept no more often than this.
+const KEEP_EVERY: Duration = Duration::from_millis(200);
 
 /// Why a plant cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -49,16 +59,37 @@ pub struct RackOptions {
 
 /// One bus's devices, connected and ready to run.
 pub struct RackRunner {
+    /// Name of the bus in the description.
+    name: String,
     /// `None` where no device is on CAN.
     bus: Option<Bus>,
     servers: Servers,
     addresses: Vec<String>,
     rack: Rack,
     clock: Clock,
+    /// Where its positions are kept, if they are.
+    kept: Option<KeptRack>,
+}
+
+/// Keeps the positions of one rack.
+struct KeptRack {
+    line: Line,
+    bus: String,
+    watch: PositionsWatch,
+    keeper: Keeper,
 }
 
 /// Connects every device of `line` to its bus. Must be called within a tokio runtime.
 pub fn open_plant(line: &Line, options: &RackOptions) -> Result<Vec<RackRunner>, PlantError> {
+    open_racks(line, options, BTreeMap::new())
+}
+
+/// Opens every bus; its rack is taken from `racks`, or new.
+fn open_racks(
+    line: &Line,
+    options: &RackOptions,
+    mut racks: BTreeMap<String, Rack>,
+) -> Result<Vec<RackRunner>, PlantError> {
     let mut names: Vec<&BusName> = Vec::new();
     for device in &line.devices {
         if !names.contains(&&device.bus) {
@@ -77,28 +108,96 @@ pub fn open_plant(line: &Line, options: &RackOptions) -> Result<Vec<RackRunner>,
         addresses.sort();
         addresses.dedup();
         let servers = Servers::open(&addresses).map_err(|(address, error)| PlantError::Modbus { address, error })?;
-        let rack = Rack::new(options.clock.now(), line, name, options.plant);
-        Ok(RackRunner { bus, servers, addresses, rack, clock: options.clock })
+        let rack = racks.remove(&name.to_string());
+        let rack = rack.unwrap_or_else(|| Rack::new(options.clock.now(), line, name, options.plant));
+        Ok(RackRunner { name: name.to_string(), bus, servers, addresses, rack, clock: options.clock, kept: None })
     };
     names.into_iter().map(open).collect()
 }
 
 /// Runs every device of `line` until it is cancelled. Returns only if a bus cannot be opened or is gone, or there is none.
 pub async fn run_plant(line: &Line, options: &RackOptions) -> Result<(), PlantError> {
+    run_racks(open_plant(line, options)?, std::future::pending()).await
+}
+
+/// Runs every device of `line` until `stop`. Mechanisms and parts begin where they were when a plant last kept its positions in
+/// `dir`, and are kept there. Where they cannot be used, that is logged and everything begins at home.
+pub async fn run_kept_plant(
+    line: &Line,
+    options: &RackOptions,
+    dir: &Path,
+    stop: impl Future<Output = ()>,
+) -> Result<(), PlantError> {
+    let now = options.clock.now();
+    let racks = match kept_positions(dir, line, now, options.plant) {
+        Ok(KeptPositions::Nothing) => BTreeMap::new(),
+        Ok(KeptPositions::Racks(racks)) => {
+            tracing::info!("mechanisms and parts are where they were, by {}", dir.join(KEPT_IN).display());
+            racks
+        }
+        Err(why) => {
+            tracing::warn!("{why}");
+            BTreeMap::new()
+        }
+    };
+    let (keeper, writer) = Keeper::begin(dir, line);
+    let keep = |mut runner: RackRunner| {
+        let (line, bus, watch) = (line.clone(), runner.name.clone(), PositionsWatch::new(now, KEEP_EVERY));
+        runner.kept = Some(KeptRack { line, bus, watch, keeper: keeper.clone() });
+        runner
+    };
+    let runners = open_racks(line, options, racks)?.into_iter().map(keep).collect();
+    let ended = run_racks(runners, stop).await;
+    drop(keeper);
+    // Its last write; it has ended when every rack and this have let go of it.
+    writer.end();
+    ended
+}
+
+async fn run_racks(runners: Vec<RackRunner>, stop: impl Future<Output = ()>) -> Result<(), PlantError> {
     let mut running = JoinSet::new();
-    for runner in open_plant(line, options)? {
+    for runner in runners {
         tracing::info!(bus = runner.describe(), "plant");
         running.spawn(runner.run());
     }
     // Dropping the set, when this is cancelled, ends the runners with it.
-    while let Some(ended) = running.join_next().await {
+    let mut stop = std::pin::pin!(stop);
+    loop {
+        let ended = tokio::select! {
+            ended = running.join_next() => ended,
+            () = &mut stop => {
+                running.shutdown().await;
+                return Ok(());
+            }
+        };
         match ended {
-            Ok(gone) => return Err(gone.into()),
-            Err(error) if error.is_panic() => std::panic::resume_unwind(error.into_panic()),
-            Err(_) => {}
+            None => return Ok(()),
+            Some(Ok(gone)) => {
+                running.shutdown().await;
+                return Err(gone.into());
+            }
+            Some(Err(error)) if error.is_panic() => std::panic::resume_unwind(error.into_panic()),
+            Some(Err(_)) => {}
         }
     }
-    Ok(())
+}
+
+impl Drop for RackRunner {
+    /// The last positions are kept.
+    fn drop(&mut self) {
+        let now = self.clock.now();
+        if let Some(kept) = &mut self.kept {
+            kept.keep(now, &mut self.rack);
+        }
+    }
+}
+
+impl KeptRack {
+    fn keep(&mut self, now: Tick, rack: &mut Rack) {
+        if let Some(positions) = self.watch.look(now, rack.positions(now, &self.line)) {
+            self.keeper.keep(&self.bus, positions);
+        }
+    }
 }
 
 impl RackRunner {
@@ -130,6 +229,7 @@ impl RackRunner {
     /// When the bus is gone.
     pub async fn step(&mut self) -> Result<(), BusError> {
         let mut out: Vec<Frame> = Vec::new();
+        let deadline = self.next_deadline();
         tokio::select! {
             biased;
             frame = heard(&mut self.bus) => self.rack.handle(self.clock.now(), &frame?, &mut out),
@@ -143,7 +243,7 @@ impl RackRunner {
                     let _ = reply.send(self.rack.fail_modbus(now, (&address, unit), &device, fault, &mut out));
                 }
             },
-            () = self.clock.sleep_until(self.rack.next_deadline()) => {}
+            () = self.clock.sleep_until(deadline) => {}
         }
         // Also after a frame: a busy bus must not keep the devices from what is due.
         let now = self.clock.now();
@@ -155,7 +255,17 @@ impl RackRunner {
                 bus.send(frame);
             }
         }
+        if let Some(kept) = &mut self.kept
+            && kept.watch.stir(now)
+        {
+            kept.keep(now, &mut self.rack);
+        }
         Ok(())
+    }
+
+    fn next_deadline(&self) -> Option<Tick> {
+        let look = self.kept.as_ref().and_then(|kept| kept.watch.due());
+        self.rack.next_deadline().into_iter().chain(look).min()
     }
 }
 

@@ -74,6 +74,10 @@ impl LineSource {
         let _ = writeln!(text, "{}, {} to {}", self.about.title, self.show(from), self.show(to));
         let _ = write!(text, "{} s observed: produced {} s", seconds(report.observed()), seconds(report.producing));
         let _ = writeln!(text, ", stopped {} s, not recorded {} s", seconds(stopped), seconds(report.unrecorded));
+        for gap in &report.gaps {
+            let (from, to) = (self.show(gap.span.0), self.show(gap.span.1));
+            let _ = writeln!(text, "not recorded: {} notes from {from} to {to} could not be written", gap.lost);
+        }
         self.cycles(&mut text);
         self.figures(&mut text);
         if !report.stops.is_empty() {

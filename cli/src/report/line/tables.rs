@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::{LineSource, figures, mean};
 use crate::report::csv::{events, table};
+use crate::report::json::JsonGap;
 
 /// Everything that is reported.
 #[derive(Serialize)]
@@ -21,6 +22,8 @@ pub struct LineReportJson {
     observed_s: f64,
     produced_s: f64,
     unrecorded_s: f64,
+    /// Spans of notes that could not be written.
+    gaps: Vec<JsonGap>,
     cycles: JsonCycles,
     stops: Vec<JsonStop>,
     stations: Vec<JsonStation>,
@@ -135,6 +138,11 @@ impl LineReportJson {
             to: source.show(part.span.1),
             time_s: (&part.times).into(),
         };
+        let gaps = report.gaps.iter().map(|gap| JsonGap {
+            from: source.show(gap.span.0),
+            to: source.show(gap.span.1),
+            lost: gap.lost,
+        });
         let stops = report.stops.iter().map(|stop| JsonStop {
             kind: stop.cause.kind.name(),
             cause: stop.cause.text.clone(),
@@ -150,6 +158,7 @@ impl LineReportJson {
             observed_s: report.observed().as_secs_f64(),
             produced_s: report.producing.as_secs_f64(),
             unrecorded_s: report.unrecorded.as_secs_f64(),
+            gaps: gaps.collect(),
             cycles: JsonCycles {
                 planned_s: report.figures.planned_run_time.map(|time| time.as_secs_f64()),
                 time_s: (&report.cycle_time).into(),

@@ -109,6 +109,14 @@ pub struct LineCycle {
     pub took: Duration,
 }
 
+/// Notes of a span that could not be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LineGap {
+    /// Times of the first and the last of them.
+    pub span: Stretch,
+    pub lost: u64,
+}
+
 /// Notes taken of one station.
 #[derive(Clone, Debug, Default)]
 pub struct StationTrack {
@@ -138,6 +146,7 @@ pub struct LineTracking {
     states: Vec<(Stretch, LineState)>,
     cycles: Vec<LineCycle>,
     stations: Vec<StationTrack>,
+    gaps: Vec<LineGap>,
 }
 
 impl LineTracking {
@@ -151,6 +160,7 @@ impl LineTracking {
             last: None,
             states: Vec::new(),
             cycles: Vec::new(),
+            gaps: Vec::new(),
         }
     }
 
@@ -176,6 +186,12 @@ impl LineTracking {
                 // The line since the last note is unknown.
                 self.change(self.last.unwrap_or(at), LineState::Unrecorded);
                 self.known = Known::default();
+            }
+            &Note::Gap { from, to, lost } => {
+                let from = from.max(self.last.unwrap_or(from));
+                self.change(from, LineState::Unrecorded);
+                self.known = Known::default();
+                self.gaps.push(LineGap { span: (from, to), lost });
             }
             Note::Mode { name, starts } => self.known.mode = Some((name.clone(), *starts)),
             Note::Station { station, lost } => put(&mut self.known.unheard, *station, *lost),

@@ -10,7 +10,7 @@ use std::time::Duration;
 use linewright_coordinator_cell::tracking::Spread;
 use linewright_line::Tick;
 
-use super::{LineCycle, LineState, LineStopCause, LineTracking, Spans, StationTrack, StopKind, Stretch};
+use super::{LineCycle, LineGap, LineState, LineStopCause, LineTracking, Spans, StationTrack, StopKind, Stretch};
 use crate::MotionOutcome;
 
 /// In so many parts of the span a trend is shown.
@@ -109,6 +109,8 @@ pub struct LineReport {
     pub producing: Duration,
     /// Time without a record.
     pub unrecorded: Duration,
+    /// Spans of which notes could not be written; a part of the time without a record.
+    pub gaps: Vec<LineGap>,
     /// By cause, the longest first.
     pub stops: Vec<StopTotal>,
     pub cycles: Vec<LineCycle>,
@@ -171,6 +173,7 @@ impl LineTracking {
             span,
             producing: producing.total(),
             unrecorded: recorded.total(),
+            gaps: self.gaps.iter().filter(|gap| gap.span.1 >= span.0 && gap.span.0 <= span.1).copied().collect(),
             cycle_time: Spread::of(cycles.iter().map(|cycle| cycle.took).collect()),
             trend: trend(span, &cycles),
             stations: stations.map(|(of, track)| station(&of.name, track, &producing, span)).collect(),

@@ -13,10 +13,10 @@ use crate::played::{Played, c1, events, played, records, scratch};
 
 /// A log in memory: its records from a number on, and how often it was read.
 #[derive(Clone, Default)]
-struct Log(Arc<Mutex<(u64, Vec<Record>, usize)>>);
+pub struct Log(Arc<Mutex<(u64, Vec<Record>, usize)>>);
 
 impl Log {
-    fn write(&self, records: &[Record]) {
+    pub fn write(&self, records: &[Record]) {
         self.0.lock().unwrap().1.extend_from_slice(records);
     }
 
@@ -24,7 +24,7 @@ impl Log {
         self.0.lock().unwrap().2
     }
 
-    fn begin(&self, path: &Path, of: &Played, queue: usize) -> HistoryFeed {
+    pub fn begin(&self, path: &Path, of: &Played, queue: usize) -> HistoryFeed {
         let history = History::open(path, &of.about).unwrap();
         let last = self.0.lock().map(|log| log.0 + log.1.len() as u64).unwrap();
         HistoryFeed::with_queue(history, Box::new(self.clone()), last, queue)

@@ -215,6 +215,28 @@ fn parts_sum_to_the_whole_and_nothing_is_over_100_percent() {
     }
 }
 
+/// Times of a gap are not recorded, and what was known before it is not what is known after it.
+#[test]
+fn a_gap_is_time_that_is_not_recorded() {
+    let notes = [
+        (1_000, Note::Began {}),
+        (1_000, mode("auto", true)),
+        (9_000, Note::Gap { from: AT(4_000), to: AT(9_000), lost: 12 }),
+        (10_000, Note::Began {}),
+        (10_000, mode("auto", true)),
+        (12_000, Note::Observed {}),
+    ];
+    let mut tracking = LineTracking::new(about());
+    for (at, note) in notes {
+        tracking.take(&HistoryEvent { at: AT(at), what: EventKind::Note(note) });
+    }
+    let report = tracking.report((AT(0), AT(12_000)), &ReportParameters::default());
+    assert_eq!((report.producing, report.unrecorded), (MS(5_000), MS(7_000)));
+    let gaps: Vec<_> = report.gaps.iter().map(|gap| (gap.span, gap.lost)).collect();
+    assert_eq!(gaps, [((AT(4_000), AT(9_000)), 12)]);
+    assert_eq!(tracking.report((AT(9_500), AT(12_000)), &ReportParameters::default()).gaps, []);
+}
+
 /// Through the file: what was noted is what is read, a second process goes on behind it, and nothing is held up.
 #[test]
 fn notes_of_a_line_go_through_the_database() {

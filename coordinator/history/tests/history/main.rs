@@ -3,5 +3,6 @@
 mod damage;
 mod feeding;
 mod line;
+mod outages;
 mod played;
 mod rows;

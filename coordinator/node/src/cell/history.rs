@@ -3,7 +3,8 @@
 //! The thread of the cell writes a step's records into the log ([`super::CellLog::write`]), sends the messages, and then passes
 //! the records to the history, which never blocks. At the beginning of a life the two are compared, and what the database lacks
 //! is read from the log. A snapshot removes the records before it from the log, so a snapshot is written only when
-//! [`HistoryFeeder::has`] confirms that nothing is lost by it, or when there is no database any more.
+//! [`HistoryFeeder::has`] confirms that nothing is lost by it, or while the database cannot be written: the log stays bounded,
+//! and the database says what is missing in it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,6 +16,7 @@ use linewright_history::{CellAbout, History, HistoryError, HistoryFeed, Note, Re
 use linewright_line::{Line, StationId, Tick};
 use linewright_node_shell::log::{LogEntry, RecordLog};
 
+use crate::line::log_news;
 use crate::situation::fault_note;
 
 /// Feeds a database.
@@ -23,6 +25,8 @@ pub struct HistoryFeeder {
     recorder: HistoryFeed,
     /// The fault of each station as it was last noted.
     faults: BTreeMap<StationId, Option<String>>,
+    /// [`HistoryFeed::resumed`] as it was last looked at.
+    resumed: u64,
 }
 
 impl HistoryFeeder {
@@ -32,6 +36,18 @@ impl HistoryFeeder {
         HistoryFeeder {
             recorder: HistoryFeed::start(history, Box::new(source), state.sequence()),
             faults: BTreeMap::new(),
+            resumed: 0,
+        }
+    }
+
+    /// Begins a life as well, with a database that is opened on the thread that feeds it, and again after each failure.
+    pub fn open(path: &Path, about: CellAbout, log: &Path, state: &PlayerState) -> Self {
+        let (path, source) = (path.to_owned(), LogRecords { path: log.to_owned() });
+        let open = move || History::open(&path, &about);
+        HistoryFeeder {
+            recorder: HistoryFeed::of_log(open, Box::new(source), state.sequence()),
+            faults: BTreeMap::new(),
+            resumed: 0,
         }
     }
 
@@ -57,9 +73,26 @@ impl HistoryFeeder {
         self.recorder.newest() >= state.sequence()
     }
 
-    /// Reason why nothing more is written; none while it is. The cell goes on without.
+    /// Reason why nothing is written now; none while it is. It is tried again, and the cell goes on meanwhile.
     pub fn failed(&self) -> Option<String> {
         self.recorder.failed()
+    }
+
+    /// Whether nothing is written now.
+    pub fn is_failing(&self) -> bool {
+        self.recorder.is_failing()
+    }
+
+    /// Logs what has become of the database. Whether notes may have been lost since the last call: what is known has to be
+    /// noted anew.
+    pub(super) fn has_resumed(&mut self) -> bool {
+        log_news(&self.recorder);
+        let resumed = self.recorder.resumed();
+        let has_resumed = std::mem::replace(&mut self.resumed, resumed) != resumed;
+        if has_resumed {
+            self.faults.clear();
+        }
+        has_resumed
     }
 
     /// Returns when everything that was passed is in the database.
@@ -71,13 +104,12 @@ impl HistoryFeeder {
     }
 }
 
-/// Opens the database beside the log in `dir`, or makes one. Where it cannot be used that is logged, and the cell does
-/// without.
+/// Begins to feed the database beside the log in `dir`.
 pub(super) fn begin(
     dir: &Path,
     (cell, line, made): (&Cell, &Line, &CompiledCell),
     state: &PlayerState,
-) -> Option<HistoryFeeder> {
+) -> HistoryFeeder {
     let about = CellAbout {
         cell: cell.name.clone(),
         title: cell.title.clone(),
@@ -86,13 +118,7 @@ pub(super) fn begin(
         stations: line.stations.iter().map(|station| station.name.clone()).collect(),
         sheet: sheet(cell, made),
     };
-    match History::open(&dir.join("cell.db"), &about) {
-        Ok(history) => Some(HistoryFeeder::begin(history, &dir.join("cell.log"), state)),
-        Err(error) => {
-            tracing::error!("{error}; the cell continues without a database");
-            None
-        }
-    }
+    HistoryFeeder::open(&dir.join("cell.db"), about, &dir.join("cell.log"), state)
 }
 
 /// The log on disk, read beside its writer.

@@ -199,7 +199,7 @@ struct CellLoop {
     coordination: Coordination,
     follower: ScheduleFollower,
     log: Option<CellLog>,
-    /// The database beside the log; none where there is no log, or it could not be used.
+    /// The database beside the log; none where there is no log.
     chronicle: Option<HistoryFeeder>,
     /// Situation of the line, as last written to the database.
     noted: LineSituation,
@@ -238,8 +238,7 @@ impl CellLoop {
         made.table = made.table.with_handling(handling);
         let table = Arc::new(made.table.clone());
         let (state, mut log) = known(state_dir.as_deref(), &cell.name, &table)?;
-        let mut chronicle =
-            log.as_ref().and(state_dir.as_deref()).and_then(|dir| begin(dir, (&cell, &line, &made), &state));
+        let mut chronicle = log.as_ref().and(state_dir.as_deref()).map(|dir| begin(dir, (&cell, &line, &made), &state));
         let follower = schedule_follower(&cell, &made, &state);
         let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         // A clock that was set back does not stop what is timed: time goes on from the newest record.
@@ -416,9 +415,9 @@ impl CellLoop {
             self.event(event)?;
         }
         self.tell(may_start);
-        // What a snapshot removes from the log must be in the database; unless there is none.
+        // What a snapshot removes from the log must be in the database; unless there is none, or it cannot be written.
         let state = self.coordination.state();
-        let is_kept = self.chronicle.as_ref().is_none_or(|chronicle| chronicle.has(state));
+        let is_kept = self.chronicle.as_ref().is_none_or(|chronicle| chronicle.has(state) || chronicle.is_failing());
         match &mut self.log {
             Some(log) if log.is_long() && is_kept => Ok(log.begin_anew(state)?),
             Some(_) | None => Ok(()),
@@ -441,13 +440,11 @@ impl CellLoop {
         });
     }
 
-    /// Writes to the database, which may fail: the cell goes on without.
+    /// Writes to the database, which may fail: the cell goes on.
     fn note(&mut self, now: Tick, out: &PlayerOutbox) {
         let Some(chronicle) = &mut self.chronicle else { return };
-        if let Some(why) = chronicle.failed() {
-            tracing::error!("nothing more is written into the database: {why}");
-            self.chronicle = None;
-            return;
+        if chronicle.has_resumed() {
+            self.noted = LineSituation::new(self.line.stations.len());
         }
         chronicle.tell(self.coordination.state(), out);
         for record in &out.records {

@@ -1,8 +1,9 @@
 //! Record of a line in the database, beside the loop.
 //!
 //! Nothing waits for it: notes go through a bounded queue to a thread of their own. Where there is no room for one, nothing
-//! more is offered for a second; then the observation *begins* anew with the whole situation, and a report has a gap. A
-//! database that fails, or hangs for a minute, is reported once, and the line goes on without.
+//! more is offered for a second; then the observation *begins* anew with the whole situation, and a report has a gap. While
+//! the database fails its thread counts what it drops, and tries again; then the observation begins anew as well. That it
+//! fails, or hangs for a minute, is logged once, and the line goes on.
 
 mod observer;
 
@@ -32,6 +33,17 @@ const HANGS: Duration = Duration::from_secs(60);
 /// The cycle that is drawn as planned: by then the line has run in.
 const PLANNED_CYCLE: i32 = 10;
 
+/// Writes what has become of a database into the log.
+pub(crate) fn log_news(feed: &HistoryFeed) {
+    while let Some(news) = feed.news() {
+        if news.is_warning() {
+            tracing::warn!("{news}");
+        } else {
+            tracing::info!("{news}");
+        }
+    }
+}
+
 /// Feeds the database of a line.
 pub struct LineHistory {
     feed: HistoryFeed,
@@ -43,6 +55,8 @@ pub struct LineHistory {
     noted: Option<LineSituation>,
     /// The observation does not begin before.
     begin_due: Tick,
+    /// [`HistoryFeed::resumed`] as the situation was noted last.
+    resumed: u64,
     /// Time since which notes have found no room, and whether that is reported.
     no_room: Option<(Tick, bool)>,
     note_due: Tick,
@@ -81,11 +95,12 @@ impl LineHistory {
     /// Feeds the database in `dir`, which is made if there is none. Nothing is waited for.
     pub fn begin(dir: &Path, line: &Line, now: Tick) -> Self {
         let (path, of) = (dir.join("line.db"), line.clone());
-        Self::with(move || History::open(&path, &about(&of)), line, now)
+        let mut known = None;
+        Self::with(move || History::open(&path, &*known.get_or_insert_with(|| about(&of))), line, now)
     }
 
-    /// The same with a database that `open` opens, on the thread that feeds it.
-    pub fn with(open: impl FnOnce() -> Result<History, HistoryError> + Send + 'static, line: &Line, now: Tick) -> Self {
+    /// The same with a database that `open` opens, on the thread that feeds it, and again after each failure.
+    pub fn with(open: impl FnMut() -> Result<History, HistoryError> + Send + 'static, line: &Line, now: Tick) -> Self {
         let wall = Tick::ZERO + SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         LineHistory {
             feed: HistoryFeed::of_notes(open),
@@ -94,6 +109,7 @@ impl LineHistory {
             newest: vec![NewestBySequence::new(line.timing.stale); line.stations.len()],
             noted: None,
             begin_due: now,
+            resumed: 0,
             no_room: None,
             note_due: now,
             notes: Vec::new(),
@@ -116,11 +132,17 @@ impl LineHistory {
         self.offer(now);
     }
 
-    /// Records the situation of the line. False if nothing more can be written, which is reported here.
+    /// Records the situation of the line, and logs what has become of the database. False if nothing will be written any
+    /// more.
     pub fn situation(&mut self, now: Tick, situation: &LineSituation) -> bool {
-        if let Some(why) = self.feed.failed() {
-            tracing::error!("{why}; the line continues without a database");
+        log_news(&self.feed);
+        if self.feed.has_ended() {
+            tracing::error!("{}; the line continues without", self.feed.failed().unwrap_or_default());
             return false;
+        }
+        let resumed = self.feed.resumed();
+        if std::mem::replace(&mut self.resumed, resumed) != resumed {
+            (self.noted, self.begin_due) = (None, now);
         }
         if let Some((since, is_reported @ false)) = &mut self.no_room
             && now.since(*since) >= HANGS

@@ -1,0 +1,86 @@
+//! A plant that is stopped half-way and started again, in real time.
+
+use std::path::Path;
+use std::time::Duration;
+
+use linewright_canopen::Manager;
+use linewright_fieldbus::bus::{self, Transport};
+use linewright_fieldbus::{Bus, Clock, Driver};
+use linewright_fieldbus_seam::InputImage;
+use linewright_line::{DeviceBus as BusName, Owner, Tick};
+use linewright_plant::PlantOptions;
+use linewright_racks::{KEPT_IN, KeptPositions, RackOptions, kept_positions, run_kept_plant};
+use linewright_testkit::presses::*;
+use tokio::sync::oneshot;
+
+const LINE_BUS: &str = "vcan-kept";
+const WAIT: Duration = Duration::from_secs(20);
+
+/// Runs the plant until press 1, driven with these outputs, has these inputs; then stops it.
+async fn press(buses: &Path, kept: &Path, outputs: u128, inputs: u128) {
+    let bus = bus::BusOptions { transport: Transport::Virtual, dir: Some(buses.to_owned()) };
+    let clock = Clock::start();
+    let options =
+        RackOptions { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant: PlantOptions::default(), clock };
+    let (stop, stopped) = oneshot::channel::<()>();
+    let dir = kept.to_owned();
+    let plant = tokio::spawn(async move {
+        let stopped = async {
+            let _ = stopped.await;
+        };
+        run_kept_plant(&line(), &options, &dir, stopped).await
+    });
+    tokio::time::sleep(Duration::from_millis(50)).await;
+    let described = line();
+    let devices = described.devices.iter().filter(|device| device.bus == BusName::Line);
+    let manager = Manager::new(devices, described.timing).unwrap();
+    let mut driver = Driver::new(Bus::open(LINE_BUS, &bus).unwrap(), manager, clock);
+    let owner = Owner::Station(PRESS);
+    let is = |image: InputImage, bits: u128| image.valid && image.bits == bits;
+    let reached = tokio::time::timeout(WAIT, async {
+        while !driver.inputs(owner).valid {
+            driver.next().await.unwrap();
+        }
+        driver.set_outputs(owner, outputs);
+        while !is(driver.inputs(owner), inputs) {
+            driver.next().await.unwrap();
+        }
+    });
+    assert!(reached.await.is_ok(), "inputs {:?}", driver.inputs(owner));
+    let _ = stop.send(());
+    plant.await.unwrap().unwrap();
+}
+
+fn ram(kept: &Path) -> f64 {
+    match kept_positions(kept, &line(), Tick::ZERO, PlantOptions::default()) {
+        Ok(KeptPositions::Racks(racks)) => racks[&BusName::Line.to_string()].plant().position(PRESS, RAM),
+        Ok(KeptPositions::Nothing) => panic!("nothing is kept"),
+        Err(why) => panic!("{why}"),
+    }
+}
+
+#[tokio::test]
+async fn a_plant_that_is_stopped_half_way_goes_on_from_there() {
+    let (buses, kept) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    press(buses.path(), kept.path(), FORWARD, 0).await;
+    let half_way = ram(kept.path());
+    assert!(half_way > 0.0 && half_way < 80.0, "{half_way}");
+    // Its output is off, and it stands.
+    press(buses.path(), kept.path(), 0, 0).await;
+    assert_eq!(ram(kept.path()), half_way);
+    press(buses.path(), kept.path(), FORWARD, FRONT).await;
+    assert_eq!(ram(kept.path()), 80.0);
+    // Damaged, of another form, of another line: at home, and begun anew.
+    for (text, why) in [
+        ("{\"version\":1,", "EOF"),
+        ("{\"version\":9,\"line\":\"presses\"}", "it has form 9, this program reads form 1"),
+        ("{\"version\":1,\"line\":\"other\",\"buses\":{}}", "they are those of line `other`"),
+    ] {
+        std::fs::write(kept.path().join(KEPT_IN), text).unwrap();
+        let refused = kept_positions(kept.path(), &line(), Tick::ZERO, PlantOptions::default());
+        let refused = refused.map(|_| ()).unwrap_err();
+        assert!(refused.contains(why) && refused.contains("begins at home"), "{refused}");
+        press(buses.path(), kept.path(), 0, BACK).await;
+        assert_eq!(ram(kept.path()), 0.0);
+    }
+}
