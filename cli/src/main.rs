@@ -23,6 +23,7 @@ mod new;
 mod nodes;
 mod operate;
 mod out;
+mod parts;
 mod report;
 mod run;
 mod schema;

@@ -10,7 +10,6 @@ mod chart;
 mod json;
 mod report;
 
-pub use cell::parts;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -21,6 +20,7 @@ use linewright_simulation::{LineSim, Network, RunEnd, RunGoal, Scenario, SimOpti
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::out::{self, say};
+use crate::parts::PartList;
 use crate::{files, load};
 use report::SimulationReport;
 
@@ -38,10 +38,10 @@ const VARIATION_PERCENT: (f64, f64) = (0.0, 90.0);
 pub struct Args {
     /// Directory of a line or a cell, or its description file.
     line: PathBuf,
-    /// Of a cell: number of parts of each type to make, as A=3,B=2 [default: one of each].
-    #[arg(long, value_name = "TYPE=N", value_delimiter = ',', value_parser = cell::parts)]
-    parts: Vec<(String, u32)>,
-    /// Of a cell: print every dispatch decision with its reason.
+    /// Of a cell: how many parts of which types to make, as A=3,B=2; may be repeated [default: one of each].
+    #[arg(long, value_name = "TYPE=N", value_parser = PartList::read)]
+    parts: Vec<PartList>,
+    /// Of a cell: print everything that is decided, and why.
     #[arg(long)]
     why: bool,
     /// Of a cell: use look-ahead and schedule as described, instead of the dispatching rules alone.

@@ -230,9 +230,23 @@ fn scalar_or_list(text: &str) -> ParamValue {
     let text = text.trim();
     match text.strip_prefix('[').and_then(|t| t.strip_suffix(']')) {
         Some(inner) if inner.trim().is_empty() => ParamValue::List(Vec::new()),
-        Some(inner) => ParamValue::List(inner.split(',').map(|item| scalar(item.trim())).collect()),
+        Some(inner) => ParamValue::List(items(inner).into_iter().map(|item| scalar(item.trim())).collect()),
         None => scalar(text),
     }
+}
+
+/// The items of a list: a comma between quotation marks separates none.
+fn items(inner: &str) -> Vec<&str> {
+    let mut quote = None;
+    let separates = |sign: char| {
+        match quote {
+            Some(open) if open == sign => quote = None,
+            None if matches!(sign, '\'' | '"') => quote = Some(sign),
+            Some(_) | None => {}
+        }
+        quote.is_none() && sign == ','
+    };
+    inner.split(separates).collect()
 }
 
 fn scalar(text: &str) -> ParamValue {

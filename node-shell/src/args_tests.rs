@@ -66,6 +66,7 @@ fn parameter_values() {
         ("vcan0", ParamValue::Text("vcan0".into())),
         ("/a:=b", ParamValue::Text("/a:=b".into())),
         ("[1,2]", list(&[1, 2])),
+        ("['a,b',\"c,d\"]", ParamValue::List(vec![ParamValue::Text("a,b".into()), ParamValue::Text("c,d".into())])),
         ("[]", list(&[])),
     ] {
         let (args, _) = parse(&format!("--ros-args -p v:={text}")).unwrap();

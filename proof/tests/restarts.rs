@@ -3,7 +3,7 @@
 
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, TransferLine, parse};
-use linewright_proof::explore::{LineExploration, LineExplored, SearchLimits, explore};
+use linewright_proof::explore::{Grants, LineExploration, LineExplored, SearchLimits, explore};
 use linewright_proof::generate::{self, LineShape};
 
 use crate::common::{explored, lines};
@@ -57,5 +57,29 @@ fn without_its_memory_a_station_asks_for_nothing() {
         let explored = explored(&LineExploration::new(&line).with_lost_memories(), 60_000);
         let asks = explored.properties.iter().find(|property| property.reason.contains("of no generation"));
         assert_eq!(asks.map(|property| &property.counterexample), None, "line {seed}");
+    }
+}
+
+/// With a rule off counts can contradict each other. That is what is found; a station does not come up from such a record.
+#[test]
+fn without_the_rule_of_the_round_and_with_restarts_the_wrong_counts_are_found() {
+    let without = |line: &Line| {
+        let mut setting = LineExploration::new(line);
+        (setting.rules.redo_round, setting.restarts) = (false, true);
+        setting
+    };
+    let line_explored = found(&without(&shipped()));
+    let story = line_explored.counterexample().expect("the rule is needed");
+    assert!(!line_explored.holds() && story.end.contains("are of no cycle"), "{story}");
+    // Explored on, as situations of a class are, until a record contradicts itself.
+    for seed in 0..lines(8) {
+        let line = generate::line(&LineShape::small(), seed);
+        for grants in [Grants::InEpochs, Grants::Anyhow] {
+            for lost in [false, true] {
+                let mut setting = without(&line);
+                setting.grants = grants;
+                explored(&if lost { setting.with_lost_memories() } else { setting }, 20_000);
+            }
+        }
     }
 }

@@ -18,6 +18,7 @@ use serde::Serialize;
 use super::explored::ExploreOptions;
 use super::report::TextPlace;
 use crate::load;
+use crate::parts::PartList;
 
 /// Property that no exploration of a cell decides.
 pub const BREAKDOWN: &str = "whether parts are finished in time, or with a resource failed: exploration has no \
@@ -242,12 +243,12 @@ fn setting<'c>(cell: &'c Cell, options: &ExploreOptions) -> miette::Result<CellE
     }
     if !options.parts.is_empty() {
         let mut counts = vec![0; cell.part_types.len()];
-        for (name, count) in &options.parts {
-            let id = cell.part_type_named(name).ok_or_else(|| {
+        for (name, count) in PartList::sum(&options.parts) {
+            let id = cell.part_type_named(&name).ok_or_else(|| {
                 let known: Vec<&str> = cell.part_types.iter().map(|part| part.name.as_str()).collect();
                 miette!("no part type '{name}'; the cell has {}", known.join(", "))
             })?;
-            counts[id.index()] = *count;
+            counts[id.index()] = count;
         }
         setting.parts = Some(counts);
     }

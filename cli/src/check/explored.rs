@@ -11,6 +11,8 @@ use linewright_proof::parts::{SubLine, cyclic, parts, smallest_parts, task_drive
 use linewright_proof::positions::PositionRules;
 use serde::Serialize;
 
+use crate::parts::PartList;
+
 /// What is explored, and how freely.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Exploration")]
@@ -45,19 +47,12 @@ pub struct ExploreOptions {
     /// Most memory, about, in MiB; beyond, the verdict is undecided.
     #[arg(long, default_value_t = 3072)]
     memory: usize,
-    /// Of a cell: number of parts of each type that are let in, as `A=2,B=1`; none of other types.
-    #[arg(long, value_name = "TYPE=N", value_delimiter = ',', value_parser = part)]
-    pub parts: Vec<(String, u32)>,
-    /// Of a cell: explore the states with activities in progress, too. The answers are the same.
+    /// Of a cell: let in only so many parts of each type, as in `A=2,B=1`; others not at all. May be repeated.
+    #[arg(long, value_name = "TYPE=N", value_parser = PartList::read)]
+    pub parts: Vec<PartList>,
+    /// Of a cell: count the states in which activities are in progress, too. The answers are the same.
     #[arg(long)]
     pub expanded: bool,
-}
-
-/// A part type and how many.
-fn part(text: &str) -> Result<(String, u32), String> {
-    let (name, count) = text.rsplit_once('=').ok_or_else(|| format!("'{text}' is not as in A=2"))?;
-    let count = count.trim().parse().map_err(|_| format!("'{count}' is not a number of parts"))?;
-    Ok((name.trim().to_owned(), count))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

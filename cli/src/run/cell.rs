@@ -26,15 +26,15 @@ pub struct CellRun {
 
 impl CellRun {
     /// Looks at the cell; nothing is ordered yet.
-    pub fn open(line: &Line, cell: &Cell, parts: &[(String, u32)], ros: &RosArgs) -> miette::Result<Self> {
-        for (name, _) in parts {
+    pub fn open(line: &Line, cell: &Cell, parts: Vec<(String, u32)>, ros: &RosArgs) -> miette::Result<Self> {
+        for (name, _) in &parts {
             if cell.part_type_named(name).is_none() {
                 let known: Vec<&str> = cell.part_types.iter().map(|part| part.name.as_str()).collect();
                 return Err(miette!("there is no part type '{name}'; the cell makes {}", known.join(", ")));
             }
         }
         let client = CellClient::open(line, ros, "run_cell")?;
-        let wanted = parts.iter().filter(|(_, count)| *count > 0).cloned().collect();
+        let wanted = parts.into_iter().filter(|(_, count)| *count > 0).collect();
         Ok(CellRun { client, wanted, ids: None, shown: BTreeSet::new(), progress: (0, Instant::now()) })
     }
 

@@ -31,6 +31,7 @@ use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
+use crate::parts::PartList;
 use crate::states::mode_name;
 use crate::watch::{PICTURE_EVERY, Screen, WatchState};
 use cell::CellRun;
@@ -50,9 +51,9 @@ pub struct Args {
     /// same.
     #[arg(long)]
     cycles: Option<usize>,
-    /// Of a cell: parts to make before the end, as A=2,B=1.
-    #[arg(long, value_delimiter = ',', value_parser = crate::simulate::parts)]
-    parts: Vec<(String, u32)>,
+    /// Make these parts of a cell and end, as A=2,B=1; may be repeated.
+    #[arg(long, value_name = "TYPE=N", value_parser = PartList::read)]
+    parts: Vec<PartList>,
     /// Print one JSON object at the end, and nothing else.
     #[arg(long)]
     json: bool,
@@ -118,7 +119,7 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     if !args.no_plant {
         scratch.machine_note(&line).into_iter().for_each(|note| session.note(note));
     }
-    session.cell = cell.map(|cell| CellRun::open(&line, &cell, &args.parts, &ros)).transpose()?;
+    session.cell = cell.map(|cell| CellRun::open(&line, &cell, PartList::sum(&args.parts), &ros)).transpose()?;
     let outcome = match start_all(&mut children, &line, &args, &scratch.dir, session.virtual_bus) {
         Ok(()) => session.drive(&mut children).await,
         Err(error) => Err(error),

@@ -80,6 +80,8 @@ pub struct Coordinator {
     rival: Option<(u64, Tick)>,
     /// "Manual" was commanded: as if every selector stood at manual.
     manual_all: bool,
+    /// When a manual that was commanded and is not in force yet is given up.
+    manual_until: Tick,
     stations: Vec<StationEntry>,
     console: (u128, bool),
     console_was_heard: bool,
@@ -121,6 +123,7 @@ impl Coordinator {
             journal_lost: false,
             rival: None,
             manual_all: false,
+            manual_until: Tick::ZERO,
             console: (0, false),
             console_was_heard: false,
             unreleased: 0,
@@ -327,17 +330,6 @@ impl Coordinator {
         }
     }
 
-    /// The stations left out of the mode decision that keep the line from home.
-    fn left_out_away(&self) -> Vec<ModeRefusal> {
-        let counted: Vec<StationId> = self.counted().map(|(id, _)| id).collect();
-        let left_out = self.line.station_ids().zip(&self.stations).filter(|(id, _)| !counted.contains(id));
-        let away = left_out.filter_map(|(id, station)| match self.is_known(station) {
-            false => Some(ModeRefusal::NotHeard(id)),
-            true => (!station.heard.at_home).then_some(ModeRefusal::NotAtHome(id)),
-        });
-        away.collect()
-    }
-
     /// Nothing moves, and nothing will by an order received before.
     fn is_at_rest(&self, heard: &StationView) -> bool {
         heard.stopped && heard.mode_epoch >= self.quiet
@@ -460,6 +452,7 @@ impl Coordinator {
     pub fn step(&mut self, now: Tick, out: &mut ModeOutbox) {
         self.now = self.now.max(now);
         self.decide(None);
+        self.give_up_manual();
         // In no mode, manual included, while it is not known whether the emergency stop button is pressed, or while another
         // coordinator gives orders as well.
         let is_alone = self.rival().is_none();
@@ -483,7 +476,8 @@ impl Coordinator {
     pub fn next_deadline(&self) -> Option<Tick> {
         let views = self.stations.iter().map(|s| s.known_until);
         let rival = self.rival.map_or(Tick::ZERO, |(_, until)| until);
-        views.chain([self.buttons.until(), rival, self.manual_waits_until()]).filter(|&t| t > self.now).min()
+        let manual = [self.manual_waits_until(), self.manual_given_up_at()];
+        views.chain(manual).chain([self.buttons.until(), rival]).filter(|&t| t > self.now).min()
     }
 
     fn lamps(&self) -> u128 {

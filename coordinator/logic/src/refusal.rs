@@ -1,5 +1,7 @@
 //! Refusals: a command that is not obeyed is answered with every reason, never kept for later.
 
+use std::time::Duration;
+
 use linewright_line::net::ControlMode;
 use linewright_line::{OpId, StationId};
 
@@ -47,6 +49,8 @@ pub enum ModeRefusal {
     BetweenRests(StationId),
     /// A station is at home, but a round behind another.
     Behind(StationId),
+    /// The command was obeyed, and its mode could not be reached within this time for the other reasons.
+    GivenUp(Duration),
 }
 
 /// A command that was not obeyed.

@@ -31,6 +31,7 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::Unaware(_) => ModeRefusal::Unaware(station);
         ModeRefusal::NotAtHome(_) => ModeRefusal::NotAtHome(station);
         ModeRefusal::Behind(_) => ModeRefusal::Behind(station);
+        ModeRefusal::GivenUp(_) => ModeRefusal::GivenUp(std::time::Duration::from_secs(30));
     })
 }
 

@@ -336,6 +336,42 @@ fn manual_is_entered_as_soon_as_every_station_has_heard_of_stand_by() {
     assert_eq!(bench.mode(), ControlMode::Manual);
 }
 
+/// A station that is lost after the command comes back when nobody may be watching.
+#[test]
+fn a_manual_that_waits_for_half_a_minute_is_given_up_and_does_not_come_late() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.acknowledge = false;
+    bench.heard[1].devices_valid = false;
+    bench.say(1);
+    assert_eq!(bench.command(ModeCommand::Manual), None);
+    bench.out.refusals.clear();
+    // From now on the second station is not heard.
+    let lost_at = bench.now;
+    let beat_of_others = |bench: &mut Bench, ms: u64| {
+        bench.wait(Duration::from_millis(ms));
+        for at in [0, 2] {
+            bench.heard[at].mode_epoch = bench.coordinator.epoch();
+            bench.say(at);
+        }
+    };
+    while bench.now < lost_at + Duration::from_millis(29_900) {
+        beat_of_others(&mut bench, 100);
+    }
+    assert!(bench.out.refusals.is_empty(), "it may still come");
+    assert!(bench.coordinator.next_deadline().is_some());
+    beat_of_others(&mut bench, 100);
+    let texts: Vec<String> = bench.out.refusals.iter().map(|refusal| refusal.text(&bench.line)).collect();
+    assert_eq!(texts, ["manual refused in stand-by: clamp_1: no state received; given up after 30 s, give it again"]);
+    bench.acknowledge = true;
+    bench.heard[1].devices_valid = true;
+    bench.beat();
+    assert_eq!(bench.mode(), ControlMode::StandBy);
+    assert_eq!(bench.command(ModeCommand::Manual), None);
+    assert_eq!(bench.mode(), ControlMode::Manual);
+    bench.wait(Duration::from_secs(60));
+    assert_eq!((bench.mode(), bench.out.refusals.len()), (ControlMode::Manual, 0), "what was reached stays");
+}
+
 #[test]
 fn why_auto_ended_by_itself_is_said_until_the_next_command() {
     let mut bench = Bench::in_mode(ControlMode::Auto);

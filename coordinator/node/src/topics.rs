@@ -79,6 +79,8 @@ pub fn open(
             tasks.push(forward(outputs, to.clone(), move |m, _| Some(CoordinatorInbound::Outputs(id, m))));
             Some(node.publisher(&format!("{}/inputs", station.name), qos::repeated())?)
         } else {
+            // Not gated by its pace: it is only read, in texts, and of one publisher the newest comes last. Commands and images are
+            // volatile, so that the middleware sends nothing to a reader that was sent before it joined.
             let trouble = node.subscription(&format!("{}/trouble", station.name), qos::latched_state())?;
             tasks.push(forward(trouble, to.clone(), move |m: Text, _| Some(CoordinatorInbound::Trouble(id, m.data))));
             None

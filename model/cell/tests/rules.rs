@@ -69,6 +69,25 @@ fn the_shipped_cells_are_sound_beside_their_lines() {
     }
 }
 
+/// C1 as it was: the fixture of a machine whose part was taken away opens only for a part.
+#[test]
+fn a_machine_that_nothing_opens_without_a_part_is_reported() {
+    let begin = C1_LINE.find("name = \"clamp-open empty\"").expect("it is there");
+    let (before, after) = C1_LINE.split_at(begin);
+    let waits = "waits = [\"part_present\"]\nwaits_code = 14\nhand = { type = 3, forward = \"PB_clear_1\"";
+    let line = line_of(&format!("{before}{}", after.replacen("hand = { type = 3, forward = \"PB_clear_1\"", waits, 1)));
+    let found = problems(C1, Some(&line));
+    let message = "`M1` cannot be made ready from rest `clamped` without a part";
+    assert_eq!(
+        found.iter().map(|problem| (problem.message.as_str(), problem.is_warning)).collect::<Vec<_>>(),
+        [(message, true)]
+    );
+    let help = found[0].hint.as_deref().unwrap_or_default();
+    assert!(help.contains("nothing leads `m1` from `clamped` to `open`"), "{help}");
+    assert_eq!(&C1[found[0].span.clone()], "\"M1\"");
+    assert_eq!(problems(C1, None), [], "without a line nothing is known of rests");
+}
+
 #[test]
 fn a_station_that_is_not_task_driven_gets_none_and_one_that_is_should() {
     let line = include_str!("../../../launch-config/lines/transfer-line/line.toml").replacen(

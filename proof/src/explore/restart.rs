@@ -1,18 +1,21 @@
 //! Restart of a station, with its memory and without.
 
 use linewright_line::StationId;
-use linewright_station_logic::{Controller, Restore, StationHappening, StationInput, StationReport};
+use linewright_station_logic::{Controller, Restore, Rules, StationHappening, StationInput, StationReport};
 
 use super::setting::LineExploration;
 use super::station::Situation;
 
 impl Situation {
-    /// Comes up from its snapshot. It receives again the last report from each writer; buttons start released.
+    /// Comes up from its snapshot. It receives again the last report from each writer; buttons start released. With a rule off
+    /// counts can contradict each other, which a station refuses in a snapshot: it does not come up, and stays as it is here.
     pub(super) fn restart(&mut self, setting: &LineExploration, events: &mut Vec<StationHappening>) {
         let station = self.controller.station();
         let held: Vec<(StationId, StationReport)> =
             setting.into(station.index()).filter_map(|link| self.heard_over(setting, link)).collect();
-        self.begin_life(setting, Restore::From(self.controller.snapshot()));
+        if !self.begin_life(setting, Restore::From(self.controller.snapshot())) {
+            return;
+        }
         self.image(0, true, events);
         self.order(setting, events);
         for (writer, report) in held {
@@ -35,12 +38,20 @@ impl Situation {
         self.order(setting, events);
     }
 
-    fn begin_life(&mut self, setting: &LineExploration, restore: Restore) {
+    /// Whether it came up.
+    fn begin_life(&mut self, setting: &LineExploration, restore: Restore) -> bool {
         let life = self.controller.writer().boot_id + 1;
-        self.controller = Controller::new(&setting.line, self.controller.station(), life, restore)
-            .expect("its program has compiled before, and its own snapshot fits it")
-            .with_rules(setting.rules);
+        match Controller::new(&setting.line, self.controller.station(), life, restore) {
+            Ok(controller) => self.controller = controller.with_rules(setting.rules),
+            Err(why) => {
+                let Rules { counted, withdraw_first, ask, fresh_numbers, redo_round, home_waits, .. } = setting.rules;
+                let all = counted && withdraw_first && ask && fresh_numbers && redo_round && home_waits;
+                assert!(!all, "its program has compiled before, and with all rules its own snapshot fits it: {why}");
+                return false;
+            }
+        }
         (self.key, self.button, self.outputs) = (None, None, 0);
+        true
     }
 
     /// The last report that it received over a link, but for the answer to a request that it has forgotten.

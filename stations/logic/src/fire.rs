@@ -290,10 +290,11 @@ impl Controller {
             cause
         } else if self.is_late(token) {
             let has_left = if table.turns == 0 { token.left_start } else { token.progress != IndexProgress::AtStart };
+            let is_on = self.image.bits & table.complete != 0;
             match self.switch_behind(token.place) {
-                _ if has_left => StopCause::Watchdog,
-                Some(behind) => StopCause::BothSwitchesOn { behind },
-                None => StopCause::SwitchStuck,
+                Some(behind) if is_on || !has_left => StopCause::BothSwitchesOn { behind },
+                Some(_) | None if has_left => StopCause::Watchdog,
+                Some(_) | None => StopCause::SwitchStuck,
             }
         } else {
             StopCause::Released

@@ -93,6 +93,8 @@ pub fn open(
         tasks.push(forward(node.subscription("~/inputs", qos::repeated())?, to.clone(), |m, _| {
             Some(StationInbound::Inputs(m))
         }));
+        // Not gated by its pace: it is only read, in texts, and of one publisher the newest comes last. Commands, orders and images
+        // are volatile, so that the middleware sends nothing to a reader that was sent before it joined.
         tasks.push(forward(node.subscription("~/trouble", qos::latched_state())?, to.clone(), |m: Text, _| {
             Some(StationInbound::Trouble(m.data))
         }));

@@ -28,19 +28,11 @@ use miette::miette;
 use super::Args;
 use crate::load;
 use crate::out::{self, say};
+use crate::parts::{PARTS_MAX, PartList};
 use made::ProductionResult;
 
-/// More parts are no more informative.
-const PARTS_MAX: u32 = 100_000;
 /// Most unfinished parts for which the reason is printed.
 const STUCK_MAX: usize = 10;
-
-/// So many parts of a type, as `A=3`.
-pub fn parts(text: &str) -> Result<(String, u32), String> {
-    let (name, count) = text.split_once('=').ok_or_else(|| "write TYPE=NUMBER, e.g. A=3".to_owned())?;
-    let count: u32 = count.parse().map_err(|_| format!("`{count}` is not a number of parts"))?;
-    if count <= PARTS_MAX { Ok((name.to_owned(), count)) } else { Err(format!("at most {PARTS_MAX} parts")) }
-}
 
 /// Runs the command for the cell in `file`.
 pub fn run(args: &Args, file: &Path) -> miette::Result<ExitCode> {
@@ -116,13 +108,13 @@ fn beside(file: &Path, quiet: bool) -> miette::Result<Option<Line>> {
 }
 
 /// Number of parts of each type, in the order of the description.
-fn batch(cell: &Cell, asked: &[(String, u32)]) -> miette::Result<Vec<u32>> {
+fn batch(cell: &Cell, asked: &[PartList]) -> miette::Result<Vec<u32>> {
     if asked.is_empty() {
         return Ok(vec![1; cell.part_types.len()]);
     }
     let mut batch = vec![0_u32; cell.part_types.len()];
-    for (name, count) in asked {
-        let Some(of) = cell.part_type_named(name) else {
+    for (name, count) in PartList::sum(asked) {
+        let Some(of) = cell.part_type_named(&name) else {
             let known: Vec<&str> = cell.part_types.iter().map(|of| of.name.as_str()).collect();
             return Err(miette!("no part type '{name}'; the cell has {}", known.join(", ")));
         };

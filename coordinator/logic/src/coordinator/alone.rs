@@ -42,8 +42,19 @@ impl Coordinator {
         self.line.station_ids().zip(&self.stations).filter(move |(_, station)| !is_out(station))
     }
 
-    /// These stations are in emergency stop by themselves, and no others. Only task-driven stations can be. Call it
-    /// whenever that changes, before [`Coordinator::step`].
+    /// The stations left out of the mode decision that keep the line from home.
+    pub(super) fn left_out_away(&self) -> Vec<ModeRefusal> {
+        let counted: Vec<StationId> = self.counted().map(|(id, _)| id).collect();
+        let left_out = self.line.station_ids().zip(&self.stations).filter(|(id, _)| !counted.contains(id));
+        let away = left_out.filter_map(|(id, station)| match self.is_known(station) {
+            false => Some(ModeRefusal::NotHeard(id)),
+            true => (!station.heard.at_home).then_some(ModeRefusal::NotAtHome(id)),
+        });
+        away.collect()
+    }
+
+    /// These stations are in emergency stop by themselves, and no others. Only stations on order can be. Call it whenever that
+    /// changes, before [`Coordinator::step`].
     pub fn stop_alone(&mut self, stations: impl Fn(StationId) -> bool) {
         let next = self.epoch.saturating_add(1);
         let mut any_is_reset = false;

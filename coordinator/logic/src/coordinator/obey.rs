@@ -1,11 +1,16 @@
 //! Effect of each command in each mode, and reasons of refusal.
 
-use linewright_line::StationId;
+use std::time::Duration;
+
 use linewright_line::net::ControlMode;
+use linewright_line::{StationId, Tick};
 
 use super::Coordinator;
 use crate::decision::ModeCommand;
 use crate::refusal::{ModeRefusal, RefusedCommand};
+
+/// How long a commanded manual may wait for stations to stand. What it waits for takes a moment; later nobody may be watching.
+const MANUAL_WAIT_MAX: Duration = Duration::from_secs(30);
 
 impl Coordinator {
     pub(super) fn command(&mut self, command: ModeCommand) {
@@ -171,9 +176,30 @@ impl Coordinator {
         if reasons.is_empty() {
             // A station that has not acknowledged stand-by yet does so in a moment, and the mode follows then.
             self.manual_all = true;
+            self.manual_until = self.now + MANUAL_WAIT_MAX;
             self.decide(None);
         }
         reasons
+    }
+
+    /// When a commanded manual that still waits is given up; 0 while none does.
+    pub(super) fn manual_given_up_at(&self) -> Tick {
+        if self.manual_all && self.mode != ControlMode::Manual { self.manual_until } else { Tick::ZERO }
+    }
+
+    /// Ends a commanded manual that has waited too long, as for a station that was lost after the command: what comes back
+    /// minutes later must not change the mode by itself.
+    pub(super) fn give_up_manual(&mut self) {
+        let at = self.manual_given_up_at();
+        if at == Tick::ZERO || self.now < at {
+            return;
+        }
+        self.manual_all = false;
+        self.changed = true;
+        let mut reasons = self.against_manual();
+        reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), ModeRefusal::Unaware));
+        reasons.push(ModeRefusal::GivenUp(MANUAL_WAIT_MAX));
+        self.refusals.push(RefusedCommand { command: ModeCommand::Manual, mode: self.mode, reasons });
     }
 
     /// From home to stand-by and on to manual, as by start and manual one after the other. A generation that is missing is

@@ -132,14 +132,84 @@ fn a_clamp_that_really_arrived_at_a_stuck_switch_is_led_on_after_the_report_and_
     assert_eq!(again.closes(), 1);
 }
 
-/// Of a short stroke both switches may be on in the middle: a switch that was seen off is believed as before, and one that was
-/// not needs the other one off.
+/// The clamp has not begun to move, and its other switch flickers.
 #[test]
-fn switches_that_overlap_complete_a_motion_as_before() {
+fn a_switch_that_comes_on_while_the_one_behind_is_on_completes_nothing() {
+    let mut clamp = Clamp::up(Restore::Fresh, &["LS_open"]);
+    clamp.rig.mode(ControlMode::Auto);
+    for on in [true, false, true, false] {
+        clamp.rig.set(clamp.closed, on);
+        assert_eq!((clamp.closes(), clamp.rig.report().stopped), (0, false));
+    }
+    // Really moved, it is complete as ever.
+    clamp.rig.set(clamp.open, false);
+    assert_eq!(clamp.closes(), 0);
+    clamp.rig.set(clamp.closed, true);
+    assert_eq!(clamp.closes(), 1);
+
+    // Nothing moves at all: the fault is by what is on when the time is over.
+    for (closed, fault) in [(true, "are both on"), (false, "not on within")] {
+        let mut clamp = Clamp::up(Restore::Fresh, &["LS_open"]);
+        clamp.rig.mode(ControlMode::Auto);
+        clamp.rig.set(clamp.closed, true);
+        clamp.rig.set(clamp.closed, closed);
+        clamp.rig.wait_ms(5000);
+        assert_eq!(clamp.closes(), 0);
+        assert!(clamp.fault().contains(fault), "{}", clamp.fault());
+        // Looked at and led on it is complete where it really arrives.
+        clamp.rig.mode(ControlMode::Manual);
+        clamp.rig.set(clamp.closed, false);
+        clamp.rig.advance(true);
+        clamp.rig.set(clamp.open, false);
+        clamp.rig.set(clamp.closed, true);
+        assert_eq!(clamp.closes(), 1);
+    }
+}
+
+/// The same on the way back.
+#[test]
+fn a_way_back_does_not_end_while_the_switch_it_leaves_is_on() {
+    let mut clamp = Clamp::up(Restore::Fresh, &["LS_open"]);
+    clamp.rig.mode(ControlMode::Auto);
+    clamp.rig.set(clamp.open, false);
+    clamp.rig.mode(ControlMode::Manual);
+    clamp.rig.set(clamp.closed, true);
+    clamp.rig.advance(true);
+    clamp.rig.advance(false);
+    assert_eq!(clamp.closes(), 1);
+    clamp.rig.retract(true);
+    clamp.rig.set(clamp.open, true);
+    assert_eq!(clamp.rig.doing(), "undoing advance clamp", "the switch it leaves is on");
+    clamp.rig.set(clamp.open, false);
+    clamp.rig.set(clamp.closed, false);
+    clamp.rig.set(clamp.open, true);
+    assert_eq!(clamp.rig.doing(), "advance clamp (undone)");
+}
+
+/// Of a short stroke both switches may be on in the middle: a switch that was seen off is believed where the other one goes off,
+/// and one that was not needs the report.
+#[test]
+fn switches_that_overlap_complete_a_motion_where_the_one_behind_goes_off() {
     let mut clamp = Clamp::up(Restore::Fresh, &["LS_open"]);
     clamp.rig.mode(ControlMode::Auto);
     clamp.rig.set(clamp.closed, true);
+    assert_eq!(clamp.closes(), 0, "both are on");
+    clamp.rig.set(clamp.open, false);
     assert_eq!(clamp.closes(), 1, "seen off, it has come on");
+
+    // Let go in the middle, it is driven to its end, reported once, and then it is there.
+    let mut clamp = Clamp::up(Restore::Fresh, &["LS_open"]);
+    clamp.rig.mode(ControlMode::Manual);
+    clamp.rig.advance(true);
+    clamp.rig.set(clamp.closed, true);
+    clamp.rig.advance(false);
+    clamp.rig.advance(true);
+    clamp.rig.set(clamp.open, false);
+    assert_eq!(clamp.closes(), 0);
+    clamp.rig.wait_ms(5000);
+    clamp.rig.advance(false);
+    clamp.advance();
+    assert_eq!(clamp.closes(), 1);
 
     let mut clamp = Clamp::up(Restore::Fresh, &["LS_open"]);
     clamp.rig.mode(ControlMode::Auto);

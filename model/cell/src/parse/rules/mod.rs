@@ -8,6 +8,7 @@ mod exceptions;
 mod orders;
 mod plans;
 mod resources;
+mod rests;
 mod syncs;
 mod tasks;
 mod ways;
@@ -44,6 +45,7 @@ pub(super) fn check(draft: &DraftCell<'_>, report: &mut Report) -> Option<Routes
     }
     orders::stations_exist(draft, report);
     tasks::orders_fit_their_tasks(draft, report);
+    rests::machines_come_from_rest_to_rest(draft, report);
     for part in draft.parts.iter().filter(|part| part.variant.is_none()) {
         plans::part_has_steps(part, report);
         plans::steps_have_resources_that_work(draft, part, report);
