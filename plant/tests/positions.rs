@@ -11,7 +11,7 @@ use linewright_testkit::presses::{self, ADVANCE, BACK, FORWARD, FRONT, PRESS, RA
 
 use crate::alone::Alone;
 
-const ON_ORDER: &str = include_str!("../../model/line/tests/descriptions/on_order.toml");
+const TASK_DRIVEN: &str = include_str!("../../model/line/tests/descriptions/task_driven.toml");
 const DRIVES: &str = include_str!("../../model/line/tests/descriptions/drives.toml");
 const AT: fn(u64) -> Tick = Tick::from_millis;
 
@@ -63,7 +63,7 @@ fn faults_that_were_injected_are_gone() {
 /// A robot's hand over slot 3, closed around a part: it still has it, and the slot's number is known without outputs.
 #[test]
 fn parts_are_where_they_were_and_hands_have_what_they_had() {
-    let line = described(ON_ORDER);
+    let line = described(TASK_DRIVEN);
     let robot = Owner::Station(StationId(1));
     let output = |name: &str| {
         let at = line.station(StationId(1)).outputs.iter().position(|output| output == name).expect("an output");
@@ -127,7 +127,7 @@ fn a_drive_stands_where_it_stood() {
 
 #[test]
 fn positions_of_another_line_and_impossible_ones_are_refused() {
-    let line = described(ON_ORDER);
+    let line = described(TASK_DRIVEN);
     let good = rack(&line).positions(Tick::ZERO, &line);
     assert!(resumed(&line, &good).is_ok());
     let refused = |change: &dyn Fn(&mut RackPositions)| {

@@ -53,7 +53,7 @@ impl Coordinator {
         away.collect()
     }
 
-    /// These stations are in emergency stop by themselves, and no others. Only stations on order can be. Call it whenever that
+    /// These stations are in emergency stop by themselves, and no others. Only task-driven stations can be. Call it whenever that
     /// changes, before [`Coordinator::step`].
     pub fn stop_alone(&mut self, stations: impl Fn(StationId) -> bool) {
         let next = self.epoch.saturating_add(1);
