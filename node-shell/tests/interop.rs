@@ -141,8 +141,11 @@ async fn an_action_is_asked_for() {
                 assert_eq!((names.1, names.2, asked.part.as_str()), (&["slot".to_owned()][..], &[-3][..], "part 7"));
                 if names.0 == "clamp" {
                     let phase = RunTaskFeedback::PHASE_RUNNING;
-                    owner.feedback(goal, RunTaskFeedback { phase, operation: "close".into(), step: 1, steps: 1 });
-                    sleep(Duration::from_millis(200)).await;
+                    // As a station does, repeatedly: the first may go out before the peer's reader is found.
+                    for _ in 0..10 {
+                        owner.feedback(goal, RunTaskFeedback { phase, operation: "close".into(), step: 1, steps: 1 });
+                        sleep(Duration::from_millis(100)).await;
+                    }
                     owner.end(goal, GoalEnd::Succeeded, result(asked.id, RunTaskResult::END_DONE, "done"));
                 }
             }

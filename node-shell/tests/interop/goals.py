@@ -166,8 +166,8 @@ def main():
 
     goal = begin("clamp", 5)
     result(goal)
-    heard = [f.operation for f in feedback.take(20) if list(f.goal_id) == goal]
-    print("feedback", heard, flush=True)
+    heard = {f.operation for f in feedback.take(20) if list(f.goal_id) == goal}
+    print("feedback", sorted(heard), flush=True)
     goal = begin("hold", 6)
     answer = cancels.ask(lambda n: Cancel(GUID, n, GoalInfo(goal, Time(0, 0))))
     print("cancelled", answer.return_code, [list(info.goal_id) == goal for info in answer.goals_canceling], flush=True)
