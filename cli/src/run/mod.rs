@@ -47,8 +47,7 @@ use tally::RunTally;
 pub struct Args {
     /// The line's directory, or its description file.
     line: PathBuf,
-    /// Cycles of the line after which to end, at home. After a fault an operator can go on; the exit code is 1 all the
-    /// same.
+    /// Cycles of the line after which to end, at home. After a fault an operator can go on; the exit code is 1 then.
     #[arg(long)]
     cycles: Option<usize>,
     /// Make these parts of a cell and end, as A=2,B=1; may be repeated.
