@@ -262,11 +262,14 @@ impl PositionSide {
                 self.outside.extend(all);
                 continue;
             }
-            // The stretch begins when its first operation starts and ends when its last one is complete.
+            // The stretch begins when its first operation starts and ends when its last one is complete; of a group, the one
+            // named alone.
             let begins = stretch.first() == Some(&step);
             let ends = stretch.last() == Some(&step);
+            let axis_of = |op: OpId| station.operations[op.index()].motion.axis.index();
+            let (first, last) = (axis_of(span.from), axis_of(span.until));
             for at in all {
-                let outside = (begins && at == start) || (ends && at == end);
+                let outside = (begins && at[first] == start[first]) || (ends && at[last] == end[last]);
                 if outside {
                     self.outside.insert(at.clone());
                 }

@@ -1,6 +1,6 @@
 //! The two barriers before the motions of each conflict: counts, which `check` explores, and measured positions.
 
-use linewright_line::{Conflict, Line, StateSpan};
+use linewright_line::{Conflict, Line, OpId, OperationModule, StateSpan};
 use linewright_proof::parts::SubLine;
 use linewright_proof::positions::{PositionRules, explore_positions};
 use linewright_station_logic::CompileError;
@@ -23,6 +23,9 @@ pub struct Barriers {
     pub not_measured: Vec<String>,
     /// Result for measured positions by themselves; none where they do not hold it.
     pub by_themselves: Option<ByThemselves>,
+    /// What to change where measured positions do not exclude it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub help: Option<String>,
 }
 
 /// Result with any motion commanded at any moment, and measured positions alone against it.
@@ -67,6 +70,7 @@ fn of_conflict(
         measured: Vec::new(),
         not_measured: Vec::new(),
         by_themselves: None,
+        help: None,
     };
     for span in [&conflict.a, &conflict.b] {
         let station = line.station(span.station);
@@ -91,10 +95,47 @@ fn of_conflict(
         };
         let counterexample = found.counterexample.unwrap_or_default();
         let found = ByThemselves { states: found.states, verdict, counterexample };
+        if verdict == "fails" && rules == PositionRules::ALL {
+            barriers.help = Some(what_to_change(line, conflict));
+        }
         known.push((alone, found.clone()));
         barriers.by_themselves = Some(found);
     }
     Ok(barriers)
+}
+
+/// Remedy where switches that are all on outside a state are all on within it as well.
+fn what_to_change(line: &Line, conflict: &Conflict) -> String {
+    let ends = [&conflict.a, &conflict.b].into_iter().flat_map(|span| [(span, "from"), (span, "until")]);
+    ends.filter_map(|(span, key)| beside_measured(line, span, key)).next().unwrap_or_else(|| {
+        "begin and end each state with motions of the mechanism that is in the way, so that its switch is on all the time \
+         outside the state and at no moment within it; as it is, counts alone exclude the conflict where switches are not enough"
+            .to_owned()
+    })
+}
+
+/// A state that begins or ends with one operation of a group, while the switches are those of another one of it.
+fn beside_measured(line: &Line, span: &StateSpan, key: &str) -> Option<String> {
+    let station = line.station(span.station);
+    let inputs = line.clearance(span).ok()?;
+    let end = if key == "from" { span.from } else { span.until };
+    let is_measured = |op: OpId| {
+        let operation = &station.operations[op.index()];
+        let outside = match (&operation.module, key) {
+            (OperationModule::Reversible { recovery, .. }, "from") => recovery.complete,
+            _ => operation.normal.complete,
+        };
+        inputs & outside.bit() != 0
+    };
+    let group = &station.steps[station.step_of(end)];
+    let measured = *group.iter().find(|&&op| op != end && is_measured(op)).filter(|_| !is_measured(end))?;
+    let (name, of) = (&station.operations[end.index()].name, &station.name);
+    let other = &station.operations[measured.index()].name;
+    let inputs = named(line, span, inputs).join(" and ");
+    Some(format!(
+        "`{name}` of {of} runs side by side with `{other}`, and {inputs} may be on while it moves: `{key} = \"{other}\"` \
+         if `{name}` is in nobody's way, or else `{name}` in a step of its own"
+    ))
 }
 
 fn named(line: &Line, span: &StateSpan, inputs: u128) -> Vec<String> {
@@ -103,12 +144,22 @@ fn named(line: &Line, span: &StateSpan, inputs: u128) -> Vec<String> {
 }
 
 impl Barriers {
-    /// Measured positions exclude what they are derived to exclude, as far as that was looked at.
-    pub fn holds(&self) -> bool {
-        self.by_themselves.as_ref().is_none_or(|found| found.verdict != "fails")
+    /// Verdict on measured positions by themselves; none where that was not looked at.
+    pub fn verdict(&self) -> Option<&'static str> {
+        self.by_themselves.as_ref().map(|found| found.verdict)
     }
 
-    /// A line for a person; more where measured positions fail.
+    /// Measured positions exclude what they are derived to exclude, as far as that was looked at.
+    pub fn holds(&self) -> bool {
+        self.verdict().is_none_or(|verdict| verdict == "holds")
+    }
+
+    /// Path to both states of the conflict; empty where measured positions exclude it.
+    pub fn steps(&self) -> &[String] {
+        self.by_themselves.as_ref().map_or(&[], |found| &found.counterexample)
+    }
+
+    /// A line for a person.
     pub fn text(&self) -> String {
         let first = if self.is_of_tasks { "orders" } else { "counts" };
         match (&self.not_measured[..], &self.measured[..]) {
@@ -129,7 +180,8 @@ impl Barriers {
                  except two starts within one report delay"
             ),
             "fails" => {
-                format!("{sides}; ✗ positions by themselves do not exclude it:\n    {}", counterexample.join("\n    "))
+                let steps = counterexample.len();
+                format!("{sides}; positions by themselves do not exclude it: after {steps} steps")
             }
             _ => format!("{sides}; positions by themselves: undecided after {states} states"),
         }

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use linewright_proof::explore::counted;
 use linewright_proof::structure::{Check, StructureReport};
 
+use super::barriers::Barriers;
 use super::cell;
 use super::explored::{Exploration, LineCounterexample, LineFinding};
 use super::report::CheckReport;
@@ -59,7 +60,11 @@ fn of_line(report: &CheckReport, out: &mut String) -> std::fmt::Result {
         writeln!(out, "{} {name}: {reason}", mark(*ok))?;
     }
     for barriers in &report.barriers {
-        writeln!(out, "- {}: {}", barriers.why, barriers.text())?;
+        writeln!(out, "{} {}: {}", barriers.verdict().map_or("-", sign), barriers.why, barriers.text())?;
+        if !barriers.steps().is_empty() {
+            steps(barriers.steps(), &barriers.why, out)?;
+        }
+        barriers.help.iter().try_for_each(|help| writeln!(out, "  help: {help}"))?;
     }
     report.explorations.iter().try_for_each(|exploration| explored(exploration, out))
 }
@@ -69,7 +74,8 @@ fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     let checks = || report.stations.iter().flat_map(|station| &station.checks).chain(&report.line_checks);
     let of_stations = report.explorations.iter().flat_map(|exploration| &exploration.properties).map(|p| p.verdict);
     let of_cell = report.cell.iter().flat_map(|cell| &cell.properties).map(|property| property.verdict);
-    let verdicts: Vec<&str> = of_stations.chain(of_cell).collect();
+    let of_barriers = report.barriers.iter().filter_map(Barriers::verdict);
+    let verdicts: Vec<&str> = of_stations.chain(of_cell).chain(of_barriers).collect();
     let with = |verdict: &str| verdicts.iter().filter(|known| **known == verdict).count();
     let problems = report.problems.len() + report.cell.as_ref().map_or(0, |cell| cell.problems.len());
     let all = checks().count() + verdicts.len();
@@ -109,12 +115,16 @@ fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
     exploration.help.iter().try_for_each(|help| writeln!(out, "  help: {help}"))
 }
 
-fn story(counterexample: &LineCounterexample, out: &mut String) -> std::fmt::Result {
+fn steps(steps: &[String], end: &str, out: &mut String) -> std::fmt::Result {
     writeln!(out)?;
-    for (nth, step) in counterexample.steps.iter().enumerate() {
+    for (nth, step) in steps.iter().enumerate() {
         writeln!(out, "{:6}. {step}", nth + 1)?;
     }
-    writeln!(out, "        and so: {}\n", counterexample.end)?;
+    writeln!(out, "        and so: {end}\n")
+}
+
+fn story(counterexample: &LineCounterexample, out: &mut String) -> std::fmt::Result {
+    steps(&counterexample.steps, &counterexample.end, out)?;
     counterexample.chart.iter().try_for_each(|row| writeln!(out, "    {row}"))?;
     writeln!(out)
 }

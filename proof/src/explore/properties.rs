@@ -111,7 +111,13 @@ impl System {
                 let what = facts.wrong.as_deref().unwrap_or("nothing is wrong");
                 format!("{}: {what}", self.setting.line.stations[station].name)
             }
-            Violation::Apart(least, most) => format!("stations are in cycles {least} and {most}, too far apart"),
+            Violation::Apart(least, most) => {
+                let name = |cycle: i32| {
+                    let at = state.cycles.iter().position(|of| *of == cycle).unwrap_or(0);
+                    &self.setting.line.stations[at].name
+                };
+                format!("{} is {} cycles ahead of {}, too far", name(most), most - least, name(least))
+            }
         }
     }
 

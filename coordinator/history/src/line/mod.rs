@@ -126,6 +126,27 @@ pub struct StationTrack {
     pub faults: Vec<Tick>,
 }
 
+impl StationTrack {
+    /// Waits with their causes. Causes that follow each other without a motion between them are of one wait: the last of them
+    /// arrived last, so all of it is charged to that one.
+    fn waits_by_last(&self) -> Vec<(Stretch, &str)> {
+        // No motion is open during a wait, so one that ended with it passed unseen.
+        let moved_at = |at: Tick| {
+            let from = self.motions.partition_point(|of| of.to < at);
+            self.motions[from..].iter().any(|of| of.to == at)
+        };
+        let mut all: Vec<(Stretch, &str)> = Vec::with_capacity(self.waits.len());
+        for wait in self.waits.iter().rev() {
+            let why = match all.last() {
+                Some(&((next, _), last)) if next == wait.to && !moved_at(next) => last,
+                _ => &wait.why,
+            };
+            all.push(((wait.from, wait.to), why));
+        }
+        all
+    }
+}
+
 /// Present state of the line.
 #[derive(Clone, Debug, Default)]
 struct Known {

@@ -300,9 +300,9 @@ fn station(name: &str, track: &StationTrack, producing: &Spans, span: Stretch) -
     let timed = track.motions.iter().filter(|of| of.end != MotionOutcome::Unseen);
     let busy = rest.take(&Spans::of(timed.map(|of| (of.from, of.to))));
     let mut by_cause: BTreeMap<&str, Vec<Stretch>> = BTreeMap::new();
-    for wait in &track.waits {
-        if let Some(stretch) = clipped((wait.from, wait.to), span) {
-            by_cause.entry(&wait.why).or_default().push(stretch);
+    for (of, why) in track.waits_by_last() {
+        if let Some(stretch) = clipped(of, span) {
+            by_cause.entry(why).or_default().push(stretch);
         }
     }
     let wait = |(why, stretches): (&str, Vec<Stretch>)| {

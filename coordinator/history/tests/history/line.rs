@@ -215,6 +215,30 @@ fn parts_sum_to_the_whole_and_nothing_is_over_100_percent() {
     }
 }
 
+/// Causes that follow each other are one wait, for what arrived last; a motion between them makes it two, also one that passed
+/// unseen.
+#[test]
+fn a_wait_is_charged_to_what_arrived_last() {
+    let waits = |between: Option<Note>| {
+        let mut notes = vec![
+            (0, Note::Began {}),
+            (0, mode("auto", true)),
+            (4_000, waited(0, "a", 1_000, 4_000)),
+            (5_000, waited(0, "b", 4_000, 5_000)),
+            (8_000, waited(0, "a", 7_000, 8_000)),
+            (9_000, waited(1, "c", 5_000, 9_000)),
+        ];
+        notes.splice(2..2, between.map(|note| (4_000, note)));
+        let report = tracked(&notes).report((AT(2_000), AT(9_000)), &ReportParameters::default());
+        let waits = report.stations[0].waits.iter().map(|of| (of.why.clone(), of.times, of.total));
+        waits.collect::<Vec<_>>()
+    };
+    let of = |why: &str, total| (why.to_owned(), 1, MS(total));
+    assert_eq!(waits(None), [of("b", 3_000), of("a", 1_000)]);
+    let unseen = motion(0, 0, 1, (4_000, 4_000), MotionOutcome::Unseen);
+    assert_eq!(waits(Some(unseen)), [("a".to_owned(), 2, MS(3_000)), of("b", 1_000)]);
+}
+
 /// Times of a gap are not recorded, and what was known before it is not what is known after it.
 #[test]
 fn a_gap_is_time_that_is_not_recorded() {

@@ -203,10 +203,13 @@ fn places_come_out_even(by: f64, drive: &RawDrive, index: &RawDriveIndex, report
                     .hint("all bits of the number have names"),
             );
         } else if bits.len() != needed {
-            let has = bits.len();
+            let (has, bits) = (bits.len(), if needed == 1 { "bit" } else { "bits" });
             report.add(
-                Problem::error(index.at.clone(), format!("`{key}` has {has} bits for {count} places, not {needed}"))
-                    .hint("names, the lowest bit first; places are numbered from 1, and 0 is none of them"),
+                Problem::error(
+                    index.at.clone(),
+                    format!("`{key}` needs {needed} {bits} for {count} places, has {has}"),
+                )
+                .hint("names, the lowest bit first; places are numbered from 1, and 0 is none of them"),
             );
         }
     }

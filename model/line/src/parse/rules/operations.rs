@@ -114,7 +114,7 @@ fn outlasts(what: &str, duration: &Located<Duration>, watchdog: &Located<Duratio
     }
 }
 
-pub(super) fn module_has_its_recovery(operation: &DraftOperation<'_>, report: &mut Report) {
+pub(super) fn module_has_its_recovery(station: &DraftStation<'_>, operation: &DraftOperation<'_>, report: &mut Report) {
     let (raw, name) = (operation.raw, operation.name);
     match operation.kind() {
         Some(ModuleKind::Reversible) => {
@@ -142,10 +142,14 @@ pub(super) fn module_has_its_recovery(operation: &DraftOperation<'_>, report: &m
             let goes_on = raw.moves.as_ref().is_some_and(|m| m.by.is_some() || (m.from.is_none() && m.to.is_none()));
             if !goes_on && raw.recovery_path.as_ref().is_none_or(|path| path.value.is_empty()) {
                 let at = raw.recovery_path.as_ref().map_or_else(|| operation.place(), |path| path.at.clone());
+                let missing = if raw.recovery_path.is_some() { "an empty recovery path" } else { "no recovery path" };
+                let last =
+                    if station.is_task_driven() { "the last operation of its task" } else { "the home operation" };
                 report.add(
-                    Problem::error(at, format!("irreversible operation `{name}` has no recovery path")).hint(
-                        "list in `recovery_path` the operations to take back, in order, before the home operation",
-                    ),
+                    Problem::error(at, format!("irreversible operation `{name}` has {missing}")).hint(format!(
+                        "list in `recovery_path` the operations to take back, one at least, in order; then {last} follows by \
+                         itself"
+                    )),
                 );
             }
         }
