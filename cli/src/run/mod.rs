@@ -33,7 +33,6 @@ use crate::interrupts::Interrupts;
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 use crate::parts::PartList;
-use crate::states::mode_name;
 use crate::watch::{PICTURE_EVERY, Screen, WatchState};
 use cell::CellRun;
 use children::Children;

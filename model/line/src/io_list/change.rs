@@ -131,6 +131,12 @@ fn trim(before: &[String], after: &mut Vec<String>) {
     }
 }
 
+pub(super) fn unknown_device(name: &str, devices: &[WrittenDevice]) -> String {
+    let known = devices.iter().map(|device| device.name.as_str());
+    let hint = suggestion(name, known).map(|hint| format!(": {hint}")).unwrap_or_default();
+    format!("no device with inputs and outputs is called `{name}`{hint}")
+}
+
 fn place<'a>(devices: &[WrittenDevice], row: &'a IoRow, problems: &mut Vec<RowProblem>) -> Option<Placed<'a>> {
     let before = problems.len();
     let mut add = |column, message| problems.push(RowProblem { line: row.line, column, message });
@@ -138,9 +144,7 @@ fn place<'a>(devices: &[WrittenDevice], row: &'a IoRow, problems: &mut Vec<RowPr
     match device {
         None if row.device.is_empty() => add("device", "no device".to_owned()),
         None => {
-            let known = devices.iter().map(|device| device.name.as_str());
-            let hint = suggestion(&row.device, known).map(|hint| format!(": {hint}")).unwrap_or_default();
-            add("device", format!("no device with inputs and outputs is called `{}`{hint}", row.device));
+            add("device", unknown_device(&row.device, devices));
         }
         Some(device) => {
             let owner = &devices[device].owner;
