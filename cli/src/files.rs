@@ -11,7 +11,14 @@ const TEXT_BYTES_MAX: usize = 4 << 20;
 
 /// The text of a description.
 pub fn description(file: &Path) -> miette::Result<String> {
-    text(file, TEXT_BYTES_MAX, "a description")
+    text(file, TEXT_BYTES_MAX, "a description").map_err(|error| match file.try_exists() {
+        Ok(false) => miette!(
+            help = "expected a directory with line.toml or cell.toml, or a description file",
+            "cannot read {}: there is no such file or directory",
+            file.display()
+        ),
+        Ok(true) | Err(_) => error,
+    })
 }
 
 /// A file's bytes, at most `most`; `what` it should be is for the error. No more is read: `/dev/zero` has no end.
@@ -41,6 +48,13 @@ mod tests {
     fn of_a_file_without_an_end_no_more_is_read_than_it_may_have() {
         let why = bytes(Path::new("/dev/zero"), 1000, "a description").expect_err("it is longer");
         assert!(why.to_string().starts_with("/dev/zero is larger than 1000 bytes"), "{why}");
+    }
+
+    #[test]
+    fn where_there_is_no_description_it_is_named_what_is_looked_for() {
+        let why = description(Path::new("dail")).expect_err("there is none");
+        assert_eq!(why.to_string(), "cannot read dail: there is no such file or directory");
+        assert!(why.help().is_some_and(|help| help.to_string().contains("line.toml or cell.toml")));
     }
 
     #[test]

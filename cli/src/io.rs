@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Subcommand;
-use linewright_line::{DeviceBegin, IO_COLUMNS, IoListError, RowProblem, io_list, with_io_list, within_devices};
+use linewright_line::{
+    DeviceBegin, IO_COLUMNS, IoListError, RowProblem, io_list, unknown_devices, with_io_list, within_devices,
+};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::files::{bytes, description};
@@ -75,9 +77,10 @@ fn import(file: &Path, list: &Path, begin: &[DeviceBegin], dry_run: bool) -> mie
     let before = description(file)?;
     let text = list::text(bytes(list, LIST_BYTES_MAX, "an I/O list")?)
         .map_err(|why| miette!(help = "nothing was written", "{}: {why}", list.display()))?;
-    if text.is_guessed {
-        let name = list.display();
-        crate::out::complain!("{name} is not UTF-8 and was read as Windows-1252: look at its special characters below");
+    let unknown =
+        unknown_devices(&file.display().to_string(), &before, begin).map_err(|error| refused(&error, file))?;
+    if !unknown.is_empty() {
+        return Err(miette!(help = "nothing was written", "--begin: {}", unknown.join("\n")));
     }
     let mut rows = list::rows(&text.text, !begin.is_empty()).map_err(|problems| wrong(&problems, list))?;
     if !begin.is_empty() {
@@ -95,6 +98,10 @@ fn import(file: &Path, list: &Path, begin: &[DeviceBegin], dry_run: bool) -> mie
     if change.changes.is_empty() {
         crate::out::say!("{name}: nothing is different");
         return Ok(ExitCode::SUCCESS);
+    }
+    if text.is_guessed {
+        let name = list.display();
+        crate::out::complain!("{name} is not UTF-8 and was read as Windows-1252: look at its special characters below");
     }
     for line in &change.changes {
         crate::out::say!("{line}");

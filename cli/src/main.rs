@@ -164,7 +164,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Run(args) => asynchronous(async move { run::run(args, ros).await }),
         CliCommand::Station(args) => logged(&ros, || nodes::station(args, &ros)),
         CliCommand::Coordinator(args) => logged(&ros, || nodes::coordinator(args, &ros)),
-        CliCommand::Plant(args) => logged(&ros, || nodes::plant(args)),
+        CliCommand::Plant(args) => logged(&ros, || nodes::plant(args, &ros)),
         CliCommand::Mode(args) => asynchronous(async move { operate::mode(args, &ros).await }),
         CliCommand::Rejoin(args) => asynchronous(async move { operate::rejoin(args, &ros).await }),
         CliCommand::Press(args) => asynchronous(async move { operate::press(args, &ros).await }),

@@ -67,6 +67,9 @@ pub struct PlantArgs {
     /// The CAN interface of the line's bus.
     #[arg(long, default_value = DEFAULT_BUS)]
     bus: String,
+    /// It is part of a run of its line, and its Modbus devices name that.
+    #[arg(long, hide = true)]
+    of_run: bool,
 }
 
 /// The default CAN interface of the line's bus.
@@ -233,8 +236,9 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
 }
 
 /// `linewright plant`
-pub fn plant(args: PlantArgs) -> miette::Result<ExitCode> {
+pub fn plant(args: PlantArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.common.line, true)?;
+    let run = args.of_run.then(|| crate::can::run_of(&line, ros)).transpose()?;
     runtime()?.block_on(async {
         let mut stop = stop_signal(args.common.end_with_stdin);
         let options = linewright_racks::RackOptions {
@@ -242,6 +246,7 @@ pub fn plant(args: PlantArgs) -> miette::Result<ExitCode> {
             bus: args.common.bus(),
             plant: linewright_plant::PlantOptions { people: true, ..Default::default() },
             clock: Clock::start(),
+            run,
         };
         let stopped = async {
             let _ = stop.wait_for(|stop| *stop).await;

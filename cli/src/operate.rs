@@ -90,6 +90,9 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     Ok(if state.is_some() && has_stopped { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
+/// Buttons and positions of the selector at the panel of a station.
+const PANEL: [&str; 4] = ["advance", "return", "manual", "auto"];
+
 /// Hold buttons for a while.
 #[derive(Debug, Args)]
 #[command(
@@ -126,7 +129,15 @@ pub async fn press(args: PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
 
 async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     if let Some(unknown) = args.buttons.iter().find(|name| !line.buttons.contains(name)) {
-        return Err(miette!("'{unknown}' is no button; buttons are {}", line.buttons.join(", ")));
+        let stations: Vec<&str> = line.stations.iter().map(|station| station.name.as_str()).collect();
+        let known = line.buttons.join(", ");
+        return Err(match PANEL.contains(&unknown.as_str()) {
+            true => miette!(
+                help = format!("--station NAME, of {}", stations.join(", ")),
+                "'{unknown}' is at the panel of a station, and no station is named; buttons of the main console are {known}"
+            ),
+            false => miette!("'{unknown}' is no button of the main console; it has {known}"),
+        });
     }
     let mut client = OperatorClient::open(line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
@@ -235,6 +246,7 @@ fn answer(
     refusal: Option<String>,
 ) -> miette::Result<ExitCode> {
     let buttons = args.buttons.join(" ");
+    let is_heard = stations.iter().all(|id| client.station(*id).is_some());
     if let Some(why) = &refusal {
         crate::out::complain!("{buttons} refused: {why}");
     }
@@ -246,7 +258,8 @@ fn answer(
     } else if refusal.is_none() {
         stations.iter().for_each(|id| print_station(client, *id));
     }
-    Ok(if refusal.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    // Whether a station that is not received has obeyed is unknown.
+    Ok(if refusal.is_none() && is_heard { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Confirm where a station stands.

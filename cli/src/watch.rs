@@ -85,6 +85,7 @@ async fn once(
     mut cell: Option<CellClient>,
     mut view: WatchState,
 ) -> miette::Result<ExitCode> {
+    view.has_chart = false;
     let is_all = client.until_all_heard(HEARD_WITHIN).await?;
     if let Some(cell) = cell.as_mut().filter(|_| client.coordinator().is_some()) {
         let down = cell.until_heard(HEARD_WITHIN).await?.down.clone();
@@ -144,6 +145,8 @@ pub struct WatchState {
     pub head: Vec<String>,
     /// Of a cell: why resources are left out.
     pub out_of_service: ReasonsByResource,
+    /// A single picture has none: it would show only what was received while it was made.
+    has_chart: bool,
 }
 
 /// Seconds since the Unix epoch, as the stamps count them.
@@ -160,6 +163,7 @@ impl WatchState {
             messages: VecDeque::new(),
             head: Vec::new(),
             out_of_service: ReasonsByResource::new(),
+            has_chart: true,
         }
     }
 
@@ -240,7 +244,7 @@ impl WatchState {
     /// The bar chart; empty as long as nothing has moved, or where there is no width for it.
     fn bars(&self, width: usize) -> Vec<String> {
         let chart_width = width.saturating_sub(self.chart.label_width() + 2).min(160);
-        if self.chart.is_empty() || chart_width < 10 {
+        if !self.has_chart || self.chart.is_empty() || chart_width < 10 {
             return Vec::new();
         }
         let mut lines = self.chart.draw(now(), CHART_SECONDS, chart_width);
@@ -344,6 +348,20 @@ impl Drop for Screen {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_single_picture_has_no_bar_chart() {
+        let text = linewright_line::TransferLine::default().text();
+        let line = linewright_line::parse("line.toml", &text).expect("parses").line;
+        let mut view = WatchState::new(&line);
+        let (kind, operation) = (StationEvent::KIND_STARTED, line.stations[0].operations[0].name.clone());
+        let mut event = StationEvent { kind, operation, ..StationEvent::default() };
+        event.header.stamp.sec = now() as i32;
+        view.take(&StateUpdate::Event(StationId(0), event));
+        assert!(!view.bars(100).is_empty());
+        view.has_chart = false;
+        assert!(view.bars(100).is_empty());
+    }
 
     #[test]
     fn reasons_are_wrapped_and_whole_at_sixty_columns() {

@@ -84,6 +84,9 @@ impl MotionFault {
         MotionFault::Drop,
     ];
 
+    /// Those that a motion of a drive can have: it moves by its own position, not along a mechanism of the plant.
+    pub const OF_DRIVE: [MotionFault; 2] = [MotionFault::Stick, MotionFault::Break];
+
     /// The number it has in 5F00h.
     pub fn code(self) -> u32 {
         self as u32

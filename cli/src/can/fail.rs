@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use linewright_line::{Device, DeviceKind, InputId, Line, OperationModule, Owner};
+use linewright_line::{Device, DeviceKind, InputId, Line, Operation, OperationModule, OutputId, Owner, StationId};
 use linewright_node_shell::RosArgs;
 use linewright_plant::{
     CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, FrameFaults, InputFault, MotionFault, ObjectWrites,
@@ -179,8 +179,10 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
             reached.write(device, object, value).await?;
         }
         let at = reached.place();
-        let named = [&args.input, &args.operation].into_iter().flatten().map(|name| format!(" {name}"));
-        crate::out::say!("{} ({at}):{} {what}", device.name, named.collect::<String>());
+        let moved = if args.operation.is_some() { moved(&line, &args)? } else { Vec::new() };
+        let named: Vec<String> = args.input.iter().cloned().chain(moved).collect();
+        let named = if named.is_empty() { String::new() } else { format!(" {}", named.join(", ")) };
+        crate::out::say!("{} ({at}):{named} {what}", device.name);
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -197,6 +199,14 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
         let fault =
             what.of_a_motion().ok_or_else(|| miette!("{} is no fault of a motion; omit --operation", what.name()))?;
         let (device, sub) = moving(line, args)?;
+        if let Some(fault) = fault.filter(|fault| device.drive().is_some() && !MotionFault::OF_DRIVE.contains(fault)) {
+            let can = MotionFault::OF_DRIVE.map(MotionFault::name).join(" or ");
+            return Err(miette!(
+                "a motion of drive {} can {can}, not {}: a drive moves to a position of its own, not along a simulated mechanism",
+                device.name,
+                fault.name()
+            ));
+        }
         return Ok(vec![(device, vec![((FAULT_INDEX, sub), fault.map_or(0, MotionFault::code))])]);
     }
     let owner = owner(line, args)?;
@@ -268,23 +278,9 @@ fn input<'a>(line: &'a Line, owner: Owner, of: &str, name: &str) -> miette::Resu
 
 /// The device that drives an operation, and the subindex of its fault object: output bit + 1.
 fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8)> {
-    let id = load::station(line, &args.station)?;
-    let station = line.station(id);
-    let devices = line.devices_of(Owner::Station(id));
+    let (id, output) = motion(line, args)?;
     let name = args.operation.as_deref().unwrap_or_default();
-    let op = station.operation_named(name).ok_or_else(|| {
-        let known = quoted(station.operations.iter().map(|o| o.name.as_str()));
-        miette!("{} has no operation `{name}`; it has {known}", args.station)
-    })?;
-    let operation = &station.operations[op.index()];
-    let output = match (&operation.module, args.recovery) {
-        (_, false) => operation.normal.actuator,
-        (OperationModule::Reversible { recovery, .. }, true) => recovery.actuator,
-        (OperationModule::Irreversible { .. }, true) => {
-            return Err(miette!("{name} is irreversible: it has no recovery motion"));
-        }
-    };
-    for device in devices {
+    for device in line.devices_of(Owner::Station(id)) {
         if let Some(bit) = device.output_bits().iter().position(|bound| *bound == Some(output)) {
             return Ok((device, u8::try_from(bit + 1).into_diagnostic()?));
         }
@@ -294,6 +290,43 @@ fn moving<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<(&'a Device, u8
         }
     }
     Err(miette!("no device of {} drives {name}", args.station))
+}
+
+/// The motions that have the fault: the named one first, then all others of its output. Recovery motions are named where one is
+/// meant.
+fn moved(line: &Line, args: &FailArgs) -> miette::Result<Vec<String>> {
+    let (id, output) = motion(line, args)?;
+    let of = |operation: &Operation| match &operation.module {
+        _ if operation.normal.actuator == output => Some(operation.name.clone()),
+        OperationModule::Reversible { recovery, .. } if args.recovery && recovery.actuator == output => {
+            Some(format!("recovery of {}", operation.name))
+        }
+        OperationModule::Reversible { .. } | OperationModule::Irreversible { .. } => None,
+    };
+    let is_named = |operation: &&Operation| args.operation.as_deref() == Some(operation.name.as_str());
+    let operations = &line.station(id).operations;
+    let first = operations.iter().filter(is_named);
+    let others = operations.iter().filter(|operation| !is_named(operation));
+    Ok(first.chain(others).filter_map(of).collect())
+}
+
+/// The station of a motion, and its output.
+fn motion(line: &Line, args: &FailArgs) -> miette::Result<(StationId, OutputId)> {
+    let id = load::station(line, &args.station)?;
+    let station = line.station(id);
+    let name = args.operation.as_deref().unwrap_or_default();
+    let op = station.operation_named(name).ok_or_else(|| {
+        let known = quoted(station.operations.iter().map(|o| o.name.as_str()));
+        miette!("{} has no operation `{name}`; it has {known}", args.station)
+    })?;
+    let operation = &station.operations[op.index()];
+    match (&operation.module, args.recovery) {
+        (_, false) => Ok((id, operation.normal.actuator)),
+        (OperationModule::Reversible { recovery, .. }, true) => Ok((id, recovery.actuator)),
+        (OperationModule::Irreversible { .. }, true) => {
+            Err(miette!("{name} is irreversible: it has no recovery motion"))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -367,5 +400,24 @@ mod tests {
         }
         subs.dedup();
         assert!(subs.len() > 1, "{subs:?}");
+        let driven = |operation: &&Operation| outputs.contains(&operation.normal.actuator);
+        let first = line.stations[0].operations.iter().find(driven).expect("one").name.clone();
+        let slips = InjectedFault::Motion(MotionFault::SlipBack);
+        let args = FailArgs { operation: Some(first), ..args(&station, slips) };
+        let refused = orders(&line, &args).expect_err("a drive has no such fault").to_string();
+        assert!(refused.contains("can stick or break, not slip-back: "), "{refused}");
+    }
+
+    #[test]
+    fn all_operations_of_an_output_have_its_fault() {
+        let text = linewright_line::TransferLine::default().text();
+        let line = linewright_line::parse("line.toml", &text).expect("it parses").line;
+        let of = |operation: &str, recovery| {
+            let miss = InjectedFault::Motion(MotionFault::Miss);
+            let args = FailArgs { operation: Some(operation.to_owned()), recovery, ..args("clamp_1", miss) };
+            moved(&line, &args).map(|names| names.join(", ")).expect("operations")
+        };
+        assert_eq!(of("advance clamp", false), "advance clamp");
+        assert_eq!(of("advance clamp", true), "recovery of advance clamp, return clamp");
     }
 }

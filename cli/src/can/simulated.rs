@@ -7,6 +7,7 @@ use linewright_fieldbus::sdo_client::{self, SdoError};
 use linewright_line::{Device, DeviceBus as BusName, Line, Modbus};
 use linewright_node_shell::RosArgs;
 use linewright_plant::{SIMULATED, SIMULATED_INDEX};
+use linewright_racks::Served;
 use miette::{IntoDiagnostic, miette};
 
 /// A device that has been found to be simulated.
@@ -36,10 +37,11 @@ impl<'d> SimulatedDevice<'d> {
                 ));
             }
         };
-        reached.checked(device).await
+        reached.checked(device, &super::run_of(line, ros)?).await
     }
 
-    async fn checked(mut self, device: &Device) -> miette::Result<Self> {
+    /// `run`: of its line in the ROS domain of this command.
+    async fn checked(mut self, device: &Device, run: &str) -> miette::Result<Self> {
         let is_simulated = match &mut self {
             SimulatedDevice::Canopen(bus, node) => {
                 let object = ObjectId::new(SIMULATED_INDEX, 0);
@@ -50,13 +52,26 @@ impl<'d> SimulatedDevice<'d> {
                         error: TransferError { cause: TransferFailure::Refused(_), .. }, ..
                     }) => false,
                     Err(error) => {
-                        return Err(miette!("{error} on {}; is the simulated plant running?", bus.describe()));
+                        return Err(miette!(
+                            "{error} on {}; is the simulated plant running? {}",
+                            bus.describe(),
+                            ran(run)
+                        ));
                     }
                 }
             }
             SimulatedDevice::Modbus(modbus) => {
-                let simulated = linewright_racks::is_simulated((&modbus.address, modbus.unit)).await;
-                simulated.map_err(|error| miette!("{error}"))?
+                let served = linewright_racks::served_at((&modbus.address, modbus.unit)).await;
+                let served = served.map_err(|error| miette!("{error}"))?;
+                if let Some(theirs) = served.other_run(run) {
+                    return Err(miette!(
+                        help = "give this command the ROS_DOMAIN_ID and namespace of that run",
+                        "{} at {} is part of {theirs}, and this command is for {run}; nothing was written",
+                        device.name,
+                        modbus.address
+                    ));
+                }
+                served != Served::Other
             }
         };
         if is_simulated {
@@ -76,7 +91,7 @@ impl<'d> SimulatedDevice<'d> {
             SimulatedDevice::Canopen(bus, node) => {
                 let (id, data) = (ObjectId::new(object.0, object.1), value.to_le_bytes());
                 let written = sdo_client::write(bus, *node, id, &data, TransferOptions::default()).await;
-                written.map_err(|error| miette!("{error} on {}; is the simulated plant running?", bus.describe()))
+                written.map_err(|error| miette!("{error} on {}", bus.describe()))
             }
             SimulatedDevice::Modbus(modbus) => {
                 let at = (modbus.address.as_str(), modbus.unit);
@@ -89,10 +104,15 @@ impl<'d> SimulatedDevice<'d> {
     /// Where it is, for people.
     pub fn place(&self) -> String {
         match self {
-            SimulatedDevice::Canopen(_, node) => format!("node {node}"),
+            SimulatedDevice::Canopen(_, node) => format!("node {:02X}h", node.get()),
             SimulatedDevice::Modbus(modbus) => format!("{} unit {}", modbus.address, modbus.unit),
         }
     }
+}
+
+/// Which run is looked for: each has virtual buses of its own.
+fn ran(run: &str) -> String {
+    format!("this command is for {run}; a run in another domain has other buses: set its ROS_DOMAIN_ID")
 }
 
 #[cfg(test)]
@@ -140,11 +160,12 @@ mod tests {
             let options = BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
             let requests = real_device(options.clone(), node, answer);
             let bus = Bus::open("test0", &options).expect("a virtual bus");
-            let refused = SimulatedDevice::Canopen(Box::new(bus), node).checked(device).await;
+            let refused =
+                SimulatedDevice::Canopen(Box::new(bus), node).checked(device, "line /a in ROS domain 3").await;
             let refused = refused.err().expect("it is a real one").to_string();
             assert_eq!(
                 refused,
-                format!("{} (node {node}) is not a simulated device; nothing was written", device.name)
+                format!("{} (node {:02X}h) is not a simulated device; nothing was written", device.name, node.get())
             );
             let requests = requests.lock().expect("no panic");
             assert_eq!(*requests, [[0x40, 0x05, 0x5F, 0, 0, 0, 0, 0]], "one reading");

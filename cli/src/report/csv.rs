@@ -12,7 +12,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 use serde::Serialize;
 
 use super::json::production_order;
-use super::rows::{EventRow, event_row};
+use super::rows::{EventRow, event_row, in_seconds};
 use super::story::{ReportSource, failed};
 
 /// An activity.
@@ -119,8 +119,8 @@ fn activity(story: &ReportSource, done: &FinishedActivity) -> ActivityRow {
         end: done.ended.map(|ended| story.show(ended)),
         start_us: done.began.as_micros(),
         end_us: done.ended.map(Tick::as_micros),
-        duration_s: done.ended.map(|ended| ended.since(done.began).as_secs_f64()),
-        nominal_s: entry.map_or(0.0, |entry| entry.nominal.as_secs_f64()),
+        duration_s: done.ended.map(|ended| in_seconds(ended.since(done.began))),
+        nominal_s: entry.map_or(0.0, |entry| in_seconds(entry.nominal)),
         failed: done.failed.as_ref().map(|failed| story.show(failed.at)),
         cause: done.failed.as_ref().map(|failed| failed.cause.clone()),
     }
@@ -137,9 +137,9 @@ fn part(story: &ReportSource, passage: &PartHistory) -> PartRow {
         product: product(story, passage.product),
         entered: story.show(passage.entered),
         left: passage.left.map(|left| story.show(left)),
-        lead_s: times.map(|(lead, _)| lead.as_secs_f64()),
-        worked_s: passage.worked.as_secs_f64(),
-        moved_s: passage.moved.as_secs_f64(),
-        waited_s: times.map(|(_, waited): (Duration, Duration)| waited.as_secs_f64()),
+        lead_s: times.map(|(lead, _)| in_seconds(lead)),
+        worked_s: in_seconds(passage.worked),
+        moved_s: in_seconds(passage.moved),
+        waited_s: times.map(|(_, waited): (Duration, Duration)| in_seconds(waited)),
     }
 }

@@ -7,6 +7,7 @@ use linewright_coordinator_cell::tracking::{Effectiveness, OrdersReport, Resourc
 use linewright_line::Tick;
 use serde::Serialize;
 
+use super::rows::in_seconds;
 use super::story::ReportSource;
 
 /// Everything that is reported.
@@ -138,9 +139,8 @@ pub struct JsonGap {
 
 impl From<Spread> for Times {
     fn from(of: Spread) -> Self {
-        let [least, median, p90, p99, most] =
-            [of.least, of.median, of.p90, of.p99, of.most].map(|time| time.as_secs_f64());
-        let mean = (of.count > 0).then(|| of.total.as_secs_f64() / of.count as f64);
+        let [least, median, p90, p99, most] = [of.least, of.median, of.p90, of.p99, of.most].map(in_seconds);
+        let mean = (of.count > 0).then(|| in_seconds(of.total) / of.count as f64);
         Times { count: of.count, least, median, p90, p99, most, mean }
     }
 }
@@ -187,7 +187,7 @@ impl ReportJson {
             title: story.about.title.clone(),
             from: story.show(story.from),
             to: story.show(story.to),
-            observed_s: report.observed.as_secs_f64(),
+            observed_s: in_seconds(report.observed),
             missing: story.missing.clone(),
             gaps: story
                 .gaps
@@ -215,21 +215,21 @@ fn resource(of: &ResourceReport, observed: Duration) -> JsonResourceReport {
     let cause = |(cause, times, down): (&str, u64, Duration)| JsonCause {
         cause: cause.to_owned(),
         times,
-        down_s: down.as_secs_f64(),
+        down_s: in_seconds(down),
     };
     JsonResourceReport {
         name: of.name.clone(),
         prototype: of.prototype.clone(),
         capacity: of.capacity,
-        busy_s: of.busy.as_secs_f64(),
-        down_s: of.down.as_secs_f64(),
-        work_s: of.work.as_secs_f64(),
+        busy_s: in_seconds(of.busy),
+        down_s: in_seconds(of.down),
+        work_s: in_seconds(of.work),
         utilisation: of.utilisation(observed),
         availability: of.availability(observed),
         performance: of.performance(),
         parts: of.worked,
-        nominal_s: of.nominal.as_secs_f64(),
-        actual_s: of.actual.as_secs_f64(),
+        nominal_s: in_seconds(of.nominal),
+        actual_s: in_seconds(of.actual),
         taken_mean: of.taken,
         taken_most: of.most,
         causes: of.causes.iter().map(cause).collect(),

@@ -65,6 +65,22 @@ pub struct Args {
     rejected: Option<u64>,
 }
 
+impl Args {
+    /// What is written to.
+    fn written(&self) -> impl Iterator<Item = &Path> {
+        [&self.csv, &self.mcap, &self.gantt].into_iter().flatten().map(PathBuf::as_path)
+    }
+
+    /// Whether the report is printed as text: not where files were asked for, and nothing else.
+    fn wants_text(&self) -> bool {
+        self.chart || self.written().next().is_none()
+    }
+
+    fn say_written(&self) {
+        self.written().for_each(|path| say!("written: {}", path.display()));
+    }
+}
+
 /// The database that a path means.
 fn database(path: &Path) -> miette::Result<PathBuf> {
     if !path.is_dir() {
@@ -105,11 +121,14 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
     }
     if args.json {
         out::json(&json::ReportJson::new(&story))?;
-    } else {
-        say!("{}", story.text().trim_end());
-        if args.chart {
-            say!("\n{}", gantt::text(&story).trim_end());
-        }
+        return Ok(ExitCode::SUCCESS);
     }
+    if args.wants_text() {
+        say!("{}", story.text().trim_end());
+    }
+    if args.chart {
+        say!("\n{}", gantt::text(&story).trim_end());
+    }
+    args.say_written();
     Ok(ExitCode::SUCCESS)
 }

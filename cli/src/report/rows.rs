@@ -1,10 +1,17 @@
 //! An event as a row of a table: with names instead of numbers.
 
+use std::time::Duration;
+
 use linewright_history::{EventKind, HistoryEvent};
 use serde::Serialize;
 use serde_json::Value;
 
 use super::story::ReportSource;
+
+/// A time in seconds, as near as a number has it: in a sum of whole and parts of a second 2.908088 is 2.9080880000000002.
+pub fn in_seconds(time: Duration) -> f64 {
+    time.as_nanos() as f64 / 1e9
+}
 
 /// Something that has happened.
 #[derive(Default, Serialize)]
@@ -48,5 +55,20 @@ pub fn event_row(story: &ReportSource, event: &HistoryEvent) -> EventRow {
         part: number("part"),
         firing: number("firing"),
         data,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_have_no_more_digits_than_they_were_measured_with() {
+        for micros in [2_908_088_u64, 1, 60_000_001, 7_200_123_457] {
+            let (time, text) = (Duration::from_micros(micros), in_seconds(Duration::from_micros(micros)).to_string());
+            let digits = text.split_once('.').map_or(0, |(_, digits)| digits.len());
+            assert!(digits <= 6 && text.parse() == Ok(in_seconds(time)), "{text}");
+        }
+        assert_eq!(in_seconds(Duration::from_micros(2_908_088)).to_string(), "2.908088");
     }
 }

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use miette::{IntoDiagnostic, WrapErr, miette};
 use tokio::process::{Child, Command};
 
+use super::directory::can_write;
 use crate::files::description;
 use crate::load::Files;
 
@@ -34,6 +35,10 @@ struct ChildProcess {
     child: Child,
     started: Instant,
     short_lives: u32,
+    /// Length of its log when it was started last.
+    log_from: u64,
+    /// It ends when all others have: they let go of its devices' outputs first.
+    is_last: bool,
 }
 
 /// All processes of a line.
@@ -67,10 +72,21 @@ impl Children {
 
     /// Starts this very program again, with `args`.
     pub fn start(&mut self, name: &str, args: Vec<String>) -> miette::Result<()> {
+        self.add(name, args, false)
+    }
+
+    /// Starts this very program again as the simulated plant. It ends after all others.
+    pub fn start_plant(&mut self, args: Vec<String>) -> miette::Result<()> {
+        self.add("plant", args, true)
+    }
+
+    fn add(&mut self, name: &str, args: Vec<String>, is_last: bool) -> miette::Result<()> {
         let log = self.dir.join(format!("{name}.log"));
+        let log_from = length(&log);
         let child = spawn(&args, &log, self.buses.as_deref()).wrap_err_with(|| format!("cannot start {name}"))?;
         let started = Instant::now();
-        self.members.push(ChildProcess { name: name.to_owned(), args, log, child, started, short_lives: 0 });
+        let (name, short_lives) = (name.to_owned(), 0);
+        self.members.push(ChildProcess { name, args, log, child, started, short_lives, log_from, is_last });
         Ok(())
     }
 
@@ -91,7 +107,8 @@ impl Children {
             let short = member.started.elapsed() < SHORT_LIFE;
             member.short_lives = if short { member.short_lives + 1 } else { 0 };
             if member.short_lives >= SHORT_LIVES_MAX {
-                return Err(miette!("{} does not stay up ({status}):\n{}", member.name, tail(&member.log)));
+                let why = why_ended(&member.log, member.log_from);
+                return Err(miette!("{} does not stay up ({status}):\n{why}", member.name));
             }
             if let Some((file, _)) = self.described.iter().find(|(file, before)| !is_still(file, before)) {
                 let (name, file) = (&member.name, file.display());
@@ -100,6 +117,7 @@ impl Children {
                     "{name} has ended ({status}) and is not started again: {file} is not what the line was started with"
                 ));
             }
+            member.log_from = length(&member.log);
             member.child = spawn(&member.args, &member.log, self.buses.as_deref())?;
             member.started = Instant::now();
             self.restarts += 1;
@@ -108,15 +126,16 @@ impl Children {
         Ok(revived)
     }
 
-    /// Ends all of them: each may end by itself first, and is killed if it does not.
+    /// Ends all of them, the plant after the others: each may end by itself first, and is killed if it does not.
     pub async fn end(&mut self) {
-        for member in &mut self.members {
-            drop(member.child.stdin.take());
-        }
-        let deadline = tokio::time::Instant::now() + END_WITHIN;
-        for member in &mut self.members {
-            if tokio::time::timeout_at(deadline, member.child.wait()).await.is_err() {
-                let _ = member.child.kill().await;
+        for is_last in [false, true] {
+            let mut these: Vec<_> = self.members.iter_mut().filter(|member| member.is_last == is_last).collect();
+            these.iter_mut().for_each(|member| drop(member.child.stdin.take()));
+            let deadline = tokio::time::Instant::now() + END_WITHIN;
+            for member in these {
+                if tokio::time::timeout_at(deadline, member.child.wait()).await.is_err() {
+                    let _ = member.child.kill().await;
+                }
             }
         }
         self.members.clear();
@@ -148,15 +167,30 @@ fn spawn(args: &[String], log: &Path, buses: Option<&Path>) -> miette::Result<Ch
         .into_diagnostic()
 }
 
-/// The last lines of a log.
-fn tail(log: &Path) -> String {
+fn length(log: &Path) -> u64 {
+    std::fs::metadata(log).map_or(0, |log| log.len())
+}
+
+/// The end of what a process has logged since it was started; if that is nothing, why it may be.
+fn why_ended(log: &Path, from: u64) -> String {
+    let lines = tail(log, from);
+    let dir = log.parent().unwrap_or(Path::new(""));
+    match (lines.trim().is_empty(), can_write(dir)) {
+        (false, _) => lines,
+        (true, Err(error)) => format!("nothing can be written to {}, its log neither: {error}", dir.display()),
+        (true, Ok(())) => format!("it has logged nothing to {}", log.display()),
+    }
+}
+
+/// The last lines of a log, from this byte on.
+fn tail(log: &Path, from: u64) -> String {
     let read = || -> std::io::Result<String> {
         // A pipe or a device in the place of a log has no end, or none that can be waited for.
         if !std::fs::metadata(log)?.is_file() {
             return Ok(String::new());
         }
         let mut file = File::open(log)?;
-        file.seek(SeekFrom::Start(file.metadata()?.len().saturating_sub(TAIL_BYTES)))?;
+        file.seek(SeekFrom::Start(file.metadata()?.len().saturating_sub(TAIL_BYTES).max(from)))?;
         let mut bytes = Vec::new();
         file.take(TAIL_BYTES).read_to_end(&mut bytes)?;
         Ok(String::from_utf8_lossy(&bytes).into_owned())
@@ -195,5 +229,36 @@ mod tests {
         let refused = revive(&mut children).expect_err("another description").to_string();
         assert!(refused.contains("clamp has ended") && refused.contains("line.toml is not what"), "{refused}");
         children.end().await;
+    }
+
+    #[test]
+    fn the_end_of_a_process_is_explained_by_its_last_life_or_by_the_disk() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let log = dir.path().join("clamp.log");
+        std::fs::write(&log, "the first life\n").expect("a file");
+        let from = length(&log);
+        assert!(why_ended(&log, from).starts_with("it has logged nothing to "));
+        std::fs::write(&log, "the first life\nthe second\n").expect("a file");
+        assert_eq!(why_ended(&log, from), "the second");
+        // Every write to it fails as on a full disk.
+        let full = why_ended(Path::new("/proc/clamp.log"), 0);
+        assert!(full.starts_with("nothing can be written to /proc, its log neither: "), "{full}");
+    }
+
+    #[tokio::test]
+    async fn the_plant_ends_after_all_others() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let mut children = Children::new(dir.path(), None, &Files { line: None, cell: None }).expect("no files");
+        children.start_plant(vec!["--list".to_owned()]).expect("it starts");
+        children.start("clamp", vec!["--list".to_owned()]).expect("it starts");
+        let mut add = |nth: usize, script: &str| {
+            let mut shell = Command::new("sh");
+            shell.args(["-c", script]).stdin(Stdio::piped()).current_dir(dir.path());
+            children.members[nth].child = shell.spawn().expect("a shell");
+        };
+        add(0, "cat; echo plant >> order");
+        add(1, "cat; sleep 0.2; echo clamp >> order");
+        children.end().await;
+        assert_eq!(std::fs::read_to_string(dir.path().join("order")).expect("written"), "clamp\nplant\n");
     }
 }

@@ -1,6 +1,7 @@
 //! The directory of a run's journals and logs.
 
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use linewright_line::{Line, Tick};
@@ -14,6 +15,12 @@ const MACHINE_BEGINS_ANEW: &str = "no positions of the simulated machine are kep
                                    follows: lead it home in manual or give `linewright rejoin`, or start with another \
                                    --state-dir";
 
+/// The file with the line's name.
+const LINE_FILE: &str = "line.name";
+const LINE_BYTES_MAX: usize = 4096;
+/// More than a few journals.
+const PROBE_BYTES: usize = 64 * 1024;
+
 /// The directory that was given, or a temporary one.
 pub struct RunDirectory {
     pub dir: PathBuf,
@@ -23,10 +30,16 @@ pub struct RunDirectory {
 }
 
 impl RunDirectory {
-    pub fn new(given: Option<&Path>) -> miette::Result<Self> {
+    /// The directory `given`, if it is of this line and can be written to, or a new one.
+    ///
+    /// # Errors
+    /// Why it cannot be used.
+    pub fn new(given: Option<&Path>, line: &Line) -> miette::Result<Self> {
         let cannot = |dir: &Path| format!("cannot use {}", dir.display());
         if let Some(dir) = given {
             std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| cannot(dir))?;
+            can_write(dir).into_diagnostic().wrap_err_with(|| cannot(dir))?;
+            is_of_line(dir, line)?;
             let has_journals = has_journals(dir);
             return Ok(RunDirectory { dir: dir.to_owned(), temporary: false, has_journals });
         }
@@ -62,6 +75,38 @@ impl RunDirectory {
     }
 }
 
+/// Whether as much can be written to a directory as a journal may need. On a full disk nodes do not start, and log nothing.
+pub fn can_write(dir: &Path) -> std::io::Result<()> {
+    let file = dir.join(format!(".probe-{}", std::process::id()));
+    let written = File::create(&file).and_then(|mut file| {
+        file.write_all(&[0; PROBE_BYTES])?;
+        file.sync_all()
+    });
+    let _ = std::fs::remove_file(&file);
+    written
+}
+
+/// Whether the directory is the line's, by its name in a file that is written at the first use.
+fn is_of_line(dir: &Path, line: &Line) -> miette::Result<()> {
+    let file = dir.join(LINE_FILE);
+    let cannot = || format!("cannot use {}", dir.display());
+    match crate::files::text(&file, LINE_BYTES_MAX, "the name of a line") {
+        Ok(name) if name.trim() == line.name => Ok(()),
+        Ok(name) => Err(miette!(
+            help = "give this line another --state-dir",
+            "{} has the journals of line {}, and this is {} ({})",
+            dir.display(),
+            name.trim(),
+            line.name,
+            file.display()
+        )),
+        Err(_) if !file.exists() => {
+            std::fs::write(&file, format!("{}\n", line.name)).into_diagnostic().wrap_err_with(cannot)
+        }
+        Err(error) => Err(error.wrap_err(cannot())),
+    }
+}
+
 fn has_journals(dir: &Path) -> bool {
     let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
     entries.map(|entry| entry.path()).any(|path| path.extension().is_some_and(|extension| extension == "journal"))
@@ -71,21 +116,41 @@ fn has_journals(dir: &Path) -> bool {
 mod tests {
     use super::*;
 
+    fn line() -> Line {
+        let text = linewright_line::TransferLine::default().text();
+        linewright_line::parse("line.toml", &text).expect("parses").line
+    }
+
     #[test]
     fn a_directory_with_a_journal_in_it_is_of_an_earlier_run() {
         let dir = tempfile::tempdir().expect("a directory");
+        let has_journals = || RunDirectory::new(Some(dir.path()), &line()).expect("it can be used").has_journals;
         std::fs::write(dir.path().join("clamp_1.log"), "").expect("a file");
-        assert!(!RunDirectory::new(Some(dir.path())).expect("it can be used").has_journals);
+        assert!(!has_journals());
         std::fs::write(dir.path().join("clamp_1.journal"), "").expect("a file");
-        assert!(RunDirectory::new(Some(dir.path())).expect("it can be used").has_journals);
+        assert!(has_journals());
+    }
+
+    #[test]
+    fn a_directory_of_another_line_is_refused_and_so_is_one_without_room() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let (own, mut other) = (line(), line());
+        other.name = "table".to_owned();
+        let used = |line: &Line| RunDirectory::new(Some(dir.path()), line).map(drop);
+        used(&own).expect("nobody's yet");
+        used(&own).expect("its own");
+        let refused = used(&other).expect_err("another line's").to_string();
+        assert!(refused.contains(&format!("of line {}, and this is table", own.name)), "{refused}");
+        let left: Vec<_> = std::fs::read_dir(dir.path()).expect("it is there").flatten().collect();
+        assert_eq!(left.len(), 1, "the name alone: {left:?}");
+        let full = RunDirectory::new(Some(Path::new("/proc")), &own).err().expect("nothing can be written there");
+        assert_eq!(full.to_string(), "cannot use /proc");
     }
 
     #[test]
     fn a_machine_that_does_not_stand_where_it_stood_is_said_to_begin_at_home() {
-        let dir = tempfile::tempdir().expect("a directory");
-        let text = linewright_line::TransferLine::default().text();
-        let line = linewright_line::parse("line.toml", &text).expect("parses").line;
-        let note = || RunDirectory::new(Some(dir.path())).expect("it can be used").machine_note(&line);
+        let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
+        let note = || RunDirectory::new(Some(dir.path()), &line).expect("it can be used").machine_note(&line);
         assert_eq!(note(), None);
         std::fs::write(dir.path().join("clamp_1.journal"), "").expect("a file");
         assert!(note().is_some_and(|note| note.contains("no positions") && note.contains("at home")));

@@ -8,6 +8,7 @@ mod cell;
 pub mod chart;
 mod children;
 mod directory;
+mod ending;
 mod observer;
 mod start;
 pub mod stopping;
@@ -32,15 +33,14 @@ use crate::interrupts::Interrupts;
 use crate::load;
 use crate::nodes::DEFAULT_BUS;
 use crate::parts::PartList;
-use crate::states::mode_name;
 use crate::watch::{PICTURE_EVERY, Screen, WatchState};
 use cell::CellRun;
 use children::Children;
 use directory::RunDirectory;
 use observer::BusObserver;
-use start::{nothing_runs_yet, start_all};
+use start::{addresses_are_free, nothing_runs_yet, start_all};
 use stopping::{StopStep, next_step};
-use tally::RunTally;
+use tally::{RunTally, standing};
 
 /// Run a whole line on this machine, with simulated devices.
 #[derive(Debug, ClapArgs)]
@@ -111,15 +111,16 @@ pub async fn run(args: Args, ros: RosArgs) -> miette::Result<ExitCode> {
     let about = crate::can::run_of(&line, &ros)?;
     let own = if args.no_plant { None } else { OwnBuses::create(&about).into_diagnostic()? };
     let bus = BusOptions { dir: own.as_ref().map(|own| own.dir().to_owned()), ..BusOptions::default() };
-    let scratch = RunDirectory::new(args.state_dir.as_deref())?;
+    let scratch = RunDirectory::new(args.state_dir.as_deref(), &line)?;
     nothing_runs_yet(&line, &args, &ros, &bus)?;
+    addresses_are_free(&line, &args).await?;
     let mut children = Children::new(&scratch.dir, own.as_ref().map(OwnBuses::dir), &load::files_of(&args.line))?;
     let mut session = Session::open(&line, &args, &ros, &scratch.dir, &bus).await?;
     if !args.no_plant {
         scratch.machine_note(&line).into_iter().for_each(|note| session.note(note));
     }
     session.cell = cell.map(|cell| CellRun::open(&line, &cell, PartList::sum(&args.parts), &ros)).transpose()?;
-    let outcome = match start_all(&mut children, &line, &args, &scratch.dir, session.virtual_bus) {
+    let outcome = match start_all(&mut children, &line, &args, &ros, &scratch.dir, session.virtual_bus).await {
         Ok(()) => session.drive(&mut children).await,
         Err(error) => Err(error),
     };
@@ -337,7 +338,7 @@ impl Session {
     /// Why it cannot come home by itself, or has not within the time limit.
     fn stop(&mut self, since: Instant) -> miette::Result<bool> {
         let state = self.client.coordinator();
-        let stations: Vec<_> = self.line.station_ids().map(|id| self.client.station(id)).collect();
+        let stations: Vec<_> = self.states().collect();
         match next_step(state, &stations) {
             StopStep::Home => return Ok(true),
             StopStep::Stands => {
@@ -430,11 +431,16 @@ impl Session {
         self.line.station_ids().all(|id| self.client.station(id).is_some_and(|state| state.devices_valid))
     }
 
-    /// The mode, and what has failed.
+    /// The mode, and the faults that stand: what was recovered needs no answer any more.
     fn why(&self) -> String {
         let mode = self.client.coordinator().map_or("an unknown mode", |state| &state.text);
-        let faults = self.tally.fault_texts();
+        let faults = standing(self.line.stations.iter().zip(self.states()));
         if faults.is_empty() { mode.to_owned() } else { format!("{mode} ({})", faults.join("; ")) }
+    }
+
+    /// States of all stations; `None` of one that is not received.
+    fn states(&self) -> impl Iterator<Item = Option<&StationState>> {
+        self.line.station_ids().map(|id| self.client.station(id))
     }
 
     fn say(&mut self, word: &str) {
@@ -442,53 +448,6 @@ impl Session {
             self.said = Some(Instant::now());
             self.client.command(word);
         }
-    }
-
-    fn report(&self, args: &Args, outcome: miette::Result<()>, restarts: u32) -> miette::Result<ExitCode> {
-        let faults = self.tally.faults();
-        let parts = self.cell.as_ref().map(CellRun::made).filter(|(_, wanted)| *wanted > 0);
-        let short = self.target.is_some_and(|target| self.tally.cycles() < target);
-        let short = short || parts.is_some_and(|(made, wanted)| made < wanted);
-        let conflicts = self.observer.conflicts();
-        let ok = outcome.is_ok() && !short && conflicts.is_empty() && (!self.ends() || faults == 0);
-        let error = match &outcome {
-            Err(error) => Some(error.to_string()),
-            Ok(()) if let Some((made, wanted)) = parts.filter(|_| short) => {
-                Some(format!("{made} of {wanted} parts finished"))
-            }
-            Ok(()) if short => Some(format!("{} of {} cycles ended", self.tally.cycles(), args.cycles.unwrap_or(0))),
-            Ok(()) if self.ends() && faults > 0 => {
-                let number = if faults == 1 { "1 fault".to_owned() } else { format!("{faults} faults") };
-                Some(format!("{number} on the way: {}", self.tally.fault_texts().join("; ")))
-            }
-            Ok(()) => None,
-        };
-        let mode = self.client.coordinator().map_or("no state received", |state| mode_name(state.mode));
-        let mut report = self.tally.report(mode, &self.observer, restarts, error.clone());
-        (report.parts_made, report.parts_wanted) = parts.unzip();
-        if args.json {
-            crate::out::say!("{}", serde_json::to_string(&report).into_diagnostic()?);
-        } else {
-            let done = match parts {
-                Some((made, wanted)) => format!("{made} of {wanted} parts"),
-                None => format!("{} cycles", report.cycles),
-            };
-            crate::out::say!(
-                "{done}, {faults} faults, {} conflicts seen in {} CAN frames",
-                conflicts.len(),
-                report.frames_seen
-            );
-            for conflict in &report.conflicts_seen {
-                crate::out::say!("conflict: {conflict}");
-            }
-            for conflict in &report.conflicts_not_watched {
-                crate::out::say!("not watched, its switches are in frames this observer does not read: {conflict}");
-            }
-            if let Some(error) = error {
-                crate::out::complain!("linewright: {error}");
-            }
-        }
-        Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 }
 

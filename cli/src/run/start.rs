@@ -1,14 +1,16 @@
 //! Starting the processes of a line.
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use linewright_fieldbus::BusOptions;
 use linewright_line::Line;
 use linewright_node_shell::RosArgs;
-use miette::IntoDiagnostic;
+use miette::{IntoDiagnostic, miette};
 
 use super::Args;
 use super::children::Children;
+use crate::can::run_of;
 use crate::nodes::{claim_coordinator, claim_station};
 
 /// Claims what the nodes are going to claim, and lets go of it: an error names a process that holds any of it already.
@@ -21,11 +23,39 @@ pub fn nothing_runs_yet(line: &Line, args: &Args, ros: &RosArgs, bus: &BusOption
     Ok(())
 }
 
+/// Time for the plant to serve its Modbus devices.
+const SERVED_WITHIN: Duration = Duration::from_secs(20);
+/// Period at which it is looked for them.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Whether a simulated plant can serve the line's Modbus devices: unlike virtual buses their addresses are everybody's.
+pub async fn addresses_are_free(line: &Line, args: &Args) -> miette::Result<()> {
+    if args.no_plant {
+        return Ok(());
+    }
+    linewright_racks::can_be_served(line).await.map_err(|error| miette!("{error}"))
+}
+
+/// Waits until the plant serves all Modbus devices. A manager that comes before may reach those of another run.
+async fn until_served(children: &mut Children, line: &Line, ros: &RosArgs) -> miette::Result<()> {
+    let (run, began) = (run_of(line, ros)?, Instant::now());
+    while !linewright_racks::are_served(line, &run).await {
+        children.revive()?;
+        if began.elapsed() > SERVED_WITHIN {
+            let limit = SERVED_WITHIN.as_secs();
+            return Err(miette!("the simulated plant does not serve its Modbus devices within {limit} s"));
+        }
+        tokio::time::sleep(LOOK_EVERY).await;
+    }
+    Ok(())
+}
+
 /// Starts the plant, the coordinator and the stations.
-pub fn start_all(
+pub async fn start_all(
     children: &mut Children,
     line: &Line,
     args: &Args,
+    ros: &RosArgs,
     dir: &Path,
     virtual_bus: bool,
 ) -> miette::Result<()> {
@@ -40,12 +70,13 @@ pub fn start_all(
         words
     };
     if !args.no_plant {
-        let mut more = vec!["plant", "--bus", args.bus.as_str()];
+        let mut more = vec!["plant", "--of-run", "--bus", args.bus.as_str()];
         // A temporary directory outlives no run, and a plant that is started again there begins at home.
         if args.state_dir.is_some() {
             more.extend(["--state-dir", state.as_str()]);
         }
-        children.start("plant", words(&more))?;
+        children.start_plant(words(&more))?;
+        until_served(children, line, ros).await?;
     }
     children.start("coordinator", words(&["coordinator", "--bus", &args.bus, "--state-dir", &state]))?;
     for group in line.stations.chunks(args.stations_per_process) {

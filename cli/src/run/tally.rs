@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use linewright_line::{Line, OpId, StationId};
+use linewright_line::{Line, OpId, Station, StationId};
 use linewright_msgs::{Header, StationEvent, StationState};
 use serde::Serialize;
 
@@ -71,6 +71,15 @@ pub struct RunReport {
     pub error: Option<String>,
 }
 
+/// The faults that stand, by the states of the stations.
+pub fn standing<'s>(stations: impl Iterator<Item = (&'s Station, Option<&'s StationState>)>) -> Vec<String> {
+    let faults = stations.filter_map(|(station, state)| {
+        let fault = &state?.fault;
+        (!fault.is_empty()).then(|| format!("{} {fault}", station.name))
+    });
+    faults.collect()
+}
+
 fn seconds(header: &Header) -> f64 {
     f64::from(header.stamp.sec) + f64::from(header.stamp.nanosec) * 1e-9
 }
@@ -78,7 +87,7 @@ fn seconds(header: &Header) -> f64 {
 impl RunTally {
     /// Nothing yet.
     pub fn new(line: &Line) -> Self {
-        let station = |s: &linewright_line::Station| StationTally {
+        let station = |s: &Station| StationTally {
             durations: vec![Vec::new(); s.operations.len()],
             done_before: vec![0; s.operations.len()],
             ..StationTally::default()
@@ -103,12 +112,20 @@ impl RunTally {
         self.stations.iter().map(|s| s.faults).sum()
     }
 
-    /// The last fault of each station that had one.
-    pub fn fault_texts(&self) -> Vec<String> {
-        let last = |(id, s): (StationId, &StationTally)| {
-            Some(format!("{} {}", self.line.station(id).name, s.fault_texts.last()?))
-        };
-        self.line.station_ids().zip(&self.stations).filter_map(last).collect()
+    /// The last fault of each station that had one; without what to do about it where it stands no more, by the states now.
+    pub fn fault_texts<'s>(&self, now: impl Iterator<Item = Option<&'s StationState>>) -> Vec<String> {
+        let stations = self.line.stations.iter().zip(&self.stations).zip(now);
+        let last = stations.filter_map(|((station, tally), state)| {
+            let (name, text) = (&station.name, tally.fault_texts.last()?);
+            Some(match state {
+                Some(state) if state.fault.is_empty() => {
+                    let what = text.split_once("; ").map_or(text.as_str(), |(what, _)| what);
+                    format!("{name} {what} (recovered)")
+                }
+                Some(_) | None => format!("{name} {text}"),
+            })
+        });
+        last.collect()
     }
 
     /// Takes a station's state.
@@ -243,6 +260,25 @@ mod tests {
             tally.begun(id, &state)
         });
         begun.collect()
+    }
+
+    #[test]
+    fn a_fault_that_was_recovered_is_named_without_its_advice() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let mut tally = RunTally::new(&line);
+        let text = "index in doubt: no switch; look at the mechanism, then confirm with rejoin".to_owned();
+        tally.event(
+            StationId(0),
+            &StationEvent { kind: StationEvent::KIND_FAULT, text: text.clone(), ..Default::default() },
+        );
+        let name = &line.stations[0].name;
+        let stands = StationState { fault: text.clone(), ..StationState::default() };
+        let recovered = StationState::default();
+        let now = |state| std::iter::once(Some(state)).chain(std::iter::repeat_n(None, line.stations.len() - 1));
+        assert_eq!(tally.fault_texts(now(&stands)), [format!("{name} {text}")]);
+        assert_eq!(tally.fault_texts(now(&recovered)), [format!("{name} index in doubt: no switch (recovered)")]);
+        assert_eq!(standing(line.stations.iter().zip(now(&stands))), [format!("{name} {text}")]);
+        assert!(standing(line.stations.iter().zip(now(&recovered))).is_empty());
     }
 
     #[test]

@@ -35,8 +35,8 @@ pub use frames::{
 pub use hand::{HandMode, HandType};
 pub use handling::{Grip, Holder, HolderId, MaterialFlow, Reach, Sensor, Sign, Stand};
 pub use io_list::{
-    BitAddress, DeviceBegin, IO_COLUMNS, IoChange, IoDirection, IoListError, IoRow, RowProblem, io_list, with_io_list,
-    within_devices,
+    BitAddress, DeviceBegin, IO_COLUMNS, IoChange, IoDirection, IoListError, IoRow, RowProblem, io_list,
+    unknown_devices, with_io_list, within_devices,
 };
 pub use line::*;
 pub use modbus::{Modbus, REGISTER_BITS, RegisterValue, Table, WatchdogRegister};

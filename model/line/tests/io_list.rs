@@ -1,6 +1,6 @@
 //! I/O lists: changes of a description by a list, and what stays.
 
-use linewright_line::{IoListError, IoRow, TransferLine, io_list, parse, with_io_list};
+use linewright_line::{DeviceBegin, IoListError, IoRow, TransferLine, io_list, parse, unknown_devices, with_io_list};
 use proptest::prelude::*;
 
 use crate::types::TYPES;
@@ -148,11 +148,24 @@ fn rows_that_are_wrong_are_named_with_their_column_and_nothing_is_taken() {
     let typed = refused(TYPES, &[same, at(3, row("LS_open", "%IX0.4", "clamp 1 io"))]);
     assert_eq!(typed[0].0, 3);
     assert_eq!(typed[0].1, "device");
-    assert!(typed[0].2.contains("station type"), "{typed:?}");
+    assert!(typed[0].2.contains("(LS_open: clamp 1 io %IX0.0 → clamp 1 io %IX0.4): change the type"), "{typed:?}");
+    let comment = IoRow { comment: Some("far".to_owned()), ..at(4, row("LS_open", "%IX0.0", "clamp 1 io")) };
+    let typed = refused(TYPES, &[comment]);
+    assert!(typed[0].2.contains("(LS_open: comment none → \"far\")"), "{typed:?}");
     let output = with_io_list("line.toml", &text, &[row("LS_open", "%QX0.7", "clamp 1 io")]);
     assert!(matches!(output, Err(IoListError::Result(_))), "an input as an output: {output:?}");
     let gone = with_io_list("line.toml", &text, &[row("", "%IX0.0", "clamp 1 io")]);
     assert!(matches!(gone, Err(IoListError::Result(_))), "a signal that is needed: {gone:?}");
+}
+
+#[test]
+fn devices_of_begins_are_looked_for_by_name() {
+    let begins = ["clamp 1 oi=4", "transfer io=0"].map(|text| DeviceBegin::read(text).expect("as it has to be"));
+    let unknown = unknown_devices("line.toml", &TransferLine::default().text(), &begins).expect("a description");
+    assert_eq!(
+        unknown,
+        ["no device with inputs and outputs is called `clamp 1 oi`: did you mean `clamp 1 io`?".to_owned()]
+    );
 }
 
 proptest! {

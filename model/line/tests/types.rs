@@ -80,6 +80,29 @@ fn what_is_written_out_has_its_comments_and_no_types() {
 }
 
 #[test]
+fn keys_of_tables_have_parameters_as_texts_have() {
+    let (plain, braces) = ("LS_open", "LS{number}_open");
+    let device = "node = \"{io}\"\ninputs = [\"LS_open\"";
+    assert!(TYPES.contains(device) && TYPES.contains("complete = \"LS_open\""), "the description has changed");
+    let named = |signal: &str, comments: &str| {
+        let text = TYPES.replace("\"LS_open\"", &format!("\"{signal}\""));
+        let inputs = format!("node = \"{{io}}\"\ninputs = [\"{signal}\"");
+        text.replacen(&inputs, &format!("{comments}\n{inputs}"), 1)
+    };
+    let inline = named(braces, "comments = { \"LS{number}_open\" = \"at {io}\", LS_closed = \"{{\" }");
+    let dotted = named(braces, "comments.\"LS{number}_open\" = \"at {io}\"\ncomments.LS_closed = \"{{\"");
+    for text in [inline, dotted] {
+        let out = written_out(&text);
+        assert!(out.contains("LS1_open = \"at 33\""), "{out}");
+        // Every signal that has a comment is one of the device.
+        line(&text);
+    }
+    let unknown = named(plain, "comments = { \"LS{nmber}_open\" = \"at\" }");
+    let problems = parse("line.toml", &unknown).expect_err("no such parameter");
+    assert!(format!("{problems:#}").contains("unknown parameter `{nmber}`"), "{problems:#}");
+}
+
+#[test]
 fn what_stands_beside_a_station_may_be_a_list() {
     let start = TYPES.find("[[station_type.arrow]]").expect("arrows");
     let end = TYPES[start..].find("[[station_type.conflict]]").expect("conflicts") + start;

@@ -24,8 +24,8 @@ use tokio::task::JoinSet;
 
 use kept::Keeper;
 pub use kept::{KEPT_IN, KeptPositions, kept_positions};
-use modbus::{Asked, Servers};
-pub use modbus::{fail_device, is_simulated};
+use modbus::{Asked, Servers, cannot_serve};
+pub use modbus::{Served, are_served, can_be_served, fail_device, served_at};
 
 /// Positions are kept no more often than this.
 const KEEP_EVERY: Duration = Duration::from_millis(200);
@@ -39,9 +39,15 @@ pub enum PlantError {
     /// A Modbus device cannot be served at its address.
     #[error(
         "cannot serve the simulated Modbus device at {address}: {error}; a device that is simulated needs an address of this \
-         machine, such as 127.0.0.1:1502"
+         machine, such as 127.0.0.1:1502; with real devices: `linewright run --no-plant`"
     )]
     Modbus { address: String, error: io::Error },
+    /// Something is served at the address of a Modbus device.
+    #[error(
+        "cannot serve the simulated Modbus device at {address}: {by} is there. Modbus addresses are not separated by ROS domains \
+         as virtual buses are: end that first, or give the device another address; with real devices: `linewright run --no-plant`"
+    )]
+    ModbusTaken { address: String, by: String },
 }
 
 /// Options of a plant.
@@ -55,6 +61,8 @@ pub struct RackOptions {
     pub plant: PlantOptions,
     /// The clock shared with the rest of the process.
     pub clock: Clock,
+    /// The run of a line that the devices are part of; `None` for a plant that is started by itself.
+    pub run: Option<String>,
 }
 
 /// One bus's devices, connected and ready to run.
@@ -107,7 +115,8 @@ fn open_racks(
             devices().filter_map(|device| Some(device.modbus()?.address.clone())).collect();
         addresses.sort();
         addresses.dedup();
-        let servers = Servers::open(&addresses).map_err(|(address, error)| PlantError::Modbus { address, error })?;
+        let servers = Servers::open(&addresses, options.run.as_deref());
+        let servers = servers.map_err(|(address, error)| cannot_serve(&address, error, None))?;
         let rack = racks.remove(&name.to_string());
         let rack = rack.unwrap_or_else(|| Rack::new(options.clock.now(), line, name, options.plant));
         Ok(RackRunner { name: name.to_string(), bus, servers, addresses, rack, clock: options.clock, kept: None })

@@ -1,11 +1,13 @@
 //! The Modbus TCP servers of a rack: each address of its devices is listened at, and every request answered by the rack.
 
+use std::collections::BTreeMap;
 use std::future::Future;
 use std::io;
 use std::pin::Pin;
 use std::time::Duration;
 
-use linewright_line::Table;
+use super::PlantError;
+use linewright_line::{Device, Line, Table};
 use linewright_plant::{FaultWrite, ModbusRequest, ModbusResponse};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{mpsc, oneshot};
@@ -24,6 +26,10 @@ const FAULT_FUNCTION: u8 = 65;
 const PRODUCT: &[u8] = b"Linewright simulated device";
 /// The number of the product code there.
 const PRODUCT_CODE: u8 = 1;
+/// The number of the run there, one of those that the specification leaves to makers.
+const RUN: u8 = 0x80;
+/// As much of a run's name is given: all of an answer has 253 bytes.
+const RUN_BYTES_MAX: usize = 160;
 /// How long its answer is waited for.
 const ANSWER: Duration = Duration::from_secs(2);
 /// Requests that wait for the rack.
@@ -52,16 +58,16 @@ impl Drop for Servers {
 }
 
 impl Servers {
-    /// Listens at these addresses.
+    /// Listens at these addresses, for a plant of this run.
     ///
     /// # Errors
     /// At which it cannot be listened, and why.
-    pub fn open(addresses: &[String]) -> Result<Self, (String, io::Error)> {
+    pub fn open(addresses: &[String], run: Option<&str>) -> Result<Self, (String, io::Error)> {
         let (to, asked) = mpsc::channel(QUEUE);
         let mut tasks = Vec::new();
         for address in addresses {
             let listener = listen(address).map_err(|error| (address.clone(), error))?;
-            tasks.push(tokio::spawn(serve(Server::new(listener), address.clone(), to.clone())));
+            tasks.push(tokio::spawn(serve(Server::new(listener), address.clone(), cut(run), to.clone())));
         }
         Ok(Servers { asked, _to: to, tasks })
     }
@@ -72,15 +78,21 @@ impl Servers {
     }
 }
 
+/// The name of a run, as much of it as an identification has; nothing of none.
+fn cut(run: Option<&str>) -> String {
+    let run = run.unwrap_or_default();
+    run[..run.floor_char_boundary(RUN_BYTES_MAX)].to_owned()
+}
+
 fn listen(address: &str) -> io::Result<TcpListener> {
     let listener = std::net::TcpListener::bind(address)?;
     listener.set_nonblocking(true)?;
     TcpListener::from_std(listener)
 }
 
-async fn serve(server: Server, address: String, to: mpsc::Sender<Asked>) {
+async fn serve(server: Server, address: String, run: String, to: mpsc::Sender<Asked>) {
     let connected = |stream: TcpStream, peer| {
-        let device = ServedDevice { address: address.clone(), to: to.clone() };
+        let device = ServedDevice { address: address.clone(), run: run.clone(), to: to.clone() };
         let is_open = stream.set_nodelay(true);
         std::future::ready(is_open.and_then(|()| accept_tcp_connection(stream, peer, |_| Ok(Some(device.clone())))))
     };
@@ -94,6 +106,7 @@ async fn serve(server: Server, address: String, to: mpsc::Sender<Asked>) {
 #[derive(Clone)]
 struct ServedDevice {
     address: String,
+    run: String,
     to: mpsc::Sender<Asked>,
 }
 
@@ -104,10 +117,10 @@ impl Service for ServedDevice {
     type Future = Pin<Box<dyn Future<Output = Result<Option<Response>, ExceptionCode>> + Send>>;
 
     fn call(&self, SlaveRequest { slave, request }: SlaveRequest<'static>) -> Self::Future {
-        let (to, at) = (self.to.clone(), (self.address.clone(), slave));
+        let (to, at, run) = (self.to.clone(), (self.address.clone(), slave), self.run.clone());
         Box::pin(async move {
             match &request {
-                Request::ReadDeviceIdentification(code, _) => return Ok(Some(identification(*code))),
+                Request::ReadDeviceIdentification(code, _) => return Ok(Some(identification(*code, &run))),
                 Request::Custom(FAULT_FUNCTION, data) => {
                     let (device, fault) = fault_of(data).ok_or(ExceptionCode::IllegalDataValue)?;
                     let (reply, answer) = oneshot::channel();
@@ -145,18 +158,19 @@ fn fault_of(data: &[u8]) -> Option<(String, FaultWrite)> {
 }
 
 /// Identification of every simulated device, also of one that is silent.
-fn identification(read_code: ReadCode) -> Response {
-    let object = |id, value: &'static [u8]| DeviceIdObject { id, value: value.into() };
+fn identification(read_code: ReadCode, run: &str) -> Response {
+    let object = |id, value: &[u8]| DeviceIdObject { id, value: value.to_vec().into() };
+    let mut objects =
+        vec![object(0, b"Linewright"), object(PRODUCT_CODE, PRODUCT), object(2, env!("CARGO_PKG_VERSION").as_bytes())];
+    if !run.is_empty() && matches!(read_code, ReadCode::Extended) {
+        objects.push(object(RUN, run.as_bytes()));
+    }
     Response::ReadDeviceIdentification(ReadDeviceIdentificationResponse {
         read_code,
         conformity_level: ConformityLevel::BasicIdentificationStreamOnly,
         more_follows: false,
         next_object_id: 0,
-        device_id_objects: vec![
-            object(0, b"Linewright"),
-            object(PRODUCT_CODE, PRODUCT),
-            object(2, env!("CARGO_PKG_VERSION").as_bytes()),
-        ],
+        device_id_objects: objects,
     })
 }
 
@@ -175,19 +189,88 @@ fn request_of(request: &Request<'_>) -> Option<ModbusRequest> {
     })
 }
 
-/// Whether the devices at this address are simulated, by their identification. Writes nothing.
+/// What answers at an address, by its identification.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Served {
+    /// Simulated devices of this run of a line; of none where the plant was started by itself.
+    Simulated { run: Option<String> },
+    /// Something else.
+    Other,
+}
+
+impl Served {
+    /// The run that these devices belong to, if it is not `run`. Those of a plant that was started by itself are for all.
+    pub fn other_run(&self, run: &str) -> Option<&str> {
+        match self {
+            Served::Simulated { run: Some(theirs) } if *theirs != cut(Some(run)) => Some(theirs),
+            Served::Simulated { .. } | Served::Other => None,
+        }
+    }
+}
+
+/// What answers at this address. Writes nothing.
 ///
 /// # Errors
 /// When there is no answer.
-pub async fn is_simulated(at: (&str, u8)) -> Result<bool, String> {
-    let answer = request(at, Request::ReadDeviceIdentification(ReadCode::Basic, 0)).await?;
-    let Ok(Response::ReadDeviceIdentification(identity)) = answer else { return Ok(false) };
-    let is_product = |object: &DeviceIdObject| object.id == PRODUCT_CODE && *object.value == *PRODUCT;
-    Ok(identity.device_id_objects.iter().any(is_product))
+pub async fn served_at(at: (&str, u8)) -> Result<Served, String> {
+    let answer = request(at, Request::ReadDeviceIdentification(ReadCode::Extended, 0)).await?;
+    let Ok(Response::ReadDeviceIdentification(identity)) = answer else { return Ok(Served::Other) };
+    let value = |id| identity.device_id_objects.iter().find(|object| object.id == id).map(|object| &*object.value);
+    if value(PRODUCT_CODE) != Some(PRODUCT) {
+        return Ok(Served::Other);
+    }
+    Ok(Served::Simulated { run: value(RUN).map(|run| String::from_utf8_lossy(run).into_owned()) })
+}
+
+/// The addresses of the line's Modbus devices, each with the unit of one of them.
+fn addresses(line: &Line) -> BTreeMap<&str, u8> {
+    line.devices.iter().filter_map(Device::modbus).map(|modbus| (modbus.address.as_str(), modbus.unit)).collect()
+}
+
+/// Whether the Modbus devices of a line can be served: nothing else listens at their addresses.
+///
+/// # Errors
+/// At which of them not, and why.
+pub async fn can_be_served(line: &Line) -> Result<(), PlantError> {
+    for (address, unit) in addresses(line) {
+        if let Err(error) = std::net::TcpListener::bind(address) {
+            let by = match error.kind() {
+                io::ErrorKind::AddrInUse => served_at((address, unit)).await.ok(),
+                _ => None,
+            };
+            return Err(cannot_serve(address, error, by.as_ref()));
+        }
+    }
+    Ok(())
+}
+
+/// Whether each Modbus device of a line is served by the plant of this run.
+pub async fn are_served(line: &Line, run: &str) -> bool {
+    for at in addresses(line) {
+        match served_at(at).await {
+            Ok(Served::Simulated { run: Some(theirs) }) if theirs == cut(Some(run)) => {}
+            _ => return false,
+        }
+    }
+    true
+}
+
+/// The error, with what serves there already.
+pub(crate) fn cannot_serve(address: &str, error: io::Error, by: Option<&Served>) -> PlantError {
+    let address = address.to_owned();
+    if error.kind() != io::ErrorKind::AddrInUse {
+        return PlantError::Modbus { address, error };
+    }
+    let by = match by {
+        Some(Served::Simulated { run: Some(run) }) => format!("the plant of {run}"),
+        Some(Served::Simulated { run: None }) => "another simulated plant".to_owned(),
+        Some(Served::Other) | None => "another process".to_owned(),
+    };
+    PlantError::ModbusTaken { address, by }
 }
 
 /// Makes the simulated Modbus device `device` at this address and unit fail: writes a number to one of the objects that a simulated
-/// CANopen device has for it. To be asked first: [`is_simulated`].
+/// CANopen device has for it. To be asked first: [`served_at`].
 ///
 /// # Errors
 /// Why it does not: there is none, or it has no such fault.

@@ -29,7 +29,7 @@ impl Bench {
         let bus = bus::BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
         let clock = Clock::start();
         let plant = PlantOptions::default();
-        let options = RackOptions { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant, clock };
+        let options = RackOptions { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant, clock, run: None };
         let plant = tokio::spawn(async move { run_plant(&line(), &options).await.unwrap() });
         Bench { _dir: dir, bus, line: line(), clock, plant }
     }

@@ -20,8 +20,13 @@ const WAIT: Duration = Duration::from_secs(20);
 async fn press(buses: &Path, kept: &Path, outputs: u128, inputs: u128) {
     let bus = bus::BusOptions { transport: Transport::Virtual, dir: Some(buses.to_owned()) };
     let clock = Clock::start();
-    let options =
-        RackOptions { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant: PlantOptions::default(), clock };
+    let options = RackOptions {
+        line_bus: LINE_BUS.to_owned(),
+        bus: bus.clone(),
+        plant: PlantOptions::default(),
+        clock,
+        run: None,
+    };
     let (stop, stopped) = oneshot::channel::<()>();
     let dir = kept.to_owned();
     let plant = tokio::spawn(async move {

@@ -11,7 +11,7 @@ use linewright_line::{
 };
 use linewright_modbus_tcp::ModbusTcp;
 use linewright_plant::PlantOptions;
-use linewright_racks::{RackOptions, run_plant};
+use linewright_racks::{RackOptions, Served, are_served, can_be_served, run_plant, served_at};
 use linewright_testkit::presses::*;
 use tokio_modbus::client::{Context, Reader, tcp};
 use tokio_modbus::{ExceptionCode, Slave};
@@ -59,10 +59,18 @@ struct Bench {
 
 impl Bench {
     fn new(registers: bool) -> Self {
-        let (dir, port) = (tempfile::tempdir().unwrap(), free_port());
+        Self::open(registers, free_port(), None)
+    }
+
+    fn of_run(port: u16, run: Option<String>) -> Self {
+        Self::open(false, port, run)
+    }
+
+    fn open(registers: bool, port: u16, run: Option<String>) -> Self {
+        let dir = tempfile::tempdir().unwrap();
         let bus = bus::BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
         let clock = Clock::start();
-        let options = RackOptions { line_bus: "no-can".to_owned(), bus, plant: PlantOptions::default(), clock };
+        let options = RackOptions { line_bus: "no-can".to_owned(), bus, plant: PlantOptions::default(), clock, run };
         let line = line_on(port, registers);
         let devices = line.devices.clone();
         let plant = tokio::spawn(async move { run_plant(&line, &options).await.unwrap() });
@@ -217,15 +225,42 @@ async fn a_simulated_device_is_distinguished_by_its_identification() {
     let bench = Bench::new(false);
     drop(bench.client().await);
     let address = format!("127.0.0.1:{}", bench.port);
-    assert_eq!(linewright_racks::is_simulated((&address, 3)).await, Ok(true));
+    let alone = Served::Simulated { run: None };
+    assert_eq!(served_at((&address, 3)).await, Ok(alone.clone()));
+    assert_eq!(alone.other_run("line /a in ROS domain 3"), None, "for all");
     let name = line_on(bench.port, false).devices[0].name.clone();
     linewright_racks::fail_device((&address, 3), &name, (0x5F00, 0), 1).await.expect("it is unplugged");
-    assert_eq!(linewright_racks::is_simulated((&address, 3)).await, Ok(true), "also while it is silent");
+    assert_eq!(served_at((&address, 3)).await, Ok(alone), "also while it is silent");
     bench.plant.abort();
 
     let (address, requests) = other_device().await;
-    assert_eq!(linewright_racks::is_simulated((&address, 3)).await, Ok(false));
-    assert_eq!(*requests.lock().unwrap(), [[0x2B, 0x0E, 1, 0]], "its identification is read, and no more");
+    assert_eq!(served_at((&address, 3)).await, Ok(Served::Other));
+    assert_eq!(*requests.lock().unwrap(), [[0x2B, 0x0E, 3, 0]], "its identification is read, and no more");
+}
+
+#[tokio::test]
+async fn a_plant_names_its_run_and_no_other_serves_its_addresses() {
+    let own = format!("line /presses in ROS domain 3{}", "é".repeat(200));
+    let port = free_port();
+    let (line, address) = (line_on(port, false), format!("127.0.0.1:{port}"));
+    can_be_served(&line).await.expect("nothing is there yet");
+    assert!(!are_served(&line, &own).await);
+    let bench = Bench::of_run(port, Some(own.clone()));
+    drop(bench.client().await);
+    assert!(are_served(&line, &own).await, "its name is cut");
+    assert!(!are_served(&line, "line /presses in ROS domain 4").await);
+    let served = served_at((&address, 3)).await.expect("it answers");
+    assert_eq!(served.other_run(&own), None);
+    assert!(
+        served
+            .other_run("line /presses in ROS domain 4")
+            .is_some_and(|run| run.starts_with("line /presses in ROS domain 3"))
+    );
+    let taken = can_be_served(&line).await.expect_err("another run's").to_string();
+    let begins =
+        format!("cannot serve the simulated Modbus device at {address}: the plant of line /presses in ROS domain 3");
+    assert!(taken.starts_with(&begins) && taken.contains("not separated by ROS domains"), "{taken}");
+    bench.plant.abort();
 }
 
 /// Reads what is compared, turns the press's output on and off again.

@@ -182,15 +182,18 @@ pub fn run(args: &Args, source: LineSource) -> miette::Result<ExitCode> {
     }
     if args.json {
         out::json(&tables::LineReportJson::new(&source))?;
-    } else {
+        return Ok(ExitCode::SUCCESS);
+    }
+    if args.wants_text() {
         say!("{}", source.text().trim_end());
-        if args.chart {
-            match &source.chart {
-                Some(chart) => say!("\n{}", chart::text(&source, chart).trim_end()),
-                None => say!("\nno operation has been done"),
-            }
+    }
+    if args.chart {
+        match &source.chart {
+            Some(chart) => say!("\n{}", chart::text(&source, chart).trim_end()),
+            None => say!("\nno operation has been done"),
         }
     }
+    args.say_written();
     Ok(ExitCode::SUCCESS)
 }
 

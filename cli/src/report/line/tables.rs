@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::{LineSource, figures, mean};
 use crate::report::csv::{events, table};
 use crate::report::json::JsonGap;
+use crate::report::rows::in_seconds;
 
 /// Everything that is reported.
 #[derive(Serialize)]
@@ -124,8 +125,8 @@ struct JsonChartRow {
 impl From<&Spread> for JsonSpread {
     fn from(of: &Spread) -> Self {
         let [least, median, p90, p99, most] =
-            [of.least, of.median, of.p90, of.p99, of.most].map(|time| (of.count > 0).then_some(time.as_secs_f64()));
-        JsonSpread { count: of.count, least, mean: mean(of).map(|mean| mean.as_secs_f64()), median, p90, p99, most }
+            [of.least, of.median, of.p90, of.p99, of.most].map(|time| (of.count > 0).then_some(in_seconds(time)));
+        JsonSpread { count: of.count, least, mean: mean(of).map(in_seconds), median, p90, p99, most }
     }
 }
 
@@ -147,20 +148,20 @@ impl LineReportJson {
             kind: stop.cause.kind.name(),
             cause: stop.cause.text.clone(),
             times: stop.times,
-            total_s: stop.total.as_secs_f64(),
-            longest_s: stop.longest.as_secs_f64(),
+            total_s: in_seconds(stop.total),
+            longest_s: in_seconds(stop.longest),
         });
         LineReportJson {
             line: source.about.line.clone(),
             title: source.about.title.clone(),
             from: source.show(report.span.0),
             to: source.show(report.span.1),
-            observed_s: report.observed().as_secs_f64(),
-            produced_s: report.producing.as_secs_f64(),
-            unrecorded_s: report.unrecorded.as_secs_f64(),
+            observed_s: in_seconds(report.observed()),
+            produced_s: in_seconds(report.producing),
+            unrecorded_s: in_seconds(report.unrecorded),
             gaps: gaps.collect(),
             cycles: JsonCycles {
-                planned_s: report.figures.planned_run_time.map(|time| time.as_secs_f64()),
+                planned_s: report.figures.planned_run_time.map(in_seconds),
                 time_s: (&report.cycle_time).into(),
                 trend: report.trend.iter().map(trend).collect(),
             },
@@ -180,13 +181,13 @@ fn station(of: &LineStationReport) -> JsonStation {
     let wait = |of: &linewright_history::line::WaitTotal| JsonWait {
         why: of.why.clone(),
         times: of.times,
-        total_s: of.total.as_secs_f64(),
+        total_s: in_seconds(of.total),
     };
     JsonStation {
         name: of.name.clone(),
-        busy_s: of.busy.as_secs_f64(),
+        busy_s: in_seconds(of.busy),
         waits: of.waits.iter().map(wait).collect(),
-        other_s: of.other.as_secs_f64(),
+        other_s: in_seconds(of.other),
         motions: of.motions,
         stopped: of.stopped,
         unseen: of.unseen,
@@ -203,11 +204,11 @@ fn key_figures(source: &LineSource) -> JsonFigures {
         left_out: figure.as_ref().err().cloned(),
     };
     JsonFigures {
-        pri_s: of.planned_run_time.map(|time| time.as_secs_f64()),
+        pri_s: of.planned_run_time.map(in_seconds),
         pq: of.produced,
-        apt_s: of.production.as_secs_f64(),
-        adet_s: of.delay.as_secs_f64(),
-        aubt_s: of.busy().as_secs_f64(),
+        apt_s: in_seconds(of.production),
+        adet_s: in_seconds(of.delay),
+        aubt_s: in_seconds(of.busy()),
         list: figures(of).into_iter().map(figure).collect(),
     }
 }
@@ -285,7 +286,7 @@ pub fn csv(source: &LineSource, dir: &Path) -> miette::Result<()> {
             end,
             start_us,
             end_us,
-            duration_s: motion.to.since(motion.from).as_secs_f64(),
+            duration_s: in_seconds(motion.to.since(motion.from)),
             how: how(motion.end),
         }
     });
@@ -294,7 +295,7 @@ pub fn csv(source: &LineSource, dir: &Path) -> miette::Result<()> {
     let waits = waits.filter(|(_, wait)| wait.to >= from).map(|(of, wait)| {
         let (start, end, start_us, end_us) = span((wait.from, wait.to));
         let (station, why) = (of.name.clone(), wait.why.clone());
-        WaitRow { station, why, start, end, start_us, end_us, duration_s: wait.to.since(wait.from).as_secs_f64() }
+        WaitRow { station, why, start, end, start_us, end_us, duration_s: in_seconds(wait.to.since(wait.from)) }
     });
     table(dir, "wait.csv", waits)?;
     let stops = source.tracking.states(to).filter(|(stretch, _)| stretch.1 >= from);
@@ -304,16 +305,16 @@ pub fn csv(source: &LineSource, dir: &Path) -> miette::Result<()> {
         }
         let (kind, cause) = state.words();
         let (start, end, start_us, end_us) = span(stretch);
-        let duration_s = stretch.1.since(stretch.0).as_secs_f64();
+        let duration_s = in_seconds(stretch.1.since(stretch.0));
         Some(StopRow { kind, cause: cause.to_owned(), start, end, start_us, end_us, duration_s })
     });
     table(dir, "stop.csv", stops)?;
-    let planned_s = source.report.figures.planned_run_time.map(|time| time.as_secs_f64());
+    let planned_s = source.report.figures.planned_run_time.map(in_seconds);
     let cycles = source.report.cycles.iter().map(|cycle| CycleRow {
         number: cycle.number,
         ended: source.show(cycle.ended),
         ended_us: cycle.ended.as_micros(),
-        duration_s: cycle.took.as_secs_f64(),
+        duration_s: in_seconds(cycle.took),
         planned_s,
     });
     table(dir, "cycle.csv", cycles)?;

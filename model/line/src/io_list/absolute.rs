@@ -38,6 +38,11 @@ impl DeviceBegin {
         Ok(begin)
     }
 
+    /// The device that it is about.
+    pub fn device(&self) -> &str {
+        &self.device
+    }
+
     fn of(&self, direction: IoDirection) -> Option<usize> {
         match direction {
             IoDirection::Input => self.inputs,

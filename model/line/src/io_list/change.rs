@@ -19,6 +19,9 @@ pub struct IoChange {
     pub warnings: Vec<Problem>,
 }
 
+/// So many differences of a device of a type are named.
+const TYPE_CHANGES_SHOWN: usize = 8;
+
 /// A row that is understood.
 struct Placed<'a> {
     row: &'a IoRow,
@@ -79,30 +82,45 @@ pub(super) fn changed(before: &[WrittenDevice], rows: &[IoRow]) -> Result<Vec<Wr
         for direction in [IoDirection::Input, IoDirection::Output] {
             trim(was.bits(direction), after.bits_mut(direction));
         }
+    }
+    of_types(before, &after, &placed, &mut problems);
+    problems.sort_by_key(|problem| problem.line);
+    if problems.is_empty() { Ok(after) } else { Err(problems) }
+}
+
+/// Reports devices of station types that would be different: a list is put into no type.
+fn of_types(before: &[WrittenDevice], after: &[WrittenDevice], placed: &[Placed<'_>], problems: &mut Vec<RowProblem>) {
+    let written = before.iter().zip(after).filter(|(was, is)| was.is_of_a_type() && was != is);
+    for (was, is) in written {
         let differs = |placed: &&Placed<'_>| {
             let Placed { row, at, device } = placed;
             let there = was.bits(at.direction).get(at.bit).map_or("", String::as_str);
             let comment = was.comments.get(&row.name).map_or("", String::as_str);
-            let is_carried = was.inputs.iter().chain(&was.outputs).any(|name| *name == row.name);
             match row.device == was.name {
                 true => there != row.name || row.comment.as_ref().is_some_and(|wanted| wanted != comment),
                 // It is taken away from this one.
-                false => !row.name.is_empty() && is_carried && before[*device].owner == was.owner,
+                false => !row.name.is_empty() && was.carries(&row.name) && before[*device].owner == was.owner,
             }
         };
-        if was.is_of_a_type()
-            && was != &*after
-            && let Some(Placed { row, .. }) = placed.iter().find(differs)
-        {
-            problems.push(RowProblem {
-                line: row.line,
-                column: "device",
-                message: format!("`{}` is written in a station type, and the list differs: change the type", was.name),
-            });
+        let Some(Placed { row, .. }) = placed.iter().find(differs) else { continue };
+        let of_it = |of: &&Difference<'_>| of.owner == was.owner && (was.carries(of.name) || is.carries(of.name));
+        let all = every_difference(before, after);
+        let mut shown: Vec<String> = all.iter().filter(of_it).map(|of| format!("{}: {}", of.name, of.what)).collect();
+        let count = shown.len();
+        shown.truncate(TYPE_CHANGES_SHOWN);
+        if count > shown.len() {
+            shown.push(format!("and {} more", count - shown.len()));
         }
+        problems.push(RowProblem {
+            line: row.line,
+            column: "device",
+            message: format!(
+                "`{}` is written in a station type, and the list differs ({}): change the type",
+                was.name,
+                shown.join("; ")
+            ),
+        });
     }
-    problems.sort_by_key(|problem| problem.line);
-    if problems.is_empty() { Ok(after) } else { Err(problems) }
 }
 
 /// Bits that have become free at the end of a list are left out; those that were written stay.
@@ -113,6 +131,12 @@ fn trim(before: &[String], after: &mut Vec<String>) {
     }
 }
 
+pub(super) fn unknown_device(name: &str, devices: &[WrittenDevice]) -> String {
+    let known = devices.iter().map(|device| device.name.as_str());
+    let hint = suggestion(name, known).map(|hint| format!(": {hint}")).unwrap_or_default();
+    format!("no device with inputs and outputs is called `{name}`{hint}")
+}
+
 fn place<'a>(devices: &[WrittenDevice], row: &'a IoRow, problems: &mut Vec<RowProblem>) -> Option<Placed<'a>> {
     let before = problems.len();
     let mut add = |column, message| problems.push(RowProblem { line: row.line, column, message });
@@ -120,9 +144,7 @@ fn place<'a>(devices: &[WrittenDevice], row: &'a IoRow, problems: &mut Vec<RowPr
     match device {
         None if row.device.is_empty() => add("device", "no device".to_owned()),
         None => {
-            let known = devices.iter().map(|device| device.name.as_str());
-            let hint = suggestion(&row.device, known).map(|hint| format!(": {hint}")).unwrap_or_default();
-            add("device", format!("no device with inputs and outputs is called `{}`{hint}", row.device));
+            add("device", unknown_device(&row.device, devices));
         }
         Some(device) => {
             let owner = &devices[device].owner;
@@ -175,26 +197,39 @@ fn each_once(devices: &[WrittenDevice], placed: &[Placed<'_>], problems: &mut Ve
     }
 }
 
+/// What is different about a signal.
+struct Difference<'a> {
+    owner: &'a str,
+    name: &'a str,
+    /// In words.
+    what: String,
+}
+
 /// Differences, in words.
 pub(super) fn differences(before: &[WrittenDevice], after: &[WrittenDevice]) -> Vec<String> {
+    let all = every_difference(before, after);
+    all.into_iter().map(|Difference { owner, name, what }| format!("{owner}: {name}: {what}")).collect()
+}
+
+fn every_difference<'a>(before: &'a [WrittenDevice], after: &'a [WrittenDevice]) -> Vec<Difference<'a>> {
     let (old, new) = (places(before), places(after));
     let mut all: Vec<&(&str, &str)> = new.keys().chain(old.keys().filter(|key| !new.contains_key(*key))).collect();
     all.sort_unstable();
     let mut changes = Vec::new();
-    for key @ (owner, name) in all {
+    for key @ &(owner, name) in all {
         let what = match (old.get(key), new.get(key)) {
             (Some((was, _)), Some((is, _))) if was != is => Some(format!("{was} → {is}")),
             (None, Some((is, _))) => Some(format!("new, {is}")),
             (Some((was, _)), None) => Some(format!("{was} → not connected")),
             _ => None,
         };
-        changes.extend(what.map(|what| format!("{owner}: {name}: {what}")));
+        changes.extend(what.map(|what| Difference { owner, name, what }));
         let comment = |of: Option<&(String, Option<&String>)>| of.and_then(|(_, comment)| *comment).cloned();
         let (was, is) = (comment(old.get(key)), comment(new.get(key)));
         if was != is && new.contains_key(key) {
             let quoted =
                 |comment: Option<String>| comment.map_or("none".to_owned(), |comment| format!("\"{comment}\""));
-            changes.push(format!("{owner}: {name}: comment {} → {}", quoted(was), quoted(is)));
+            changes.push(Difference { owner, name, what: format!("comment {} → {}", quoted(was), quoted(is)) });
         }
     }
     changes

@@ -35,6 +35,11 @@ impl WrittenDevice {
         }
     }
 
+    /// Whether a signal is connected to it.
+    pub fn carries(&self, name: &str) -> bool {
+        self.inputs.iter().chain(&self.outputs).any(|bit| bit == name)
+    }
+
     /// Whether it is written in a station type.
     pub fn is_of_a_type(&self) -> bool {
         self.place.is_none()

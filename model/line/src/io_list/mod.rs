@@ -77,6 +77,18 @@ pub fn io_list(file_name: &str, text: &str) -> Result<Vec<IoRow>, IoListError> {
     Ok(rows.collect())
 }
 
+/// The names in `begins` that no device of the description with inputs and outputs has, in words.
+///
+/// # Errors
+/// The description cannot be read.
+pub fn unknown_devices(file_name: &str, text: &str, begins: &[DeviceBegin]) -> Result<Vec<String>, IoListError> {
+    let devices = read(file_name, text)?;
+    let mut names: Vec<&str> = begins.iter().map(DeviceBegin::device).collect();
+    names.retain(|name| !devices.iter().any(|device| device.name == *name));
+    names.dedup();
+    Ok(names.into_iter().map(|name| change::unknown_device(name, &devices)).collect())
+}
+
 /// The description with a list in it, and what is different.
 ///
 /// # Errors

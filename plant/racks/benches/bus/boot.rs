@@ -31,6 +31,7 @@ pub fn run(place: &Place) {
                 bus: plant.options.clone(),
                 plant: PlantOptions::default(),
                 clock: Clock::start(),
+                run: None,
             };
             let line = line();
             tokio::select! {

@@ -403,7 +403,7 @@ impl ObjectServer for DriveNode {
             }
             (FAULT_INDEX, sub) if usize::from(sub) <= self.motions.len() => {
                 let fault = MotionFault::from_code(number(data)?)?;
-                if !matches!(fault, None | Some(MotionFault::Stick | MotionFault::Break)) {
+                if fault.is_some_and(|fault| !MotionFault::OF_DRIVE.contains(&fault)) {
                     return Err(Abort::VALUE);
                 }
                 self.fail(now, usize::from(sub) - 1, fault, out);

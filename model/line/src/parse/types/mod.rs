@@ -137,7 +137,7 @@ impl Writer<'_> {
     fn edit(&mut self, edit: &TypeEdit, station: &TypedStation, note: Option<NoteId>) {
         match &edit.parts[..] {
             [] => {}
-            [PatternPart::Parameter(parameter)] => {
+            [PatternPart::Parameter(parameter)] if !edit.is_key => {
                 let value = &station.values[*parameter];
                 let what = format!("`{}` of station `{}` stands here", value.name, station.name.value);
                 let note = self.splice.note(edit.at.clone(), what, "");
@@ -148,7 +148,8 @@ impl Writer<'_> {
                     PatternPart::Words(words) => words.as_str(),
                     PatternPart::Parameter(parameter) => station.values[*parameter].words.as_str(),
                 });
-                let text = pattern::quoted(&words.collect::<String>());
+                let words = words.collect::<String>();
+                let text = if edit.is_key { pattern::as_key(&words) } else { pattern::quoted(&words) };
                 self.splice.put(&text, edit.at.clone(), note);
             }
         }

@@ -8,6 +8,8 @@ pub(super) struct TypeEdit {
     pub at: TextRange,
     /// Nothing where the stretch is left out.
     pub parts: Vec<PatternPart>,
+    /// It is the key of a value.
+    pub is_key: bool,
 }
 
 /// A part of a text.
@@ -21,7 +23,7 @@ pub(super) enum PatternPart {
 impl TypeEdit {
     /// A stretch that is left out.
     pub fn out(at: TextRange) -> Self {
-        TypeEdit { at, parts: Vec::new() }
+        TypeEdit { at, parts: Vec::new(), is_key: false }
     }
 }
 
@@ -83,6 +85,11 @@ pub(super) fn quoted(text: &str) -> String {
     toml_edit::Value::from(text).to_string()
 }
 
+/// A text as a key in TOML.
+pub(super) fn as_key(text: &str) -> String {
+    toml_edit::Key::new(text).to_string()
+}
+
 #[cfg(test)]
 mod tests {
     use linewright_text::Located;
@@ -109,6 +116,8 @@ mod tests {
         for open in ["{name", "a}b", "{", "}", "{{}"] {
             assert_eq!(read(open), (None, vec!["a brace without its other half".to_owned()]), "{open}");
         }
-        assert_eq!(quoted("a\"b\nc"), quoted("a\"b\nc"));
+        for (text, key) in [("P1_up", "P1_up"), ("1.5", "\"1.5\""), ("a b", "\"a b\"")] {
+            assert_eq!(as_key(text), key);
+        }
     }
 }

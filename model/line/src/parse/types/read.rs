@@ -110,14 +110,14 @@ impl StationType<'_> {
             if let Some(header) = BESIDE.into_iter().find(|beside| *beside == key) {
                 self.beside(header, item, report);
             }
-            texts(item, 0, &mut |text, at| {
+            texts(item, 0, &mut |text, at, is_key| {
                 if let Some(parts) = parts(text, &at, &self.parameters, report) {
                     for part in &parts {
                         if let super::PatternPart::Parameter(parameter) = part {
                             used[*parameter] = true;
                         }
                     }
-                    self.edits.push(TypeEdit { at, parts });
+                    self.edits.push(TypeEdit { at, parts, is_key });
                 }
             });
         }
@@ -162,33 +162,41 @@ impl StationType<'_> {
     }
 }
 
-/// Every text in an item, with its place.
-fn texts(item: &Item, depth: usize, found: &mut dyn FnMut(&str, TextRange)) {
+/// Every text in an item, with its place, and whether it is the key of a value.
+fn texts(item: &Item, depth: usize, found: &mut dyn FnMut(&str, TextRange, bool)) {
     if depth > DEPTH_MAX {
         return;
     }
     match item {
         Item::Value(value) => of_value(value, depth + 1, found),
-        Item::Table(table) => table.iter().for_each(|(_, item)| texts(item, depth + 1, found)),
-        Item::ArrayOfTables(tables) => {
-            tables.iter().flat_map(|table| table.iter()).for_each(|(_, item)| texts(item, depth + 1, found));
-        }
+        Item::Table(table) => of_table(table, depth, found),
+        Item::ArrayOfTables(tables) => tables.iter().for_each(|table| of_table(table, depth, found)),
         Item::None => {}
     }
 }
 
-fn of_value(value: &Value, depth: usize, found: &mut dyn FnMut(&str, TextRange)) {
+fn of_table(table: &dyn TableLike, depth: usize, found: &mut dyn FnMut(&str, TextRange, bool)) {
+    for (name, item) in table.iter() {
+        // The key of a table is in a header, or before a full stop.
+        if let Some(at) = table.key(name).filter(|_| item.is_value()).and_then(|key| key.span()) {
+            found(name, at, true);
+        }
+        texts(item, depth + 1, found);
+    }
+}
+
+fn of_value(value: &Value, depth: usize, found: &mut dyn FnMut(&str, TextRange, bool)) {
     if depth > DEPTH_MAX {
         return;
     }
     match value {
         Value::String(text) => {
             if let Some(at) = text.span() {
-                found(text.value(), at);
+                found(text.value(), at, false);
             }
         }
         Value::Array(list) => list.iter().for_each(|value| of_value(value, depth + 1, found)),
-        Value::InlineTable(table) => table.iter().for_each(|(_, value)| of_value(value, depth + 1, found)),
+        Value::InlineTable(table) => of_table(table, depth, found),
         _ => {}
     }
 }

@@ -1,0 +1,59 @@
+//! The report of a run, and its exit code.
+
+use std::process::ExitCode;
+
+use miette::IntoDiagnostic;
+
+use super::cell::CellRun;
+use super::{Args, Session};
+use crate::states::mode_name;
+
+impl Session {
+    /// Prints the report.
+    pub(super) fn report(&self, args: &Args, outcome: miette::Result<()>, restarts: u32) -> miette::Result<ExitCode> {
+        let faults = self.tally.faults();
+        let parts = self.cell.as_ref().map(CellRun::made).filter(|(_, wanted)| *wanted > 0);
+        let short = self.target.is_some_and(|target| self.tally.cycles() < target);
+        let short = short || parts.is_some_and(|(made, wanted)| made < wanted);
+        let conflicts = self.observer.conflicts();
+        let ok = outcome.is_ok() && !short && conflicts.is_empty() && (!self.ends() || faults == 0);
+        let error = match &outcome {
+            Err(error) => Some(error.to_string()),
+            Ok(()) if let Some((made, wanted)) = parts.filter(|_| short) => {
+                Some(format!("{made} of {wanted} parts finished"))
+            }
+            Ok(()) if short => Some(format!("{} of {} cycles ended", self.tally.cycles(), args.cycles.unwrap_or(0))),
+            Ok(()) if self.ends() && faults > 0 => {
+                let number = if faults == 1 { "1 fault".to_owned() } else { format!("{faults} faults") };
+                Some(format!("{number} on the way: {}", self.tally.fault_texts(self.states()).join("; ")))
+            }
+            Ok(()) => None,
+        };
+        let mode = self.client.coordinator().map_or("no state received", |state| mode_name(state.mode));
+        let mut report = self.tally.report(mode, &self.observer, restarts, error.clone());
+        (report.parts_made, report.parts_wanted) = parts.unzip();
+        if args.json {
+            crate::out::say!("{}", serde_json::to_string(&report).into_diagnostic()?);
+        } else {
+            let done = match parts {
+                Some((made, wanted)) => format!("{made} of {wanted} parts"),
+                None => format!("{} cycles", report.cycles),
+            };
+            crate::out::say!(
+                "{done}, {faults} faults, {} conflicts seen in {} CAN frames",
+                conflicts.len(),
+                report.frames_seen
+            );
+            for conflict in &report.conflicts_seen {
+                crate::out::say!("conflict: {conflict}");
+            }
+            for conflict in &report.conflicts_not_watched {
+                crate::out::say!("not watched, its switches are in frames this observer does not read: {conflict}");
+            }
+            if let Some(error) = error {
+                crate::out::complain!("linewright: {error}");
+            }
+        }
+        Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    }
+}
