@@ -18,6 +18,9 @@ use crate::out::{self, say};
 /// How long to wait for a cell to be heard.
 pub(super) const CONNECT: Duration = Duration::from_secs(5);
 
+/// Time in which an answer is compared with the sensors, usually: a state of the stations that is newer than the answer.
+const COMPARED: Duration = Duration::from_millis(1500);
+
 /// Submit, list, cancel or withdraw production orders of a running cell.
 #[derive(Debug, Args)]
 pub struct OrderArgs {
@@ -202,8 +205,7 @@ pub struct AnswerArgs {
     /// The cell's directory.
     cell: PathBuf,
     /// Number of the alarm [default: show the alarms].
-    #[arg(requires = "word")]
-    alarm: Option<u64>,
+    alarm: Option<String>,
     /// One of the alarm's answers.
     word: Option<String>,
     /// One JSON object on standard output.
@@ -216,7 +218,7 @@ pub async fn answer(args: AnswerArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let line = load::line_of_cell(&args.cell)?;
     let mut client = CellClient::open(&line, ros, "answer")?;
     let state = client.until_heard(CONNECT).await?;
-    let (Some(alarm), Some(word)) = (args.alarm, args.word) else {
+    let Some(said) = args.alarm else {
         if args.json {
             out::json(&json!({ "alarms": alarms(state) }))?;
             return Ok(ExitCode::SUCCESS);
@@ -224,15 +226,53 @@ pub async fn answer(args: AnswerArgs, ros: &RosArgs) -> miette::Result<ExitCode>
         if state.alarms.as_slice().is_empty() {
             say!("no active alarm");
         }
-        for alarm in state.alarms.as_slice() {
-            say!("alarm {}: {} Answers: {}", alarm.id, alarm.text, alarm.answers.join(", "));
-        }
+        standing(state).iter().for_each(|alarm| say!("{alarm}"));
         return Ok(ExitCode::SUCCESS);
     };
+    let (Ok(alarm), Some(word)) = (said.parse::<u64>(), args.word) else {
+        let mut lines = vec![format!("expected the number of an alarm and one of its answers, not `{said}` alone")];
+        if said.parse::<u64>().is_err() {
+            lines = vec![format!("expected the number of an alarm, then one of its answers; `{said}` is no number")];
+        }
+        lines.extend(if state.alarms.as_slice().is_empty() {
+            vec!["no active alarm".to_owned()]
+        } else {
+            standing(state)
+        });
+        return Err(miette!("{}", lines.join("\n")));
+    };
+    let left_out_before = state.down.as_slice().to_vec();
     client.answer(alarm, &word).await?;
-    let text = format!("alarm {alarm} is answered: {word}");
-    done(args.json, &text, json!({ "alarm": alarm, "answer": word }))?;
+    let left_out = left_out_after(&mut client, &left_out_before).await?;
+    let mut text = format!("alarm {alarm} is answered: {word}");
+    for name in &left_out {
+        let cell = args.cell.display();
+        text.push_str(&format!(
+            "\n{name} is out of service since; `linewright why {cell} {name}` says why, `linewright resource {cell} {name} up` \
+             counts on it again"
+        ));
+    }
+    done(args.json, &text, json!({ "alarm": alarm, "answer": word, "left_out": left_out }))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The alarms that stand, with their answers.
+fn standing(state: &CellState) -> Vec<String> {
+    let alarms = state.alarms.as_slice().iter();
+    alarms.map(|alarm| format!("alarm {}: {} Answers: {}", alarm.id, alarm.text, alarm.answers.join(", "))).collect()
+}
+
+/// Resources that were left out while an answer was compared with the sensors.
+async fn left_out_after(client: &mut CellClient, before: &[String]) -> miette::Result<Vec<String>> {
+    let until = tokio::time::Instant::now() + COMPARED;
+    while let Ok(state) = tokio::time::timeout_at(until, client.next()).await {
+        let new: Vec<String> = state?.down.as_slice().iter().filter(|name| !before.contains(name)).cloned().collect();
+        if !new.is_empty() {
+            // Those of one answer are left out in one step.
+            return Ok(new);
+        }
+    }
+    Ok(Vec::new())
 }
 
 /// Show which resources of a running cell are left out, or say how one is.
@@ -286,6 +326,9 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
             }
             if down.as_slice().is_empty() {
                 say!("no resource is out of service");
+            }
+            for failed in state.activities.as_slice().iter().filter(|of| !of.running) {
+                say!("{}: {}; its stations are given no work until then", failed.name, failed.text);
             }
             for name in down.as_slice() {
                 client.why(name).await?.iter().for_each(|reason| say!("{reason}"));

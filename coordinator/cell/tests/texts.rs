@@ -180,8 +180,11 @@ fn alarms() -> Vec<AlarmText<'static>> {
             wrong_rest(false, Some(("PB_unload_1", "release", true)), Some(("PB_back_1", "clamp"))),
             wrong_rest(false, None, Some(("PB_back_1", "clamp"))), wrong_rest(false, None, None);
         AlarmText::Facts { .. } => AlarmText::Facts { activity, cause: "m1: time limit exceeded", seconds: 26.0 };
-        AlarmText::Contradicted { .. } => AlarmText::Contradicted { word: "in-machine", found, again };
-        AlarmText::Moved { .. } => AlarmText::Moved { station: "robot", word: "as-before", again };
+        AlarmText::Contradicted { .. } => AlarmText::Contradicted { word: "in-machine", found };
+        AlarmText::Moved { .. } => AlarmText::Moved { station: "robot", word: "as-before" };
+        AlarmText::Awaited { .. } =>
+            AlarmText::Awaited { failure: "robot: awaited input not on in time (code 32)", inputs: "lathe_chucked" };
+        AlarmText::Agrees { .. } => AlarmText::Agrees { resource: "M1" };
         AlarmText::Carried => AlarmText::Carried;
         AlarmText::Mismatch { .. } => AlarmText::Mismatch { found, missing: None },
             AlarmText::Mismatch { found, missing: Some(PART) };
@@ -240,6 +243,8 @@ fn waits() -> Vec<CellWait<'static>> {
         CellWait::OutOfService { .. } =>
             CellWait::OutOfService { resource: "M1", seconds: 9.0, why: "sensor contradicts the model" };
         CellWait::InService { .. } => CellWait::InService { resource: "M1" };
+        CellWait::Failed => CellWait::Failed;
+        CellWait::ToCountOn { .. } => CellWait::ToCountOn { resource: "M1" };
         CellWait::TakesPart { .. } => CellWait::TakesPart { activity: "`load M1`, 3 s left" };
     })
 }
@@ -328,7 +333,7 @@ fn all_texts_of_a_cell() {
         listed("alarms", &alarms(), |alarm| alarm.text()),
         listed("rejected answers", &answer_refusals(), |why| answer_refused(*why, ResourceRequest::Answer(AlarmId(3)))),
         listed("rejected resets", &answer_refusals(), |why| answer_refused(*why, ResourceRequest::Reset(STATION))),
-        listed("resources out of service", &out_of_service(), |why| why.text()),
+        listed("resources out of service", &out_of_service(), |why| why.text("`load M1` with part 3")),
         listed("resources out of service, in reports", &out_of_service(), |why| why.summary()),
         listed("why a part does not go on", &waits(), |wait| wait.text()),
         listed("where tokens are", &owners(&by), |owner| owner.text()),

@@ -59,7 +59,7 @@ impl TaskFailure {
             TaskFailure::Waiting(code) => format!("awaited input not on in time (code {code})"),
             TaskFailure::TimedOut => "time limit exceeded".to_owned(),
             TaskFailure::Fault => "station fault".to_owned(),
-            TaskFailure::Interrupted => "mode changed during the task".to_owned(),
+            TaskFailure::Interrupted => "interrupted by an emergency stop or a change of mode".to_owned(),
             TaskFailure::Restarted => "station controller restarted during the task".to_owned(),
             TaskFailure::Cancelled => "undone on request".to_owned(),
             TaskFailure::Held => "undone on request as far as possible; lead it to a rest in manual".to_owned(),

@@ -155,7 +155,7 @@ impl LineSource {
             let [busy, waited, other] = [*busy, waited, *other].map(percent);
             let _ = writeln!(text, "{name:<16} {busy:>8} {waited:>8} {other:>8} {motions:>8} {stopped:>8} {faults:>7}");
             for wait in waits.iter().take(WAITS_MAX) {
-                let _ = writeln!(text, "  {:>9} s, {} times, for {}", seconds(wait.total), wait.times, wait.why);
+                let _ = writeln!(text, "  {:>9} s, {}, for {}", seconds(wait.total), often(wait.times), wait.why);
             }
             if waits.len() > WAITS_MAX {
                 let _ = writeln!(text, "  and {} other causes; --json has all of them", waits.len() - WAITS_MAX);
@@ -209,6 +209,10 @@ fn planned_busy(args: &Args) -> miette::Result<Option<Duration>> {
 
 fn seconds(time: Duration) -> String {
     format!("{:.1}", time.as_secs_f64())
+}
+
+fn often(times: usize) -> String {
+    if times == 1 { "once".to_owned() } else { format!("{times} times") }
 }
 
 fn mean(of: &Spread) -> Option<Duration> {

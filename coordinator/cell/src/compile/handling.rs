@@ -1,6 +1,7 @@
 //! Recovery rules of a description, by the modes and resources of the table.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use linewright_cell::net::{CellNet, PlaceMeaning, ResourcePosition, Supply};
 use linewright_cell::{Activity, ActivityId, Cell, ExceptionRule, LeftOut, Resource, ResourceId as Of, Role, StopOf};
@@ -61,7 +62,13 @@ fn rests(line: &Line, id: StationId) -> StationRests {
             let mut all = station.operations_of(of).map(|op| &station.operations[op.index()]);
             all.all(|op| op.hand.back() == Some(*button) && matches!(op.module, OperationModule::Reversible { .. }))
         };
+        let awaited =
+            station.operations_of(of).map(|op| &station.operations[op.index()]).filter(|of| of.waits_code > 0);
+        let awaited = awaited.flat_map(|of| {
+            of.waits.iter().map(|&input| (of.waits_code, Arc::from(station.inputs[input.index()].as_str())))
+        });
         RestTask {
+            awaited: awaited.collect(),
             name: task.name.as_str().into(),
             from: task.from,
             to: task.to,

@@ -6,11 +6,11 @@
 
 use std::time::Duration;
 
-use linewright_line::Tick;
+use linewright_line::{StationId, Tick};
 
 use super::super::exception::AlarmSubject;
 use super::super::firing::{ActivityPhase, OngoingActivity};
-use super::super::ids::{CellId, ModeId, PartId, ResourceId};
+use super::super::ids::{CellId, FiringId, ModeId, PartId, ResourceId};
 use super::super::plan::{ActivityTiming, CellKind};
 use super::super::player::Coordination;
 use super::super::state::{PartPlace, PlayerState};
@@ -85,7 +85,7 @@ fn option(
     let lacked: Vec<String> = lacked.map(|&(cell, _)| owner(ways, state, now, cell)).collect();
     let last = reasons.of(mode);
     if let Some(resource) = state.needs_down(mode) {
-        return left_out(state, now, resource);
+        return left_out(coordination, now, resource);
     }
     if !lacked.is_empty() {
         let held = last.map(|(at, why)| (seconds(now.since(at)), reason(table, why)));
@@ -112,9 +112,14 @@ fn option(
 pub fn why_resource(coordination: &Coordination, now: Tick, resource: ResourceId) -> Vec<String> {
     let state = coordination.state();
     let handling = state.table().handling();
-    let mut lines = vec![format!("{}.", left_out(state, now, resource))];
+    let mut lines = vec![format!("{}.", left_out(coordination, now, resource))];
     let station = handling.resource(resource).and_then(|of| of.station);
     let trouble = station.and_then(|station| coordination.objection(now, station));
+    let is_down = state.exceptions().is_down(resource).is_some();
+    let waits = |station| state.exceptions().open().any(|(id, _)| has_order(state, id, station));
+    if !is_down && station.is_some_and(waits) {
+        lines.push(CellWait::Failed.text());
+    }
     lines.extend(trouble.map(|why| format!("{}.", unready(state.table(), why))));
     let its: Vec<_> = state.firings().filter(|firing| state.concerns(firing, resource)).collect();
     lines.extend(
@@ -125,8 +130,18 @@ pub fn why_resource(coordination: &Coordination, now: Tick, resource: ResourceId
         AlarmSubject::Firing(id) => its.iter().any(|firing| firing.id == id),
     };
     let asks = state.exceptions().alarms().filter(|alarm| is_its(alarm.about));
-    lines.extend(asks.map(|alarm| format!("{}: {}", alarm.id, alarm.text)));
+    let asks: Vec<String> =
+        asks.map(|alarm| format!("{}: {}", alarm.id, coordination.alarm_text(now, alarm))).collect();
+    if is_down && trouble.is_none() && asks.is_empty() {
+        lines.push(CellWait::ToCountOn { resource: handling.resource_name(resource) }.text());
+    }
+    lines.extend(asks);
     lines
+}
+
+/// Whether a station has an order of an activity.
+fn has_order(state: &PlayerState, firing: FiringId, station: StationId) -> bool {
+    state.firing(firing).is_some_and(|firing| firing.orders.iter().any(|order| order.station == station))
 }
 
 /// Holder of the token that a cell lacks.
@@ -150,13 +165,15 @@ fn owner(ways: &ShortestRoutes, state: &PlayerState, now: Tick, cell: CellId) ->
 }
 
 /// Reason why a resource is not counted on.
-fn left_out(state: &PlayerState, now: Tick, resource: ResourceId) -> String {
+fn left_out(coordination: &Coordination, now: Tick, resource: ResourceId) -> String {
+    let state = coordination.state();
     let name = state.table().handling().resource_name(resource);
     let Some(down) = state.exceptions().is_down(resource) else {
         return CellWait::InService { resource: name }.text();
     };
     let seconds = seconds(now.since(down.since));
-    CellWait::OutOfService { resource: name, seconds, why: &down.why.text() }.text()
+    let why = coordination.left_out_because(now, resource).unwrap_or_default();
+    CellWait::OutOfService { resource: name, seconds, why: &why }.text()
 }
 
 /// The part that waits for a mode, if it is where that takes it from.

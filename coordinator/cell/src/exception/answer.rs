@@ -68,6 +68,14 @@ impl Coordination {
         if let Some(station) = self.moving(now, firing) {
             return Err(AlarmAnswerRefusal::Moves(station));
         }
+        // Where the part is of a station between two rests is decided when it is led on. And it may stand in a resource whose room
+        // closing would give to others: until it stands at a rest the activity keeps all it has taken. With `carrier` it stays open.
+        let mut ordered = firing.orders.iter().map(|order| order.station);
+        if ruling.part != Whereabouts::Carrier
+            && let Some(station) = ordered.find(|&station| self.fresh(now, station).is_some_and(|of| of.is_held))
+        {
+            return Err(AlarmAnswerRefusal::NotAtRest(station));
+        }
         // A resource that carries and works may have another part.
         let carrier = handling.mode(firing.mode).carrier;
         let carrier = carrier.filter(|&of| !self.has_parts(of) && !self.is_in_use(of, Some(id)));
@@ -82,15 +90,8 @@ impl Coordination {
             | (Some((_, Presence::Off)), Whereabouts::From | Whereabouts::To | Whereabouts::Gone)
             | (Some((_, Presence::NoSensor | Presence::Unread)) | None, _) => Ok(()),
         }?;
-        // With `carrier` the activity stays open.
         if ruling.part == Whereabouts::Carrier {
             return Ok(ruling);
-        }
-        // Where the part is of a station between two rests is decided when it is led on. And it may stand in a resource whose room
-        // closing would give to others: until it stands at a rest the activity keeps all it has taken.
-        let mut ordered = firing.orders.iter().map(|order| order.station);
-        if let Some(station) = ordered.find(|&station| self.fresh(now, station).is_some_and(|of| of.is_held)) {
-            return Err(AlarmAnswerRefusal::NotAtRest(station));
         }
         match self.unheard(now, id) {
             Some((station, resource)) => Err(AlarmAnswerRefusal::Unheard(station, resource)),
@@ -125,7 +126,7 @@ impl Coordination {
         }
         if self.state.exceptions().is_down(resource).is_none_or(|down| !down.why.is_alarm()) {
             let why = OutOfServiceReason::Alarm { text: text.to_owned() };
-            self.except(now, ExceptionStep::Down { resource, why }, out);
+            self.leave_out(now, resource, why, out);
         }
         let running = self.state.firings().filter(|firing| firing.phase == ActivityPhase::Running);
         let its = running.filter(|firing| self.state.concerns(firing, resource));
@@ -152,11 +153,7 @@ impl Coordination {
         if self.state.exceptions().is_down(resource).is_some() {
             return Err(AlarmAnswerRefusal::AlreadySo);
         }
-        self.except(
-            now,
-            ExceptionStep::Down { resource, why: OutOfServiceReason::ByHand { text: String::new() } },
-            out,
-        );
+        self.leave_out(now, resource, OutOfServiceReason::ByHand { text: String::new() }, out);
         Ok(())
     }
 
@@ -190,7 +187,7 @@ impl Coordination {
         if self.state.exceptions().open().any(is_open) {
             return Err(AlarmAnswerRefusal::Open(resource));
         }
-        if let Some(why) = station.and_then(|station| self.objection(now, station)) {
+        if let Some(why) = station.and_then(|station| self.obstacle(now, station)) {
             return Err(why);
         }
         if let Some(found) = self.difference(resource) {

@@ -25,9 +25,14 @@ impl PlayerState {
                 self.trouble(*firing)?.standing.push((*key, *standing));
                 Ok(())
             }
-            ExceptionStep::Alarmed { alarm, about, text, words } => {
-                self.alarmed(Alarm { id: *alarm, since: at, about: *about, text: text.clone(), words: words.clone() })
-            }
+            ExceptionStep::Alarmed { alarm, about, text, words, finding } => self.alarmed(Alarm {
+                id: *alarm,
+                since: at,
+                about: *about,
+                text: text.clone(),
+                words: words.clone(),
+                finding: finding.clone(),
+            }),
             ExceptionStep::Answered { firing, ruling, by: _ } => {
                 let trouble = self.trouble(*firing)?;
                 let alarm = match &trouble.stage {
@@ -65,7 +70,9 @@ impl PlayerState {
                 let was = self.exceptions.stopped.remove(station).map(|_| ());
                 was.ok_or_else(|| format!("station {} is not in emergency stop", station.0))
             }
-            ExceptionStep::Down { resource, why } => self.down(*resource, OutOfService { since: at, why: why.clone() }),
+            ExceptionStep::Down { resource, why, activity } => {
+                self.down(*resource, OutOfService { since: at, why: why.clone(), activity: activity.clone() })
+            }
             ExceptionStep::Up { resource, unchecked: _ } => self.up(*resource),
         }
     }

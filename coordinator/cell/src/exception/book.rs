@@ -69,8 +69,12 @@ pub struct Alarm {
     pub since: Tick,
     pub about: AlarmSubject,
     /// Instruction as in ISA-18.2: what, where, consequence, action.
+    /// As it was raised; [`super::super::Coordination::alarm_text`] is as things are now.
     pub text: String,
     pub words: Vec<String>,
+    /// What was found after an answer, before the text of the failure; none where the text is another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub finding: Option<String>,
 }
 
 /// A resource that is left out.
@@ -81,6 +85,9 @@ pub struct OutOfService {
     #[serde(with = "serial::micros")]
     pub since: Tick,
     pub why: OutOfServiceReason,
+    /// Operators' name of the activity that the reason is about, with its part; may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub activity: String,
 }
 
 /// Something that was done once more, or is to be.

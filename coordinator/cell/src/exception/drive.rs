@@ -14,7 +14,7 @@ use super::fact::{
 };
 use super::policy::{PermittedAnswer, usual};
 use super::request::{Presence, StationUnavailable};
-use crate::texts::alarm;
+use crate::texts::{alarm, called};
 
 /// Result of comparing sensors with an answer.
 enum SensorVerdict {
@@ -29,6 +29,19 @@ enum SensorVerdict {
 impl Coordination {
     pub(super) fn except(&mut self, now: Tick, step: ExceptionStep, out: &mut PlayerOutbox) {
         self.write(now, RecordKind::Exception(step), out);
+    }
+
+    /// Leaves a resource out; of an activity that is still open its name is kept with the reason.
+    pub(super) fn leave_out(
+        &mut self,
+        now: Tick,
+        resource: ResourceId,
+        why: OutOfServiceReason,
+        out: &mut PlayerOutbox,
+    ) {
+        let firing = why.firing().and_then(|firing| self.state.firing(firing));
+        let activity = firing.map(|firing| called(self.state.table(), firing.mode, firing.part)).unwrap_or_default();
+        self.except(now, ExceptionStep::Down { resource, why, activity }, out);
     }
 
     /// Effects of a station's state beside its reports on orders.
@@ -190,8 +203,8 @@ impl Coordination {
                 self.except(now, ExceptionStep::Answered { firing: id, ruling, by: AnsweredBy::Rule }, out);
             }
             None => {
-                let text = alarm::alarm(&self.state, firing, cause, now);
-                self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
+                let text = alarm::alarm(self, firing, cause, now);
+                self.alarm(now, id, text, Some(String::new()), &answers, out);
             }
         }
     }
@@ -207,14 +220,16 @@ impl Coordination {
     fn alarm(
         &mut self,
         now: Tick,
-        about: AlarmSubject,
+        firing: FiringId,
         text: String,
+        finding: Option<String>,
         answers: &[PermittedAnswer],
         out: &mut PlayerOutbox,
     ) {
         let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
         let words = answers.iter().map(|answer| answer.ruling.word.clone()).collect();
-        self.except(now, ExceptionStep::Alarmed { alarm, about, text, words }, out);
+        let about = AlarmSubject::Firing(firing);
+        self.except(now, ExceptionStep::Alarmed { alarm, about, text, words, finding }, out);
     }
 
     /// Compares the answer with the sensors, and closes the activity if they agree.
@@ -225,32 +240,36 @@ impl Coordination {
         let Some((firing, cause)) = self.failed(id) else { return };
         let (mode, part) = (firing.mode, firing.part);
         if let Some(station) = self.moving(now, firing) {
-            let text = alarm::moved(&self.state, firing, cause, &ruling, station, now);
+            let finding = alarm::moved(&self.state, &ruling, station);
+            let text = alarm::again(&finding, &alarm::alarm(self, firing, cause, now));
             let answers = self.answers(firing, cause);
-            return self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
+            return self.alarm(now, id, text, Some(finding), &answers, out);
         }
         match self.verdict(now, firing, &ruling, since) {
             SensorVerdict::Wait => (),
             SensorVerdict::Differs(found) => {
-                let text = alarm::differs(&self.state, firing, cause, &ruling, &found, now);
+                let finding = alarm::differs(&self.state, &ruling, &found);
+                let text = alarm::again(&finding, &alarm::alarm(self, firing, cause, now));
                 let answers = self.answers(firing, cause);
                 self.except(now, ExceptionStep::Mismatch { about: AlarmSubject::Firing(id), found }, out);
-                self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
+                self.alarm(now, id, text, Some(finding), &answers, out);
             }
             SensorVerdict::Agrees(unchecked) => match ruling.part {
                 Whereabouts::Carrier => {
                     let text = alarm::carried(&self.state, mode, part);
                     let answers: Vec<_> = self.answers_of(usual().into(), mode);
                     self.except(now, ExceptionStep::Carried { firing: id }, out);
-                    self.alarm(now, AlarmSubject::Firing(id), text, &answers, out);
+                    self.alarm(now, id, text, None, &answers, out);
                 }
                 Whereabouts::From | Whereabouts::To | Whereabouts::Gone => {
                     let down = self.left_out(now, firing, cause, &ruling);
+                    let activity = called(self.state.table(), mode, part);
                     let involved: Vec<_> = self.state.table().handling().mode(mode).resources().collect();
                     self.except(now, ExceptionStep::Closed { firing: id, mode, part, ruling, unchecked }, out);
                     for (resource, why) in down {
                         if self.state.exceptions().is_down(resource).is_none() {
-                            self.except(now, ExceptionStep::Down { resource, why }, out);
+                            let activity = activity.clone();
+                            self.except(now, ExceptionStep::Down { resource, why, activity }, out);
                         }
                     }
                     involved.into_iter().for_each(|resource| _ = self.stands_wrong(now, resource, out));
@@ -282,7 +301,7 @@ impl Coordination {
         let mut down: Vec<_> = named.chain(as_whom).map(|id| (id, OutOfServiceReason::Rule(firing.id))).collect();
         for order in &firing.orders {
             let stands = self.state.exceptions().stands(firing.id, order.key);
-            let is_lost = stands == Some(SecuredState::Unknown) || !self.can_work(now, order.station);
+            let is_lost = stands == Some(SecuredState::Unknown) || self.obstacle(now, order.station).is_some();
             if is_lost {
                 let of =
                     handling.resource_ids().filter(|id| handling.resources[id.index()].station == Some(order.station));
@@ -419,13 +438,14 @@ impl Coordination {
         let resource = found.resource;
         self.except(now, ExceptionStep::Mismatch { about: AlarmSubject::Resource(resource), found: vec![found] }, out);
         if self.state.exceptions().is_down(resource).is_none() {
-            self.except(now, ExceptionStep::Down { resource, why: OutOfServiceReason::Mismatch }, out);
+            self.leave_out(now, resource, OutOfServiceReason::Mismatch, out);
         }
         let missing = self.state.resting(resource).map(|(_, part)| part).filter(|_| found.model);
         let text = alarm::mismatch(self.state.table().handling(), &found, missing);
         let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
         let words = [alarm::UP].into_iter().chain(missing.map(|_| alarm::GONE)).map(str::to_owned).collect();
-        self.except(now, ExceptionStep::Alarmed { alarm, about: AlarmSubject::Resource(resource), text, words }, out);
+        let about = AlarmSubject::Resource(resource);
+        self.except(now, ExceptionStep::Alarmed { alarm, about, text, words, finding: None }, out);
     }
 
     /// Starts repetitions that are due, before the dispatcher is asked.

@@ -20,7 +20,7 @@ use super::super::orders::{CellEvent, PlayerOutbox};
 use super::super::player::Coordination;
 use super::book::ExceptionStage;
 use super::fact::{ExceptionStep, OutOfServiceReason};
-use super::request::{AlarmAnswerRefusal, ResourceRequest};
+use super::request::{AlarmAnswerRefusal, ResourceRequest, StationUnavailable};
 
 impl Coordination {
     /// Has the stations stopped that the rule of a failed activity names, once.
@@ -47,7 +47,7 @@ impl Coordination {
         let up = handling.resource_ids().filter(|&id| exceptions.is_down(id).is_none());
         let new: Vec<_> = up.filter_map(|id| Some((id, because(id)?))).collect();
         for (resource, firing) in new {
-            self.except(now, ExceptionStep::Down { resource, why: OutOfServiceReason::EmergencyStop(firing) }, out);
+            self.leave_out(now, resource, OutOfServiceReason::EmergencyStop(firing), out);
         }
     }
 
@@ -84,6 +84,13 @@ impl Coordination {
             return Some(AlarmAnswerRefusal::EmergencyStop(station));
         }
         self.watch.objection(station, now, self.state.table().handling().lost_after)
+    }
+
+    /// Why a station could not be given an order when hand and manual mode are over: in them it stands at its rests as in auto,
+    /// and nothing is ordered of it before they end.
+    pub(super) fn obstacle(&self, now: Tick, station: StationId) -> Option<AlarmAnswerRefusal> {
+        let by_hand = AlarmAnswerRefusal::CannotWork(station, StationUnavailable::ByHand);
+        self.objection(now, station).filter(|why| *why != by_hand)
     }
 
     /// Whether a station that was received in this life can be given an order.

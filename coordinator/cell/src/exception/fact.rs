@@ -23,6 +23,9 @@ pub enum ExceptionStep {
         /// Text for operators.
         text: String,
         words: Vec<String>,
+        /// Of an alarm with the text of its activity's failure: what was found after an answer, which stands before that; else none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        finding: Option<String>,
     },
     /// An operator or a rule has given the true places, and the strategy.
     Answered {
@@ -76,7 +79,13 @@ pub enum ExceptionStep {
         station: StationId,
     },
     /// A resource is left out.
-    Down { resource: ResourceId, why: OutOfServiceReason },
+    Down {
+        resource: ResourceId,
+        why: OutOfServiceReason,
+        /// Operators' name of the activity that the reason is about, with its part; may be empty.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        activity: String,
+    },
     /// A resource is there again.
     Up {
         resource: ResourceId,
@@ -193,6 +202,20 @@ pub enum OutOfServiceReason {
 }
 
 impl OutOfServiceReason {
+    /// The activity by which the resource was left out.
+    pub(super) fn firing(&self) -> Option<FiringId> {
+        match *self {
+            OutOfServiceReason::Rule(firing)
+            | OutOfServiceReason::Station(firing)
+            | OutOfServiceReason::Unheard(firing)
+            | OutOfServiceReason::EmergencyStop(firing) => Some(firing),
+            OutOfServiceReason::ByHand { .. }
+            | OutOfServiceReason::Alarm { .. }
+            | OutOfServiceReason::Mismatch
+            | OutOfServiceReason::Rest => None,
+        }
+    }
+
     /// Alarm was given.
     pub fn is_alarm(&self) -> bool {
         match self {

@@ -26,6 +26,7 @@
 mod answer;
 mod apply;
 mod book;
+mod current;
 mod drive;
 mod emergency;
 mod fact;

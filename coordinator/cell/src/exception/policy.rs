@@ -67,6 +67,8 @@ pub struct RestTask {
     pub back: Option<Arc<str>>,
     /// One of its motions waits for inputs.
     pub waits: bool,
+    /// The codes of its motions whose time was over while they waited, each with an input.
+    pub awaited: Vec<(u16, Arc<str>)>,
 }
 
 /// Recovery data of a mode.
@@ -160,6 +162,20 @@ impl RecoveryPolicy {
         self.resource_ids().find(|id| self.resources[id.index()].name.as_ref() == name)
     }
 
+    /// The resource of this name, or the only one with the station of this name.
+    ///
+    /// # Errors
+    /// The resources of the station, if they are several; none where there is no such name.
+    pub fn resource_or_station_named(&self, name: &str) -> Result<ResourceId, Vec<ResourceId>> {
+        if let Some(id) = self.resource_named(name) {
+            return Ok(id);
+        }
+        let station = self.stations.iter().find(|(_, of)| **of == *name).map(|(id, _)| *id);
+        let is_its = |id: &ResourceId| station.is_some() && self.resources[id.index()].station == station;
+        let its: Vec<ResourceId> = self.resource_ids().filter(is_its).collect();
+        if let [only] = its[..] { Ok(only) } else { Err(its) }
+    }
+
     /// Operators' name of a resource.
     pub fn resource_name(&self, id: ResourceId) -> &str {
         self.resource(id).map_or("?", |resource| &resource.name)
@@ -174,6 +190,14 @@ impl RecoveryPolicy {
     pub fn station_name(&self, station: StationId) -> String {
         let known = self.stations.iter().find(|(id, _)| *id == station);
         known.map_or_else(|| format!("station {}", station.0), |(_, name)| name.to_string())
+    }
+
+    /// The inputs that a station waited for when an order for this task failed with this code; none if no motion has it.
+    pub fn awaited(&self, station: StationId, task: &str, code: u16) -> Option<String> {
+        let of = self.rests.iter().find(|of| of.station == station)?;
+        let tasks = of.tasks.iter().filter(|of| *of.name == *task).flat_map(|of| &of.awaited);
+        let inputs: Vec<&str> = tasks.filter(|(of, _)| *of == code).map(|(_, input)| &**input).collect();
+        (!inputs.is_empty()).then(|| inputs.join(", "))
     }
 
     /// The rule for a failure of a mode: the first that fits. One of the station's own code goes before one of time-outs,

@@ -30,7 +30,7 @@ pub(crate) struct WrongRest {
 impl Coordination {
     /// Where the station of a resource should stand and does not; none as well where that cannot be said: something is under way
     /// there, its rest is not known, there is room for several parts, or one of the next activities tells the station nothing.
-    fn wrong_rest(&self, resource: ResourceId) -> Option<WrongRest> {
+    pub(super) fn wrong_rest(&self, resource: ResourceId) -> Option<WrongRest> {
         let (state, table) = (&self.state, self.state.table());
         let handling = table.handling();
         let of = handling.resource(resource).filter(|of| of.is_single && !of.has.is_empty())?;
@@ -63,14 +63,15 @@ impl Coordination {
     pub(super) fn stands_wrong(&mut self, now: Tick, resource: ResourceId, out: &mut PlayerOutbox) -> bool {
         let Some(found) = self.wrong_rest(resource) else { return false };
         if self.state.exceptions().is_down(resource).is_none() {
-            self.except(now, ExceptionStep::Down { resource, why: OutOfServiceReason::Rest }, out);
+            self.leave_out(now, resource, OutOfServiceReason::Rest, out);
         }
         let about = AlarmSubject::Resource(resource);
         let text = alarm::wrong_rest(&self.state, &found);
         let stands = self.state.exceptions().alarms().any(|alarm| alarm.about == about && alarm.text == text);
         if !stands {
             let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
-            self.except(now, ExceptionStep::Alarmed { alarm, about, text, words: vec![alarm::UP.to_owned()] }, out);
+            let words = vec![alarm::UP.to_owned()];
+            self.except(now, ExceptionStep::Alarmed { alarm, about, text, words, finding: None }, out);
         }
         true
     }

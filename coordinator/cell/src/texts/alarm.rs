@@ -3,10 +3,12 @@
 use std::fmt::Write;
 
 use linewright_line::{RestId, StationId, Tick};
+use linewright_orders::TaskFailure;
 
-use crate::exception::{RecoveryDecision, RecoveryPolicy, SecuredState, SensorMismatch, WrongRest};
+use crate::exception::{RecoveryDecision, RecoveryPolicy, SensorMismatch, WrongRest};
 use crate::firing::{OngoingActivity, OngoingOrder, OrderProgress};
 use crate::ids::{ModeId, PartId, ResourceId};
+use crate::player::Coordination;
 use crate::record::{ActivityFailure, OrderFailure};
 use crate::state::PlayerState;
 
@@ -15,24 +17,28 @@ pub(crate) const UP: &str = "up";
 /// The answer that the part which a resource should have was removed.
 pub(crate) const GONE: &str = "gone";
 
-/// An alarm of an activity that failed: the text of its rule, and the facts.
-pub(crate) fn alarm(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
+/// An alarm of an activity that failed, as its stations stand now: the text of its rule, and the facts.
+pub(crate) fn alarm(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
+    let state = of.state();
     let handling = state.table().handling();
     let tell = handling.rule(firing.mode, cause).map(|rule| filled(&rule.tell, state, firing.mode, firing.part));
     let tell = tell
         .unwrap_or_else(|| AlarmText::Failed { activity: state.table().called(firing.mode), part: firing.part }.text());
-    let is_held = |order: &&OngoingOrder| {
-        state.exceptions().stands(firing.id, order.key) == Some(SecuredState::Held)
-            && !state.exceptions().is_stopped(order.station)
-    };
+    let is_held = |order: &&OngoingOrder| of.standing_now(now, firing.id, order) == StationStanding::Held;
     let held: Vec<String> =
         firing.orders.iter().filter(is_held).map(|order| handling.station_name(order.station)).collect();
-    let text = AlarmText::WithFacts { tell: &tell, facts: &facts(state, firing, cause, now) }.text();
+    let text = AlarmText::WithFacts { tell: &tell, facts: &facts(of, firing, cause, now) }.text();
     if held.is_empty() { text } else { AlarmText::LeadFirst { stations: &held.join(" and "), then: &text }.text() }
 }
 
+/// The alarm again, behind what was found after an answer.
+pub(crate) fn again(finding: &str, alarm: &str) -> String {
+    if finding.is_empty() { alarm.to_owned() } else { format!("{finding} {alarm}") }
+}
+
 /// Facts: `load M1: m1: time limit exceeded, after 26 s; robot: at rest, m1: at rest`.
-fn facts(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
+fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, now: Tick) -> String {
+    let state = of.state();
     let handling = state.table().handling();
     let failed_after = state.exceptions().trouble(firing.id).map_or(now, |trouble| trouble.since).since(firing.began);
     let mut text = AlarmText::Facts {
@@ -41,22 +47,22 @@ fn facts(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure, 
         seconds: failed_after.as_millis() as f64 / 1e3,
     }
     .text();
+    let first = match cause {
+        ActivityFailure::Order { key, .. } => Some(key),
+        ActivityFailure::TimedOut | ActivityFailure::ByHand { .. } => None,
+    };
+    for order in firing.orders.iter().filter(|order| Some(order.key) != first) {
+        if let OrderProgress::Failed(failure) = order.state
+            && is_told(failure)
+        {
+            // Writing to a string does not fail.
+            let _ = write!(text, "; {}", order_failed(state, firing, order, failure));
+        }
+    }
     let mut joint = ";";
     for order in &firing.orders {
-        let is_stopped = state.exceptions().is_stopped(order.station);
-        let standing = match (state.exceptions().stands(firing.id, order.key), order.state) {
-            _ if is_stopped => StationStanding::EmergencyStop,
-            (_, OrderProgress::Ended) => StationStanding::Done,
-            (Some(SecuredState::AtRest), _) => StationStanding::AtRest,
-            (Some(SecuredState::Held), _) => StationStanding::Held,
-            (Some(SecuredState::Unknown), _) => StationStanding::Unknown,
-            (None, OrderProgress::Failed(OrderFailure::Forgotten)) => StationStanding::StoreReset,
-            (None, OrderProgress::Failed(_) | OrderProgress::Written | OrderProgress::Running) => {
-                StationStanding::NotBegun
-            }
-        };
-        // Writing to a string does not fail.
-        let _ = write!(text, "{joint} {}: {}", handling.station_name(order.station), standing.text());
+        let standing = of.standing_now(now, firing.id, order).text();
+        let _ = write!(text, "{joint} {}: {standing}", handling.station_name(order.station));
         joint = ",";
     }
     let others = state.exceptions().stopped().filter(|id| firing.orders.iter().all(|order| order.station != *id));
@@ -104,44 +110,56 @@ impl StationStanding {
 /// Reason why an activity failed, with the names of the description.
 fn cause_of(state: &PlayerState, firing: &OngoingActivity, cause: ActivityFailure) -> String {
     let handling = state.table().handling();
-    let (station, resource) = match cause {
-        ActivityFailure::TimedOut => (None, "?"),
-        ActivityFailure::ByHand { resource } => (None, handling.resource_name(resource)),
-        ActivityFailure::Order { key, .. } => {
-            (firing.orders.iter().find(|order| order.key == key).map(|order| order.station), "?")
-        }
-    };
-    let station = station.map_or_else(|| "a station".to_owned(), |station| handling.station_name(station));
-    cause.text_of(&station, resource)
+    match cause {
+        ActivityFailure::TimedOut => cause.text_of("a station", "?"),
+        ActivityFailure::ByHand { resource } => cause.text_of("a station", handling.resource_name(resource)),
+        ActivityFailure::Order { key, failure } => match firing.orders.iter().find(|order| order.key == key) {
+            Some(order) => order_failed(state, firing, order, failure),
+            None => cause.text_of("a station", "?"),
+        },
+    }
 }
 
-/// An answer that sensors contradict.
-pub(crate) fn differs(
-    state: &PlayerState,
-    firing: &OngoingActivity,
-    cause: ActivityFailure,
-    ruling: &RecoveryDecision,
-    found: &[SensorMismatch],
-    now: Tick,
-) -> String {
+/// Whether a failure tells more than how its station stands: that an order was left or was not begun, the other one's failure causes.
+fn is_told(failure: OrderFailure) -> bool {
+    match failure {
+        OrderFailure::Code(code) => {
+            ![TaskFailure::Cancelled, TaskFailure::Held, TaskFailure::Stopped].contains(&TaskFailure::from_code(code))
+        }
+        OrderFailure::TimedOut | OrderFailure::Lost | OrderFailure::DevicesLost => true,
+        OrderFailure::Refused(_) | OrderFailure::Forgotten => false,
+    }
+}
+
+/// Failure of an order with the names of its station and of the inputs that were waited for.
+fn order_failed(state: &PlayerState, firing: &OngoingActivity, order: &OngoingOrder, failure: OrderFailure) -> String {
+    let (handling, station) = (state.table().handling(), order.station);
+    let text = failure.text_of(&handling.station_name(station));
+    // Its orders are those of the activity, in their order.
+    let at = firing.orders.iter().position(|of| of.key == order.key);
+    let task = at.and_then(|at| state.table().activity(firing.mode).orders.get(at)).map(|of| &*of.task);
+    let inputs = match failure {
+        OrderFailure::Code(code) => task.and_then(|task| handling.awaited(station, task, code)),
+        OrderFailure::Refused(_)
+        | OrderFailure::TimedOut
+        | OrderFailure::Forgotten
+        | OrderFailure::Lost
+        | OrderFailure::DevicesLost => None,
+    };
+    inputs.map_or_else(|| text.clone(), |inputs| AlarmText::Awaited { failure: &text, inputs: &inputs }.text())
+}
+
+/// What was found when an answer was compared: sensors contradict it.
+pub(crate) fn differs(state: &PlayerState, ruling: &RecoveryDecision, found: &[SensorMismatch]) -> String {
     let handling = state.table().handling();
     let found: Vec<String> = found.iter().map(|found| difference(handling, found)).collect();
-    let again = alarm(state, firing, cause, now);
-    AlarmText::Contradicted { word: &ruling.word, found: &found.join("; "), again: &again }.text()
+    AlarmText::Contradicted { word: &ruling.word, found: &found.join("; ") }.text()
 }
 
-/// A station that moved after the answer.
-pub(crate) fn moved(
-    state: &PlayerState,
-    firing: &OngoingActivity,
-    cause: ActivityFailure,
-    ruling: &RecoveryDecision,
-    station: StationId,
-    now: Tick,
-) -> String {
+/// The same of a station that moved after the answer.
+pub(crate) fn moved(state: &PlayerState, ruling: &RecoveryDecision, station: StationId) -> String {
     let name = state.table().handling().station_name(station);
-    let again = alarm(state, firing, cause, now);
-    AlarmText::Moved { station: &name, word: &ruling.word, again: &again }.text()
+    AlarmText::Moved { station: &name, word: &ruling.word }.text()
 }
 
 /// The carrier holds the part.
@@ -194,10 +212,12 @@ pub enum AlarmText<'a> {
     LeadFirst { stations: &'a str, then: &'a str },
     /// The facts of a failed activity; how its stations stand follows.
     Facts { activity: &'a str, cause: &'a str, seconds: f64 },
+    /// A failure, and the inputs that were waited for.
+    Awaited { failure: &'a str, inputs: &'a str },
     /// Sensors contradict an answer; the alarm follows again.
-    Contradicted { word: &'a str, found: &'a str, again: &'a str },
+    Contradicted { word: &'a str, found: &'a str },
     /// A station moved after an answer; the alarm follows again.
-    Moved { station: &'a str, word: &'a str, again: &'a str },
+    Moved { station: &'a str, word: &'a str },
     /// The carrier holds the part; with placeholders.
     Carried,
     /// A sensor contradicts the model; a part that is missing may have been removed.
@@ -214,6 +234,8 @@ pub enum AlarmText<'a> {
         way: Option<(&'a str, &'a str, bool)>,
         back: Option<(&'a str, &'a str)>,
     },
+    /// What an alarm of a resource was about is so no longer.
+    Agrees { resource: &'a str },
     /// A sensor that should be on.
     PartMissing { resource: &'a str },
     /// A sensor that should be off.
@@ -230,11 +252,13 @@ impl AlarmText<'_> {
             AlarmText::WithFacts { tell, facts } => format!("{tell} ({facts})"),
             AlarmText::LeadFirst { stations, then } => format!("First lead {stations} to a rest in manual. {then}"),
             AlarmText::Facts { activity, cause, seconds } => format!("{activity}: {cause}, after {seconds} s"),
-            AlarmText::Contradicted { word, found, again } => {
-                format!("Answer \"{word}\" contradicts the sensors: {found}. {again}")
-            }
-            AlarmText::Moved { station, word, again } => {
-                format!("{station} moved after the answer \"{word}\". {again}")
+            AlarmText::Awaited { failure, inputs } => format!("{failure}: {inputs}"),
+            AlarmText::Contradicted { word, found } => format!("Answer \"{word}\" contradicts the sensors: {found}."),
+            AlarmText::Moved { station, word } => format!("{station} moved after the answer \"{word}\"."),
+            AlarmText::Agrees { resource } => {
+                format!(
+                    "{resource} is out of service, but its station and sensor are as they should be. Answer \"{UP}\"."
+                )
             }
             AlarmText::Carried => {
                 "{carrier} holds part {part}. Move it to {to} or back to {from}, then answer which.".to_owned()
@@ -258,7 +282,7 @@ impl AlarmText<'_> {
                 };
                 format!(
                     "{station} stands at rest \"{stands}\", but {resource} has {part}, and {next} begins at \"{wanted}\": {resource} \
-                     is not used. Bring {station} to \"{wanted}\": {way}. Then answer \"{UP}\"."
+                     is not used. Bring {station} to \"{wanted}\": {way} (to hand mode: stop, wait for the standstill, start, hand). Then answer \"{UP}\"."
                 )
             }
             AlarmText::PartMissing { resource } => format!("{resource}: part expected, sensor off"),

@@ -1,19 +1,21 @@
 //! Reasons why resources are out of service.
 
 use crate::exception::OutOfServiceReason;
+use crate::ids::FiringId;
 
 impl OutOfServiceReason {
-    /// The reason, for operators.
-    pub fn text(&self) -> String {
+    /// The reason, for operators, with the name of the activity that it is about; without one by its number.
+    pub fn text(&self, activity: &str) -> String {
+        let of = |firing: &FiringId| if activity.is_empty() { firing.to_string() } else { activity.to_owned() };
         match self {
             OutOfServiceReason::ByHand { text } => with("taken out by hand", text),
             OutOfServiceReason::Alarm { text } => with("alarm raised by hand", text),
-            OutOfServiceReason::Rule(firing) => format!("taken out by the rule for {firing}"),
-            OutOfServiceReason::Station(firing) => format!("station not available after {firing}"),
+            OutOfServiceReason::Rule(firing) => format!("taken out by the rule for {}", of(firing)),
+            OutOfServiceReason::Station(firing) => format!("station not available after {}", of(firing)),
             OutOfServiceReason::Unheard(firing) => {
-                format!("a station of {firing} was not heard, and may stand in it")
+                format!("a station of {} was not heard, and may stand in it", of(firing))
             }
-            OutOfServiceReason::EmergencyStop(firing) => format!("station in emergency stop after {firing}"),
+            OutOfServiceReason::EmergencyStop(firing) => format!("station in emergency stop after {}", of(firing)),
             OutOfServiceReason::Mismatch => "sensor contradicts the model".to_owned(),
             OutOfServiceReason::Rest => "station at another rest than its next task begins at".to_owned(),
         }

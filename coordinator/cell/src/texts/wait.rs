@@ -33,6 +33,10 @@ pub enum CellWait<'a> {
     OutOfService { resource: &'a str, seconds: f64, why: &'a str },
     /// A resource is not out of service.
     InService { resource: &'a str },
+    /// The station of a resource in service has an order of an activity that failed: the mode of the line is without it.
+    Failed,
+    /// How a resource is counted on again that nothing keeps out of service.
+    ToCountOn { resource: &'a str },
     /// What a resource takes part in.
     TakesPart { activity: &'a str },
 }
@@ -59,6 +63,12 @@ impl CellWait<'_> {
                 format!("{resource} out of service for {seconds} s: {why}")
             }
             CellWait::InService { resource } => format!("{resource} in service"),
+            CellWait::Failed => {
+                "An activity of its station failed: the line works without that station, which is given no work until the alarm \
+                 is answered."
+                    .to_owned()
+            }
+            CellWait::ToCountOn { resource } => format!("Nothing is against it now: `up` counts on {resource} again."),
             CellWait::TakesPart { activity } => format!("It takes part in {activity}."),
         }
     }

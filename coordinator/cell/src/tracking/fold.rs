@@ -302,7 +302,7 @@ impl Tracking {
                     self.lost += u64::from(at >= self.from);
                 }
             }
-            ExceptionStep::Down { resource, why } => {
+            ExceptionStep::Down { resource, why, activity: _ } => {
                 if let Some(tally) = self.resources.get_mut(resource.index()) {
                     let cause = why.summary();
                     if at >= self.from {

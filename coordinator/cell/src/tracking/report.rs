@@ -94,6 +94,11 @@ pub struct CellSummary {
 }
 
 /// A part of something, or nothing where there is nothing to be part of.
+/// How often, in words.
+fn often(times: u64) -> String {
+    if times == 1 { "once".to_owned() } else { format!("{times} times") }
+}
+
 fn share(part: Duration, whole: Duration) -> Option<f64> {
     (!whole.is_zero()).then(|| part.as_secs_f64() / whole.as_secs_f64())
 }
@@ -221,7 +226,7 @@ impl fmt::Display for CellSummary {
                 resource.worked,
             )?;
             for (cause, times, down) in resource.causes.iter() {
-                writeln!(f, "{:<16} {times} times {cause}: {} s", "", seconds(down))?;
+                writeln!(f, "{:<16} {} {cause}: {} s", "", often(times), seconds(down))?;
             }
         }
         Ok(())

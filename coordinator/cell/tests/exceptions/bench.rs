@@ -191,6 +191,11 @@ impl Bench {
         alarms[0]
     }
 
+    /// The text of the only alarm that stands, as things are now.
+    pub fn alarm_now(&self) -> String {
+        self.sim.coordination.alarm_text(self.sim.now, self.alarm())
+    }
+
     /// The steps of exceptions so far.
     pub fn steps(&self) -> Vec<&ExceptionStep> {
         let facts = self.sim.log.iter().map(|record| &record.fact);

@@ -32,7 +32,8 @@ fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
         (
             AlarmSubject::Resource(m1),
             "m1 stands at rest \"clamped\", but M1 has no part, and load M1 begins at \"open\": M1 is not used. Bring m1 to \
-             \"open\": in hand mode hold PB_clear_1 (task \"clear\"). Then answer \"up\"."
+             \"open\": in hand mode hold PB_clear_1 (task \"clear\") (to hand mode: stop, wait for the standstill, start, hand). \
+             Then answer \"up\"."
         )
     );
     bench.answer("up");
@@ -40,8 +41,14 @@ fn a_machine_that_rests_clamped_without_a_part_is_not_used_before_it_is_open() {
     assert_eq!(bench.objections()[1..], [(asked, AlarmAnswerRefusal::WrongRest(m1))]);
     // Nothing was ordered of it meanwhile.
     assert!(bench.firing(LOAD).is_none() && bench.state().exceptions().is_down(m1).is_some());
+    // It is brought there in hand mode, and answered before that ends: the alarm is no longer what was found before.
     bench.at("m1").rest = Some(OPEN);
+    bench.at("m1").unable = Some(StationUnavailable::ByHand);
     bench.hear();
+    assert_eq!(
+        bench.alarm_now(),
+        "M1 is out of service, but its station and sensor are as they should be. Answer \"up\"."
+    );
     bench.answer("up");
     assert_eq!((bench.down(), bench.state().exceptions().alarms().len()), (vec![], 0));
 }
@@ -68,9 +75,9 @@ fn an_alarm_names_a_way_that_does_not_wait_for_the_missing_part() {
         (
             &waiting,
             "in hand mode hold PB_back_1 (takes task \"clamp\" back, if that was the last), or PB_unload_1 (task \"release\", \
-             which waits for inputs). Then",
+             which waits for inputs) (to",
         ),
-        (&one_way, "in hand mode hold PB_unload_1 (task \"release\", which waits for inputs). Then"),
+        (&one_way, "in hand mode hold PB_unload_1 (task \"release\", which waits for inputs) (to"),
     ];
     for (change, way) in changes {
         let mut bench = Bench::c1_of_line(change, &[1, 0]);
@@ -147,10 +154,68 @@ fn no_answer_closes_an_activity_whose_station_stands_half_way() {
     bench.at("robot").holds = false;
     bench.at("robot").bring_to_rest(now);
     bench.hear();
+    let text = bench.alarm_now();
+    assert!(text.starts_with("R came to M1") && text.contains("robot: at rest"), "as it stands now: {text}");
     bench.answer("in-store");
     bench.closed(firing.id);
     assert_eq!(bench.down(), []);
     bench.all_leave(1);
+}
+
+/// In manual mode a station stands at its rests as in auto. Nothing is ordered of it before that ends.
+#[test]
+fn an_answer_in_manual_leaves_no_station_out() {
+    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    let firing = bench.load_fails();
+    let all = ["robot", "m1", "m2", "m3"];
+    all.into_iter().for_each(|name| bench.at(name).unable = Some(StationUnavailable::ByHand));
+    bench.hear();
+    bench.answer("in-store");
+    bench.closed(firing.id);
+    bench.hear();
+    assert_eq!((bench.down(), bench.state().firings().len()), (vec![], 0));
+    all.into_iter().for_each(|name| bench.at(name).unable = None);
+    bench.all_leave(1);
+}
+
+/// What a sensor says against an answer is put right with the station at a rest; until then that is what has to be done.
+#[test]
+fn a_station_half_way_is_named_before_what_a_sensor_contradicts() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.at("robot").holds = true;
+    bench.load_fails();
+    bench.sim.truth.put(PartId(1), Some(bench.resource("R")));
+    bench.hear();
+    assert_eq!(bench.presence("robot"), Presence::On, "it is contradicted as well");
+    let (robot, asked) = (bench.station("robot"), ResourceRequest::Answer(bench.alarm().id));
+    bench.answer("in-store");
+    assert_eq!(bench.objections(), [(asked, AlarmAnswerRefusal::NotAtRest(robot))]);
+}
+
+/// A code may be that of several tasks: the inputs are those of the one that was ordered. The other order's failure is told as well.
+#[test]
+fn an_alarm_names_the_inputs_that_were_waited_for() {
+    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    bench.at("robot").fails_with = Some(22);
+    bench.at("m1").is_stuck = true;
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let text = bench.alarm().text.clone();
+    assert!(text.contains("robot: awaited input not on in time (code 22): m1_clamped, after"), "{text}");
+}
+
+#[test]
+fn a_station_stands_for_its_only_resource() {
+    let bench = Bench::c1(&[1, 0]);
+    let handling = bench.table.handling();
+    let (m1, r) = (bench.resource("M1"), bench.resource("R"));
+    let named = ["M1", "m1", "robot"].map(|name| handling.resource_or_station_named(name));
+    assert_eq!(named, [Ok(m1), Ok(m1), Ok(r)]);
+    assert_eq!(handling.resource_or_station_named("m9"), Err(vec![]));
+    let mut both = handling.clone();
+    both.resources[r.index()].station = both.resources[m1.index()].station;
+    let mut several = vec![m1, r];
+    several.sort_unstable();
+    assert_eq!(both.resource_or_station_named("m1"), Err(several));
 }
 
 /// The robot stands inside M1 and its node dies: M1 is not given free until it is heard at a rest again, or people take it out of

@@ -151,10 +151,7 @@ fn busy_and_down_are_what_a_slow_recount_says() {
             }
             assert_eq!(report.failures > 0, failing);
             assert_eq!(report.resources.iter().any(|resource| resource.down > Duration::ZERO), failing);
-            assert!(
-                !failing || report.to_string().contains("1 times awaited input not on in time (code 7)"),
-                "{report}"
-            );
+            assert!(!failing || report.to_string().contains("once awaited input not on in time (code 7)"), "{report}");
         }
     }
 }
@@ -168,9 +165,9 @@ fn a_resource_is_left_out_as_often_as_somebody_leaves_it_out() {
     let m1 = made.table.handling().resource_named("M1").unwrap();
     let why = OutOfServiceReason::ByHand { text: String::new() };
     let steps = [
-        ExceptionStep::Down { resource: m1, why: why.clone() },
+        ExceptionStep::Down { resource: m1, why: why.clone(), activity: String::new() },
         ExceptionStep::Up { resource: m1, unchecked: true },
-        ExceptionStep::Down { resource: m1, why },
+        ExceptionStep::Down { resource: m1, why, activity: String::new() },
     ];
     let thirds = [log.len() / 4, log.len() / 2, log.len() * 3 / 4].map(|at| log[at].at);
     for (at, step) in thirds.into_iter().zip(steps) {

@@ -489,7 +489,7 @@ impl CellLoop {
             return;
         }
         (self.said, self.changed) = (now, false);
-        describe(&self.line, self.coordination.state(), may_start, now, &mut self.message);
+        describe(&self.line, &self.coordination, may_start, now, &mut self.message);
         self.message.header = stamp();
         self.message.sequence += 1;
         self.says.state.send(self.message.clone());

@@ -11,6 +11,9 @@ use super::words::{names, parts};
 /// Parts of one order for which a reason is given, at most.
 const PARTS_MAX: usize = 5;
 
+/// Numbers of parts that are listed where another was named, at most.
+const NUMBERS_MAX: usize = 30;
+
 /// Reason why a part (`part 7`, or `7`), a production order or a resource does not go on; orders and resources by their
 /// names. An error for an unknown one.
 pub fn why(
@@ -52,12 +55,28 @@ pub fn why(
         return Ok(lines);
     }
     let handling = state.table().handling();
-    if let Some(resource) = handling.resource_named(about) {
-        return Ok(why_resource(coordination, now, resource));
+    match handling.resource_or_station_named(about) {
+        Ok(resource) => return Ok(why_resource(coordination, now, resource)),
+        Err(several) if !several.is_empty() => {
+            return Ok(several.into_iter().flat_map(|resource| why_resource(coordination, now, resource)).collect());
+        }
+        Err(_) => (),
     }
     let number = about.strip_prefix("part").unwrap_or(about).trim().parse().ok();
     match number.map(PartId).filter(|&part| state.part(part).is_some()) {
         Some(part) => Ok(why_not(ways, reasons, coordination, now, part)),
+        None if number.is_some() => {
+            let mut inside: Vec<String> =
+                state.parts().take(NUMBERS_MAX + 1).map(|part| part.id.0.to_string()).collect();
+            if inside.len() > NUMBERS_MAX {
+                inside[NUMBERS_MAX] = "…".to_owned();
+            }
+            let inside = if inside.is_empty() { "none".to_owned() } else { inside.join(", ") };
+            Err(format!(
+                "no part {about} in the cell; parts inside: {inside}",
+                about = about.trim_start_matches("part").trim()
+            ))
+        }
         None => {
             let orders = production.orders().map(|order| order.request.name.as_str());
             let resources = handling.resources.iter().map(|resource| resource.name.as_ref());

@@ -149,10 +149,15 @@ pub fn said(state: &PlayerState, resource: &str, what: u8) -> Result<ResourceReq
             None => (),
         }
     }
-    let id = handling.resource_named(resource).ok_or_else(|| {
+    let id = handling.resource_or_station_named(resource).map_err(|several| {
+        if !several.is_empty() {
+            let names: Vec<&str> = several.iter().map(|&id| handling.resource_name(id)).collect();
+            return format!("station `{resource}` has several resources; name one of them: {}", names.join(", "));
+        }
         let names = || handling.resources.iter().map(|resource| resource.name.as_ref());
-        let hint = suggestion(resource, names()).map(|hint| format!("; {hint}")).unwrap_or_default();
-        format!("no resource `{resource}`{hint}; resources: {}", names().collect::<Vec<_>>().join(", "))
+        let all = || format!("resources: {}", names().collect::<Vec<_>>().join(", "));
+        // One of the two lists names where they are few.
+        format!("no resource `{resource}`; {}", suggestion(resource, names()).unwrap_or_else(all))
     })?;
     match what {
         SetResourceRequest::ALARM => Ok(ResourceRequest::Alarm(id)),

@@ -5,8 +5,8 @@
 use linewright_coordinator_cell::exception::Alarm;
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
 use linewright_coordinator_cell::{
-    ActivityPhase, CellTable, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part, PartPlace,
-    PlayerState, ProductionId, texts,
+    ActivityPhase, CellTable, Coordination, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part,
+    PartPlace, PlayerState, ProductionId, texts,
 };
 use linewright_line::{Line, Tick};
 use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
@@ -14,7 +14,8 @@ use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX,
 use super::wire::time;
 
 /// Fills the message, but for its header and numbers.
-pub fn describe(line: &Line, state: &PlayerState, starting: bool, now: Tick, message: &mut CellState) {
+pub fn describe(line: &Line, coordination: &Coordination, starting: bool, now: Tick, message: &mut CellState) {
+    let state = coordination.state();
     let (table, production) = (state.table(), state.production());
     message.epoch = state.epoch();
     message.starting = starting;
@@ -24,7 +25,7 @@ pub fn describe(line: &Line, state: &PlayerState, starting: bool, now: Tick, mes
     let alarm = |alarm: &Alarm| AlarmState {
         id: alarm.id.0,
         raised: time(alarm.since),
-        text: fitting(alarm.text.clone()),
+        text: fitting(coordination.alarm_text(now, alarm)),
         answers: alarm.words.clone(),
     };
     message.alarms = listed(state.exceptions().alarms().map(alarm));

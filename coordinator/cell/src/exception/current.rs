@@ -1,0 +1,98 @@
+//! How things are now that an alarm or a reason is about: what it said when it was raised may have been put right since.
+
+use linewright_line::Tick;
+
+use super::super::firing::{OngoingOrder, OrderProgress};
+use super::super::ids::{FiringId, ResourceId};
+use super::super::player::Coordination;
+use super::super::record::OrderFailure;
+use super::book::Alarm;
+use super::fact::{AlarmSubject, OutOfServiceReason, SecuredState, SensorMismatch};
+use super::standing::WrongRest;
+use crate::texts::alarm::{self, AlarmText, StationStanding};
+
+/// What keeps a resource by itself from being counted on.
+enum ResourceFinding {
+    Mismatch(SensorMismatch),
+    WrongRest(WrongRest),
+    Nothing,
+}
+
+impl Coordination {
+    /// Standing of a station of a failed activity, by its last report where that says more than the record.
+    pub(crate) fn standing_now(&self, now: Tick, firing: FiringId, order: &OngoingOrder) -> StationStanding {
+        let exceptions = self.state().exceptions();
+        let heard = self.fresh(now, order.station);
+        let has_left = heard.is_some_and(|heard| heard.slot.is_none());
+        let is_at_rest = has_left && heard.is_some_and(|heard| heard.rest.is_some());
+        if exceptions.is_stopped(order.station) {
+            return StationStanding::EmergencyStop;
+        }
+        if heard.is_some_and(|heard| heard.is_held) {
+            return StationStanding::Held;
+        }
+        match (exceptions.stands(firing, order.key), order.state) {
+            (_, OrderProgress::Ended) => StationStanding::Done,
+            (Some(SecuredState::AtRest), _) => StationStanding::AtRest,
+            (Some(SecuredState::Held), _) if has_left => StationStanding::AtRest,
+            (Some(SecuredState::Held), _) => StationStanding::Held,
+            (Some(SecuredState::Unknown), _) if is_at_rest => StationStanding::AtRest,
+            (Some(SecuredState::Unknown), _) => StationStanding::Unknown,
+            (None, OrderProgress::Failed(OrderFailure::Forgotten)) => StationStanding::StoreReset,
+            (None, OrderProgress::Failed(_) | OrderProgress::Written | OrderProgress::Running) => {
+                StationStanding::NotBegun
+            }
+        }
+    }
+
+    /// The text of an alarm as things are now.
+    pub fn alarm_text(&self, now: Tick, of: &Alarm) -> String {
+        let text = match of.about {
+            AlarmSubject::Firing(firing) => of.finding.as_ref().and_then(|finding| {
+                let (firing, cause) = self.failed(firing)?;
+                Some(alarm::again(finding, &alarm::alarm(self, firing, cause, now)))
+            }),
+            AlarmSubject::Resource(resource) => self.found_now(now, resource).map(|found| match found {
+                ResourceFinding::Mismatch(found) => {
+                    let can_be_gone = found.model && of.words.iter().any(|word| word == alarm::GONE);
+                    let missing = self.state().resting(resource).map(|(_, part)| part).filter(|_| can_be_gone);
+                    alarm::mismatch(self.state().table().handling(), &found, missing)
+                }
+                ResourceFinding::WrongRest(found) => alarm::wrong_rest(self.state(), &found),
+                ResourceFinding::Nothing => {
+                    AlarmText::Agrees { resource: self.state().table().handling().resource_name(resource) }.text()
+                }
+            }),
+        };
+        text.unwrap_or_else(|| of.text.clone())
+    }
+
+    /// Why a resource is left out, as things are now; none if it is not.
+    pub fn left_out_because(&self, now: Tick, resource: ResourceId) -> Option<String> {
+        let down = self.state().exceptions().is_down(resource)?;
+        let is_by_itself = [OutOfServiceReason::Mismatch, OutOfServiceReason::Rest].contains(&down.why);
+        Some(match self.found_now(now, resource).filter(|_| is_by_itself) {
+            Some(ResourceFinding::Mismatch(_)) => OutOfServiceReason::Mismatch.text(""),
+            Some(ResourceFinding::WrongRest(_)) => OutOfServiceReason::Rest.text(""),
+            Some(ResourceFinding::Nothing) | None => down.why.text(&down.activity),
+        })
+    }
+
+    /// What is found of a resource; none if that cannot be said: its station or sensor is not received, it stands at no rest, or
+    /// something is under way there.
+    fn found_now(&self, now: Tick, resource: ResourceId) -> Option<ResourceFinding> {
+        let handling = self.state().table().handling();
+        let of = handling.resource(resource)?;
+        let station = of.station?;
+        let heard = self.fresh(now, station).filter(|_| !self.is_in_use(resource, None))?;
+        if let Some(found) = self.difference(resource) {
+            return Some(ResourceFinding::Mismatch(found));
+        }
+        if let Some(found) = self.wrong_rest(resource) {
+            return Some(ResourceFinding::WrongRest(found));
+        }
+        let rests = handling.rests.iter().any(|of| of.station == station);
+        let is_known = (heard.rest.is_some() || !rests) && (heard.presence.is_known() || !of.is_sensed);
+        (is_known && self.obstacle(now, station).is_none()).then_some(ResourceFinding::Nothing)
+    }
+}
