@@ -394,9 +394,9 @@ fn the_cause_of_an_emergency_stop_is_kept_until_it_is_reset_and_no_older_one_is_
     let mut bench = Bench::in_mode(ControlMode::Auto);
     bench.heard[1].devices_valid = false;
     bench.beat();
-    assert!(bench.coordinator.text().contains("auto ended"), "{}", bench.coordinator.text());
     bench.heard[1].devices_valid = true;
     bench.beat();
+    assert!(bench.coordinator.text().contains("auto ended"), "{}", bench.coordinator.text());
     let at = bench.now;
     let bits = bench.line.console.estop.filter(|contact| !contact.pressed).map_or(0, |contact| 1 << contact.input.0);
     bench.input(ModeInput::Console { bits, valid: false });
