@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::{ModeCommand, OutputImage, RefusedCommand, StationView};
+use linewright_coordinator_logic::{EStopCause, ModeCommand, OutputImage, RefusedCommand, StationView};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
@@ -458,7 +458,8 @@ impl CoordinatorLoop {
     fn tell(&mut self, now: Tick, sequence: u64) {
         let coordinator = self.shell.coordinator();
         let order = coordinator.order();
-        let since = coordinator.stop_cause().map(|(_, since)| since);
+        let since =
+            coordinator.stop_cause().filter(|(cause, _)| *cause != EStopCause::Restarted).map(|(_, since)| since);
         let text = coordinator.text_with(self.stop_time.text((now, SystemTime::now()), since));
         // Latched for readers that request it, and repeated for those that do not, as `ros2 topic echo` may not.
         if text != self.text || now >= self.text_due {
