@@ -194,8 +194,8 @@ fn age_of(process: &Path) -> Option<Duration> {
     Duration::try_from_secs_f64((uptime - began / TICKS).max(0.0)).ok()
 }
 
-/// A time of day in UTC, with its date.
-fn clock(at: SystemTime) -> String {
+/// A time of day in UTC, with its date: `2026-11-23 20:06:29 UTC`.
+pub fn clock(at: SystemTime) -> String {
     DateTime::<Utc>::from(at).format("%Y-%m-%d %H:%M:%S UTC").to_string()
 }
 

@@ -58,7 +58,8 @@ fn one_ctrl_c_ends_a_run_in_an_emergency_stop_and_says_why_it_is_not_at_home() {
     let (code, report) = rig.ended_within(AT_ONCE);
     assert_eq!((code, &report["mode"]), (1, &"e-stop".into()), "{report}");
     let error = report["error"].as_str().expect("it is not at home");
-    assert!(error.starts_with("the stop ended in e-stop, not reset"), "{error}");
+    assert!(error.starts_with("the stop ended in e-stop since 2"), "{error}");
+    assert!(error.contains(" UTC (command estop), not reset"), "{error}");
 }
 
 /// Somebody else has given auto: it is stopped like any other run.

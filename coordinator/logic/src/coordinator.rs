@@ -7,16 +7,19 @@
 //! that is not received is trouble, and a console that was received and no longer is counts as a pressed emergency stop.
 
 mod alone;
+mod console;
 mod cycle;
 mod exchange;
 mod founding;
 mod obey;
+mod stop;
 
 pub use cycle::CompletedCycle;
 pub use exchange::{ModeGrant, ModeInput, ModeOutbox, StationView};
+pub use stop::EStopCause;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{InputId, Line, Owner, StationId, Tick};
+use linewright_line::{Line, StationId, Tick};
 
 use crate::buttons::Buttons;
 use crate::decision::{ModeCommand, ModeFacts, next};
@@ -67,7 +70,8 @@ pub struct Coordinator {
     stopping: bool,
     /// The first epoch in which no station leaves its place by itself: one that has not acknowledged it may be moving.
     quiet: u64,
-    estop: bool,
+    /// The emergency stop that is latched: why, and since when.
+    estop: Option<(EStopCause, Tick)>,
     founding: Option<founding::OpenFounding>,
     /// Generations drawn in this life.
     drawn: u64,
@@ -99,6 +103,8 @@ pub struct Coordinator {
     ended: Option<(ControlMode, Vec<ModeRefusal>)>,
     /// Stand-by stands for home, where a station is away from it: start is still to be given.
     is_unstarted: bool,
+    /// A station was found away from home when home was the mode, as after a restart; until the next command.
+    found_away: bool,
 }
 
 impl Coordinator {
@@ -115,7 +121,7 @@ impl Coordinator {
             enabled: false,
             stopping: false,
             quiet: last_epoch.saturating_add(1),
-            estop: false,
+            estop: None,
             founding: None,
             drawn: 0,
             released: 0,
@@ -136,6 +142,7 @@ impl Coordinator {
             cycles: Vec::new(),
             ended: None,
             is_unstarted: false,
+            found_away: false,
         }
     }
 
@@ -143,7 +150,7 @@ impl Coordinator {
     /// of the emergency stop.
     #[must_use]
     pub fn with_estop(mut self) -> Self {
-        self.estop = true;
+        self.stop(EStopCause::Restarted);
         self.decide(None);
         self
     }
@@ -151,7 +158,7 @@ impl Coordinator {
     /// Whether the emergency stop is latched, or was and has not been left through manual: part of the record for a
     /// successor.
     pub fn is_estopped(&self) -> bool {
-        self.estop || self.mode == ControlMode::EStop
+        self.estop.is_some() || self.mode == ControlMode::EStop
     }
 
     pub fn mode(&self) -> ControlMode {
@@ -191,27 +198,6 @@ impl Coordinator {
         !self.is_of_one_generation() || !self.stations.iter().any(|station| station.is_behind(round))
     }
 
-    fn wired_buttons(&self) -> u32 {
-        let wired = self.line.console.buttons.iter().enumerate();
-        wired.fold(0, |bits, (i, input)| bits | u32::from(self.wired(*input)) << i) & !self.unreleased
-    }
-
-    fn estop_is_pressed(&self) -> bool {
-        let (bits, valid) = self.console;
-        valid && self.line.console.estop.is_some_and(|contact| contact.is_pressed(bits))
-    }
-
-    /// A console is described and has not been received since the start: whether its emergency stop is pressed is
-    /// unknown.
-    fn console_is_unknown(&self) -> bool {
-        !self.console_was_heard && self.line.devices.iter().any(|device| device.owner == Owner::Console)
-    }
-
-    fn wired(&self, input: Option<InputId>) -> bool {
-        let (bits, valid) = self.console;
-        valid && input.is_some_and(|input| bits & (1 << input.0) != 0)
-    }
-
     /// Takes an arrival and acts on it. Follow with [`Coordinator::step`].
     pub fn handle(&mut self, now: Tick, input: ModeInput) {
         self.now = self.now.max(now);
@@ -231,46 +217,12 @@ impl Coordinator {
             ModeInput::Journal(is_written) => {
                 self.changed |= self.journal_lost == is_written;
                 self.journal_lost = !is_written;
-                self.estop |= self.journal_lost;
-            }
-        }
-    }
-
-    fn hear_console(&mut self, bits: u128, valid: bool) {
-        let before = self.console;
-        if before == (bits, valid) {
-            return;
-        }
-        let lost = before.1 && !valid;
-        self.console = (bits, valid);
-        self.changed = true;
-        let console = self.line.console.clone();
-        // An emergency stop that cannot be received counts as pressed.
-        if self.estop_is_pressed() || (lost && console.estop.is_some()) {
-            self.estop = true;
-        }
-        // Hand-mode buttons that are down when the console comes back may never have been released.
-        let wired = |on: u32, (i, input): (usize, &Option<InputId>)| on | u32::from(self.wired(*input)) << i;
-        let down = console.buttons.iter().enumerate().fold(0, wired);
-        self.unreleased = if before.1 && valid { self.unreleased & down } else { down };
-        // A button that was already down when the console came up was not pressed now.
-        let first = !before.1;
-        if valid && !first {
-            let pressed = |input: Option<InputId>| input.is_some_and(|input| bits & !before.0 & (1 << input.0) != 0);
-            let buttons = [
-                (console.start, ModeCommand::Start),
-                (console.stop, ModeCommand::Stop),
-                (console.auto, ModeCommand::Auto),
-                (console.hand, ModeCommand::Hand),
-                (console.reset, ModeCommand::Reset),
-            ];
-            for (input, command) in buttons {
-                if pressed(input) {
-                    self.command(command);
+                if self.journal_lost {
+                    self.stop(EStopCause::JournalLost);
                 }
             }
+            ModeInput::StationStopped(id) => self.stop(EStopCause::Station(id)),
         }
-        self.console_was_heard |= valid;
     }
 
     fn hear_station(&mut self, id: StationId, heard: StationView) {
@@ -286,7 +238,9 @@ impl Coordinator {
         self.changed |= news;
         self.follow_founding();
         self.follow_cycle(knew_rounds);
-        self.estop |= self.is_stopped_by_another(id, heard);
+        if self.is_stopped_by_another(id, heard) {
+            self.stop(EStopCause::Station(id));
+        }
         // The stations have obeyed a later epoch than ours: that of a former coordinator. Go above it, and to a mode in
         // which nothing starts.
         if heard.mode_epoch > self.epoch {
@@ -319,12 +273,12 @@ impl Coordinator {
         let all_home = counted_home && self.left_out_away().is_empty();
         ModeFacts {
             command,
-            estop: self.estop,
+            estop: self.estop.is_some(),
             // A stop that cannot end at home, since a station that is left out is away from it, ends in stand-by.
-            trouble: !self.troubles().is_empty() || (self.stopping && counted_home && !all_home),
+            trouble: !self.troubles_in(self.mode).is_empty() || (self.stopping && counted_home && !all_home),
             stopping: self.stopping,
             all_home,
-            away: self.stations.iter().any(|s| s.task_driven && self.is_known(s) && !s.heard.at_home),
+            away: self.stations.iter().any(|s| self.is_known(s) && !s.heard.at_home),
             all_stopped: self.all(|h| self.is_at_rest(h)),
             any_manual: self.is_manual_commanded() || self.any_selector(),
         }
@@ -339,8 +293,8 @@ impl Coordinator {
         self.counted().any(|(_, s)| self.is_known(s) && s.heard.selector_manual)
     }
 
-    /// Reasons against motion in auto and hand.
-    fn troubles(&self) -> Vec<ModeRefusal> {
+    /// Reasons against motion in auto and hand, as they count in a mode.
+    fn troubles_in(&self, mode: ControlMode) -> Vec<ModeRefusal> {
         let mut reasons = Vec::new();
         if self.journal_lost {
             reasons.push(ModeRefusal::JournalLost);
@@ -352,7 +306,7 @@ impl Coordinator {
         if self.console_is_unknown() {
             reasons.push(ModeRefusal::ConsoleNeverHeard);
         }
-        for (id, station) in self.counted() {
+        for (id, station) in self.counted_in(mode) {
             if !self.is_known(station) {
                 reasons.push(ModeRefusal::NotHeard(id));
                 continue;
@@ -382,12 +336,21 @@ impl Coordinator {
         what: impl Fn(&StationView) -> bool,
         reason: impl Fn(StationId) -> ModeRefusal,
     ) -> Vec<ModeRefusal> {
-        self.counted().filter(|(_, s)| self.is_known(s) && what(&s.heard)).map(|(id, _)| reason(id)).collect()
+        self.which_in(self.mode, what, reason)
+    }
+
+    fn which_in(
+        &self,
+        mode: ControlMode,
+        what: impl Fn(&StationView) -> bool,
+        reason: impl Fn(StationId) -> ModeRefusal,
+    ) -> Vec<ModeRefusal> {
+        self.counted_in(mode).filter(|(_, s)| self.is_known(s) && what(&s.heard)).map(|(id, _)| reason(id)).collect()
     }
 
     /// Reasons why auto or hand ends now.
     fn why_ended(&self) -> Vec<ModeRefusal> {
-        let mut reasons = self.troubles();
+        let mut reasons = self.troubles_in(self.mode);
         reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
         if reasons.is_empty() {
             reasons = self.left_out_away();
@@ -405,6 +368,7 @@ impl Coordinator {
         for _ in ControlMode::ALL {
             let Some(mode) = next(self.mode, &self.facts(command)) else { break };
             if mode == ControlMode::StandBy && command.is_none() {
+                self.found_away |= self.mode == ControlMode::Home;
                 self.is_unstarted = self.mode == ControlMode::Home || self.stopping;
                 if matches!(self.mode, ControlMode::Auto | ControlMode::Hand) {
                     self.ended = Some((self.mode, self.why_ended()));
@@ -426,6 +390,8 @@ impl Coordinator {
         }
         if mode == ControlMode::EStop {
             self.stopped_in = self.epoch;
+            // The reason of a stop is its own; what ended a mode before is not.
+            self.ended = None;
         }
         self.mode = mode;
         self.enabled = false;
@@ -435,6 +401,7 @@ impl Coordinator {
             self.stopping = false;
         }
         self.is_unstarted &= mode == ControlMode::StandBy;
+        self.found_away &= mode == ControlMode::StandBy;
         if matches!(mode, ControlMode::Manual | ControlMode::EStop) {
             self.founding = None;
         }
@@ -486,7 +453,7 @@ impl Coordinator {
             self.mode == ControlMode::Auto,
             self.mode == ControlMode::Hand,
             self.mode == ControlMode::Manual,
-            fault || self.estop,
+            fault || self.estop.is_some(),
         ];
         let lamps = self.line.console.lamps.iter().zip(on);
         lamps.fold(0, |bits, (lamp, on)| bits | lamp.filter(|_| on).map_or(0, |lamp| 1 << lamp.0))

@@ -16,8 +16,8 @@
 //!      all selectors auto                 └──▶ (any place) ── e-stop ──▶ e-stop
 //! ```
 //!
-//! *Away*: a coordinator that comes up while a task-driven station stands between two rests is in stand-by, since home is
-//! only where every station is at its start.
+//! *Away*: a coordinator that comes up while a station stands away from home, or a task-driven one between two rests, is in
+//! stand-by, since home is only where every station is at its start.
 //!
 //! Every condition is over [`ModeFacts`], so that a test can try all of them: out of each place at most one arc is ever
 //! allowed. Emergency stop comes before trouble, trouble before the operator's command.
@@ -89,7 +89,7 @@ pub struct ModeFacts {
     pub stopping: bool,
     /// Every station is at home, at the end of the same round.
     pub all_home: bool,
-    /// Some task-driven station stands away from its rests.
+    /// Some station stands away from home, or from its rests.
     pub away: bool,
     /// No operation is moving.
     pub all_stopped: bool,

@@ -11,7 +11,7 @@ mod gateway;
 mod refusal;
 mod texts;
 
-pub use coordinator::{CompletedCycle, Coordinator, ModeGrant, ModeInput, ModeOutbox, StationView};
+pub use coordinator::{CompletedCycle, Coordinator, EStopCause, ModeGrant, ModeInput, ModeOutbox, StationView};
 pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};
 pub use refusal::{ModeRefusal, RefusedCommand};

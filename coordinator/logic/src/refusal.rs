@@ -10,8 +10,13 @@ use crate::decision::ModeCommand;
 /// Reason why a command is not obeyed now.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ModeRefusal {
-    /// The mode has no use for it; these commands it would take.
-    WrongMode(Vec<ModeCommand>),
+    /// The mode has no use for it; these commands it would take, and these lead to the commanded mode.
+    WrongMode {
+        takes: Vec<ModeCommand>,
+        way: Vec<ModeCommand>,
+    },
+    /// There is no emergency stop.
+    NothingToReset,
     /// The line is already in that mode.
     Already,
     /// The emergency stop is latched.

@@ -173,3 +173,57 @@ fn a_coordinator_that_comes_up_while_it_is_away_is_in_stand_by() {
     assert_eq!(bench.command(ModeCommand::Start), None, "the start that is due");
     assert!(bench.command(ModeCommand::Start).is_some_and(|refusal| refusal.contains("already")));
 }
+
+/// What is left out in auto is no reason against auto, whichever mode it is given in. In hand all stations count: it is refused,
+/// and not entered and left at once.
+#[test]
+fn auto_and_hand_are_judged_alike_from_stand_by_and_from_manual() {
+    for mode in [ControlMode::StandBy, ControlMode::Manual] {
+        let bench = || {
+            let mut bench = Bench::with_one_task_driven();
+            bench.command(ModeCommand::Start);
+            bench.coordinator.isolate(|id, _| id == TASK_DRIVEN);
+            (bench.heard[1].at_home, bench.heard[1].incomplete) = (false, true);
+            bench.coordinator.hold(|id| id == TASK_DRIVEN);
+            if mode == ControlMode::Manual {
+                bench.command(ModeCommand::Manual);
+            }
+            bench.beat();
+            assert_eq!(bench.mode(), mode);
+            bench
+        };
+        let mut auto = bench();
+        assert_eq!((auto.command(ModeCommand::Auto), auto.mode()), (None, ControlMode::Auto));
+        assert_eq!(auto.coordinator.text(), "auto, without clamp_1");
+        let mut hand = bench();
+        let expected = "clamp_1: operation incomplete; complete or undo it in manual";
+        let before = hand.coordinator.epoch();
+        assert_eq!(hand.command(ModeCommand::Hand), Some(format!("hand refused in {mode}: {expected}")));
+        assert_eq!((hand.mode(), hand.coordinator.epoch()), (mode, before));
+        // One that is its line's trouble is the same trouble from both.
+        let mut counted = bench();
+        counted.coordinator.isolate(|_, _| false);
+        let expected = format!(
+            "auto refused in {mode}: clamp_1: operation incomplete; complete or undo it in manual; clamp_1: between two rests, \
+             with no task order; lead it to a rest in manual, or take its resource out of service"
+        );
+        assert_eq!((counted.command(ModeCommand::Auto), counted.mode()), (Some(expected), mode));
+    }
+}
+
+/// Also of a line whose stations count: home is only where all stand at home.
+#[test]
+fn a_coordinator_that_finds_a_station_half_way_is_in_stand_by_and_names_its_start() {
+    let mut bench = Bench::new();
+    (bench.heard[2].at_home, bench.heard[2].incomplete) = (false, true);
+    bench.beat();
+    let text = "stand-by, coordinator started with stations away from home: mill_1: operation incomplete; complete or undo it \
+                in manual";
+    assert_eq!(bench.coordinator.text(), text);
+    let refusal = bench.command(ModeCommand::Auto);
+    let expected = "auto refused in stand-by: mill_1: operation incomplete; complete or undo it in manual";
+    assert_eq!(refusal.as_deref(), Some(expected), "the reason that matters");
+    assert_eq!(bench.coordinator.text(), text, "what is refused is no command");
+    assert_eq!((bench.command(ModeCommand::Manual), bench.mode()), (None, ControlMode::Manual));
+    assert_eq!(bench.coordinator.text().split(':').next(), Some("manual"));
+}

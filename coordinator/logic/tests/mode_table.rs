@@ -13,49 +13,55 @@ use crate::common::Bench;
 /// The mode after the command, and the refusal's reasons; "" where it is obeyed.
 type Row = (ControlMode, ModeCommand, ControlMode, &'static str);
 
-const FROM_HOME: &str = "not possible from this mode; possible: start, manual";
+const AUTO_FROM_HOME: &str = "not possible from this mode; possible: start, manual; the way: start, then auto";
+const HAND_FROM_HOME: &str = "not possible from this mode; possible: start, manual; the way: start, then hand";
+const NOTHING: &str = "nothing to reset, no emergency stop is in force";
 const ALREADY: &str = "mode already in force";
 const LATCHED: &str = "emergency stop active; reset it, then select manual";
-const FROM_AUTO: &str = "not possible from this mode; possible: stop, estop";
+const HAND_FROM_AUTO: &str = "not possible from this mode; possible: stop, estop; \
+                              the way: stop --wait, then start if it ended at home, then hand";
+const MANUAL_FROM_AUTO: &str = "not possible from this mode; possible: stop, estop; the way: stop --wait, then manual";
 const FROM_HAND: &str = "not possible from this mode; possible: auto, stop, estop";
+const MANUAL_FROM_HAND: &str =
+    "not possible from this mode; possible: auto, stop, estop; the way: stop --wait, then manual";
 
 /// The refusal's reasons; "" where it is obeyed. The modes that follow are in the table of `docs/semantics.md`.
 const AT_HOME: [(ControlMode, ModeCommand, &str); 42] = [
     (M::Home, C::Start, ""),
     (M::Home, C::Stop, ALREADY),
-    (M::Home, C::Auto, FROM_HOME),
-    (M::Home, C::Hand, FROM_HOME),
+    (M::Home, C::Auto, AUTO_FROM_HOME),
+    (M::Home, C::Hand, HAND_FROM_HOME),
     (M::Home, C::Manual, ""),
     (M::Home, C::EStop, ""),
-    (M::Home, C::Reset, ""),
+    (M::Home, C::Reset, NOTHING),
     (M::StandBy, C::Start, ALREADY),
     (M::StandBy, C::Stop, ""),
     (M::StandBy, C::Auto, ""),
     (M::StandBy, C::Hand, ""),
     (M::StandBy, C::Manual, ""),
     (M::StandBy, C::EStop, ""),
-    (M::StandBy, C::Reset, ""),
+    (M::StandBy, C::Reset, NOTHING),
     (M::Auto, C::Start, ""),
     (M::Auto, C::Stop, ""),
     (M::Auto, C::Auto, ALREADY),
-    (M::Auto, C::Hand, FROM_AUTO),
-    (M::Auto, C::Manual, FROM_AUTO),
+    (M::Auto, C::Hand, HAND_FROM_AUTO),
+    (M::Auto, C::Manual, MANUAL_FROM_AUTO),
     (M::Auto, C::EStop, ""),
-    (M::Auto, C::Reset, ""),
+    (M::Auto, C::Reset, NOTHING),
     (M::Hand, C::Start, FROM_HAND),
     (M::Hand, C::Stop, ""),
     (M::Hand, C::Auto, ""),
     (M::Hand, C::Hand, ALREADY),
-    (M::Hand, C::Manual, FROM_HAND),
+    (M::Hand, C::Manual, MANUAL_FROM_HAND),
     (M::Hand, C::EStop, ""),
-    (M::Hand, C::Reset, ""),
+    (M::Hand, C::Reset, NOTHING),
     (M::Manual, C::Start, ""),
     (M::Manual, C::Stop, ""),
     (M::Manual, C::Auto, ""),
     (M::Manual, C::Hand, ""),
     (M::Manual, C::Manual, ALREADY),
     (M::Manual, C::EStop, ""),
-    (M::Manual, C::Reset, ""),
+    (M::Manual, C::Reset, NOTHING),
     (M::EStop, C::Start, LATCHED),
     (M::EStop, C::Stop, LATCHED),
     (M::EStop, C::Auto, LATCHED),

@@ -1,7 +1,7 @@
 //! All texts of the mode decision in one list. A new reason without a text, or without a place in the list, does not
 //! compile.
 
-use linewright_coordinator_logic::{ModeCommand, ModeRefusal, ModeText, RefusedCommand};
+use linewright_coordinator_logic::{EStopCause, ModeCommand, ModeRefusal, ModeText, RefusedCommand};
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, TransferLine, parse};
 
@@ -11,7 +11,11 @@ fn reasons() -> Vec<ModeRefusal> {
     let station = StationId(1);
     samples!(ModeRefusal {
         ModeRefusal::BetweenRests(_) => ModeRefusal::BetweenRests(StationId(1));
-        ModeRefusal::WrongMode(_) => ModeRefusal::WrongMode(vec![ModeCommand::Start, ModeCommand::Manual]);
+        ModeRefusal::WrongMode { .. } => ModeRefusal::WrongMode {
+            takes: vec![ModeCommand::Start, ModeCommand::Manual],
+            way: vec![ModeCommand::Start, ModeCommand::Auto],
+        };
+        ModeRefusal::NothingToReset => ModeRefusal::NothingToReset;
         ModeRefusal::Already => ModeRefusal::Already;
         ModeRefusal::EStop => ModeRefusal::EStop;
         ModeRefusal::EStopPressed => ModeRefusal::EStopPressed;
@@ -35,6 +39,17 @@ fn reasons() -> Vec<ModeRefusal> {
     })
 }
 
+fn causes() -> Vec<EStopCause> {
+    samples!(EStopCause {
+        EStopCause::Pressed(_) => EStopCause::Pressed(linewright_line::InputId(0));
+        EStopCause::ConsoleLost => EStopCause::ConsoleLost;
+        EStopCause::Commanded => EStopCause::Commanded;
+        EStopCause::JournalLost => EStopCause::JournalLost;
+        EStopCause::Station(_) => EStopCause::Station(StationId(1));
+        EStopCause::Restarted => EStopCause::Restarted;
+    })
+}
+
 #[test]
 fn all_texts_of_the_mode_decision() {
     let line = parse("line.toml", &TransferLine::default().text()).expect("sound").line;
@@ -45,6 +60,7 @@ fn all_texts_of_the_mode_decision() {
     };
     let modes = [
         ModeText { stopping: true, ..ModeText::default() },
+        ModeText { found_away: true, ..ModeText::default() },
         ModeText { waiting: vec!["clamp_1", "mill_1"], ..ModeText::default() },
         ModeText { without: vec!["m1"], stopped: vec!["m2", "m3"], ..ModeText::default() },
         ModeText {
@@ -53,7 +69,11 @@ fn all_texts_of_the_mode_decision() {
         },
         ModeText { troubles: vec![ModeRefusal::NotHeard(StationId(1)).text(&line)], ..ModeText::default() },
     ];
-    let stops = [false, true].map(|reset| ModeText { reset, ..ModeText::default() });
+    let causes = causes();
+    let texts = causes.iter().map(|cause| Some(cause.text(&line)));
+    let mut stops: Vec<ModeText<'_>> = texts.map(|stop| ModeText { stop, ..ModeText::default() }).collect();
+    stops[0].stopped_at = "2026-11-23 20:06:29 UTC";
+    stops.push(ModeText::default());
     let lists = [
         listed("why a command is refused", &reasons(), |reason| reason.text(&line)),
         listed("a refusal", &[refusal], |refusal| refusal.text(&line)),

@@ -387,3 +387,39 @@ fn why_auto_ended_by_itself_is_said_until_the_next_command() {
     assert_eq!(bench.command(ModeCommand::Manual), None);
     assert_eq!(bench.coordinator.text(), "manual");
 }
+
+#[test]
+fn the_cause_of_an_emergency_stop_is_kept_until_it_is_reset_and_no_older_one_is_shown() {
+    use linewright_coordinator_logic::EStopCause;
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.heard[1].devices_valid = false;
+    bench.beat();
+    bench.heard[1].devices_valid = true;
+    bench.beat();
+    assert!(bench.coordinator.text().contains("auto ended"), "{}", bench.coordinator.text());
+    let at = bench.now;
+    let bits = bench.line.console.estop.filter(|contact| !contact.pressed).map_or(0, |contact| 1 << contact.input.0);
+    bench.input(ModeInput::Console { bits, valid: false });
+    bench.wait(Duration::from_millis(50));
+    bench.command(ModeCommand::EStop);
+    assert_eq!(bench.coordinator.stop_cause(), Some((EStopCause::ConsoleLost, at)), "the first one");
+    bench.input(ModeInput::Console { bits, valid: true });
+    let text = "e-stop (console lost: its I/O devices were not operational), not reset; give reset, then manual";
+    assert_eq!(bench.coordinator.text(), text, "also when the console is back");
+    assert!(bench.coordinator.text_with("20:06:29").starts_with("e-stop since 20:06:29 (console lost"));
+    bench.command(ModeCommand::Reset);
+    assert_eq!(
+        (bench.coordinator.stop_cause(), bench.coordinator.text().as_str()),
+        (None, "e-stop, reset; select manual")
+    );
+
+    // The button by its name.
+    let contact = bench.line.console.estop.expect("the line has one");
+    bench.input(ModeInput::Console { bits: if contact.pressed { 1 << contact.input.0 } else { 0 }, valid: true });
+    let name = &bench.line.console.inputs[usize::from(contact.input.0)];
+    let expected = format!("e-stop (button {name} of the console pressed), not reset");
+    assert!(bench.coordinator.text().starts_with(&expected), "{}", bench.coordinator.text());
+    // And a successor knows that it was there before.
+    let coordinator = Coordinator::new(bench.line.clone(), 2, 9).with_estop();
+    assert_eq!(coordinator.stop_cause().map(|(cause, _)| cause), Some(EStopCause::Restarted));
+}

@@ -27,7 +27,7 @@ pub struct GatewayTopics {
 impl GatewayTopics {
     pub fn open(node: &mut RosNode, line: &Line, station: StationId) -> Result<Self, TopicError> {
         let topic = format!("{}/trouble", line.station(station).name);
-        let trouble = DeviceDiagnosticsTopic::open(node, &topic, Owner::Station(station))?;
+        let trouble = DeviceDiagnosticsTopic::open(node, &topic, Owner::Station(station), "coordinator")?;
         Ok(GatewayTopics { station, trouble })
     }
 }

@@ -13,6 +13,7 @@ mod node;
 mod refusals;
 mod remembered;
 mod situation;
+mod stop_time;
 mod topics;
 mod waiting;
 

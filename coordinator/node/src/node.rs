@@ -1,10 +1,10 @@
 //! The shell's loop: wait for anything, hand it to the logic, perform what it gives.
 
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::{ModeCommand, OutputImage, RefusedCommand, StationView};
+use linewright_coordinator_logic::{EStopCause, ModeCommand, OutputImage, RefusedCommand, StationView};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
@@ -25,6 +25,7 @@ use crate::line::LineHistory;
 use crate::refusals::Refusals;
 use crate::remembered::remembered;
 use crate::situation::LineSituation;
+use crate::stop_time::StopTime;
 use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
 
 /// Reason why the coordinator's node cannot run, or had to end.
@@ -128,6 +129,7 @@ pub(crate) struct CoordinatorLoop {
     /// The database of a line; none where there is a cell, or none can be used.
     pub(crate) history: Option<LineHistory>,
     refusals: Refusals,
+    stop_time: StopTime,
     text: String,
     text_due: Tick,
     ignored: u64,
@@ -186,6 +188,7 @@ impl CoordinatorLoop {
             situation: LineSituation::new(line.stations.len()),
             history,
             refusals: Refusals::default(),
+            stop_time: StopTime::default(),
             text: String::new(),
             text_due: Tick::ZERO,
             ignored: 0,
@@ -455,7 +458,9 @@ impl CoordinatorLoop {
     fn tell(&mut self, now: Tick, sequence: u64) {
         let coordinator = self.shell.coordinator();
         let order = coordinator.order();
-        let text = coordinator.text();
+        let since =
+            coordinator.stop_cause().filter(|(cause, _)| *cause != EStopCause::Restarted).map(|(_, since)| since);
+        let text = coordinator.text_with(self.stop_time.text((now, SystemTime::now()), since));
         // Latched for readers that request it, and repeated for those that do not, as `ros2 topic echo` may not.
         if text != self.text || now >= self.text_due {
             self.text_due = now + TEXT_EVERY;

@@ -12,7 +12,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Coordinator, Gateway, ModeCommand, ModeInput, ModeOutbox};
+use linewright_coordinator_logic::{Coordinator, Gateway, ModeInput, ModeOutbox};
 use linewright_line::net::ControlMode;
 use linewright_line::{DeviceBus, Line, StationId, Tick};
 use linewright_station_logic::{Founding, ModeOrder};
@@ -210,7 +210,7 @@ impl CoordinatorShell {
                 // not received. Its emergency stop is in force all the same.
                 if heard.mode_epoch > self.coordinator.epoch().saturating_add(EPOCH_JUMP_MAX) {
                     if heard.estopped && !self.coordinator.is_estopped() {
-                        self.coordinator.handle(now, ModeInput::Command(ModeCommand::EStop));
+                        self.coordinator.handle(now, ModeInput::StationStopped(station));
                     }
                     return false;
                 }

@@ -13,6 +13,10 @@ use super::{EVERY, NEWS_EVERY, STATES_MAX};
 /// The topic of one owner.
 pub struct DeviceDiagnosticsTopic {
     owner: Owner,
+    /// The node that manages them.
+    manager: &'static str,
+    /// They have been operational in this life.
+    was_valid: bool,
     publisher: Publisher<Text>,
     text: String,
     valid: Option<bool>,
@@ -21,11 +25,12 @@ pub struct DeviceDiagnosticsTopic {
 }
 
 impl DeviceDiagnosticsTopic {
-    /// Opens the topic.
-    pub fn open(node: &mut RosNode, topic: &str, owner: Owner) -> Result<Self, TopicError> {
+    /// Opens the topic. `manager` is the node that manages the devices, in an operator's words.
+    pub fn open(node: &mut RosNode, topic: &str, owner: Owner, manager: &'static str) -> Result<Self, TopicError> {
         let publisher = node.publisher(topic, qos::latched_state())?;
         let news = Budget::new(STATES_MAX, NEWS_EVERY);
-        Ok(DeviceDiagnosticsTopic { owner, publisher, text: String::new(), valid: None, news, due: Tick::ZERO })
+        let (text, due) = (String::new(), Tick::ZERO);
+        Ok(DeviceDiagnosticsTopic { owner, manager, was_valid: false, publisher, text, valid: None, news, due })
     }
 
     /// Publishes what is due now.
@@ -41,7 +46,8 @@ impl DeviceDiagnosticsTopic {
         }
         self.valid = Some(valid);
         self.due = now + EVERY;
-        let text = in_words(buses, self.owner);
+        self.was_valid |= valid;
+        let text = since_start(self.manager, self.was_valid, in_words(buses, self.owner));
         if text != self.text || text.is_empty() {
             self.text.clone_from(&text);
             self.publisher.send(Text { data: text });
@@ -52,6 +58,15 @@ impl DeviceDiagnosticsTopic {
     pub fn text(&self) -> &str {
         &self.text
     }
+}
+
+/// Devices that have not been operational in this life of their manager: what it has not received yet is the consequence of
+/// its start, not the cause of what has stopped.
+fn since_start(manager: &str, was_valid: bool, text: String) -> String {
+    if was_valid || text.is_empty() {
+        return text;
+    }
+    cut(format!("{manager} was started, since then {text}"), TROUBLE_BYTES_MAX)
 }
 
 /// Most bytes of a description of device faults, whatever its source.
@@ -85,6 +100,15 @@ fn joined(sentences: impl Iterator<Item = String>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_not_received_since_the_start_is_told_from_a_loss() {
+        let never = || "io: never heard".to_owned();
+        assert_eq!(since_start("coordinator", false, never()), "coordinator was started, since then io: never heard");
+        assert_eq!(since_start("coordinator", true, never()), "io: never heard");
+        assert_eq!(since_start("coordinator", false, String::new()), "");
+        assert_eq!(since_start("coordinator", false, "x".repeat(TROUBLE_BYTES_MAX)).len(), TROUBLE_BYTES_MAX);
+    }
 
     #[test]
     fn of_many_devices_the_first_are_named_and_the_rest_counted() {

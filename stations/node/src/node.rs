@@ -180,8 +180,10 @@ impl StationLoop {
         let own = line.devices_of(Owner::Station(station));
         let devices = buses.as_ref().map(|_| Devices::open(&mut node, &line, own)).transpose()?;
         let owner = Owner::Station(station);
-        let trouble =
-            buses.as_ref().map(|_| DeviceDiagnosticsTopic::open(&mut node, "~/trouble", owner)).transpose()?;
+        let trouble = buses
+            .as_ref()
+            .map(|_| DeviceDiagnosticsTopic::open(&mut node, "~/trouble", owner, "station"))
+            .transpose()?;
         Ok(StationLoop {
             line,
             station,

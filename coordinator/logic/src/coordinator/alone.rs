@@ -34,7 +34,12 @@ impl Coordinator {
 
     /// The stations that the mode depends on. Where people move stations, and in the emergency stop, that is all of them.
     pub(super) fn counted(&self) -> impl Iterator<Item = (StationId, &StationEntry)> {
-        let leaves_out = match self.mode {
+        self.counted_in(self.mode)
+    }
+
+    /// The same of another mode: a command is judged by the stations that count where it leads.
+    pub(super) fn counted_in(&self, mode: ControlMode) -> impl Iterator<Item = (StationId, &StationEntry)> {
+        let leaves_out = match mode {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
         };
@@ -111,16 +116,23 @@ impl Coordinator {
 
     /// The text of the mode, with the reasons that keep it.
     pub fn text(&self) -> String {
+        self.text_with("")
+    }
+
+    /// The same with the time at which the emergency stop was latched ([`Coordinator::stop_cause`]), as people read it.
+    pub fn text_with(&self, stopped_at: &str) -> String {
         let name = |id| self.line.station(id).name.as_str();
         let stations = || self.line.station_ids().zip(&self.stations);
         let texts = |reasons: &[ModeRefusal]| reasons.iter().map(|reason| reason.text(&self.line)).collect();
         let text = ModeText {
             stopping: self.stopping,
-            reset: !self.estop,
+            stop: self.estop.map(|(cause, _)| cause.text(&self.line)),
+            stopped_at,
+            found_away: self.found_away,
             waiting: self.waiting_for().into_iter().map(name).collect(),
             without: stations().filter(|(_, station)| station.isolated).map(|(id, _)| name(id)).collect(),
             stopped: stations().filter(|(_, station)| station.stopped).map(|(id, _)| name(id)).collect(),
-            troubles: texts(&self.troubles()),
+            troubles: texts(&self.troubles_in(self.mode)),
             ended: self.ended.as_ref().map(|(mode, reasons)| (*mode, texts(reasons))),
         };
         text.text(self.mode)

@@ -65,6 +65,8 @@ pub enum ModeInput {
     LateButtons(u32),
     /// A newer report of a station.
     Station(StationId, StationView),
+    /// A station reports an emergency stop, in a state of which nothing else can be used.
+    StationStopped(StationId),
     /// Another coordinator gives orders to this line: its boot id, and until when that counts without repetition.
     /// Nothing moves meanwhile.
     Rival(u64, Tick),

@@ -5,7 +5,7 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, Tick};
 
-use super::Coordinator;
+use super::{Coordinator, EStopCause};
 use crate::decision::ModeCommand;
 use crate::refusal::{ModeRefusal, RefusedCommand};
 
@@ -19,11 +19,13 @@ impl Coordinator {
             // A later command replaces a manual that still waits for stations to stand.
             self.manual_all = false;
         }
-        let ended = self.ended.take();
+        let ended = (self.ended.take(), self.found_away);
         let reasons = self.obey(command);
         self.obeyed = reasons.is_empty();
-        if !reasons.is_empty() {
-            self.ended = ended;
+        if reasons.is_empty() {
+            self.found_away = false;
+        } else {
+            (self.ended, self.found_away) = ended;
             self.refusals.push(RefusedCommand { command, mode: self.mode, reasons });
         }
     }
@@ -34,16 +36,14 @@ impl Coordinator {
         use ModeCommand as C;
         match (self.mode, command) {
             (_, C::EStop) => {
-                self.estop = true;
+                self.stop(EStopCause::Commanded);
                 self.decide(None);
                 Vec::new()
             }
             (M::EStop, C::Reset) => self.reset(),
-            (M::EStop, C::Manual) if self.estop => vec![ModeRefusal::EStop],
+            (M::EStop, C::Manual) if self.estop.is_some() => vec![ModeRefusal::EStop],
             (M::EStop, C::Manual) | (M::StandBy, C::Manual) => self.go_manual(),
-            (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) if !self.estop => {
-                vec![ModeRefusal::WrongMode(vec![C::Manual])]
-            }
+            (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) if self.estop.is_none() => wrong_mode(&[C::Manual], &[]),
             (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) => vec![ModeRefusal::EStop],
             (M::Home, C::Start) => {
                 self.found();
@@ -51,7 +51,7 @@ impl Coordinator {
             }
             (M::Home, C::Stop) => vec![ModeRefusal::Already],
             (M::Home, C::Manual) => self.manual_from_home(),
-            (M::Home, C::Auto | C::Hand) => vec![ModeRefusal::WrongMode(vec![C::Start, C::Manual])],
+            (M::Home, C::Auto | C::Hand) => wrong_mode(&[C::Start, C::Manual], &[C::Start, command]),
             (M::StandBy, C::Start) => {
                 // Start in stand-by confirms that an operator has looked at a restarted station.
                 let founds = self.found();
@@ -61,16 +61,16 @@ impl Coordinator {
             (M::StandBy, C::Stop) => self.ask(command, self.against_home()),
             (M::StandBy | M::Hand, C::Auto) => {
                 self.found();
-                let between = self.between_rests();
-                if between.is_empty() { self.ask(command, self.against_motion()) } else { between }
+                let reasons = self.against(M::Auto);
+                if reasons.is_empty() { self.ask(command, self.against_motion(self.mode)) } else { reasons }
             }
             (M::StandBy, C::Hand) => {
                 self.found();
-                let mut reasons = self.against_motion();
-                reasons.extend(self.against_rest());
-                self.ask(command, reasons)
+                // Judged by all stations: with one that is left out hand would end as soon as it is entered.
+                let reasons = self.against(M::Hand);
+                if reasons.is_empty() { self.ask(command, reasons) } else { reasons }
             }
-            (M::Home | M::StandBy | M::Auto | M::Hand | M::Manual, C::Reset) => Vec::new(),
+            (M::Home | M::StandBy | M::Auto | M::Hand | M::Manual, C::Reset) => vec![ModeRefusal::NothingToReset],
             (M::Auto, C::Start) => {
                 self.stopping = false;
                 Vec::new()
@@ -87,9 +87,11 @@ impl Coordinator {
                 Vec::new()
             }
             (M::Auto, C::Auto) | (M::Hand, C::Hand) | (M::Manual, C::Manual) => vec![ModeRefusal::Already],
-            (M::Auto, C::Hand | C::Manual) => vec![ModeRefusal::WrongMode(vec![C::Stop, C::EStop])],
+            (M::Auto, C::Hand) => wrong_mode(&[C::Stop, C::EStop], &[C::Stop, C::Start, C::Hand]),
+            (M::Auto, C::Manual) => wrong_mode(&[C::Stop, C::EStop], &[C::Stop, C::Manual]),
             (M::Hand, C::Stop) => self.ask(command, Vec::new()),
-            (M::Hand, C::Start | C::Manual) => vec![ModeRefusal::WrongMode(vec![C::Auto, C::Stop, C::EStop])],
+            (M::Hand, C::Start) => wrong_mode(&[C::Auto, C::Stop, C::EStop], &[]),
+            (M::Hand, C::Manual) => wrong_mode(&[C::Auto, C::Stop, C::EStop], &[C::Stop, C::Manual]),
             (M::Manual, C::Auto | C::Hand | C::Start | C::Stop) => self.leave_manual(command),
         }
     }
@@ -101,7 +103,7 @@ impl Coordinator {
         if self.mode != before {
             return Vec::new();
         }
-        if reasons.is_empty() { vec![ModeRefusal::WrongMode(Vec::new())] } else { reasons }
+        if reasons.is_empty() { wrong_mode(&[], &[]) } else { reasons }
     }
 
     /// What keeps a line that stands by from being off, at home.
@@ -113,14 +115,24 @@ impl Coordinator {
         reasons.extend(behind.map(|(id, _)| ModeRefusal::Behind(id)));
         reasons.extend(self.which(|h| !h.at_home, ModeRefusal::NotAtHome));
         reasons.extend(self.left_out_away());
-        reasons.extend(self.against_rest());
+        reasons.extend(self.against_rest(self.mode));
         reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
         reasons
     }
 
-    fn against_motion(&self) -> Vec<ModeRefusal> {
-        let mut reasons = self.troubles();
-        reasons.extend(self.which(|h| h.selector_manual, ModeRefusal::SelectorManual));
+    fn against_motion(&self, mode: ControlMode) -> Vec<ModeRefusal> {
+        let mut reasons = self.troubles_in(mode);
+        reasons.extend(self.which_in(mode, |h| h.selector_manual, ModeRefusal::SelectorManual));
+        reasons
+    }
+
+    /// Reasons against auto or hand, the same from every mode that they follow from.
+    fn against(&self, mode: ControlMode) -> Vec<ModeRefusal> {
+        let mut reasons = self.against_motion(mode);
+        reasons.extend(match mode {
+            ControlMode::Auto => self.between_rests(),
+            _ => self.against_rest(mode),
+        });
         reasons
     }
 
@@ -131,9 +143,9 @@ impl Coordinator {
         held.map(ModeRefusal::BetweenRests).collect()
     }
 
-    fn against_rest(&self) -> Vec<ModeRefusal> {
-        let mut reasons = self.which(|h| !h.stopped, ModeRefusal::Moving);
-        reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), ModeRefusal::Unaware));
+    fn against_rest(&self, mode: ControlMode) -> Vec<ModeRefusal> {
+        let mut reasons = self.which_in(mode, |h| !h.stopped, ModeRefusal::Moving);
+        reasons.extend(self.which_in(mode, |h| h.stopped && !self.is_at_rest(h), ModeRefusal::Unaware));
         reasons
     }
 
@@ -150,7 +162,7 @@ impl Coordinator {
         if self.line.console.estop.is_some() && self.console_is_unknown() {
             return vec![ModeRefusal::ConsoleNeverHeard];
         }
-        self.estop = false;
+        self.estop = None;
         self.decide(None);
         Vec::new()
     }
@@ -225,13 +237,14 @@ impl Coordinator {
         if !selectors.is_empty() {
             return selectors;
         }
-        if matches!(command, ModeCommand::Auto | ModeCommand::Hand) {
+        let commanded = match command {
+            ModeCommand::Auto => Some(ControlMode::Auto),
+            ModeCommand::Hand => Some(ControlMode::Hand),
+            _ => None,
+        };
+        if let Some(mode) = commanded {
             self.found();
-            let mut reasons = self.against_motion();
-            reasons.extend(match command {
-                ModeCommand::Auto => self.between_rests(),
-                _ => self.against_rest(),
-            });
+            let reasons = self.against(mode);
             if !reasons.is_empty() {
                 return reasons;
             }
@@ -259,4 +272,8 @@ impl Coordinator {
         }
         Vec::new()
     }
+}
+
+fn wrong_mode(takes: &[ModeCommand], way: &[ModeCommand]) -> Vec<ModeRefusal> {
+    vec![ModeRefusal::WrongMode { takes: takes.to_vec(), way: way.to_vec() }]
 }

@@ -1,12 +1,19 @@
 //! The mode, with the reasons that keep it.
 
+use linewright_line::Line;
 use linewright_line::net::ControlMode;
+
+use crate::coordinator::EStopCause;
 
 /// Contents of the text of the mode; stations by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ModeText<'a> {
-    /// The emergency stop is reset; without meaning in other modes.
-    pub reset: bool,
+    /// Why the emergency stop is latched; none once it is reset.
+    pub stop: Option<String>,
+    /// When it was latched; empty where that is unknown.
+    pub stopped_at: &'a str,
+    /// The coordinator was started while a station was away from home.
+    pub found_away: bool,
     /// The line stops at home.
     pub stopping: bool,
     /// Stations that have not acknowledged the mode.
@@ -26,7 +33,16 @@ impl ModeText<'_> {
     pub fn text(&self, mode: ControlMode) -> String {
         let mut text = mode.name().to_owned();
         if mode == ControlMode::EStop {
-            text.push_str(if self.reset { ", reset; select manual" } else { ", not reset; give reset, then manual" });
+            match &self.stop {
+                Some(cause) if self.stopped_at.is_empty() => text.push_str(&format!(" ({cause})")),
+                Some(cause) => text.push_str(&format!(" since {} ({cause})", self.stopped_at)),
+                None => {}
+            }
+            let is_reset = self.stop.is_none();
+            text.push_str(if is_reset { ", reset; select manual" } else { ", not reset; give reset, then manual" });
+        }
+        if self.found_away {
+            text.push_str(", coordinator started with stations away from home");
         }
         if self.stopping {
             text.push_str(", stopping at home");
@@ -49,5 +65,24 @@ impl ModeText<'_> {
             text.push_str(&format!(": {}", self.troubles.join("; ")));
         }
         text
+    }
+}
+
+impl EStopCause {
+    /// The cause, e.g. `console lost`.
+    pub fn text(self, line: &Line) -> String {
+        match self {
+            EStopCause::Pressed(input) => match line.console.inputs.get(usize::from(input.0)) {
+                Some(input) => format!("button {} of the console pressed", input),
+                None => "button of the console pressed".to_owned(),
+            },
+            EStopCause::ConsoleLost => "console lost: its I/O devices were not operational".to_owned(),
+            EStopCause::Commanded => "command estop".to_owned(),
+            EStopCause::JournalLost => "coordinator journal not writable".to_owned(),
+            EStopCause::Station(station) => {
+                format!("{} reports an emergency stop, not of this coordinator", line.station(station).name)
+            }
+            EStopCause::Restarted => "in force before the coordinator was restarted".to_owned(),
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use linewright_line::{Line, Owner};
 
+use crate::decision::ModeCommand;
 use crate::refusal::{ModeRefusal, RefusedCommand};
 
 impl RefusedCommand {
@@ -30,11 +31,8 @@ impl ModeRefusal {
     /// The reason; it begins with the station where it is one station's.
     pub fn text(&self, line: &Line) -> String {
         let (station, text) = match self {
-            ModeRefusal::WrongMode(takes) => {
-                let takes: Vec<&str> = takes.iter().map(|command| command.name()).collect();
-                let takes = if takes.is_empty() { String::new() } else { format!("; possible: {}", takes.join(", ")) };
-                return format!("not possible from this mode{takes}");
-            }
+            ModeRefusal::WrongMode { takes, way } => return wrong_mode(takes, way),
+            ModeRefusal::NothingToReset => return "nothing to reset, no emergency stop is in force".to_owned(),
             ModeRefusal::OtherCoordinator(life) => {
                 return format!(
                     "second coordinator active on this line (boot id {life}), no motion; stop one of the two"
@@ -84,13 +82,26 @@ impl ModeRefusal {
     }
 }
 
+/// A stop is waited for: what follows it is possible only then.
+fn wrong_mode(takes: &[ModeCommand], way: &[ModeCommand]) -> String {
+    let names = |of: &[ModeCommand]| of.iter().map(|command| command.name()).collect::<Vec<_>>();
+    let takes = if takes.is_empty() { String::new() } else { format!("; possible: {}", names(takes).join(", ")) };
+    let step = |command: &ModeCommand| match command {
+        ModeCommand::Stop => "stop --wait".to_owned(),
+        ModeCommand::Start if way[0] == ModeCommand::Stop => "start if it ended at home".to_owned(),
+        command => command.name().to_owned(),
+    };
+    let way = way.iter().map(step).collect::<Vec<_>>().join(", then ");
+    let way = if way.is_empty() { way } else { format!("; the way: {way}") };
+    format!("not possible from this mode{takes}{way}")
+}
+
 #[cfg(test)]
 mod tests {
     use linewright_line::net::ControlMode;
     use linewright_line::{StationId, TransferLine};
 
     use super::*;
-    use crate::decision::ModeCommand;
 
     #[test]
     fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {

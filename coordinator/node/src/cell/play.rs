@@ -34,7 +34,7 @@ use super::pending_replies::{AnsweringOperator, PendingReplies, Requester, denie
 use super::topics::{CellInbound, CellPublishers, open};
 use super::why::why;
 use super::wire;
-use super::words::describe;
+use super::words::{by_whom, describe};
 use crate::situation::{IsolatedStations, LineSituation};
 
 /// Reason why a cell cannot be played, or not any more.
@@ -333,15 +333,15 @@ impl CellLoop {
                 }
             }
             CellInbound::Answer(alarm, word, by, reply) => {
-                tracing::info!("alarm {alarm}: answered {} by {}", quoted(&word), quoted(&by));
+                tracing::info!("alarm {alarm}: request answer {}{}", quoted(&word), by_whom(&by));
                 self.say(ResourceRequest::Answer(AlarmId(alarm)), word, AnsweringOperator::Answer(reply));
             }
             CellInbound::Resource(said, reply) => {
                 let SetResourceRequest { resource, what, text, by } = said;
                 tracing::info!(
-                    "resource {}: request {what} by {}, text {}",
+                    "resource {}: request {what}{}, text {}",
                     quoted(&resource),
-                    quoted(&by),
+                    by_whom(&by),
                     quoted(&text)
                 );
                 match wire::said(self.coordination.state(), &resource, what) {

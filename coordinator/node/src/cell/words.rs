@@ -10,6 +10,7 @@ use linewright_coordinator_cell::{
 };
 use linewright_line::{Line, Tick};
 use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
+use linewright_node_line::quoted;
 
 use super::wire::time;
 
@@ -112,6 +113,12 @@ pub fn names(production: &Production, ids: &[ProductionId]) -> impl Iterator<Ite
     ids.iter().filter_map(|&id| production.order(id)).map(|order| format!("`{}`", order.request.name))
 }
 
+/// The sender of a request, behind it; empty where none is named.
+pub fn by_whom(by: &str) -> String {
+    let by = quoted(by.trim());
+    if by.is_empty() { by } else { format!(" by {by}") }
+}
+
 /// Number of parts, in words.
 pub fn parts(count: u32) -> String {
     if count == 1 { "1 part".to_owned() } else { format!("{count} parts") }
@@ -152,5 +159,15 @@ fn late(order: &ProductionOrder) -> String {
     match order.lateness() {
         Some(micros) if micros > 0 => format!("done, {} s late", micros / 1_000_000),
         Some(_) | None => "done".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::by_whom;
+
+    #[test]
+    fn a_request_without_a_sender_names_none() {
+        assert_eq!([by_whom(""), by_whom(" "), by_whom("Ann\n")], ["", "", " by Ann"]);
     }
 }
