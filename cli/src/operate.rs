@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use clap::Args;
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::{ButtonId, Line, StationId};
+use linewright_line::{ButtonId, Line, REJOIN_AT_REST, StationId};
 use linewright_msgs::{Flag, StationState, Text};
 use linewright_node_shell::RosArgs;
 use miette::miette;
@@ -265,7 +265,7 @@ fn answer(
 /// Confirm where a station stands.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. Then lead all stations home in manual and give auto."
+    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. A task-driven station that stands at another rest than its journal says is confirmed in the same way. Then lead all stations home in manual and give auto."
 )]
 pub struct RejoinArgs {
     /// The line's directory, or its description file.
@@ -275,6 +275,9 @@ pub struct RejoinArgs {
     /// Operation in which it was stopped; where its switches fit the ends of several, the one that was done last.
     #[arg(long, value_name = "OPERATION")]
     within: Option<String>,
+    /// Rest at which a task-driven station stands, where its switches fit several.
+    #[arg(long, value_name = "REST", conflicts_with = "within")]
+    rest: Option<String>,
 }
 
 /// `linewright rejoin`
@@ -286,12 +289,20 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
         let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
         return Err(miette!("unknown operation '{unknown}' of {}; operations: {}", station.name, names.join(", ")));
     }
+    if let Some(unknown) = args.rest.as_ref().filter(|name| station.rest_named(name).is_none()) {
+        let names: Vec<&str> = station.rests.iter().map(|rest| rest.name.as_str()).collect();
+        let known =
+            if names.is_empty() { "it is not task-driven".to_owned() } else { format!("rests: {}", names.join(", ")) };
+        return Err(miette!("unknown rest '{unknown}' of {}; {known}", station.name));
+    }
+    let at =
+        args.rest.as_ref().map(|rest| format!("{REJOIN_AT_REST}{rest}")).or(args.within.clone()).unwrap_or_default();
     let mut client = OperatorClient::open(&line, ros, "operator")?;
     let publisher = client.rejoin(id)?;
     client.until_connected(CONNECT).await?;
     client.listen(ANSWER).await?;
     let before = client.station(id).map(|state| (state.places.clone(), state.fault.clone()));
-    publisher.send(Text::from(args.within.as_deref().unwrap_or_default()));
+    publisher.send(Text::from(at.as_str()));
     client.listen(ANSWER).await?;
     print_station(&client, id);
     let after = client.station(id).map(|state| (state.places.clone(), state.fault.clone()));
@@ -301,9 +312,12 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
         let why = match (state, advice) {
             (None, _) => "no state received from the station".to_owned(),
             (Some(state), _) if !state.stopped => "rejected: station moving; rejoin needs standstill".to_owned(),
-            (Some(_), None) => "no effect: station position already known, or its switches match no place".to_owned(),
-            (Some(_), Some(advice)) => match &args.within {
-                Some(op) => format!("its switches do not fit `{op}`: {advice}"),
+            (Some(state), None) if !state.devices_valid => {
+                "rejected: its I/O devices are not operational, so its switches measure nothing".to_owned()
+            }
+            (Some(_), None) => "its position is known, and its switches agree: nothing to confirm".to_owned(),
+            (Some(_), Some(advice)) => match args.within.as_ref().or(args.rest.as_ref()) {
+                Some(named) => format!("its switches do not fit `{named}`: {advice}"),
                 None => advice.to_owned(),
             },
         };

@@ -84,7 +84,7 @@ fn a_line_that_cannot_go_on_is_a_failure_with_its_reasons() {
     assert!(said.contains("nothing happens any more"), "{said}");
     assert!(
         said.contains(
-            "transfer waits for recovery of advance transfer in manual (watchdog: motion not complete in time)"
+            "transfer waits for advance (go on) or return (take back) at its panel in manual, for advance transfer (watchdog: motion not complete in time)"
         ),
         "{said}"
     );

@@ -98,7 +98,7 @@ impl StationNode {
                 WholeMessage::Heard(_) | WholeMessage::Outputs(_) => return,
             },
             LinkPayload::Panel(command) => StationArrival::Panel(*command),
-            LinkPayload::Rejoin(within) => StationArrival::Rejoin(*within),
+            LinkPayload::Rejoin(within) => StationArrival::Rejoin((*within).into()),
             LinkPayload::Again | LinkPayload::Heard(_) | LinkPayload::Command(_) | LinkPayload::Buttons(_) => return,
         };
         self.shell.handle(now, arrival, &mut self.effects);

@@ -216,7 +216,7 @@ fn a_line_that_cannot_go_on_says_what_everybody_waits_for() {
     assert!(
         reasons
             .iter()
-            .any(|r| r.contains("recovery of advance transfer in manual (watchdog: motion not complete in time)")),
+            .any(|r| r.contains("at its panel in manual, for advance transfer (watchdog: motion not complete in time)")),
         "{reasons:?}"
     );
 }

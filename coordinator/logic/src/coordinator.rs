@@ -326,7 +326,7 @@ impl Coordinator {
         }
         // At home nothing moves, and the start that leads out founds what is missing.
         if self.mode != ControlMode::Home {
-            reasons.extend(self.apart().map(ModeRefusal::NoCommonStart));
+            reasons.extend(self.without_common_start());
         }
         reasons
     }

@@ -296,7 +296,7 @@ fn of_an_index_in_doubt_only_the_lost_position_is_named() {
     bench.heard[table.index()].position_lost = true;
     bench.beat();
     let lost = bench.command(C::Auto).expect("it is refused");
-    assert_eq!(lost, "auto refused in stand-by: table: position lost; see its fault, check mechanism and switch");
+    assert_eq!(lost, "auto refused in stand-by: table: position lost; see its fault, look, then rejoin");
 }
 
 #[test]

@@ -43,7 +43,8 @@ pub use modbus::{Modbus, REGISTER_BITS, RegisterValue, Table, WatchdogRegister};
 pub use parse::{ParsedLine, Problem, Problems, expand, is_described, parse, schema, suggestion};
 pub use position::NoClearance;
 pub use task::{
-    CODE_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, Parameter, RESTS_MAX, Rest, RestId, TASKS_MAX, Task, TaskId,
+    CODE_MAX, PARAMETER_BITS_MAX, PARAMETERS_MAX, Parameter, REJOIN_AT_REST, RESTS_MAX, Rest, RestId, TASKS_MAX, Task,
+    TaskId,
 };
 pub use time::Tick;
 pub use transfer_line::TransferLine;

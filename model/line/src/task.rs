@@ -23,6 +23,9 @@ index_id! {
 
 /// At most this many tasks in one station.
 pub const TASKS_MAX: usize = 16;
+/// What a confirmation of a station's position begins with where it names a rest, and no operation.
+pub const REJOIN_AT_REST: &str = "rest: ";
+
 /// At most this many rests in one station.
 pub const RESTS_MAX: usize = 8;
 /// At most this many parameters of one task.
@@ -135,6 +138,11 @@ impl Station {
     pub fn task_of(&self, op: OpId) -> Option<TaskId> {
         let step = self.step_of(op);
         self.task_ids().find(|&task| self.task(task).steps.contains(&step))
+    }
+
+    /// The rest of this name.
+    pub fn rest_named(&self, name: &str) -> Option<RestId> {
+        self.rests.iter().position(|rest| rest.name == name).map(RestId::at)
     }
 
     /// The rest a station is at when this operation is complete; none within a task.

@@ -13,11 +13,13 @@
 //!
 //! At rest the place is the one where the last index ended. Another one is in doubt: it was turned while nothing looked.
 
-use linewright_line::{DriveIndex, OpId};
+use linewright_line::net::{ControlMode, MotionStage, StationPlace};
+use linewright_line::{Device, Drive, DriveIndex, Line, OpId, Owner, Station, StationId};
 
 use crate::controller::Controller;
 use crate::event::PlacesApart;
 use crate::parts::{IndexProgress, RunCommand, Token};
+use crate::program::PlaceTable;
 
 /// The places of the endless axis that a drive turns.
 #[derive(Clone, Debug)]
@@ -25,6 +27,27 @@ pub(crate) struct NumberedPlaces {
     /// The operation that is an index of the axis.
     pub op: OpId,
     pub numbers: DriveIndex,
+    /// The drive is homed: until then it measures nothing.
+    is_homed: bool,
+    /// The switches of the other axes while the index turns.
+    while_turning: u128,
+}
+
+/// The drive that turns an endless axis of a station from place to place.
+pub(crate) fn index_drive(line: &Line, station: StationId) -> Option<(&Drive, &DriveIndex)> {
+    let drives = line.devices_of(Owner::Station(station)).filter_map(Device::drive);
+    drives.filter_map(|drive| Some((drive, drive.index.as_ref()?))).next()
+}
+
+impl NumberedPlaces {
+    pub fn of(drive: &Drive, numbers: &DriveIndex, station: &Station, op: OpId) -> Self {
+        let while_turning = station.rest_inputs(StationPlace::operating(op));
+        NumberedPlaces { op, numbers: numbers.clone(), is_homed: drive.homing.is_some(), while_turning }
+    }
+
+    pub fn mark_freeing(&self, places: &mut [PlaceTable]) {
+        places.iter_mut().for_each(|table| table.frees = table.complete & self.while_turning != 0);
+    }
 }
 
 impl Controller {
@@ -32,6 +55,37 @@ impl Controller {
     fn measured_place(&self) -> u16 {
         let axis = self.program.places_of_axis.as_ref().filter(|_| self.image.valid);
         axis.map_or(0, |axis| axis.numbers.reported(self.image.bits))
+    }
+
+    /// The switch of the index while it is off because the drive is not homed: it says nothing then.
+    pub(crate) fn unreferenced(&self) -> u128 {
+        let axis = self.program.places_of_axis.as_ref().filter(|axis| axis.is_homed && self.image.valid);
+        let silent = axis.filter(|_| self.measured_place() == 0);
+        silent.map_or(0, |axis| self.program.index_switch(axis.op) & !self.image.bits)
+    }
+
+    /// What need not be measured for this motion: a person who holds it frees the axis so that the index can home it.
+    /// Nothing locks an axis that is at an unknown place.
+    pub(crate) fn disregarded(&self, place: u16) -> u128 {
+        let frees = self.program.places[usize::from(place)].frees && self.commands.mode() == ControlMode::Manual;
+        if frees { self.unreferenced() } else { 0 }
+    }
+
+    /// The index that homes the drive, where nothing is amiss but that it is not homed, and advance leads on to that.
+    pub(crate) fn to_be_homed(&self) -> Option<OpId> {
+        let silent = self.unreferenced();
+        let axis = self.program.places_of_axis.as_ref().filter(|_| silent != 0 && self.marking.doubtful.is_none())?;
+        let token = self.tokens().first().filter(|token| self.marking.count == 1 && self.rest_off(token) == silent)?;
+        let place = self.place(token);
+        let onward = match place.stage {
+            MotionStage::Completed => {
+                let steps = self.program.causes.len();
+                self.ops_of_step((usize::from(self.program.step_of[place.op.index()]) + 1) % steps).next()?
+            }
+            MotionStage::Operating | MotionStage::Incomplete => place.op,
+        };
+        let onward = &self.program.places[usize::from(self.program.index_of(StationPlace::operating(onward)))];
+        (onward.frees || onward.turns != 0).then_some(axis.op)
     }
 
     /// Follows the axis as it stands: its place is learned where it is not known, and is not to change.

@@ -7,7 +7,7 @@
 //! * done(o) ≤ started(o) ≤ cycle for every operation, and a count goes back only as [`crate::withdraw`] allows.
 
 use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace};
-use linewright_line::{BRANCHES_MAX, InputId, Line, OpId, Panel, StationId, Tick};
+use linewright_line::{BRANCHES_MAX, InputId, Line, Panel, StationId, Tick};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -17,6 +17,7 @@ use crate::order::{OrderKey, TaskCommand, TaskReply};
 use crate::panel::{Commands, ModeOrder, PanelCommand, RivalCoordinators};
 use crate::parts::{Agreement, Counts, Due, Fired, Levels, StationImage, StationMarking, StationOutput, Token};
 use crate::program::{CompileError, Program, bit};
+use crate::rejoin::RejoinAt;
 use crate::report::{Restore, StationReport};
 use crate::rules::{OrderRules, Rules};
 use crate::slot::OrderSlot;
@@ -51,9 +52,8 @@ pub enum StationInput<'a> {
     View(StationId, &'a StationReport),
     /// The station's panel, by message.
     Panel(PanelCommand),
-    /// An operator's confirmation that the station stands where its switches measure it (see [`Controller::read_off`]),
-    /// or was stopped in this operation.
-    Rejoin(Option<OpId>),
+    /// An operator's confirmation of where the station stands.
+    Rejoin(RejoinAt),
     /// An order for a task, or about one; for a task-driven station.
     Task(TaskCommand<'a>),
 }
@@ -131,6 +131,7 @@ impl Controller {
                 placed: restore == Restore::Fresh,
                 axis_place: 0,
                 doubtful: None,
+                stuck: None,
                 lost_position: None,
             },
             counts: Counts {
@@ -260,7 +261,7 @@ impl Controller {
                 self.due.report |= before != answer(&self.views);
             }
             StationInput::Task(command) => return self.command(command),
-            StationInput::Rejoin(within) => return self.rejoin(within),
+            StationInput::Rejoin(at) => return self.rejoin(at),
             StationInput::Panel(command) => {
                 let before = self.commands.selector_manual();
                 self.commands.panel(now, command, self.stale);
@@ -314,7 +315,7 @@ impl Controller {
         let home = self.program.home;
         let at_rest =
             if self.rules.positions { self.program.places[usize::from(self.program.home_place)].rest } else { 0 };
-        let needed = self.home_switch() | at_rest;
+        let needed = self.home_switch() | (at_rest & !self.unreferenced());
         if self.image.bits & needed != needed {
             self.marking.tokens[0].place = self.program.index_of(StationPlace::incomplete(home));
             self.marking.placed = false;

@@ -23,6 +23,7 @@ impl Controller {
         deadline = deadline.min(self.order_limit());
         self.image.watched |= self.program.tasks.as_ref().map_or(0, |tasks| tasks.watched);
         self.image.watched |= self.program.places_of_axis.as_ref().map_or(0, |axis| axis.numbers.report(u16::MAX));
+        self.image.watched |= self.marking.stuck.map_or(0, |stuck| stuck.input.bit());
         let mode = self.commands.mode();
         let number = self.output.number + 1;
         let mut begun = false;

@@ -4,14 +4,14 @@
 //! reason the controller does not have. The texts are in `texts`.
 
 use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace, TransitionKind};
-use linewright_line::{Line, OpId, Tick};
+use linewright_line::{Line, OpId, Owner, Tick};
 
 use crate::controller::Controller;
 use crate::event::{StationHappening, StopCause};
 use crate::peer_set::PeerSet;
-use crate::program::IncomingArrow as Arrow;
+use crate::program::{CompiledTransition, IncomingArrow as Arrow};
 use crate::texts::place::{op_names, place_text};
-use crate::texts::{PositionDoubt, RejoinAdvice, StationWait};
+use crate::texts::{PanelChoice, PositionDoubt, REJOIN_WAY, RejoinAdvice, StationWait, stuck_text};
 use crate::views::Comparability;
 
 impl Controller {
@@ -42,6 +42,18 @@ impl Controller {
             if !parts.iter().any(|stopped| stopped.ends_with(&detail)) {
                 parts.push(detail);
             }
+            // The text of a doubt names the way itself.
+            if let Some(op) = self.to_be_homed() {
+                parts.push(StationWait::Homing { op: self.op_name(line, op) }.text());
+            } else if self.doubtful_index().is_none() && self.is_read_off() {
+                parts.push(REJOIN_WAY.to_owned());
+            }
+        }
+        let is_stopped = |op: OpId| self.marking().any(|place| place.op == op && place.stage != MotionStage::Completed);
+        if let Some(stuck) = self.marking.stuck.filter(|stuck| !is_stopped(stuck.op)) {
+            let text = |input| line.input_text(Owner::Station(self.program.station), input);
+            let behind = stuck.behind.map(text);
+            parts.push(stuck_text(self.op_name(line, stuck.op), &text(stuck.input), behind.as_deref()));
         }
         parts.join("; ")
     }
@@ -79,16 +91,48 @@ impl Controller {
             let (station, op) = (&line.station(by).name, &line.operation((by, in_the_way)).name);
             reasons.push(StationWait::Disagreement { station, op, ops: &self.op_names(line, ops) }.text());
         }
-        reasons.dedup();
-        reasons
+        let mut said = Vec::with_capacity(reasons.len());
+        reasons.into_iter().for_each(|reason| {
+            if !said.contains(&reason) {
+                said.push(reason);
+            }
+        });
+        said
+    }
+
+    /// Where advance and return lead an operation that was stopped.
+    fn panel_choices(&self, place: StationPlace) -> (Option<PanelChoice>, Option<PanelChoice>) {
+        let table = usize::from(self.program.index_of(place));
+        let leaves = |action: &&CompiledTransition| action.from.iter().any(|&from| usize::from(from) == table);
+        let (mut advance, mut back) = (None, None);
+        for action in self.program.actions.iter().filter(leaves) {
+            match action.kind {
+                TransitionKind::Resume(_, Block::Normal) if self.marking.path.is_some() => {
+                    back = Some(PanelChoice::WayHome);
+                }
+                TransitionKind::Resume(_, Block::Normal) => advance = Some(PanelChoice::GoOn),
+                TransitionKind::Again(_) if self.marking.path.is_none() => advance = Some(PanelChoice::DoAgain),
+                TransitionKind::Retract(_) if self.marking.path.is_none() => back = Some(PanelChoice::TakeBack),
+                TransitionKind::Resume(_, Block::Recovery) => back = Some(PanelChoice::TakeBack),
+                TransitionKind::EnterPath(_) if self.marking.path.is_none() => back = Some(PanelChoice::WayHome),
+                _ => {}
+            }
+        }
+        (advance, back)
     }
 
     /// The way back of a station that has lost its memory, or an axis of which is not where its chart has it.
     fn explain_generation(&self, line: &Line, reasons: &mut Vec<String>) {
         let is_doubtful = self.position_lost().is_some() && self.doubtful_index().is_some();
-        let compares = self.rules.generations && self.program.tasks.is_none();
-        let compares = compares && (is_doubtful || !self.program.peers.is_empty());
         let is_lost = self.position_lost().is_some();
+        if self.program.tasks.is_some() {
+            return self.explain_lost_rest(line, reasons);
+        }
+        if let Some(op) = self.to_be_homed() {
+            reasons.push(StationWait::Homing { op: self.op_name(line, op) }.text());
+            return;
+        }
+        let compares = self.rules.generations && (is_lost || !self.program.peers.is_empty());
         let forgot = self.views.generation == 0;
         if !compares || !(is_lost || (forgot && !self.is_at_home())) {
             return;
@@ -150,8 +194,10 @@ impl Controller {
                     cause if self.program.index_switch(place.op) != 0 => {
                         Some(StationWait::IndexStopped { op: name, cause }.text())
                     }
-                    StopCause::Released => Some(StationWait::Released { op: name }.text()),
-                    cause => Some(StationWait::Recovery { op: name, cause }.text()),
+                    cause => {
+                        let (advance, back) = self.panel_choices(place);
+                        Some(StationWait::Stopped { op: name, advance, back, cause }.text())
+                    }
                 });
                 if self.mode() == ControlMode::Manual {
                     self.explain_guard(line, StationPlace { stage: MotionStage::Operating, ..place }, reasons);

@@ -1,10 +1,10 @@
 //! Wait of a task-driven station between two motions.
 
 use linewright_line::net::{Block, ControlMode, StationPlace};
-use linewright_line::{InputId, Line, Owner};
+use linewright_line::{InputId, Line, OpId, Owner};
 
 use crate::controller::Controller;
-use crate::texts::StationWait;
+use crate::texts::{PositionDoubt, RejoinAdvice, StationWait};
 
 impl Controller {
     /// Where a task-driven station stands between two motions: what it waits for. False where its wait is one of every
@@ -57,6 +57,29 @@ impl Controller {
             }
             ControlMode::Home | ControlMode::StandBy | ControlMode::Manual | ControlMode::EStop => false,
         }
+    }
+
+    /// The way back of a task-driven station that does not stand where its chart has it.
+    pub(crate) fn explain_lost_rest(&self, line: &Line, reasons: &mut Vec<String>) {
+        if !self.is_to_be_confirmed() {
+            return;
+        }
+        let doubt = if self.is_not_at_home() { PositionDoubt::NoJournal } else { PositionDoubt::AxisOff };
+        let station = line.station(self.program.station);
+        let rests: Vec<&str> =
+            self.rests_read_off().map(|(rest, _)| station.rests[rest.index()].name.as_str()).collect();
+        let name = |op: OpId| station.operations[op.index()].name.as_str();
+        let ends: Vec<&str> = self.steps_read_off().flat_map(|step| self.ops_of_step(step)).map(name).collect();
+        let within: Vec<&str> = station.op_ids().filter(|&op| self.stands_within(op)).map(name).collect();
+        let advice = match (rests.as_slice(), ends.as_slice(), within.as_slice()) {
+            ([rest], ..) => RejoinAdvice::Rest { rest },
+            ([_, ..], ..) => RejoinAdvice::Rests { rests: &rests },
+            ([], [op], _) => RejoinAdvice::Confirm { ops: op },
+            ([], [_, ..], _) => RejoinAdvice::Several { ops: &ends },
+            ([], [], [_, ..]) => RejoinAdvice::Between { ops: &within },
+            ([], [], []) => RejoinAdvice::NoPlace,
+        };
+        reasons.push(StationWait::Rejoin(doubt, advice).text());
     }
 
     /// The inputs that a step waits for and that are off.

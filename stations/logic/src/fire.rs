@@ -22,11 +22,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace, TransitionKind};
-use linewright_line::{OpId, Tick};
+use linewright_line::{InputId, OpId, Tick};
 
 use crate::controller::{Controller, NO_DELAY};
 use crate::event::{HappeningKind, StopCause};
-use crate::parts::{IndexProgress, RunCommand, Token};
+use crate::parts::{IndexProgress, RunCommand, StuckSwitch, Token};
 use crate::program::path_index;
 
 impl Controller {
@@ -49,6 +49,9 @@ impl Controller {
                 let cause = self.marking.causes_of_stop[op.index()];
                 let is_reported = matches!(cause, StopCause::SwitchStuck | StopCause::BothSwitchesOn { .. });
                 let counts = stopped.left_start || stopped.awaits_image || is_reported;
+                if is_reported {
+                    self.trust_other_end(StationPlace { op, block, stage: MotionStage::Operating });
+                }
                 self.go(op, StationPlace { op, block, stage: MotionStage::Operating }, counts)
             }
             TransitionKind::Retract(op) => self.go(op, StationPlace::undoing(op), true),
@@ -87,6 +90,26 @@ impl Controller {
                 self.refresh_path();
             }
             TransitionKind::FollowPath { .. } => self.spread(transition, |_, _| {}),
+        }
+    }
+
+    /// The switch of a motion that goes on was reported to be stuck, and still is on: the one at the other end is believed.
+    fn trust_other_end(&mut self, place: StationPlace) {
+        let table = &self.program.places[usize::from(self.program.index_of(place))];
+        if table.turns != 0 || table.complete & self.image.bits == 0 {
+            return;
+        }
+        let input = |bits: u128| InputId(bits.trailing_zeros() as u16);
+        let behind = (table.behind != 0).then(|| input(table.behind));
+        self.marking.stuck = Some(StuckSwitch { op: place.op, input: input(table.complete), behind });
+    }
+
+    /// A switch that is seen off does not stick.
+    pub(crate) fn follow_stuck(&mut self) {
+        let is_off = |stuck: &StuckSwitch| self.image.bits & stuck.input.bit() == 0;
+        if self.image.valid && self.marking.stuck.as_ref().is_some_and(is_off) {
+            self.marking.stuck = None;
+            self.due.report = true;
         }
     }
 

@@ -15,8 +15,7 @@ use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{OpId, Tick};
 
 use crate::controller::Controller;
-use crate::event::{HappeningKind, StopCause};
-use crate::ignored::Ignored;
+use crate::event::HappeningKind;
 use crate::panel::Founding;
 use crate::parts::{IndexProgress, RunCommand, Token};
 
@@ -79,7 +78,7 @@ impl Controller {
         self.program.places[usize::from(self.program.index_of(StationPlace::operating(self.program.home)))].complete
     }
 
-    fn count_from_home(&mut self) {
+    pub(crate) fn count_from_home(&mut self) {
         self.stand_at(&[StationPlace::completed(self.program.home)]);
         self.counts.cycle = self.counts.initial_round;
         for (op, home) in self.counts.at_home.iter().enumerate() {
@@ -89,7 +88,7 @@ impl Controller {
         self.refresh_stop();
     }
 
-    fn stand_at(&mut self, places: &[StationPlace]) {
+    pub(crate) fn stand_at(&mut self, places: &[StationPlace]) {
         for (index, place) in places.iter().enumerate() {
             self.marking.tokens[index] = Token::at(self.program.index_of(*place));
         }
@@ -110,9 +109,16 @@ impl Controller {
     }
 
     /// Whether every axis is measured where the chart has it after a step, and nowhere else.
-    fn stands_after(&self, step: usize) -> bool {
+    pub(crate) fn stands_after(&self, step: usize) -> bool {
         let expected = self.program.measured_after[step];
-        self.image.valid && expected.is_some_and(|expected| self.image.bits & self.program.switches == expected)
+        self.image.valid && expected.is_some_and(|expected| self.fits(expected))
+    }
+
+    /// Whether these switches are on and no other. One that says nothing is left out, if there are others.
+    fn fits(&self, expected: u128) -> bool {
+        let silent = self.unreferenced();
+        let silent = if expected & !silent == 0 { 0 } else { silent };
+        self.image.bits & self.program.switches & !silent == expected & !silent
     }
 
     /// Whether the station can have been stopped in this operation: all other axes are measured where the chart has them,
@@ -120,76 +126,11 @@ impl Controller {
     pub(crate) fn stands_within(&self, op: OpId) -> bool {
         let alone = self.ops_of_step(usize::from(self.program.step_of[op.index()])).count() == 1;
         let expected = self.program.measured_within[op.index()].filter(|_| alone && self.image.valid);
-        expected.is_some_and(|expected| self.image.bits & self.program.switches == expected)
+        expected.is_some_and(|expected| self.fits(expected))
     }
 
     pub(crate) fn ops_of_step(&self, step: usize) -> impl Iterator<Item = OpId> + '_ {
         let of_step = move |&(_, &at): &(usize, &u8)| usize::from(at) == step;
         self.program.step_of.iter().enumerate().filter(of_step).map(|(op, _)| OpId::at(op))
-    }
-
-    /// Puts the marking where the switches measure the station, on an operator's confirmation; between two switches, into
-    /// the operation that the operator names. For a station that goes round a cycle and has no generation, or whose axes are
-    /// not where its chart has them. It has no generation from then on: its counts are compared again once it has been at
-    /// home with the others.
-    ///
-    /// # Errors
-    /// Where the switches contradict or leave a doubt, or anything moves; nothing has changed.
-    pub(crate) fn rejoin(&mut self, within: Option<OpId>) -> Result<(), Ignored> {
-        let moves = self.tokens().iter().any(|token| self.place(token).is_operating());
-        let is_lost = self.views.generation == 0 || self.position_lost().is_some();
-        if self.program.tasks.is_some() {
-            return Err(Ignored::NoRejoin);
-        }
-        if moves {
-            return Err(Ignored::Moving);
-        }
-        if !is_lost {
-            return Err(Ignored::NotLost);
-        }
-        let known = within.filter(|op| op.index() < self.counts.done.len());
-        let after = match known {
-            None => self.read_off(),
-            Some(op) => Some(usize::from(self.program.step_of[op.index()])).filter(|&step| self.stands_after(step)),
-        };
-        match (after, known) {
-            (Some(step), _) if usize::from(self.program.step_of[self.program.home.index()]) == step => {
-                self.count_from_home();
-            }
-            (Some(step), _) => {
-                let places: Vec<StationPlace> = self.ops_of_step(step).map(StationPlace::completed).collect();
-                self.stand_at(&places);
-                self.count_as_done(step);
-                self.counts.started.clone_from(&self.counts.done);
-            }
-            (None, Some(op)) if self.stands_within(op) => {
-                self.stand_at(&[StationPlace::incomplete(op)]);
-                self.marking.causes_of_stop[op.index()] = StopCause::Restart;
-                self.count_as_done(usize::from(self.program.step_of[op.index()]));
-                self.counts.started.clone_from(&self.counts.done);
-                self.counts.done[op.index()] -= 1;
-            }
-            (None, _) => return Err(Ignored::PositionUnclear),
-        }
-        self.views.generation = 0;
-        self.marking.path = None;
-        self.marking.doubtful = None;
-        // Where it stands now is what the person has confirmed.
-        self.marking.axis_place = 0;
-        self.refresh_path();
-        self.agreement.pending = None;
-        (self.marking.unconfirmed, self.marking.placed) = (false, true);
-        self.due.report = true;
-        self.due.outputs = true;
-        self.note(HappeningKind::Rejoined);
-        Ok(())
-    }
-
-    /// The first cycle, as far as this step.
-    fn count_as_done(&mut self, step: usize) {
-        self.counts.cycle = 1;
-        for (done, &at) in self.counts.done.iter_mut().zip(&self.program.step_of) {
-            *done = i32::from(usize::from(at) <= step);
-        }
     }
 }

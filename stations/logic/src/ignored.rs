@@ -24,8 +24,6 @@ pub enum Ignored {
     EpochTooHigh,
     /// A mode command with a longer lease than the description gives.
     LeaseTooLong,
-    /// A confirmation of the position for a task-driven station, which needs none.
-    NoRejoin,
     /// A confirmation of the position while a motion is driven.
     Moving,
     /// A confirmation of the position of a station whose position is known.

@@ -25,7 +25,7 @@
 
 use std::time::Duration;
 
-use linewright_line::net::{StationPlace, TransitionKind};
+use linewright_line::net::{ControlMode, StationPlace, TransitionKind};
 use linewright_line::{InputId, OpId};
 
 use crate::controller::{Controller, NO_DELAY};
@@ -55,7 +55,8 @@ impl Controller {
             if !self.claims_rest(&token) {
                 return;
             }
-            let off = table.rest & !self.image.bits & self.program.index_switches;
+            // A drive that is not homed says nothing; once it is, it is compared with the place that is known.
+            let off = table.rest & !self.image.bits & self.program.index_switches & !self.unreferenced();
             if off != 0
                 && let Some(left) = self.program.places.iter().find(|place| place.turns & off != 0)
             {
@@ -161,7 +162,10 @@ impl Controller {
         }
         let begins = !matches!(action.kind, TransitionKind::Resume(..));
         let tables = action.to.iter().map(|&place| &self.program.places[usize::from(place)]);
-        let missed = tables.filter(|_| begins).find(|table| table.turns & !self.image.bits != 0)?;
+        // A person who holds an index has its drive homed first.
+        let is_led = self.commands.mode() == ControlMode::Manual;
+        let unknown = if is_led { self.unreferenced() } else { 0 };
+        let missed = tables.filter(|_| begins).find(|table| table.turns & !self.image.bits & !unknown != 0)?;
         let input = InputId(missed.turns.trailing_zeros() as u16);
         Some(StopCause::PositionLost { op: missed.place.op, input })
     }

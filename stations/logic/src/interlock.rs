@@ -125,7 +125,7 @@ impl Controller {
 
     fn rest_missing(&self, place: u16) -> Option<(OpId, InputId)> {
         let table = &self.program.places[usize::from(place)];
-        first_missing(table.place.op, table.rest & !self.image.bits)
+        first_missing(table.place.op, table.rest & !self.image.bits & !self.disregarded(place))
     }
 
     /// Reason why the motions that a transition starts may not start; none where they may, or where it starts none.

@@ -69,6 +69,7 @@ mod parts;
 mod peer_set;
 mod position_guard;
 mod program;
+mod rejoin;
 mod report;
 mod restore;
 mod rules;
@@ -90,7 +91,8 @@ pub use order::{
 pub use panel::{Founding, ModeOrder, PanelCommand, RivalCoordinators};
 pub use position_guard::{OwnSide, PositionGuard, PositionsKnown};
 pub use program::{CompileError, Program};
+pub use rejoin::RejoinAt;
 pub use report::{Restore, StationReport, StationSnapshot, WithdrawalAnswer, WithdrawalRequest};
 pub use rules::{OrderRules, Rules};
 pub use situation::{PeerSituation, RequestWriter};
-pub use texts::{DEVICES_INVALID, PositionDoubt, RejoinAdvice, StationWait};
+pub use texts::{DEVICES_INVALID, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};

@@ -63,6 +63,15 @@ pub(crate) enum IndexProgress {
     Arrived,
 }
 
+/// A switch that was on from the start of a motion, and has not been seen off since.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct StuckSwitch {
+    pub op: OpId,
+    pub input: InputId,
+    /// The switch of the end that the motion has left: off.
+    pub behind: Option<InputId>,
+}
+
 /// Marking of the station.
 #[derive(Clone, Debug)]
 pub(crate) struct StationMarking {
@@ -83,6 +92,8 @@ pub(crate) struct StationMarking {
     pub axis_place: u16,
     /// The index of which it is not certain whether it is done, or at which place. Only a rejoin ends that.
     pub doubtful: Option<OpId>,
+    /// The motion that counts as complete though its switch was on from its start.
+    pub stuck: Option<StuckSwitch>,
     /// The lost position of which an event was given last (see `interlock`).
     pub lost_position: Option<(OpId, InputId)>,
 }

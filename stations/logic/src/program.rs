@@ -10,11 +10,9 @@ use std::time::Duration;
 use linewright_line::net::{
     Block, Conjunction, ControlMode, Literal, MotionStage, StationNet, StationPlace, TransitionKind, Var,
 };
-use linewright_line::{
-    ButtonId, Device, Drive, DriveIndex, Line, MotionSignals, OpId, OperationModule, Owner, StationId, TaskId,
-};
+use linewright_line::{ButtonId, Line, MotionSignals, OpId, OperationModule, RestId, StationId, TaskId};
 
-use crate::axis_place::NumberedPlaces;
+use crate::axis_place::{NumberedPlaces, index_drive};
 use crate::peer_set::{PEERS_MAX, PeerSet};
 use crate::position_guard::{Interlocks, partners};
 use crate::tasks::StationTasks;
@@ -111,6 +109,8 @@ pub(crate) struct PlaceTable {
     pub least: Duration,
     /// Of an index: a drive measures at which place its axis stands.
     pub is_measured: bool,
+    /// This motion ends where its axis stands while the index of the station turns, as that of a bolt that is drawn.
+    pub frees: bool,
     /// The switches that are on while this place is marked: the axes that stand still there.
     pub rest: u128,
     /// The hand-mode button that must be held for the actuator to be driven in hand mode; 0 where no type has one.
@@ -197,6 +197,8 @@ pub struct Program {
     pub(crate) index_switches: u128,
     /// For each step, which of them are on when it is complete; none where a place has no switch, or several.
     pub(crate) measured_after: Vec<Option<u128>>,
+    /// For each rest, the operation that stands for it.
+    pub(crate) rest_arrivals: Vec<Option<OpId>>,
     /// For each operation, which of them are on while its axis is on its way; none for the other axes.
     pub(crate) measured_within: Vec<Option<u128>>,
     /// Largest number of cycles that a peer can be ahead on a checked line; counts further ahead are treated as
@@ -233,7 +235,7 @@ impl Program {
             u16::try_from(index).expect("OPERATIONS_MAX keeps places far below u16::MAX")
         };
         let mut rows = Vec::new();
-        let places: Vec<PlaceTable> =
+        let mut places: Vec<PlaceTable> =
             net.places().iter().map(|&place| compile_place(line, station, &net, &paths, place, &mut rows)).collect();
         let actions = net
             .transitions()
@@ -248,7 +250,8 @@ impl Program {
         let measured = places.iter().find(|table| table.is_measured && table.turns != 0);
         let places_of_axis = index_drive(line, station)
             .zip(measured)
-            .map(|((_, numbers), table)| NumberedPlaces { op: table.place.op, numbers: numbers.clone() });
+            .map(|((drive, numbers), table)| NumberedPlaces::of(drive, numbers, described, table.place.op));
+        places_of_axis.iter().for_each(|axis| axis.mark_freeing(&mut places));
         Ok(Program {
             station,
             places,
@@ -278,6 +281,7 @@ impl Program {
             switches: described.all_switches(),
             index_switches,
             measured_after: (0..described.steps.len()).map(|step| described.measured_after(step)).collect(),
+            rest_arrivals: (0..described.rests.len()).map(|rest| described.arrival_at(RestId::at(rest))).collect(),
             measured_within: described.op_ids().map(|op| described.measured_within(op)).collect(),
             ahead_max: CYCLES_APART_MAX.saturating_mul(line.stations.len() as i32),
             peers,
@@ -303,12 +307,6 @@ impl Program {
         debug_assert_eq!(self.places[index as usize].place, place, "the place is one of this station's");
         index
     }
-}
-
-/// The drive that turns an endless axis of a station from place to place.
-fn index_drive(line: &Line, station: StationId) -> Option<(&Drive, &DriveIndex)> {
-    let drives = line.devices_of(Owner::Station(station)).filter_map(Device::drive);
-    drives.filter_map(|drive| Some((drive, drive.index.as_ref()?))).next()
 }
 
 fn is_reversible(line: &Line, station: StationId, op: OpId) -> bool {
@@ -405,6 +403,7 @@ fn compile_place(
         least: operation.duration / 2,
         is_measured: is_index
             && index_drive(line, station).is_some_and(|(drive, _)| drive.axis == operation.motion.axis),
+        frees: false,
         rest: line.station(station).rest_inputs(place),
         hold: operating(hold.map_or(0, held)),
     }

@@ -76,6 +76,7 @@ impl Controller {
 
     fn look(&mut self) {
         self.due.settled = true;
+        self.follow_stuck();
         self.fired.clear();
         let edges = bit::edges(self.levels.now & !self.levels.before);
         self.levels.before = self.levels.now;

@@ -4,8 +4,8 @@ use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, Line, OpId, StationId, TaskId, TransferLine, parse};
 use linewright_orders::{TaskFailure, TaskRefusal};
 use linewright_station_logic::{
-    CompileError, HappeningKind, Ignored, PlacesApart, PositionDoubt, RejoinAdvice, StationHappening, StationWait,
-    StopCause,
+    CompileError, HappeningKind, Ignored, PanelChoice, PlacesApart, PositionDoubt, RejoinAdvice, StationHappening,
+    StationWait, StopCause,
 };
 
 use linewright_testkit::samples::{listed, samples};
@@ -115,7 +115,6 @@ fn ignored() -> Vec<Ignored> {
         Ignored::NoTasks => Ignored::NoTasks;
         Ignored::EpochTooHigh => Ignored::EpochTooHigh;
         Ignored::LeaseTooLong => Ignored::LeaseTooLong;
-        Ignored::NoRejoin => Ignored::NoRejoin;
         Ignored::Moving => Ignored::Moving;
         Ignored::NotLost => Ignored::NotLost;
         Ignored::PositionUnclear => Ignored::PositionUnclear;
@@ -130,6 +129,8 @@ fn advice() -> Vec<RejoinAdvice<'static>> {
         RejoinAdvice::NoOperation => RejoinAdvice::NoOperation;
         RejoinAdvice::Between { .. } => RejoinAdvice::Between { ops: &["close", "open"] };
         RejoinAdvice::NoPlace => RejoinAdvice::NoPlace;
+        RejoinAdvice::Rest { .. } => RejoinAdvice::Rest { rest: "open" };
+        RejoinAdvice::Rests { .. } => RejoinAdvice::Rests { rests: &["open", "open with a part"] };
         RejoinAdvice::Several { .. } => RejoinAdvice::Several { ops: &["unlock", "index"] };
     })
 }
@@ -150,9 +151,14 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
         StationWait::Devices => StationWait::Devices;
         StationWait::PositionLost(_) => StationWait::PositionLost(lost);
         StationWait::Rejoin(..) => StationWait::Rejoin(doubts()[0], advice()[0]);
+        StationWait::Homing { .. } => StationWait::Homing { op: "index" };
         StationWait::NewGeneration => StationWait::NewGeneration;
-        StationWait::Released { .. } => StationWait::Released { op };
-        StationWait::Recovery { .. } => StationWait::Recovery { op, cause: StopCause::Watchdog };
+        StationWait::Stopped { .. } => StationWait::Stopped {
+            op,
+            advance: Some(PanelChoice::GoOn),
+            back: Some(PanelChoice::TakeBack),
+            cause: StopCause::Watchdog,
+        };
         StationWait::IndexStopped { .. } => StationWait::IndexStopped { op, cause: StopCause::EStop };
         StationWait::Held { .. } => StationWait::Held { button: "PB_2" };
         StationWait::Concurrent { .. } => StationWait::Concurrent { op };

@@ -1,8 +1,8 @@
 //! Arrivals at a station, and their effects.
 
-use linewright_line::{OpId, StationId};
+use linewright_line::StationId;
 use linewright_station_logic::{
-    ModeOrder, OrderKey, PanelCommand, StationHappening, StationReport, TaskCommand, TaskReply,
+    ModeOrder, OrderKey, PanelCommand, RejoinAt, StationHappening, StationReport, TaskCommand, TaskReply,
 };
 
 /// A station's input image as the gateway sends it.
@@ -53,9 +53,8 @@ pub enum StationArrival<'a> {
     },
     /// The panel, by message.
     Panel(PanelCommand),
-    /// An operator's confirmation that the station stands where its switches measure it, or was stopped in this
-    /// operation.
-    Rejoin(Option<OpId>),
+    /// An operator's confirmation of where the station stands.
+    Rejoin(RejoinAt),
     /// An order for a task, or about one.
     Task(TaskCommand<'a>),
 }

@@ -174,7 +174,7 @@ impl StationShell {
                 self.ignore("rejoin: the node stood still just before it; confirm again", effects);
                 return;
             }
-            StationArrival::Rejoin(within) => self.controller.handle(now, StationInput::Rejoin(within)),
+            StationArrival::Rejoin(at) => self.controller.handle(now, StationInput::Rejoin(at)),
             StationArrival::Task(command) => self.controller.handle(now, StationInput::Task(command)),
         };
         if let Handled::Ignored(why) = handled {

@@ -11,6 +11,7 @@ use linewright_line::{StationId, Tick};
 use linewright_random::mix;
 
 use super::{Coordinator, StationView};
+use crate::refusal::ModeRefusal;
 
 /// A generation that is being founded.
 #[derive(Clone, Debug)]
@@ -56,6 +57,16 @@ impl Coordinator {
         let prevailing = self.prevailing();
         let apart = move |heard: &StationView| heard.generation == 0 || heard.generation != prevailing;
         self.comparing().filter(move |(_, heard)| !is_common && apart(heard)).map(|(id, _)| id)
+    }
+
+    /// Refusals where counts cannot be compared: the stations that have none in common, and those that are to be led home.
+    pub(super) fn without_common_start(&self) -> Vec<ModeRefusal> {
+        let mut reasons: Vec<ModeRefusal> = self.apart().map(ModeRefusal::NoCommonStart).collect();
+        if !reasons.is_empty() {
+            let away = self.comparing().filter(|(_, heard)| !heard.at_home);
+            reasons.extend(away.map(|(id, _)| ModeRefusal::NotAtHome(id)));
+        }
+        reasons
     }
 
     /// Whether every station that is not left out stands at home, all in one cycle.

@@ -5,6 +5,11 @@ use linewright_line::{Line, Owner};
 use crate::decision::ModeCommand;
 use crate::refusal::{ModeRefusal, RefusedCommand};
 
+const POSITION_LOST: &str = "position lost; see its fault: check mechanism and switch, or look, then rejoin";
+
+const NO_COMMON_START: &str =
+    "no generation in common with the other stations; lead all stations home in manual, then give auto";
+
 impl RefusedCommand {
     /// The refusal, e.g. `auto refused in stand-by: mill_1: operation incomplete; complete or undo it in manual`.
     pub fn text(&self, line: &Line) -> String {
@@ -22,7 +27,17 @@ impl RefusedCommand {
             let text = reason.text(line);
             if trouble.is_empty() { text } else { format!("{text}: {trouble}") }
         };
-        let reasons: Vec<String> = self.reasons.iter().map(reason_text).collect();
+        let apart = |reason: &ModeRefusal| match reason {
+            ModeRefusal::NoCommonStart(station) => Some(line.station(*station).name.as_str()),
+            _ => None,
+        };
+        let mut reasons: Vec<String> =
+            self.reasons.iter().filter(|reason| apart(reason).is_none()).map(reason_text).collect();
+        // What all of them lack is said once.
+        let without: Vec<&str> = self.reasons.iter().filter_map(apart).collect();
+        if !without.is_empty() {
+            reasons.push(format!("{}: {NO_COMMON_START}", without.join(", ")));
+        }
         format!("{} refused in {}: {}", self.command.name(), self.mode, reasons.join("; "))
     }
 }
@@ -58,11 +73,13 @@ impl ModeRefusal {
                 (station, "index incomplete; complete it in manual, it has no way back")
             }
             ModeRefusal::Incomplete(station, _) => (station, "operation incomplete; complete or undo it in manual"),
-            ModeRefusal::PositionLost(station) => (station, "position lost; see its fault, check mechanism and switch"),
-            ModeRefusal::NoCommonStart(station) => (
-                station,
-                "no generation in common with the other stations; lead all stations home in manual, then give auto",
-            ),
+            ModeRefusal::PositionLost(station) => {
+                let described = line.station(*station);
+                let turns = described.op_ids().any(|op| described.index_of(op).is_some());
+                let text = if turns { "position lost; see its fault, look, then rejoin" } else { POSITION_LOST };
+                (station, text)
+            }
+            ModeRefusal::NoCommonStart(station) => (station, NO_COMMON_START),
             ModeRefusal::NotFounded(station) => (
                 station,
                 "no generation in common with the other stations, and none can be founded now; give start, then manual",
@@ -116,5 +133,16 @@ mod tests {
         let expected = "auto refused in stand-by: clamp_1: I/O devices lost: clamp 1 io (node 21h): no heartbeat \
                         (1017h) for 230 ms; console: I/O devices not operational; transfer: motion in progress";
         assert_eq!(refusal.text_with(&line, known), expected);
+    }
+
+    #[test]
+    fn what_several_stations_lack_is_said_once_and_the_one_away_is_named() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let apart = line.station_ids().map(ModeRefusal::NoCommonStart);
+        let reasons = apart.chain([ModeRefusal::NotAtHome(StationId(1))]).collect();
+        let refusal = RefusedCommand { command: ModeCommand::Auto, mode: ControlMode::StandBy, reasons };
+        let text = refusal.text(&line);
+        assert_eq!(text.matches("lead all stations home").count(), 1, "{text}");
+        assert!(text.starts_with("auto refused in stand-by: clamp_1: not at home; transfer, clamp_1, "), "{text}");
     }
 }

@@ -7,6 +7,9 @@ use crate::event::StopCause;
 /// Wait of a station with invalid devices. Which device and why, their manager reports.
 pub const DEVICES_INVALID: &str = "its I/O devices: no process data, or not operational";
 
+/// The way back of a station that stands somewhere else than its chart has it, in its fault.
+pub(crate) const REJOIN_WAY: &str = "its switches fit another place: look where it stands, then confirm it with rejoin";
+
 /// Something that a station waits for, with the names that its text contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StationWait<'a> {
@@ -18,12 +21,12 @@ pub enum StationWait<'a> {
     PositionLost(&'a str),
     /// An operator's confirmation of where the station stands.
     Rejoin(PositionDoubt, RejoinAdvice<'a>),
+    /// The homing of a drive, by this index.
+    Homing { op: &'a str },
     /// All stations at home: this one shares no counts with the others.
     NewGeneration,
-    /// A motion that was stopped by its button is not complete.
-    Released { op: &'a str },
-    /// A motion that was stopped by a fault is not complete.
-    Recovery { op: &'a str, cause: StopCause },
+    /// A motion that was stopped is not complete: where advance and return lead it.
+    Stopped { op: &'a str, advance: Option<PanelChoice>, back: Option<PanelChoice>, cause: StopCause },
     /// An index that was stopped is not complete. It is led on, and never back.
     IndexStopped { op: &'a str, cause: StopCause },
     /// The button of a motion.
@@ -82,6 +85,27 @@ pub enum StationWait<'a> {
     Disagreement { station: &'a str, op: &'a str, ops: &'a str },
 }
 
+/// Where a button of the panel leads an operation that was stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PanelChoice {
+    GoOn,
+    DoAgain,
+    TakeBack,
+    /// Along the recovery path.
+    WayHome,
+}
+
+impl PanelChoice {
+    const fn text(self) -> &'static str {
+        match self {
+            PanelChoice::GoOn => "go on",
+            PanelChoice::DoAgain => "do it again",
+            PanelChoice::TakeBack => "take back",
+            PanelChoice::WayHome => "go home along the recovery path",
+        }
+    }
+}
+
 /// Reason why the position of a station is in doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PositionDoubt {
@@ -110,6 +134,10 @@ pub enum RejoinAdvice<'a> {
     Between { ops: &'a [&'a str] },
     /// The switches fit no place.
     NoPlace,
+    /// The switches fit this rest of a task-driven station.
+    Rest { rest: &'a str },
+    /// The switches fit these rests alike.
+    Rests { rests: &'a [&'a str] },
     /// The switches fit the ends of these operations alike.
     Several { ops: &'a [&'a str] },
 }
@@ -129,11 +157,18 @@ impl StationWait<'_> {
             StationWait::Devices => DEVICES_INVALID.to_owned(),
             StationWait::PositionLost(detail) => detail.to_owned(),
             StationWait::Rejoin(doubt, advice) => format!("rejoin: {}; {}", doubt.text(), advice.text()),
+            StationWait::Homing { op } => {
+                format!("the homing of its drive: hold advance at its panel in manual, as far as the end of `{op}`")
+            }
             StationWait::NewGeneration => "a new generation: no counts in common with the other stations; lead all \
                                            stations home in manual, then give auto"
                 .to_owned(),
-            StationWait::Released { op } => format!("{op} to be completed or undone in manual"),
-            StationWait::Recovery { op, cause } => format!("recovery of {op} in manual ({})", cause.text()),
+            StationWait::Stopped { op, advance, back, cause } => {
+                let choice = |button, choice: Option<PanelChoice>| choice.map(|to| format!("{button} ({})", to.text()));
+                let buttons: Vec<String> =
+                    [choice("advance", advance), choice("return", back)].into_iter().flatten().collect();
+                format!("{} at its panel in manual, for {op} ({})", buttons.join(" or "), cause.text())
+            }
             StationWait::Held { button } => format!("{button} to be held"),
             StationWait::IndexStopped { op, cause } => {
                 format!("advance at its panel in manual, to complete {op} ({}); an index has no return", cause.text())
@@ -224,6 +259,13 @@ impl RejoinAdvice<'_> {
                 "its switches fit more than one place; look which operation was done last, then name it with rejoin; \
                  possible: `{}`",
                 ops.join("`, `")
+            ),
+            RejoinAdvice::Rest { rest } => {
+                format!("by its switches it stands at rest `{rest}`; look at the mechanism, then confirm with rejoin")
+            }
+            RejoinAdvice::Rests { rests } => format!(
+                "its switches fit more than one rest; look, then name the rest with rejoin --rest; possible: `{}`",
+                rests.join("`, `")
             ),
             RejoinAdvice::NoPlace => "its switches fit no place; move the axis onto its switch by hand, or name its \
                                       operation with rejoin"

@@ -5,6 +5,12 @@ use linewright_line::{Line, OpId, OperationModule, Owner, StationId, duration_te
 
 use crate::event::StopCause;
 
+/// A motion that counts as complete by the switch at its other end alone.
+pub(crate) fn stuck_text(op: &str, input: &str, behind: Option<&str>) -> String {
+    let by = behind.map_or_else(|| "without a switch".to_owned(), |behind| format!("by {behind} off alone"));
+    format!("{op}: done {by}; {input} was on from the start: check that switch")
+}
+
 impl StopCause {
     /// The cause without names of the line.
     pub const fn text(self) -> &'static str {

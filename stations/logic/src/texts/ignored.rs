@@ -12,7 +12,6 @@ impl Ignored {
             Ignored::NoTasks => "task order for a station that is not task-driven",
             Ignored::EpochTooHigh => "mode command or task order with an epoch too far above the last one",
             Ignored::LeaseTooLong => "mode command with a longer lease than the line description gives",
-            Ignored::NoRejoin => "rejoin: not needed by a task-driven station",
             Ignored::Moving => "rejoin: station moving",
             Ignored::NotLost => "rejoin: station position is known",
             Ignored::PositionUnclear => "rejoin: limit switches contradict the position, or do not determine it",

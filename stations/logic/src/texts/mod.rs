@@ -11,4 +11,6 @@ mod event;
 mod ignored;
 pub(crate) mod place;
 
-pub use blocked::{DEVICES_INVALID, PositionDoubt, RejoinAdvice, StationWait};
+pub(crate) use blocked::REJOIN_WAY;
+pub use blocked::{DEVICES_INVALID, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};
+pub(crate) use cause::stuck_text;

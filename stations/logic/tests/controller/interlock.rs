@@ -5,8 +5,8 @@ use std::time::Duration;
 use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Arrow, Line, OpId, OutputId, StationId, Tick};
 use linewright_station_logic::{
-    CompileError, Controller, Founding, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Program, Restore,
-    StationInput, StationOutbox, StationReport,
+    CompileError, Controller, Founding, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Program, RejoinAt,
+    Restore, StationInput, StationOutbox, StationReport,
 };
 
 use linewright_testkit::built::transfer_line;
@@ -234,11 +234,14 @@ fn a_hand_mode_motion_that_was_let_go_is_not_taken_up_while_the_other_is_unknown
 fn a_station_whose_axis_has_left_its_switch_is_rejoined_where_it_is() {
     let mut bench = Bench::new(transfer_line(), GENERATION);
     let home = bench.op("return clamp");
-    assert_eq!(bench.clamp.handle(bench.now, StationInput::Rejoin(Some(home))), Handled::Ignored(Ignored::NotLost));
+    assert_eq!(
+        bench.clamp.handle(bench.now, StationInput::Rejoin(RejoinAt::Within(home))),
+        Handled::Ignored(Ignored::NotLost)
+    );
     bench.set(&[]);
     assert!(bench.clamp.position_lost().is_some());
     assert!(bench.blocked().contains("rejoin"), "{}", bench.blocked());
-    assert!(bench.clamp.handle(bench.now, StationInput::Rejoin(Some(home))).is_taken());
+    assert!(bench.clamp.handle(bench.now, StationInput::Rejoin(RejoinAt::Within(home))).is_taken());
     bench.play();
     assert_eq!(bench.clamp.marking().collect::<Vec<_>>(), [StationPlace::incomplete(home)]);
     assert_eq!((bench.clamp.generation(), bench.clamp.position_lost()), (0, None));

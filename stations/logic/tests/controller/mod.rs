@@ -3,6 +3,7 @@
 mod agreement;
 mod auto;
 mod beside;
+mod bolt;
 mod commands;
 mod faults;
 mod hand;

@@ -243,3 +243,21 @@ fn an_image_from_before_the_motion_decides_nothing() {
         assert_eq!(again.closes(), i32::from(arrives));
     }
 }
+
+#[test]
+fn what_is_done_by_the_other_switch_alone_is_said_until_the_stuck_one_is_seen_off() {
+    let mut clamp = Clamp::stuck(true);
+    assert!(!clamp.fault().contains("done by"), "{}", clamp.fault());
+    clamp.rig.advance(true);
+    clamp.rig.wait_ms(100);
+    clamp.rig.advance(false);
+    assert_eq!(clamp.closes(), 1);
+    let fault = clamp.fault();
+    assert!(fault.starts_with("advance clamp: done by LS_open ("), "{fault}");
+    assert!(fault.contains(") off alone; LS_closed ("), "{fault}");
+    assert!(fault.ends_with(") was on from the start: check that switch"), "{fault}");
+    clamp.rig.wait_ms(5000);
+    assert_eq!(clamp.fault(), fault);
+    clamp.rig.set(clamp.closed, false);
+    assert!(!clamp.fault().contains("done by"), "{}", clamp.fault());
+}

@@ -83,6 +83,14 @@ impl Bench {
         Bench::standing(StationId(0), restore, boot_id, &["C_0", "L_0"])
     }
 
+    /// The machine by itself, which judges measured positions, with these inputs on.
+    pub fn measured(restore: Restore, on: &[&str]) -> Self {
+        let line = parse("task_driven.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+        let names = line.station(StationId(0)).inputs.iter().enumerate();
+        let image = names.filter(|(_, name)| on.contains(&name.as_str())).fold(0, |bits, (bit, _)| bits | 1 << bit);
+        Bench { rig: Rig::alone(line, StationId(0), restore, image), is_taken: true }
+    }
+
     /// A station of the description with these inputs on.
     pub fn standing(station: StationId, restore: Restore, boot_id: u64, on: &[&str]) -> Self {
         let line = parse("task_driven.toml", BASE).unwrap_or_else(|problems| panic!("{problems:#}")).line;

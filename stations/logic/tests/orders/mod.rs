@@ -10,4 +10,5 @@ mod doing;
 mod memory;
 mod people;
 mod random;
+mod rejoin;
 mod stop;
