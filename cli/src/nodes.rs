@@ -91,10 +91,15 @@ fn claim(
         claims.push(Claim::bus(&place(interface, bus)).map_err(refused)?);
     }
     if let Some(dir) = state_dir {
-        std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| format!("cannot use {}", dir.display()))?;
-        claims.push(Claim::file(dir, name).map_err(refused)?);
+        claims.push(claim_file(dir, name)?);
     }
     Ok(claims)
+}
+
+/// Claims the files of `name` in a state directory, which is made if it is not there.
+fn claim_file(dir: &Path, name: &str) -> miette::Result<Claim> {
+    std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| format!("cannot use {}", dir.display()))?;
+    Claim::file(dir, name).map_err(|error| miette!("{error}"))
 }
 
 /// The claims of a station's node.
@@ -239,6 +244,7 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
 pub fn plant(args: PlantArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.common.line, true)?;
     let run = args.of_run.then(|| crate::can::run_of(&line, ros)).transpose()?;
+    let _claim = args.common.state_dir.as_deref().map(|dir| claim_file(dir, "plant")).transpose()?;
     runtime()?.block_on(async {
         let mut stop = stop_signal(args.common.end_with_stdin);
         let options = linewright_racks::RackOptions {

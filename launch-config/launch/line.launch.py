@@ -4,7 +4,7 @@ ros2 launch linewright line.launch.py line:=/path/to/line-directory
 ros2 launch linewright line.launch.py line:=… plant:=true          (with simulated devices)
 ros2 launch linewright line.launch.py line:=… plant:=true virtual_bus:=true      (and without CAN in the kernel)
 ros2 launch linewright line.launch.py line:=… state_dir:=/srv/linewright         (another place for journals)
-ros2 launch linewright line.launch.py line:=… forget:=true                       (and none at all)
+ros2 launch linewright line.launch.py line:=… forget:=true                       (no journals; a cell forgets its orders with its coordinator)
 
 The stations are read from the description, so a new one needs no change here. Nodes are set up by the description and
 not by parameters; namespace and topics can be remapped as usual.
@@ -48,7 +48,7 @@ def nodes(context):
     forget = ["--forget"] if forgets else []
     again = {"respawn": True, "respawn_delay": 1.0}
     return [
-        linewright(["plant", line, "--bus", bus, *virtual], condition=IfCondition(LaunchConfiguration("plant"))),
+        linewright(["plant", line, "--bus", bus, *virtual, *remember], condition=IfCondition(LaunchConfiguration("plant"))),
         linewright(["coordinator", line, "--bus", bus, *virtual, *remember, *forget], **again),
         *[linewright(["station", line, "--station", name, *virtual, *remember], **again) for name in stations],
     ]

@@ -17,6 +17,8 @@ use crate::positions::{AxisPosition, PositionsMisfit, misfit};
 const REACH: f64 = 0.001;
 /// Coordinates nearer than this are one place.
 const SAME_PLACE: f64 = 1e-6;
+/// Most places that an endless axis can have left behind; far below what its counter holds.
+const LEFT_MAX: u64 = 1 << 40;
 /// Fraction of its speed at which a slipping motion moves.
 const SLIP: f64 = 0.25;
 
@@ -154,6 +156,9 @@ impl Mechanism {
         let is_there = (least - SAME_PLACE..=most + SAME_PLACE).contains(&kept.at) || has_drive;
         if !kept.at.is_finite() || !is_there {
             return misfit(format!("{} is no position of it, from {least} to {most}", kept.at));
+        }
+        if kept.left.unsigned_abs() > LEFT_MAX {
+            return misfit(format!("{} places left behind", kept.left));
         }
         self.state.place(now, kept.at);
         self.index.iter_mut().for_each(|index| index.left = kept.left);

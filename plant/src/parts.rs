@@ -146,12 +146,12 @@ impl PlantParts {
         mechanisms: &impl Mechanisms,
     ) -> Result<(), PositionsMisfit> {
         if reached.len() != self.reached.len() {
-            return misfit(format!("{} reaches of hands, expected {}", reached.len(), self.reached.len()));
+            return misfit(format!("{} reaches of grippers, expected {}", reached.len(), self.reached.len()));
         }
         let places = |reach: &Reach| self.handling.holders[reach.to.index()].places;
         for ((reach, now), kept) in self.handling.reaches.iter().zip(&mut self.reached).zip(reached) {
-            if kept.is_some_and(|position| !(1..=places(reach)).contains(&position)) {
-                return misfit(format!("a hand at position {kept:?} of a nest with {}", places(reach)));
+            if let Some(position) = kept.filter(|position| !(1..=places(reach)).contains(position)) {
+                return misfit(format!("a gripper at position {position} of a nest with {}", places(reach)));
             }
             *now = kept.map(|position| NestPosition { nest: reach.to, position });
         }

@@ -183,7 +183,7 @@ fn a_coordinator_that_dies_is_outlived_by_its_lease_alone() {
         [[step]]
         when = "all are heard"
         after_s = 0.5
-        expect = "line is home"
+        expect = "line is stand-by"
         "#,
     );
     assert_eq!(sim.record().cycles(), 1);

@@ -9,7 +9,7 @@ use linewright_plant::PlantOptions;
 use linewright_racks::{KeptPositions, kept_positions};
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-/// A run goes on from an earlier one's journals, and its simulated machine does not.
+/// For a directory with journals of an earlier run and no positions of its machine.
 const MACHINE_BEGINS_ANEW: &str = "no positions of the simulated machine are kept there: it begins at home, empty, and its \
                                    stations go on from their journals. Where one was stopped elsewhere, `position lost` \
                                    follows: lead it home in manual or give `linewright rejoin`, or start with another \

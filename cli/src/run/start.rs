@@ -70,12 +70,8 @@ pub async fn start_all(
         words
     };
     if !args.no_plant {
-        let mut more = vec!["plant", "--of-run", "--bus", args.bus.as_str()];
-        // A temporary directory outlives no run, and a plant that is started again there begins at home.
-        if args.state_dir.is_some() {
-            more.extend(["--state-dir", state.as_str()]);
-        }
-        children.start_plant(words(&more))?;
+        // A plant that is started again stands where it stood.
+        children.start_plant(words(&["plant", "--of-run", "--bus", &args.bus, "--state-dir", &state]))?;
         until_served(children, line, ros).await?;
     }
     children.start("coordinator", words(&["coordinator", "--bus", &args.bus, "--state-dir", &state]))?;

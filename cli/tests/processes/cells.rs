@@ -70,8 +70,9 @@ fn a_part_that_was_not_grasped_is_loaded_after_it_was_put_back() {
     {
         assert!(why.contains(part), "{part}: {why}");
     }
+    // The station of one resource: of that as well.
     let why = rig.said(&["why"], &["robot"]).expect("a station is known");
-    assert!(why.starts_with("robot "), "{why}");
+    assert!(why.starts_with("R in service.") && why.contains("\nrobot "), "{why}");
     is_watched(&rig);
     let wrong = rig.said(&["answer"], &["1", "somewhere"]).expect_err("that is no answer");
     assert!(wrong.contains("in-store"), "{wrong}");

@@ -69,7 +69,7 @@ fn a_full_disk_leaves_a_gap_in_the_database_and_nothing_else() {
     let filler = disk.file(&at.join("filler"));
     let mut file = File::create(&filler).expect("a file");
     while file.write_all(&[0; 512]).is_ok() {}
-    let failed = || rig.log("coordinator").contains("is missing in reports");
+    let failed = || rig.log("coordinator").contains("reports may lack what happens");
     assert!(wait_for(Duration::from_secs(20), failed), "it is logged: {}", rig.log("coordinator"));
     operator.cycles(3);
     drop(file);
@@ -79,7 +79,7 @@ fn a_full_disk_leaves_a_gap_in_the_database_and_nothing_else() {
     operator.cycles(2);
     operator.go_home();
     let log = rig.log("coordinator");
-    let warnings: Vec<&str> = log.lines().filter(|line| line.contains("is missing in reports")).collect();
+    let warnings: Vec<&str> = log.lines().filter(|line| line.contains("reports may lack what happens")).collect();
     assert!(warnings.len() == 1 && warnings[0].contains("line.db") && warnings[0].contains("make room"), "{log}");
     let reported: Value = serde_json::from_str(&rig.reported(&["--json"])).expect("JSON");
     let gaps = reported["gaps"].as_array().expect("a list");

@@ -129,10 +129,8 @@ impl Feeding {
         items.clear();
         self.outages.lose(std::mem::take(&mut self.pending));
         self.abandon();
-        if error.is_damage() {
-            // Where that fails too, the next trial tells why.
-            let _ = self.set_aside(&error);
-        }
+        // Where that fails too, its reason is the one to be mended.
+        let error = if error.is_damage() { self.set_aside(&error).err().unwrap_or(error) } else { error };
         if self.outages.failed(self.now()) {
             let (why, remedy) = (error.to_string(), error.remedy());
             self.shared.tell(HistoryNews::Failed { why, remedy });

@@ -35,7 +35,7 @@ impl fmt::Display for HistoryNews {
         match self {
             HistoryNews::Failed { why, remedy } => {
                 let remedy = remedy.map_or_else(String::new, |remedy| format!("; {remedy}"));
-                write!(f, "{why}; what happens from now on is missing in reports, control goes on{remedy}")?;
+                write!(f, "{why}; until it is written again reports may lack what happens, control goes on{remedy}")?;
                 write!(f, "; writing is tried again by itself")
             }
             HistoryNews::Replaced { path } => write!(
@@ -46,7 +46,7 @@ impl fmt::Display for HistoryNews {
             ),
             HistoryNews::SetAside { why, kept } => write!(
                 f,
-                "{why}; it is kept as {}, and a new one is begun: reports start here; repair the old one with `sqlite3 .recover` \
+                "{why}; it is kept as {}, and a new one is begun: reports have what is in that; repair the old one with `sqlite3 .recover` \
                  if it is needed, else remove it",
                 kept.display()
             ),
@@ -54,8 +54,8 @@ impl fmt::Display for HistoryNews {
                 write!(f, "database {} is written again; ", path.display())?;
                 match lost.count {
                     0 => write!(f, "nothing was lost"),
-                    1 => write!(f, "1 record was lost, which reports show"),
-                    count => write!(f, "{count} records were lost, which reports show"),
+                    1 => write!(f, "1 note was lost, which reports show"),
+                    count => write!(f, "{count} notes were lost, which reports show"),
                 }
             }
         }
@@ -77,9 +77,9 @@ mod tests {
         assert_eq!(
             news.each_ref().map(ToString::to_string),
             [
-                "cannot use database /s/line.db: database or disk is full; what happens from now on is missing in reports, \
-                 control goes on; make room on the disk, or make file and directory writable; writing is tried again by itself",
-                "database /s/line.db is written again; 7 records were lost, which reports show",
+                "cannot use database /s/line.db: database or disk is full; until it is written again reports may lack what \
+                 happens, control goes on; make room on the disk, or make file and directory writable; writing is tried again by itself",
+                "database /s/line.db is written again; 7 notes were lost, which reports show",
             ]
         );
         assert_eq!(news.map(|news| news.is_warning()), [true, false]);

@@ -265,7 +265,10 @@ pub(crate) fn read_about(db: &Connection, path: &Path) -> Result<About, HistoryE
         db.query_row("SELECT data FROM about", [], |row| row.get::<_, String>(0)).optional().map_err(at(path))?;
     let damaged = |why: String| HistoryError::Damaged { path: path.to_owned(), why };
     let text = text.ok_or_else(|| damaged("no cell or line named in its header".to_owned()))?;
-    serde_json::from_str(&text).map_err(|error| damaged(format!("what it is about cannot be read: {error}")))
+    // Perhaps of another version of this program: it is not damaged, and not set aside.
+    let unknown = |error| format!("its header cannot be read: {error}");
+    serde_json::from_str(&text)
+        .map_err(|error| HistoryError::NotOurs { path: path.to_owned(), why: Some(unknown(error)) })
 }
 
 fn write_about(db: &Connection, path: &Path, about: &About) -> Result<(), HistoryError> {

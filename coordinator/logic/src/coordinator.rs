@@ -418,8 +418,9 @@ impl Coordinator {
     /// Brings the decision up to `now`. Call it after every [`Coordinator::handle`] and at every deadline.
     pub fn step(&mut self, now: Tick, out: &mut ModeOutbox) {
         self.now = self.now.max(now);
-        self.decide(None);
+        // Before the decision: after a standstill of this process a manual may be too old already.
         self.give_up_manual();
+        self.decide(None);
         // In no mode, manual included, while it is not known whether the emergency stop button is pressed, or while another
         // coordinator gives orders as well.
         let is_alone = self.rival().is_none();

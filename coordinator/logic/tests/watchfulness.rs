@@ -361,7 +361,10 @@ fn a_manual_that_waits_for_half_a_minute_is_given_up_and_does_not_come_late() {
     assert!(bench.coordinator.next_deadline().is_some());
     beat_of_others(&mut bench, 100);
     let texts: Vec<String> = bench.out.refusals.iter().map(|refusal| refusal.text(&bench.line)).collect();
-    assert_eq!(texts, ["manual refused in stand-by: clamp_1: no state received; given up after 30 s, give it again"]);
+    assert_eq!(
+        texts,
+        ["manual refused in stand-by: clamp_1: no state received; given up after 30 s: command it again"]
+    );
     bench.acknowledge = true;
     bench.heard[1].devices_valid = true;
     bench.beat();

@@ -97,9 +97,9 @@ fn keys_of_tables_have_parameters_as_texts_have() {
         // Every signal that has a comment is one of the device.
         line(&text);
     }
-    let unknown = named(plain, "comments = { \"LS{nmber}_open\" = \"at\" }");
+    let unknown = named(plain, "comments = { \"LS{count}_open\" = \"at\" }");
     let problems = parse("line.toml", &unknown).expect_err("no such parameter");
-    assert!(format!("{problems:#}").contains("unknown parameter `{nmber}`"), "{problems:#}");
+    assert!(format!("{problems:#}").contains("unknown parameter `{count}`"), "{problems:#}");
 }
 
 #[test]

@@ -104,6 +104,9 @@ fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed()
         why_resource(&bench.sim.coordination, now, robot),
         [
             "R in service.".to_owned(),
+            "An activity of its station failed: the line works without that station, which is given no work until the alarm \
+             is answered."
+                .to_owned(),
             "robot: operation incomplete; complete or undo it in manual.".to_owned(),
             format!(
                 "It takes part in `load M1` with part 1, which has failed and waits for an answer to {}.",

@@ -180,14 +180,18 @@ fn a_part_in_the_hand_is_asked_about_until_it_has_been_brought() {
     assert_eq!(bench.objections(), [(ResourceRequest::Answer(alarm), AlarmAnswerRefusal::HasNoPart(robot))]);
     bench.sim.truth.put(PART, Some(robot));
     bench.seconds_later(1.0);
-    for word in ["in-store", "in-machine"] {
-        bench.answer(word);
-        assert_eq!(
-            bench.objections().last(),
-            Some(&(ResourceRequest::Answer(alarm), AlarmAnswerRefusal::HasPart(robot))),
-            "{word}"
-        );
+    // As long as the robot stands half-way, that is said first.
+    let half_way = AlarmAnswerRefusal::NotAtRest(bench.station("robot"));
+    for (holds, refusal) in [(true, half_way), (false, AlarmAnswerRefusal::HasPart(robot))] {
+        bench.at("robot").holds = holds;
+        bench.seconds_later(1.0);
+        for word in ["in-store", "in-machine"] {
+            bench.answer(word);
+            assert_eq!(bench.objections().last(), Some(&(ResourceRequest::Answer(alarm), refusal)), "{word}");
+        }
     }
+    bench.at("robot").holds = true;
+    bench.seconds_later(1.0);
     bench.answer("in-hand");
     bench.until_that(|bench| bench.steps().contains(&&ExceptionStep::Carried { firing: firing.id }));
     assert_eq!(bench.alarm().words, ["as-before", "as-done", "gone"]);
@@ -237,7 +241,13 @@ fn while_m1_is_down_parts_go_over_m2() {
     let m1 = bench.resource("M1");
     let since = bench.state().exceptions().is_down(m1).expect("it is down").since;
     let why = why_resource(&bench.sim.coordination, since + Duration::from_secs(9), m1);
-    assert_eq!(why, [format!("M1 out of service for 9 s: taken out by the rule for {}.", firing.id)]);
+    assert_eq!(
+        why,
+        [
+            "M1 out of service for 9 s: taken out by the rule for `load M1` with part 1.",
+            "Nothing is against it now: `up` counts on M1 again.",
+        ]
+    );
     bench.say(PlayerInput::Resource { resource: m1, up: true });
     assert_eq!(bench.steps().last(), Some(&&ExceptionStep::Up { resource: m1, unchecked: false }));
     assert_eq!(why_resource(&bench.sim.coordination, bench.sim.now, m1), ["M1 in service."]);

@@ -9,14 +9,14 @@ use super::{Coordinator, EStopCause};
 use crate::decision::ModeCommand;
 use crate::refusal::{ModeRefusal, RefusedCommand};
 
-/// How long a commanded manual may wait for stations to stand. What it waits for takes a moment; later nobody may be watching.
+/// Longest wait of a commanded manual for stations to stand. That takes a moment; minutes later the mode must not change by itself.
 const MANUAL_WAIT_MAX: Duration = Duration::from_secs(30);
 
 impl Coordinator {
     pub(super) fn command(&mut self, command: ModeCommand) {
         self.changed = true;
-        if self.mode != ControlMode::Manual && command != ModeCommand::Manual {
-            // A later command replaces a manual that still waits for stations to stand.
+        if self.mode != ControlMode::Manual {
+            // A later command replaces a manual that still waits for stations to stand, also one that is refused.
             self.manual_all = false;
         }
         let ended = (self.ended.take(), self.found_away);

@@ -53,7 +53,7 @@ impl ModeRefusal {
                     "second coordinator active on this line (boot id {life}), no motion; stop one of the two"
                 );
             }
-            ModeRefusal::GivenUp(after) => return format!("given up after {} s, give it again", after.as_secs()),
+            ModeRefusal::GivenUp(after) => return format!("given up after {} s: command it again", after.as_secs()),
             ModeRefusal::Already => return "mode already in force".to_owned(),
             ModeRefusal::EStop => return "emergency stop active; reset it, then select manual".to_owned(),
             ModeRefusal::EStopPressed => return "emergency stop button pressed; release it first".to_owned(),

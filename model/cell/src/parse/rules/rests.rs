@@ -13,7 +13,7 @@ use crate::{ControllerId, ResourceId, Role};
 /// What happens with a part of a machine, in this order and again from the beginning.
 const PHASES: [Role; 3] = [Role::Target, Role::Worker, Role::Source];
 
-/// A machine with a station that works on order.
+/// A machine with a task-driven station.
 struct Machine<'d, 'a> {
     id: ResourceId,
     of: &'d DraftResource<'a>,
