@@ -152,7 +152,7 @@ fn positions_of_another_line_and_impossible_ones_are_refused() {
     };
     assert!(refused(&|kept| first(kept, 1e9)).contains("of m1: 1000000000 is no position of it"));
     assert!(refused(&|kept| first(kept, f64::NAN)).contains("is no position of it"));
-    assert!(refused(&|kept| kept.reached.clear()).contains("reaches of hands"));
+    assert!(refused(&|kept| kept.reached.clear()).contains("reaches of grippers"));
     assert_eq!(refused(&add(part(Some(("nowhere", 1)), None))), "there is no `nowhere`");
     assert_eq!(refused(&add(part(None, Some("ST")))), "there is no `ST`");
     assert!(refused(&add(part(Some(("ST", 99)), None))).starts_with("position 99 of `ST`, which has"));

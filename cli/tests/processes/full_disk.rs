@@ -74,7 +74,7 @@ fn a_full_disk_leaves_a_gap_in_the_database_and_nothing_else() {
     operator.cycles(3);
     drop(file);
     std::fs::remove_file(&filler).expect("it is there");
-    let resumed = || rig.log("coordinator").contains("is written again");
+    let resumed = || rig.log("coordinator").contains("line.db is written again");
     assert!(wait_for(Duration::from_secs(40), resumed), "it goes on: {}", rig.log("coordinator"));
     operator.cycles(2);
     operator.go_home();

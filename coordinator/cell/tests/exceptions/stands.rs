@@ -300,3 +300,18 @@ fn nothing_starts_at_a_machine_whose_sensor_was_not_read_yet() {
     bench.hear();
     assert!(bench.firing(LOAD).is_some());
 }
+
+/// An answer that the part is somewhere else is refused while the gripper, at a rest, has one.
+#[test]
+fn a_part_in_the_hand_is_not_in_store() {
+    let mut bench = Bench::c1(&[1, 0]);
+    bench.load_fails();
+    let (robot, alarm) = (bench.resource("R"), bench.alarm().id);
+    bench.sim.truth.put(PartId(1), Some(robot));
+    bench.seconds_later(1.0);
+    for word in ["in-store", "in-machine"] {
+        bench.answer(word);
+        let refusal = (ResourceRequest::Answer(alarm), AlarmAnswerRefusal::HasPart(robot));
+        assert_eq!(bench.objections().last(), Some(&refusal), "{word}");
+    }
+}

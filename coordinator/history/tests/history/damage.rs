@@ -48,7 +48,7 @@ fn a_database_of_another_form_and_rows_that_are_none_are_said_to_be_so() {
     };
     assert!(broken("PRAGMA user_version = 7").contains("has form 7, this program reads form 1"));
     assert!(broken("DELETE FROM about").contains("no cell or line named in its header"));
-    assert!(broken("UPDATE about SET data = '{}'").contains("is damaged: what it is about cannot be read"));
+    assert!(broken("UPDATE about SET data = '{}'").contains("cell or line (its header cannot be read"));
     assert!(broken("UPDATE event SET kind = 'eaten' WHERE log = 7").contains("event 7 of kind `eaten` is none"));
     assert!(
         broken("UPDATE event SET data = '{}' WHERE kind = 'started'").contains("of kind `started` is none: missing")
