@@ -24,6 +24,7 @@ mod nodes;
 mod operate;
 mod out;
 mod parts;
+mod recover;
 mod report;
 mod run;
 mod schema;
@@ -84,6 +85,8 @@ enum CliCommand {
     Press(operate::PressArgs),
     /// Confirm the position of a station that has lost its memory: by its switches, or in a named operation.
     Rejoin(operate::RejoinArgs),
+    /// Show what has to be done, step by step, until the line is in auto again.
+    Recover(recover::Args),
     /// Cause or clear a fault of a simulated mechanism or device.
     Fail(can::FailArgs),
     /// Submit, list, cancel or withdraw production orders of a running cell.
@@ -167,6 +170,7 @@ fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
         CliCommand::Plant(args) => logged(&ros, || nodes::plant(args, &ros)),
         CliCommand::Mode(args) => asynchronous(async move { operate::mode(args, &ros).await }),
         CliCommand::Rejoin(args) => asynchronous(async move { operate::rejoin(args, &ros).await }),
+        CliCommand::Recover(args) => asynchronous(async move { recover::run(args, &ros).await }),
         CliCommand::Press(args) => asynchronous(async move { operate::press(args, &ros).await }),
         CliCommand::Fail(args) => asynchronous(async move { can::fail(args, &ros).await }),
         CliCommand::Order(args) => asynchronous(async move { cell::order(args, &ros).await }),

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Args;
 use linewright_fieldbus::{BusOptions, Clock, Transport, place};
@@ -57,6 +58,14 @@ pub struct CoordinatorArgs {
     /// Run a flexible cell without a state directory: its orders, parts and alarms are lost when this process ends.
     #[arg(long, conflicts_with = "state_dir")]
     forget: bool,
+    /// Days for which the database keeps what happens; without this everything is kept.
+    #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
+    retention: Option<u32>,
+}
+
+/// Days as a duration.
+fn days(days: u32) -> Duration {
+    Duration::from_secs(u64::from(days) * 86_400)
 }
 
 /// Run the simulated plant.
@@ -232,6 +241,7 @@ pub fn coordinator(args: CoordinatorArgs, ros: &RosArgs) -> miette::Result<ExitC
             cell,
             interface,
             state_dir: args.common.state_dir.clone(),
+            retention: args.retention.map(days),
             bus: args.common.bus(),
             clock: Clock::start(),
         };
@@ -257,14 +267,8 @@ pub fn plant(args: PlantArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         let stopped = async {
             let _ = stop.wait_for(|stop| *stop).await;
         };
-        let ended = match &args.common.state_dir {
-            Some(dir) => linewright_racks::run_kept_plant(&line, &options, dir, stopped).await,
-            None => tokio::select! {
-                ended = linewright_racks::run_plant(&line, &options) => ended,
-                () = stopped => Ok(()),
-            },
-        };
-        ended.map_err(|error| miette!("{error}"))
+        let keep = args.common.state_dir.as_deref();
+        linewright_racks::run_plant(&line, &options, keep, stopped).await.map_err(|error| miette!("{error}"))
     })?;
     Ok(ExitCode::SUCCESS)
 }

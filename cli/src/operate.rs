@@ -3,6 +3,7 @@
 //! Each does once, from a shell, what a console does with a finger. The answer is printed: what the line did, or why
 //! it refused, with exit code 1.
 
+mod rejoin;
 mod standstill;
 
 use std::path::PathBuf;
@@ -11,10 +12,12 @@ use std::time::Duration;
 
 use clap::Args;
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::{ButtonId, Line, REJOIN_AT_REST, StationId};
-use linewright_msgs::{Flag, StationState, Text};
+use linewright_line::{ButtonId, Line, StationId};
+use linewright_msgs::{Flag, LineState, StationState, Text};
 use linewright_node_shell::RosArgs;
 use miette::miette;
+
+pub use rejoin::{RejoinArgs, rejoin};
 
 use crate::client::OperatorClient;
 use crate::load;
@@ -145,12 +148,11 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
     let stations = meant_by(line, &args.buttons);
     if let Err(mode) = until_mode(&mut client, stations[0], StationState::MODE_HAND).await? {
         let why = format!("hand-mode buttons act in hand mode only; the mode is {mode}");
-        return answer(&client, args, &stations, Some(why));
+        return answer(&client, args, &stations, PressOutcome::Refused(why));
     }
     let say = |client: &OperatorClient, held| client.hold(if held { &names } else { "" });
-    let has_moved = hold(&mut client, args.seconds, &stations, say).await?;
-    let refusal = (!has_moved).then(|| refusal(&client, &stations));
-    answer(&client, args, &stations, refusal)
+    let outcome = hold(&mut client, args.seconds, &stations, say).await?;
+    answer(&client, args, &stations, outcome)
 }
 
 /// The stations that one of these hand-mode buttons means anything to.
@@ -172,16 +174,15 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
         return Err(miette!("one button of a panel at a time: advance, return, manual or auto"));
     };
     let mut client = OperatorClient::open(line, ros, "operator")?;
-    let refusal = match button.as_str() {
+    let outcome = match button.as_str() {
         "advance" | "return" => {
             let publisher = client.panel_button(id, button)?;
             client.until_connected(CONNECT).await?;
             match until_mode(&mut client, id, StationState::MODE_MANUAL).await? {
-                Err(mode) => Some(format!("a panel acts in manual mode only; the mode is {mode}")),
+                Err(mode) => PressOutcome::Refused(no_manual(client.coordinator(), args, station, mode)),
                 Ok(()) => {
                     let say = |_: &OperatorClient, held| publisher.send(Flag { data: held });
-                    let has_moved = hold(&mut client, args.seconds, &[id], say).await?;
-                    (!has_moved).then(|| refusal(&client, &[id]))
+                    hold(&mut client, args.seconds, &[id], say).await?
                 }
             }
         }
@@ -192,11 +193,26 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
             client.listen(ANSWER).await?;
             let stands = client.station(id).map(|state| if state.selector_manual { "manual" } else { "auto" });
             let stays = stands.filter(|stands| stands != button);
-            stays.map(|stands| format!("the selector stays at {stands}: its wired switch stands there"))
+            stays.map_or(PressOutcome::Obeyed, |stands| {
+                PressOutcome::Refused(format!("the selector stays at {stands}: its wired switch stands there"))
+            })
         }
         other => return Err(miette!("'{other}' is not on a panel; it has advance, return, manual and auto")),
     };
-    answer(&client, args, &[id], refusal)
+    answer(&client, args, &[id], outcome)
+}
+
+/// Why a station is not in manual. In an emergency stop of its own no command to the line leads there.
+fn no_manual(line: Option<&LineState>, args: &PressArgs, station: &str, mode: &str) -> String {
+    let of_its_own =
+        mode == mode_name(StationState::MODE_ESTOP) && line.is_some_and(|line| line.mode != StationState::MODE_ESTOP);
+    if of_its_own {
+        let cell = args.line.display();
+        return format!(
+            "{station} is in an emergency stop of its own; clear the cause, then give `linewright resource {cell} {station} reset`"
+        );
+    }
+    format!("a panel acts in manual mode only; the mode is {mode}")
 }
 
 /// Waits until a mode is in force at a station: it may have been given a moment ago. The error is the mode that is.
@@ -218,12 +234,31 @@ async fn until_mode(
     }
 }
 
-/// State that changes with every motion that starts: places, cycles started, cycles done.
-type Motions = Vec<Option<(Vec<u8>, Vec<i32>, Vec<i32>)>>;
+/// What has become of a press.
+#[derive(Debug, PartialEq, Eq)]
+enum PressOutcome {
+    Obeyed,
+    /// It has moved nothing; why.
+    Refused(String),
+    /// It has moved something that ended in a fault.
+    Fault(String),
+}
+
+/// State that changes with every motion that starts: places, cycles started, cycles done, and whether a drive is homed at a rest,
+/// which marks no place.
+type Motions = Vec<Option<(Vec<u8>, Vec<i32>, Vec<i32>, bool)>>;
 
 fn motions(client: &OperatorClient, stations: &[StationId]) -> Motions {
-    let of = |state: &StationState| (state.places.to_vec(), state.started.to_vec(), state.done.to_vec());
+    let of = |state: &StationState| {
+        (state.places.to_vec(), state.started.to_vec(), state.done.to_vec(), is_homing(state.stopped, &state.places))
+    };
     stations.iter().map(|id| client.station(*id).map(of)).collect()
+}
+
+/// Whether a station that moves does so without an operation under way: its drive is homed.
+fn is_homing(stopped: bool, places: &[u8]) -> bool {
+    let operates = |place: &u8| [StationState::PLACE_OPERATING, StationState::PLACE_UNDOING].contains(place);
+    !stopped && !places.iter().any(operates)
 }
 
 /// Why a button that was held has moved nothing.
@@ -243,111 +278,78 @@ fn answer(
     client: &OperatorClient,
     args: &PressArgs,
     stations: &[StationId],
-    refusal: Option<String>,
+    outcome: PressOutcome,
 ) -> miette::Result<ExitCode> {
     let buttons = args.buttons.join(" ");
     let is_heard = stations.iter().all(|id| client.station(*id).is_some());
+    let is_obeyed = outcome == PressOutcome::Obeyed;
+    let (refusal, fault) = match outcome {
+        PressOutcome::Obeyed => (None, None),
+        PressOutcome::Refused(why) => (Some(why), None),
+        PressOutcome::Fault(what) => (None, Some(what)),
+    };
     if let Some(why) = &refusal {
         crate::out::complain!("{buttons} refused: {why}");
+    }
+    if let Some(what) = &fault {
+        crate::out::complain!("{buttons} ended in a fault: {what}");
     }
     if args.json {
         let name = |id: &StationId| &client.line().station(*id).name;
         let states: Vec<_> = stations.iter().map(|id| StationJson::of(name(id), client.station(*id))).collect();
-        let object = serde_json::json!({ "buttons": args.buttons, "refusal": refusal, "stations": states });
+        let object =
+            serde_json::json!({ "buttons": args.buttons, "refusal": refusal, "fault": fault, "stations": states });
         crate::out::json(&object)?;
     } else if refusal.is_none() {
         stations.iter().for_each(|id| print_station(client, *id));
     }
     // Whether a station that is not received has obeyed is unknown.
-    Ok(if refusal.is_none() && is_heard { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-}
-
-/// Confirm where a station stands.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. A task-driven station that stands at another rest than its journal says is confirmed in the same way. Then lead all stations home in manual and give auto."
-)]
-pub struct RejoinArgs {
-    /// The line's directory, or its description file.
-    line: PathBuf,
-    /// The station.
-    station: String,
-    /// Operation in which it was stopped; where its switches fit the ends of several, the one that was done last.
-    #[arg(long, value_name = "OPERATION")]
-    within: Option<String>,
-    /// Rest at which a task-driven station stands, where its switches fit several.
-    #[arg(long, value_name = "REST", conflicts_with = "within")]
-    rest: Option<String>,
-}
-
-/// `linewright rejoin`
-pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
-    let line = load::line(&args.line, true)?;
-    let id = load::station(&line, &args.station)?;
-    let station = line.station(id);
-    if let Some(unknown) = args.within.as_ref().filter(|name| station.operation_named(name).is_none()) {
-        let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
-        return Err(miette!("unknown operation '{unknown}' of {}; operations: {}", station.name, names.join(", ")));
-    }
-    if let Some(unknown) = args.rest.as_ref().filter(|name| station.rest_named(name).is_none()) {
-        let names: Vec<&str> = station.rests.iter().map(|rest| rest.name.as_str()).collect();
-        let known =
-            if names.is_empty() { "it is not task-driven".to_owned() } else { format!("rests: {}", names.join(", ")) };
-        return Err(miette!("unknown rest '{unknown}' of {}; {known}", station.name));
-    }
-    let at =
-        args.rest.as_ref().map(|rest| format!("{REJOIN_AT_REST}{rest}")).or(args.within.clone()).unwrap_or_default();
-    let mut client = OperatorClient::open(&line, ros, "operator")?;
-    let publisher = client.rejoin(id)?;
-    client.until_connected(CONNECT).await?;
-    client.listen(ANSWER).await?;
-    let before = client.station(id).map(|state| (state.places.clone(), state.fault.clone()));
-    publisher.send(Text::from(at.as_str()));
-    client.listen(ANSWER).await?;
-    print_station(&client, id);
-    let after = client.station(id).map(|state| (state.places.clone(), state.fault.clone()));
-    if before == after {
-        let state = client.station(id);
-        let advice = state.and_then(|state| state.blocked_by.iter().find_map(|why| why.strip_prefix("rejoin: ")));
-        let why = match (state, advice) {
-            (None, _) => "no state received from the station".to_owned(),
-            (Some(state), _) if !state.stopped => "rejected: station moving; rejoin needs standstill".to_owned(),
-            (Some(state), None) if !state.devices_valid => {
-                "rejected: its I/O devices are not operational, so its switches measure nothing".to_owned()
-            }
-            (Some(_), None) => "its position is known, and its switches agree: nothing to confirm".to_owned(),
-            (Some(_), Some(advice)) => match args.within.as_ref().or(args.rest.as_ref()) {
-                Some(named) => format!("its switches do not fit `{named}`: {advice}"),
-                None => advice.to_owned(),
-            },
-        };
-        crate::out::complain!("nothing changed: {why}");
-        return Ok(ExitCode::FAILURE);
-    }
-    Ok(ExitCode::SUCCESS)
+    Ok(if is_obeyed && is_heard { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Sends "released", then "held" repeatedly for so many seconds, then "released", and receives what follows.
-/// Gives whether anything has moved meanwhile: a motion that was let go half-way stands at the end as it stood before.
+/// Gives what has moved meanwhile: a motion that was let go half-way stands at the end as it stood before.
 async fn hold(
     client: &mut OperatorClient,
     seconds: f64,
     stations: &[StationId],
     say: impl Fn(&OperatorClient, bool),
-) -> miette::Result<bool> {
+) -> miette::Result<PressOutcome> {
     // The release of an earlier press may have been lost, and silence is no release.
     release(client, &say).await?;
     let before = motions(client, stations);
-    let mut has_moved = false;
+    let mut moved = vec![false; stations.len()];
     let until = tokio::time::Instant::now() + Duration::from_secs_f64(seconds);
     while tokio::time::Instant::now() < until {
         say(client, true);
         client.listen(REPEAT.min(until - tokio::time::Instant::now())).await?;
-        has_moved |= motions(client, stations) != before;
+        follow(&mut moved, &before, &motions(client, stations));
     }
     release(client, &say).await?;
     client.listen(ANSWER).await?;
-    Ok(has_moved || motions(client, stations) != before)
+    follow(&mut moved, &before, &motions(client, stations));
+    if !moved.contains(&true) {
+        return Ok(PressOutcome::Refused(refusal(client, stations)));
+    }
+    let faults = stations.iter().zip(&moved).filter(|(_, moved)| **moved).filter_map(|(id, _)| {
+        let fault = standing_fault(client.station(*id)?)?;
+        Some(format!("{}: {fault}", client.line().station(*id).name))
+    });
+    let faults: Vec<String> = faults.collect();
+    Ok(if faults.is_empty() { PressOutcome::Obeyed } else { PressOutcome::Fault(faults.join("\n")) })
+}
+
+/// Notes the stations that stand otherwise than before.
+fn follow(moved: &mut [bool], before: &Motions, now: &Motions) {
+    for (moved, (before, now)) in moved.iter_mut().zip(before.iter().zip(now)) {
+        *moved |= before != now;
+    }
+}
+
+/// The fault that a station stands in. One that stands where it was sent has none, whatever it says of a switch.
+fn standing_fault(state: &StationState) -> Option<&str> {
+    let stands_in_it = !state.incomplete.is_empty() || state.position_lost;
+    (stands_in_it && !state.fault.is_empty()).then_some(state.fault.as_str())
 }
 
 /// Sends "released" more than once: one message can get lost.
@@ -365,5 +367,35 @@ fn print_station(client: &OperatorClient, id: StationId) {
         Some(state) if state.blocked_by.is_empty() => crate::out::say!("{name}: {}", state.operation),
         Some(state) => crate::out::say!("{name}: {}; waits for {}", state.operation, state.blocked_by.join("; ")),
         None => crate::out::say!("{name}: no state received"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_motion_that_was_let_go_is_no_fault_and_one_that_its_watchdog_stopped_is() {
+        let stands = |incomplete: &[u16], position_lost, fault: &str| {
+            let fault = fault.to_owned();
+            StationState { incomplete: incomplete.to_vec(), position_lost, fault, ..StationState::default() }
+        };
+        for (state, expected) in [
+            (stands(&[2], false, ""), None),
+            (stands(&[2], false, "press: watchdog"), Some("press: watchdog")),
+            (stands(&[], true, "index in doubt"), Some("index in doubt")),
+            (stands(&[], false, "press: done by LS_up off alone"), None),
+        ] {
+            assert_eq!(standing_fault(&state), expected);
+        }
+    }
+
+    /// It marks no place and counts nothing, and yet the button that is held moves something.
+    #[test]
+    fn a_homing_at_rest_is_a_motion() {
+        let completed = [StationState::PLACE_COMPLETED, StationState::PLACE_NONE];
+        assert!(is_homing(false, &completed));
+        assert!(!is_homing(true, &completed));
+        assert!(!is_homing(false, &[StationState::PLACE_OPERATING, StationState::PLACE_NONE]));
     }
 }

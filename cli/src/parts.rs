@@ -14,11 +14,11 @@ impl PartList {
     /// Reads one argument.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The first item that is not `TYPE=NUMBER`, or has more than [`PARTS_MAX`] parts.
     pub fn read(text: &str) -> Result<Self, String> {
         let mut parts = Vec::new();
         let mut rest = text;
-        while !rest.is_empty() {
+        loop {
             // The name of the next one may contain commas: it ends with the first `=NUMBER` behind which the text ends or a comma
             // stands.
             let ends = rest.match_indices(',').map(|(at, _)| at).chain([rest.len()]);
@@ -26,8 +26,10 @@ impl PartList {
             let (end, read) = next.unwrap_or_else(|| (rest.len(), part(rest)));
             parts.push(read?);
             rest = rest[end..].trim_start_matches(',');
+            if rest.is_empty() {
+                return Ok(PartList(parts));
+            }
         }
-        if parts.is_empty() { part(text).map(|one| PartList(vec![one])) } else { Ok(PartList(parts)) }
     }
 
     /// All arguments together; each type once, in the order in which they are named.

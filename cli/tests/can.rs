@@ -125,13 +125,13 @@ fn status_asks_the_devices_on_every_bus_of_the_line() {
 #[test]
 fn an_order_is_given_and_its_effect_waited_for() {
     let devices = Devices::new();
-    assert_eq!(devices.says(&["nmt", "start", "17"]), "node 17: operational");
-    assert_eq!(devices.says(&["nmt", "stop", "0x11"]), "node 17: stopped");
-    assert_eq!(devices.says(&["nmt", "reset-node", "17"]), "node 17: booted");
+    assert_eq!(devices.says(&["nmt", "start", "17"]), "node 11h: operational");
+    assert_eq!(devices.says(&["nmt", "stop", "0x11"]), "node 11h: stopped");
+    assert_eq!(devices.says(&["nmt", "reset-node", "11h"]), "node 11h: booted");
     let all = devices.says(&["nmt", "pre-operational", "all"]);
     assert_eq!(all.lines().count(), 6, "{all}");
     let nobody = devices.refuses(&["nmt", "start", "99"]);
-    assert!(nobody.contains("node 99: state operational not reached"), "{nobody}");
+    assert!(nobody.contains("node 63h: state operational not reached"), "{nobody}");
     assert_eq!(devices.can(&["nmt", "start", "128"]).status.code(), Some(2));
 }
 
@@ -147,7 +147,7 @@ fn objects_are_read_and_written() {
     let missing = devices.refuses(&["sdo", "read", "17", "7777"]);
     assert!(missing.contains("object 7777h:00: refused: 06020000h"), "{missing}");
     let nobody = devices.refuses(&["sdo", "read", "99", "1000", "--timeout", "50"]);
-    assert!(nobody.contains("node 99, object 1000h:00: no answer within 50 ms"), "{nobody}");
+    assert!(nobody.contains("node 63h, object 1000h:00: no answer within 50 ms"), "{nobody}");
     let wide = devices.refuses(&["sdo", "write", "17", "1017", "70000", "--type", "u16"]);
     assert!(wide.contains("70000 does not fit 2 bytes"), "{wide}");
 }

@@ -60,7 +60,7 @@ pub enum Invalid {
         length: usize,
         /// The sequence it runs in parallel with.
         other: &'static str,
-        /// That one's length.
+        /// Length of the other sequence.
         other_length: usize,
     },
     /// A field that identifies something is zero or empty.

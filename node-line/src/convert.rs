@@ -188,7 +188,7 @@ pub fn kind_of(event: &StationHappening) -> (u8, Option<OpId>) {
         HappeningKind::Devices(_) => (StationEvent::KIND_DEVICES, None),
         HappeningKind::Ordered(_) | HappeningKind::Securing(_) => (StationEvent::KIND_STARTED, None),
         HappeningKind::OrderDone(_) => (StationEvent::KIND_COMPLETED, None),
-        HappeningKind::OrderFailed(..) => (StationEvent::KIND_STOPPED, None),
+        HappeningKind::OrderFailed(..) | HappeningKind::OrderLeft(..) => (StationEvent::KIND_STOPPED, None),
         HappeningKind::OrderRefused(_) => (StationEvent::KIND_REFUSED, None),
     }
 }

@@ -5,8 +5,9 @@
 //! system call into the page cache, some microseconds, so a controller can afford it before every output it changes. Where
 //! the disk is behind, the call takes as long as the disk; see [`crate::JournalWriter`].
 //!
-//! It is not flushed to the disk: after a power cut the record may be an older one, or gone. The mechanisms have then
-//! moved without their controller, and a person has to look at them anyway.
+//! That of a station is not flushed to the disk: after a power cut the record may be an older one, or gone. The mechanisms have then
+//! moved without their controller, and a person has to look at them anyway. That of the coordinator is
+//! ([`Journal::open_synced`]): an operator's command is obeyed for good.
 
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -51,6 +52,8 @@ pub struct Journal {
     path: PathBuf,
     number: u64,
     buffer: Vec<u8>,
+    /// A record is on the disk when [`Journal::write`] returns.
+    is_synced: bool,
 }
 
 impl Journal {
@@ -79,8 +82,23 @@ impl Journal {
         let missing = usize::try_from((2 * SLOT_BYTES as u64).saturating_sub(length)).unwrap_or(0);
         file.write_all_at(&vec![0; missing], length).map_err(failed)?;
         let number = newest.as_ref().map_or(0, |(number, _)| *number);
-        let journal = Journal { file, path: path.to_owned(), number, buffer: Vec::with_capacity(SLOT_BYTES) };
+        let journal =
+            Journal { file, path: path.to_owned(), number, buffer: Vec::with_capacity(SLOT_BYTES), is_synced: false };
         Ok((journal, newest.map(|(_, record)| record)))
+    }
+
+    /// The same, with records that are on the disk when they are written.
+    ///
+    /// # Errors
+    /// As [`Journal::open`], and when the disk does not take what is there.
+    pub fn open_synced(path: &Path) -> Result<(Self, Option<Vec<u8>>), JournalError> {
+        let (mut journal, record) = Self::open(path)?;
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        // Its name as well; and a killed process may have left its record in memory.
+        let synced = journal.file.sync_all().and_then(|()| File::open(parent)?.sync_all());
+        synced.map_err(|error| JournalError::File { path: path.to_owned(), error })?;
+        journal.is_synced = true;
+        Ok((journal, record))
     }
 
     /// Replaces the record.
@@ -102,6 +120,7 @@ impl Journal {
         let offset = (self.number % 2) * SLOT_BYTES as u64;
         self.file
             .write_all_at(&self.buffer, offset)
+            .and_then(|()| if self.is_synced { self.file.sync_data() } else { Ok(()) })
             .map_err(|error| JournalError::File { path: self.path.clone(), error })
     }
 }

@@ -30,8 +30,19 @@ impl JournalWriter {
     /// # Errors
     /// As [`Journal::open`].
     pub fn open(path: &Path) -> Result<(Self, Option<Vec<u8>>), JournalError> {
-        let (journal, record) = Journal::open(path)?;
-        Ok((JournalWriter { path: path.to_owned(), state: WriterState::Idle(journal) }, record))
+        Ok(Self::of(path, Journal::open(path)?))
+    }
+
+    /// The same for records that are on the disk when they are written; see [`Journal::open_synced`].
+    ///
+    /// # Errors
+    /// As [`Journal::open_synced`].
+    pub fn open_synced(path: &Path) -> Result<(Self, Option<Vec<u8>>), JournalError> {
+        Ok(Self::of(path, Journal::open_synced(path)?))
+    }
+
+    fn of(path: &Path, (journal, record): (Journal, Option<Vec<u8>>)) -> (Self, Option<Vec<u8>>) {
+        (JournalWriter { path: path.to_owned(), state: WriterState::Idle(journal) }, record)
     }
 
     /// Whether a record is being written.

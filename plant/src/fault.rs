@@ -74,7 +74,7 @@ pub type ObjectWrites = Vec<FaultWrite>;
 pub const CLEAR: FaultWrite = ((FAULT_INDEX, 0), 0);
 
 impl MotionFault {
-    /// All of them, by their numbers.
+    /// Every fault, in the order of their numbers.
     pub const ALL: [MotionFault; 6] = [
         MotionFault::Stick,
         MotionFault::Slip,

@@ -57,7 +57,7 @@ struct Index {
     by: f64,
     /// It has come to the next place under the output that is on.
     rests: bool,
-    /// How many places it has left behind.
+    /// Number of places left behind.
     left: i64,
     /// Where a drive turns it: how its places are numbered. It goes to the one it is ordered to, if that is the next one.
     places: Option<DriveIndex>,

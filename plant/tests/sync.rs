@@ -79,7 +79,7 @@ fn a_device_that_does_not_is_stopped_by_the_manager_and_comes_back_when_sync_doe
     bus.run(80);
     assert_eq!(bus.outputs(), 0);
     let said: Vec<String> = bus.events.iter().map(BusEvent::to_string).collect();
-    assert!(said.contains(&"node 4 hears no SYNC: its inputs have not come for 200 ms".to_owned()), "{said:?}");
+    assert!(said.contains(&"node 04h hears no SYNC: its inputs have not come for 200 ms".to_owned()), "{said:?}");
     let trouble = bus.trouble();
     assert!(trouble[0].starts_with("press1-io (node 04h): it hears no SYNC (080h)"), "{trouble:?}");
     // As long as that lasts nothing it is sent energises it.

@@ -58,7 +58,7 @@ pub use condition::{Compare, OperationCondition, ScenarioCondition, StationCondi
 pub use critical::{CriticalMotion, CriticalPath};
 pub use error::StartError;
 pub use log::{LogKind, RunLog, SimLogEntry};
-pub use observer::SeenConflict;
+pub use observer::{ConflictObserver, SeenConflict};
 pub use operator::{MotionSelection, NodeProcess, OperatorAction};
 pub use options::{Network, NetworkChange, SimOptions};
 pub use plan::{Circuit, EarliestSchedule, LinePlan, PlannedTimes};

@@ -12,8 +12,6 @@
 use linewright_line::{AxisId, Conflict, Line, OpId, StateSpan, StationId, Tick};
 use linewright_plant::Plant;
 
-use crate::field::SimulatedField;
-
 /// As part of an operation's way: an axis within this of where it should be is there. A switch is on within a
 /// thousandth, and a motion stopped by its switch stands at the edge of that.
 const TOLERANCE: f64 = 0.002;
@@ -42,7 +40,8 @@ pub struct SeenConflict {
     pub positions: String,
 }
 
-pub(crate) struct ConflictObserver {
+/// The observer of all conflicts of a line.
+pub struct ConflictObserver {
     pairs: Vec<[ObservedSide; 2]>,
     holds: Vec<bool>,
     /// By station: the conflicts it takes part in.
@@ -54,8 +53,10 @@ pub(crate) struct ConflictObserver {
 const SEEN_MAX: usize = 100;
 
 impl ConflictObserver {
-    pub(crate) fn new(line: &Line, field: &SimulatedField) -> Self {
-        let pair = |conflict: &Conflict| [side(line, field, &conflict.a), side(line, field, &conflict.b)];
+    /// An observer that begins at the present positions; `plant_of` gives the plant with a station's mechanisms.
+    pub fn new<'p>(line: &Line, plant_of: impl Fn(StationId) -> &'p Plant) -> Self {
+        let side = |span: &StateSpan| side(line, plant_of(span.station), span);
+        let pair = |conflict: &Conflict| [side(&conflict.a), side(&conflict.b)];
         let takes_part = |id: StationId| {
             let conflicts = line.conflicts.iter().enumerate();
             conflicts.filter(|(_, c)| c.a.station == id || c.b.station == id).map(|(at, _)| at).collect()
@@ -68,30 +69,32 @@ impl ConflictObserver {
         }
     }
 
-    pub(crate) fn look(&mut self, line: &Line, field: &SimulatedField, station: usize) {
+    /// Looks at the conflicts of a station, whose motion has begun, ended or passed a switch.
+    pub fn look<'p>(&mut self, line: &Line, plant_of: impl Fn(StationId) -> &'p Plant, station: usize) {
         for at in 0..self.of[station].len() {
-            self.look_at(line, field, self.of[station][at]);
+            self.look_at(line, &plant_of, self.of[station][at]);
         }
     }
 
     /// Looks at every conflict.
-    pub(crate) fn look_everywhere(&mut self, line: &Line, field: &SimulatedField) {
+    pub fn look_everywhere<'p>(&mut self, line: &Line, plant_of: impl Fn(StationId) -> &'p Plant) {
         for at in 0..self.pairs.len() {
-            self.look_at(line, field, at);
+            self.look_at(line, &plant_of, at);
         }
     }
 
-    fn look_at(&mut self, line: &Line, field: &SimulatedField, at: usize) {
+    fn look_at<'p>(&mut self, line: &Line, plant_of: &impl Fn(StationId) -> &'p Plant, at: usize) {
         let [a, b] = &mut self.pairs[at];
-        let holds = a.look(field.plant_of(a.station)) & b.look(field.plant_of(b.station));
+        let holds = a.look(plant_of(a.station)) & b.look(plant_of(b.station));
         if holds && !self.holds[at] && self.seen.len() < SEEN_MAX {
             let positions = format!("{}; {}", a.text(line), b.text(line));
-            self.seen.push(SeenConflict { at: field.plant_of(a.station).now(), conflict: at, positions });
+            self.seen.push(SeenConflict { at: plant_of(a.station).now(), conflict: at, positions });
         }
         self.holds[at] = holds;
     }
 
-    pub(crate) fn seen(&self) -> &[SeenConflict] {
+    /// What has been seen, as far as it is kept.
+    pub fn seen(&self) -> &[SeenConflict] {
         &self.seen
     }
 }
@@ -119,10 +122,10 @@ impl ObservedSide {
     }
 }
 
-fn side(line: &Line, field: &SimulatedField, span: &StateSpan) -> ObservedSide {
+fn side(line: &Line, plant: &Plant, span: &StateSpan) -> ObservedSide {
     let described = line.station(span.station);
     let axes = described.axes.len();
-    let here: Vec<f64> = (0..axes).map(|axis| field.position(span.station, AxisId::at(axis))).collect();
+    let here: Vec<f64> = (0..axes).map(|axis| plant.position(span.station, AxisId::at(axis))).collect();
     ObservedSide { station: span.station, axes, outside: outside(line, span), before: here.clone(), now: here }
 }
 

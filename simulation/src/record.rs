@@ -227,6 +227,7 @@ impl RunRecord {
             | HappeningKind::OrderRefused(_)
             | HappeningKind::OrderDone(_)
             | HappeningKind::OrderFailed(..)
+            | HappeningKind::OrderLeft(..)
             | HappeningKind::Securing(_) => {}
         }
     }

@@ -85,7 +85,7 @@ impl LineSim {
             (0..count + 2).map(of_node).collect()
         };
         let mut sim = LineSim {
-            observer: ConflictObserver::new(line, &field),
+            observer: ConflictObserver::new(line, |id| field.plant_of(id)),
             into: of(&|link| link.to),
             out_of: of(&|link| link.from),
             timers: Timers::new(links.len() + 2 * (count + 1)),
@@ -256,7 +256,7 @@ impl LineSim {
             }
         } else {
             let image = field.image(at);
-            self.observer.look(&self.line, &self.field, at);
+            self.observer.look(&self.line, |id| self.field.plant_of(id), at);
             if self.stations[at].is_up() {
                 self.catch_up(at);
                 // Otherwise only terms have moved; the deadline that is set comes too early, and does no harm.
@@ -315,7 +315,7 @@ impl LineSim {
             if let SimulatedField::Images(field) = &mut self.field {
                 field.ask(now, at, outputs);
             }
-            self.observer.look(&self.line, &self.field, at);
+            self.observer.look(&self.line, |id| self.field.plant_of(id), at);
             self.timers.set(self.field_slot(at), self.field.deadline(at));
         }
         self.send_frames(at);

@@ -17,7 +17,7 @@ impl LineSim {
     pub(crate) fn bus_changes(&mut self, node: usize) {
         let SimulatedField::Frames(frames) = &mut self.field else { return };
         match frames.play(self.now, node) {
-            Played::Devices => self.observer.look_everywhere(&self.line, &self.field),
+            Played::Devices => self.observer.look_everywhere(&self.line, |id| self.field.plant_of(id)),
             Played::Manager if self.is_up(node) => return self.play(node),
             Played::Manager | Played::Nothing => {}
         }

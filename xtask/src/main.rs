@@ -1,9 +1,10 @@
-//! The project's own commands: `cargo xtask test`, `set-up`, `tidy`, `bench`, `fuzz`.
+//! The project's own commands: `cargo xtask test`, `set-up`, `tidy`, `bench`, `faults`, `fuzz`.
 //!
 //! They only start programs that could be started by hand, in the right order, and add up their results. Nothing here
 //! is needed to build or to run a line, and there is nothing outside the standard library to download for it.
 
 mod bench;
+mod faults;
 mod fuzz;
 mod part;
 mod setup;
@@ -23,6 +24,7 @@ usage: cargo xtask COMMAND
   set-up             that alone: Debian packages, as root; Python packages, below the target directory
   tidy               the house rules alone
   bench [FILTER]...  every benchmark; what follows goes to the benchmarks
+  faults [OPTION]... whole lines under faults, from seeds: --seeds N, --from S, --shard I/N, --shrink, --mutants
   fuzz TARGET SECS   a target of fuzz/README.md: inputs that nobody would write (nightly toolchain, cargo install cargo-fuzz)";
 
 fn main() -> ExitCode {
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
         }
         ["tidy"] => tidy::run(&root),
         ["bench", ref rest @ ..] => bench::run(&root, rest),
+        ["faults", ref rest @ ..] => faults::run(&root, rest),
         ["fuzz", target, seconds] => fuzz::run(&root, target, seconds),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");

@@ -10,6 +10,7 @@ use clap::Args;
 use linewright_canopen::candump::{self, CandumpWriter};
 use linewright_canopen::{Frame, describe_frame};
 use linewright_fieldbus::Bus;
+use linewright_line::Line;
 use miette::{IntoDiagnostic, WrapErr, miette};
 use tokio::time::{Instant, sleep_until};
 
@@ -43,7 +44,7 @@ pub async fn dump(args: DumpArgs) -> miette::Result<ExitCode> {
 /// Show every frame with what it means.
 #[derive(Debug, Args)]
 pub struct MonitorArgs {
-    /// A line whose description names the nodes.
+    /// A line whose description names the nodes. Of several virtual buses of this name its run's is meant.
     #[arg(long)]
     line: Option<PathBuf>,
     /// End after this many frames.
@@ -54,9 +55,20 @@ pub struct MonitorArgs {
     news: bool,
 }
 
-pub async fn monitor(bus: &mut Bus, interface: &str, args: &MonitorArgs) -> miette::Result<ExitCode> {
-    let line = args.line.as_ref().map(|path| load::line(path, true)).transpose()?;
-    let names = describe_frame::NodeNames::of(line.as_ref(), interface);
+impl MonitorArgs {
+    /// The line, if one is given.
+    pub fn line(&self) -> miette::Result<Option<Line>> {
+        self.line.as_ref().map(|path| load::line(path, true)).transpose()
+    }
+}
+
+pub async fn monitor(
+    bus: &mut Bus,
+    interface: &str,
+    line: Option<&Line>,
+    args: &MonitorArgs,
+) -> miette::Result<ExitCode> {
+    let names = describe_frame::NodeNames::of(line, interface);
     let mut news = describe_frame::ChangeFilter::default();
     each(bus, args.count, |frame| {
         if args.news && !news.is_news(frame) {

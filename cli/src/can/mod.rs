@@ -65,7 +65,12 @@ pub async fn run(args: CanArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         CanCommand::Status(status) => status::run(&args.bus, status, ros).await,
         CanCommand::Nmt(args) => nmt::run(&mut open()?, args).await,
         CanCommand::Sdo(command) => sdo::run(&mut open()?, command).await,
-        CanCommand::Monitor(monitor) => log::monitor(&mut open()?, &args.bus, monitor).await,
+        CanCommand::Monitor(monitor) => {
+            let line = monitor.line()?;
+            let of_run = line.as_ref().map(|line| run_of(line, ros)).transpose()?;
+            let mut bus = self::open(&args.bus, of_run.as_deref())?;
+            log::monitor(&mut bus, &args.bus, line.as_ref(), monitor).await
+        }
         CanCommand::Record(args) => log::record(&mut open()?, args).await,
         CanCommand::Replay(args) => log::replay(&mut open()?, args).await,
     }
@@ -112,9 +117,9 @@ fn since_epoch() -> Duration {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
 }
 
-/// A node id as people write it: `4` or `0x04`.
+/// A node id as it is written: `4`, `0x04` or `04h`.
 fn node(text: &str) -> Result<NodeId, String> {
-    let number = match text.strip_prefix("0x") {
+    let number = match text.strip_prefix("0x").or_else(|| text.strip_suffix('h')) {
         Some(hex) => u8::from_str_radix(hex, 16).ok(),
         None => text.parse().ok(),
     };
@@ -126,10 +131,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn node_ids_are_read_in_either_form() {
+    fn node_ids_are_read_in_each_form() {
         assert_eq!(node("4").map(NodeId::get), Ok(4));
         assert_eq!(node("0x7F").map(NodeId::get), Ok(127));
-        for text in ["0", "128", "-1", "x", "0x80", ""] {
+        assert_eq!(node("11h").map(NodeId::get), Ok(17));
+        for text in ["0", "128", "-1", "x", "0x80", "80h", "h", "0x11h", ""] {
             assert!(node(text).is_err(), "{text}");
         }
     }

@@ -138,7 +138,8 @@ fn table(found: &[ScannedNode]) {
         let [vendor, product, revision, serial] = [node.vendor, node.product, node.revision, node.serial].map(hex);
         let name = node.name.as_deref().filter(|name| !name.is_empty()).map(|name| format!(" ({name})"));
         let what = node.profile.as_deref().unwrap_or("answers no SDO");
-        let line = format!("{:4}  {state:16} {vendor:10} {product:10} {revision:10} {serial:10} {what}", node.node);
+        let number = format!("{:02X}h", node.node);
+        let line = format!("{number:>4}  {state:16} {vendor:10} {product:10} {revision:10} {serial:10} {what}");
         crate::out::say!("{line}{}", name.unwrap_or_default());
     }
 }

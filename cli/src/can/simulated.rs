@@ -104,7 +104,7 @@ impl<'d> SimulatedDevice<'d> {
     /// Where it is, for people.
     pub fn place(&self) -> String {
         match self {
-            SimulatedDevice::Canopen(_, node) => format!("node {:02X}h", node.get()),
+            SimulatedDevice::Canopen(_, node) => format!("node {node}"),
             SimulatedDevice::Modbus(modbus) => format!("{} unit {}", modbus.address, modbus.unit),
         }
     }
@@ -165,7 +165,7 @@ mod tests {
             let refused = refused.err().expect("it is a real one").to_string();
             assert_eq!(
                 refused,
-                format!("{} (node {:02X}h) is not a simulated device; nothing was written", device.name, node.get())
+                format!("{} (node {node}) is not a simulated device; nothing was written", device.name)
             );
             let requests = requests.lock().expect("no panic");
             assert_eq!(*requests, [[0x40, 0x05, 0x5F, 0, 0, 0, 0, 0]], "one reading");

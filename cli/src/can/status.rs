@@ -61,7 +61,7 @@ impl ListenedBus {
     async fn listen(&mut self, until: Instant, clock: Clock) -> miette::Result<()> {
         while let Ok(frame) = timeout_at(until, self.bus.recv()).await {
             let frame = frame.into_diagnostic()?;
-            self.survey.hear(clock.now(), &frame);
+            self.survey.take(clock.now(), &frame);
             // Frames go in as into the line's own manager; its own are not sent.
             self.plain.handle(clock.now(), &frame, &mut BusOutbox::default());
         }
@@ -99,9 +99,13 @@ pub async fn run(interface: &str, args: &StatusArgs, ros: &RosArgs) -> miette::R
     futures::future::try_join_all(buses.iter_mut().map(|bus| bus.listen(until, clock))).await?;
     let heard = buses.iter().flat_map(|bus| bus.nodes(&line, clock.now(), listen));
     let mut nodes: Vec<StatusNode> = heard.chain(nodes).collect();
-    let is_asked = |device: &&Device| line.devices_on(interface).any(|asked| asked.name == device.name);
+    // A device in Modbus counts as one on the line's bus.
+    let is_asked =
+        |device: &&Device| device.is_on_can() && line.devices_on(interface).any(|asked| asked.name == device.name);
     nodes.extend(line.devices.iter().filter(|device| !is_asked(device)).filter_map(|device| match &device.bus {
-        _ if !device.is_on_can() => Some(not_asked(&line, device, "it is not on CAN: see /diagnostics")),
+        _ if !device.is_on_can() => {
+            Some(not_asked(&line, device, "it is not on CAN: see linewright why, and /diagnostics"))
+        }
         // `--bus` names a station's own.
         DeviceBus::Line => Some(not_asked(&line, device, "it is on the line's bus; name that by --bus")),
         DeviceBus::Own(_) => None,
@@ -172,7 +176,7 @@ fn nodes(line: &Line, interface: &str, survey: &BusScan, now: Tick, listened: Du
         }
     });
     let known = |node: NodeId| line.devices_on(interface).any(|device| device.node_id() == Some(node.get()));
-    let others = survey.heard().filter(|(node, _)| !known(*node)).map(|(node, heard)| StatusNode {
+    let others = survey.nodes().filter(|(node, _)| !known(*node)).map(|(node, heard)| StatusNode {
         bus: Some(interface.to_owned()),
         node: Some(node.get()),
         name: None,
@@ -201,7 +205,7 @@ fn table<'a>(nodes: &[StatusNode], buses: impl Iterator<Item = &'a str>, bus_err
         } else {
             "·"
         };
-        let number = node.node.map_or_else(|| "-".to_owned(), |number| number.to_string());
+        let number = node.node.map_or_else(|| "-".to_owned(), |number| format!("{number:02X}h"));
         crate::out::say!("{mark} {:bus_width$} {number:>3}  {:width$}  {}", bus(node), name(node), node.is);
     }
     for interface in buses {

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 use std::time::{Duration, SystemTime};
 
 use clap::{Args, Subcommand};
-use linewright_msgs::{CellState, ProductionState, SetResourceRequest, Time};
+use linewright_coordinator_cell::texts::alarm::takes_back;
+use linewright_msgs::{AlarmState, CellState, ProductionState, SetResourceRequest, Time};
 use linewright_node_shell::RosArgs;
 use miette::miette;
 use serde::Serialize;
@@ -241,19 +242,33 @@ pub async fn answer(args: AnswerArgs, ros: &RosArgs) -> miette::Result<ExitCode>
         });
         return Err(miette!("{}", lines.join("\n")));
     };
-    let left_out_before = state.down.as_slice().to_vec();
+    let before = state.clone();
     client.answer(alarm, &word).await?;
-    let left_out = left_out_after(&mut client, &left_out_before).await?;
+    match compared(&mut client, &before, &word).await? {
+        Compared::Taken { left_out } => {
+            let text = answered(alarm, &word, &left_out, &args.cell.display().to_string());
+            done(args.json, &text, json!({ "alarm": alarm, "answer": word, "left_out": left_out }))?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Compared::TakenBack { now } => {
+            out::complain!("answer \"{word}\" to alarm {alarm} is not taken; now alarm {}: {}", now.id, now.text);
+            if args.json {
+                out::json(&json!({ "alarm": alarm, "answer": word, "not_taken": { "id": now.id, "text": now.text } }))?;
+            }
+            Ok(ExitCode::FAILURE)
+        }
+    }
+}
+
+fn answered(alarm: u64, word: &str, left_out: &[String], cell: &str) -> String {
     let mut text = format!("alarm {alarm} is answered: {word}");
-    for name in &left_out {
-        let cell = args.cell.display();
+    for name in left_out {
         text.push_str(&format!(
-            "\n{name} is out of service since; `linewright why {cell} {name}` says why, `linewright resource {cell} {name} up` \
+            "\n{name} is out of service now; `linewright why {cell} {name}` says why, `linewright resource {cell} {name} up` \
              counts on it again"
         ));
     }
-    done(args.json, &text, json!({ "alarm": alarm, "answer": word, "left_out": left_out }))?;
-    Ok(ExitCode::SUCCESS)
+    text
 }
 
 /// The alarms that stand, with their answers.
@@ -262,17 +277,40 @@ fn standing(state: &CellState) -> Vec<String> {
     alarms.map(|alarm| format!("alarm {}: {} Answers: {}", alarm.id, alarm.text, alarm.answers.join(", "))).collect()
 }
 
-/// Resources that were left out while an answer was compared with the sensors.
-async fn left_out_after(client: &mut CellClient, before: &[String]) -> miette::Result<Vec<String>> {
+/// What has become of an answer that was compared with the sensors.
+#[derive(Debug, PartialEq)]
+enum Compared {
+    Taken {
+        left_out: Vec<String>,
+    },
+    /// Another alarm says why.
+    TakenBack {
+        now: AlarmState,
+    },
+}
+
+/// Waits until an answer was compared with the sensors, usually.
+async fn compared(client: &mut CellClient, before: &CellState, word: &str) -> miette::Result<Compared> {
     let until = tokio::time::Instant::now() + COMPARED;
     while let Ok(state) = tokio::time::timeout_at(until, client.next()).await {
-        let new: Vec<String> = state?.down.as_slice().iter().filter(|name| !before.contains(name)).cloned().collect();
-        if !new.is_empty() {
-            // Those of one answer are left out in one step.
-            return Ok(new);
+        if let Some(found) = comparison(before, state?, word) {
+            return Ok(found);
         }
     }
-    Ok(Vec::new())
+    Ok(Compared::Taken { left_out: Vec::new() })
+}
+
+/// What a state shows of an answer that was given after another state; none if nothing yet.
+fn comparison(before: &CellState, state: &CellState, word: &str) -> Option<Compared> {
+    let is_new = |alarm: &&AlarmState| before.alarms.as_slice().iter().all(|had| had.id < alarm.id);
+    let back = state.alarms.as_slice().iter().filter(is_new).find(|alarm| takes_back(&alarm.text, word));
+    if let Some(now) = back {
+        return Some(Compared::TakenBack { now: now.clone() });
+    }
+    let had = before.down.as_slice();
+    let left_out: Vec<String> = state.down.as_slice().iter().filter(|name| !had.contains(name)).cloned().collect();
+    // Those of one answer are left out in one step.
+    (!left_out.is_empty()).then_some(Compared::Taken { left_out })
 }
 
 /// Show which resources of a running cell are left out, or say how one is.
@@ -351,4 +389,45 @@ pub async fn resource(args: ResourceArgs, ros: &RosArgs) -> miette::Result<ExitC
     client.resource(&name, what, &text).await?;
     done(args.json, &format!("{name} {state}"), json!({ "resource": name, "state": state }))?;
     Ok(ExitCode::SUCCESS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_msgs::Bounded;
+
+    fn cell(alarms: &[(u64, &str)], down: &[&str]) -> CellState {
+        let alarm = |&(id, text): &(u64, &str)| AlarmState { id, text: text.into(), ..AlarmState::default() };
+        CellState {
+            alarms: Bounded::new(alarms.iter().map(alarm).collect()).expect("few"),
+            down: Bounded::new(down.iter().map(|name| (*name).to_owned()).collect()).expect("few"),
+            ..CellState::default()
+        }
+    }
+
+    const CONTRADICTED: &str =
+        "Answer \"as-before\" contradicts the sensors: lathe: no part expected, sensor on. load failed.";
+
+    #[test]
+    fn an_answer_that_sensors_contradict_is_not_called_taken() {
+        let before = cell(&[(15, CONTRADICTED)], &["M2"]);
+        let found = |alarms: &[(u64, &str)], down: &[&str]| comparison(&before, &cell(alarms, down), "as-before");
+        assert_eq!(found(&[(15, CONTRADICTED)], &["M2"]), None, "that was another one");
+        assert_eq!(found(&[(16, "load failed.")], &["M2"]), None);
+        for text in [CONTRADICTED, "gantry moved after the answer \"as-before\". load failed."] {
+            let Some(Compared::TakenBack { now }) = found(&[(16, text)], &["M2"]) else { panic!("{text}") };
+            assert_eq!(now.id, 16);
+        }
+        assert_eq!(found(&[], &["M2", "lathe"]), Some(Compared::Taken { left_out: vec!["lathe".to_owned()] }));
+    }
+
+    #[test]
+    fn what_an_answer_left_out_is_a_whole_sentence() {
+        let text = answered(15, "gone", &["lathe".to_owned()], "gear");
+        assert_eq!(
+            text,
+            "alarm 15 is answered: gone\nlathe is out of service now; `linewright why gear lathe` says why, \
+             `linewright resource gear lathe up` counts on it again"
+        );
+    }
 }

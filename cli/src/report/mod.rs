@@ -83,6 +83,12 @@ impl Args {
 
 /// The database that a path means.
 fn database(path: &Path) -> miette::Result<PathBuf> {
+    if !path.exists() {
+        return Err(miette!(
+            "there is no {}; give the state directory of a run, or its cell.db or line.db",
+            path.display()
+        ));
+    }
     if !path.is_dir() {
         return Ok(path.to_owned());
     }

@@ -60,6 +60,14 @@ pub struct ReportSource {
     pub gaps: Vec<(Tick, Tick, u64)>,
 }
 
+/// From when on a database has data, as a line, if older ones were removed.
+pub fn removed_text(reader: &HistoryReader, show: impl Fn(Tick) -> String) -> String {
+    let removed = reader.removed().ok().flatten();
+    removed.map_or_else(String::new, |removed| {
+        format!("what was before {} is removed by --retention\n", show(removed.until))
+    })
+}
+
 /// Converts an error of the database.
 pub fn failed(error: HistoryError) -> miette::Report {
     miette!("{error}")
@@ -118,12 +126,21 @@ impl ReportSource {
         when::show(tick, self.about.clock, self.zone)
     }
 
+    /// From when on there is anything, if older data were removed.
+    fn removed(&self) -> String {
+        removed_text(&self.reader, |at| self.show(at))
+    }
+
     pub fn text(&self) -> String {
-        let missing = self.missing.iter().map(|(from, to)| format!("records {from} to {to} of the log are missing\n"));
+        // What was removed is no fault of the record.
+        let removed_to = self.reader.removed().ok().flatten().map_or(0, |removed| removed.log);
+        let missing = self.missing.iter().filter(|(_, to)| *to > removed_to);
+        let missing = missing.map(|(from, to)| format!("records {from} to {to} of the log are missing\n"));
         let (title, from, to) = (&self.about.title, self.show(self.from), self.show(self.to));
         let gaps = self.gaps.iter().map(|&(from, to, lost)| {
             format!("{lost} notes from {} to {} could not be written\n", self.show(from), self.show(to))
         });
-        format!("{title}, {from} to {to}\n{}{}{}", missing.collect::<String>(), gaps.collect::<String>(), self.report)
+        let (removed, missing, gaps) = (self.removed(), missing.collect::<String>(), gaps.collect::<String>());
+        format!("{title}, {from} to {to}\n{removed}{missing}{gaps}{}", self.report)
     }
 }

@@ -20,6 +20,8 @@ pub struct CellRun {
     ids: Option<BTreeSet<u64>>,
     /// Alarms that were shown.
     shown: BTreeSet<u64>,
+    /// Parts that had left when the cell was first heard.
+    left_before: Option<u64>,
     /// When something last went on, and what it was.
     progress: (u64, Instant),
 }
@@ -35,12 +37,20 @@ impl CellRun {
         }
         let client = CellClient::open(line, ros, "run_cell")?;
         let wanted = parts.into_iter().filter(|(_, count)| *count > 0).collect();
-        Ok(CellRun { client, wanted, ids: None, shown: BTreeSet::new(), progress: (0, Instant::now()) })
+        Ok(CellRun {
+            client,
+            wanted,
+            ids: None,
+            shown: BTreeSet::new(),
+            left_before: None,
+            progress: (0, Instant::now()),
+        })
     }
 
     /// Waits for a newer state; gives what a person should read. Cancel safe.
     pub async fn next(&mut self) -> miette::Result<Vec<String>> {
         let state = self.client.next().await?;
+        self.left_before.get_or_insert(state.parts_left);
         let mut lines = Vec::new();
         for alarm in state.alarms.as_slice() {
             if self.shown.insert(alarm.id) {
@@ -92,6 +102,12 @@ impl CellRun {
     /// Number of parts made of those ordered here, and number ordered.
     pub fn made(&self) -> (u32, u32) {
         (self.ours().map(|order| order.done).sum(), self.wanted.iter().map(|(_, count)| count).sum())
+    }
+
+    /// Number of parts that have left since the cell was first heard.
+    pub fn left(&self) -> u64 {
+        let now = self.client.state().map(|state| state.parts_left);
+        now.zip(self.left_before).map_or(0, |(now, before)| now.saturating_sub(before))
     }
 
     /// What it waits for, in words.

@@ -35,10 +35,7 @@ impl Session {
         if args.json {
             crate::out::say!("{}", serde_json::to_string(&report).into_diagnostic()?);
         } else {
-            let done = match parts {
-                Some((made, wanted)) => format!("{made} of {wanted} parts"),
-                None => format!("{} cycles", report.cycles),
-            };
+            let done = done(parts, self.cell.as_ref().map(CellRun::left), report.cycles);
             crate::out::say!(
                 "{done}, {faults} faults, {} conflicts seen in {} CAN frames",
                 conflicts.len(),
@@ -55,5 +52,28 @@ impl Session {
             }
         }
         Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    }
+}
+
+/// What a run has done: parts made of those it ordered; in a cell otherwise the parts that have left; in a line its cycles.
+fn done(ordered: Option<(u32, u32)>, left: Option<u64>, cycles: usize) -> String {
+    match (ordered, left) {
+        (Some((made, wanted)), _) => format!("{made} of {wanted} parts"),
+        (None, Some(1)) => "1 part has left".to_owned(),
+        (None, Some(left)) => format!("{left} parts have left"),
+        (None, None) => format!("{cycles} cycles"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::done;
+
+    #[test]
+    fn a_run_of_a_cell_counts_parts() {
+        assert_eq!(done(Some((2, 3)), Some(4), 0), "2 of 3 parts");
+        assert_eq!(done(None, Some(4), 0), "4 parts have left");
+        assert_eq!(done(None, Some(1), 0), "1 part has left");
+        assert_eq!(done(None, None, 7), "7 cycles");
     }
 }

@@ -68,6 +68,9 @@ pub struct Args {
     /// Directory of journals and logs, from which the run goes on [default: a new temporary one].
     #[arg(long)]
     state_dir: Option<PathBuf>,
+    /// Days for which the database keeps what happens; without this everything is kept.
+    #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u32).range(1..=36_500))]
+    retention: Option<u32>,
     /// Number of stations in each process.
     #[arg(long, default_value_t = 1)]
     stations_per_process: usize,

@@ -74,7 +74,10 @@ pub async fn start_all(
         children.start_plant(words(&["plant", "--of-run", "--bus", &args.bus, "--state-dir", &state]))?;
         until_served(children, line, ros).await?;
     }
-    children.start("coordinator", words(&["coordinator", "--bus", &args.bus, "--state-dir", &state]))?;
+    let retention = args.retention.map(|days| days.to_string());
+    let mut coordinator = vec!["coordinator", "--bus", &args.bus, "--state-dir", &state];
+    coordinator.extend(retention.iter().flat_map(|days| ["--retention", days]));
+    children.start("coordinator", words(&coordinator))?;
     for group in line.stations.chunks(args.stations_per_process) {
         let names: Vec<&str> = group.iter().map(|station| station.name.as_str()).collect();
         let mut more = vec!["station", "--state-dir", &state];

@@ -21,13 +21,17 @@ pub struct RunTally {
 
 #[derive(Default)]
 struct StationTally {
+    /// An arrow leads to or from it: its rounds mean something only within a generation.
+    compares: bool,
     /// The generation of its counts: those of different ones mean nothing to each other.
     generation: u64,
     /// Counts of this generation when it was first heard, and now.
     first_done: Option<Vec<i32>>,
-    first_round: i32,
     done: Vec<i32>,
-    /// What was done in the generations before it: cycles, and each operation.
+    /// Rounds it had completed where the count of cycles begins in this generation, and now.
+    first_round: i32,
+    round: i32,
+    /// What was done in the generations before it: cycles of the line, and each operation.
     cycles_before: i32,
     done_before: Vec<i32>,
     started: HashMap<OpId, f64>,
@@ -87,12 +91,14 @@ fn seconds(header: &Header) -> f64 {
 impl RunTally {
     /// Nothing yet.
     pub fn new(line: &Line) -> Self {
-        let station = |s: &Station| StationTally {
+        let station = |(id, s): (StationId, &Station)| StationTally {
+            compares: line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id),
             durations: vec![Vec::new(); s.operations.len()],
             done_before: vec![0; s.operations.len()],
             ..StationTally::default()
         };
-        RunTally { stations: line.stations.iter().map(station).collect(), line: line.clone(), ends: Vec::new() }
+        let stations = line.station_ids().zip(&line.stations).map(station).collect();
+        RunTally { stations, line: line.clone(), ends: Vec::new() }
     }
 
     /// Auto has begun.
@@ -130,29 +136,44 @@ impl RunTally {
 
     /// Takes a station's state.
     pub fn state(&mut self, id: StationId, state: &StationState) {
+        // Generations begin with all stations at home, so each counts on from what the line has done.
+        let before = self.ended();
+        let counts = !self.ends.is_empty();
         let station = &mut self.stations[id.index()];
-        station.count(state);
+        station.count(state, before, counts);
         if !state.fault.is_empty() {
             station.fault = Some(state.fault.clone());
         }
-        if self.ends.is_empty() {
+        if !counts {
             return;
         }
-        while self.ended() > self.cycles() {
+        while self.cycles() < usize::try_from(self.ended()).unwrap_or(0) {
             self.ends.push(seconds(&state.header));
         }
     }
 
-    /// Cycles in which everything is done.
-    fn ended(&self) -> usize {
-        let least = self.stations.iter().map(StationTally::cycles).min().unwrap_or(0);
-        usize::try_from(least).unwrap_or(0)
+    /// Cycles that every station has completed.
+    fn ended(&self) -> i32 {
+        self.stations.iter().map(|station| self.rounds(station, station.round)).min().unwrap_or(0)
     }
 
     /// Number of rounds that the station has begun in this run. A round leads from home to home, as the stop does.
     pub fn begun(&self, id: StationId, state: &StationState) -> usize {
-        let station = &self.stations[id.index()];
-        usize::try_from(station.cycles_before + state.round - station.first_round).unwrap_or(0)
+        usize::try_from(self.rounds(&self.stations[id.index()], state.round)).unwrap_or(0)
+    }
+
+    /// Rounds since the run began to count, of a station that is in this one. Those of one generation count from one
+    /// beginning: a station that was a round behind has not done one more than the others.
+    fn rounds(&self, station: &StationTally, round: i32) -> i32 {
+        if !station.compares {
+            return round.saturating_sub(station.first_round);
+        }
+        if station.generation == 0 {
+            return station.cycles_before;
+        }
+        let shared = self.stations.iter().filter(|other| other.compares && other.generation == station.generation);
+        let first = shared.map(|other| other.first_round).min().unwrap_or(station.first_round);
+        station.cycles_before.saturating_add(round.saturating_sub(first))
     }
 
     /// Takes an event.
@@ -212,23 +233,23 @@ impl RunTally {
 }
 
 impl StationTally {
-    fn count(&mut self, state: &StationState) {
-        if self.first_done.is_none() || self.generation != state.generation {
-            self.cycles_before = self.cycles();
+    /// `before`: cycles that the line has ended. `counts`: auto has begun, so a round counts.
+    fn count(&mut self, state: &StationState, before: i32, counts: bool) {
+        let is_first = self.first_done.is_none();
+        let completed = state.round.saturating_sub(i32::from(!state.at_home));
+        if is_first || self.generation != state.generation {
+            self.cycles_before = if is_first { 0 } else { before };
             self.done_before = (0..self.done_before.len()).map(|op| self.done_of(op)).collect();
             self.generation = state.generation;
             self.first_done = Some(state.done.clone());
-            self.first_round = state.round - i32::from(!state.at_home);
+            self.first_round = completed;
         }
+        if !counts {
+            // Led home in manual before, it has ended no cycle of the run.
+            (self.cycles_before, self.first_round) = (0, completed);
+        }
+        self.round = completed;
         self.done.clone_from(&state.done);
-    }
-
-    /// Cycles in which all of the station is done: counted from where it stood when this generation was first heard, which
-    /// for one at home is before its first cycle.
-    fn cycles(&self) -> i32 {
-        let first = self.first_done.iter().flatten().min();
-        let done = self.done.iter().min();
-        self.cycles_before + first.zip(done).map_or(0, |(first, done)| done - first)
     }
 
     /// How often an operation was done.
@@ -279,6 +300,46 @@ mod tests {
         assert_eq!(tally.fault_texts(now(&recovered)), [format!("{name} index in doubt: no switch (recovered)")]);
         assert_eq!(standing(line.stations.iter().zip(now(&stands))), [format!("{name} {text}")]);
         assert!(standing(line.stations.iter().zip(now(&recovered))).is_empty());
+    }
+
+    /// One station, its operations done so often, in a round.
+    fn hears_one(tally: &mut RunTally, id: StationId, generation: u64, done: i32, at_home: bool) -> usize {
+        let done = vec![done; tally.line.station(id).operations.len()];
+        let round = done[0] + i32::from(!at_home);
+        let state = StationState { generation, done, round, at_home, ..StationState::default() };
+        tally.state(id, &state);
+        tally.begun(id, &state)
+    }
+
+    #[test]
+    fn a_station_led_home_before_auto_has_begun_no_more_cycles_than_the_others() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let mut tally = RunTally::new(&line);
+        heard(&mut tally, 0, 0);
+        // Confirmed within its operation, then led on: it comes home once.
+        hears_one(&mut tally, StationId(0), 0, 0, false);
+        hears_one(&mut tally, StationId(0), 0, 1, true);
+        tally.begin(&Header::default());
+        assert_eq!(heard(&mut tally, 8, 0), [0, 0, 0]);
+        assert_eq!(hears_one(&mut tally, StationId(0), 8, 0, false), 1, "in its first cycle");
+        assert_eq!(heard(&mut tally, 8, 1), [1, 1, 1]);
+        assert_eq!(tally.cycles(), 1);
+    }
+
+    #[test]
+    fn stations_that_had_come_to_different_cycles_begin_a_new_generation_with_one_count() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let mut tally = RunTally::new(&line);
+        heard(&mut tally, 7, 40);
+        tally.begin(&Header::default());
+        heard(&mut tally, 7, 41);
+        // One is a cycle ahead as another loses its memory, is confirmed and led home.
+        hears_one(&mut tally, StationId(0), 7, 42, true);
+        hears_one(&mut tally, StationId(1), 0, 0, false);
+        hears_one(&mut tally, StationId(1), 0, 1, true);
+        assert_eq!(heard(&mut tally, 8, 0), [1, 1, 1]);
+        assert_eq!(heard(&mut tally, 8, 1), [2, 2, 2]);
+        assert_eq!(tally.cycles(), 2);
     }
 
     #[test]

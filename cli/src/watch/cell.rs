@@ -39,13 +39,13 @@ pub fn picture<'s>(
         }
     };
     add("alarms:".to_owned(), cell.alarms.as_slice().iter().map(|of| entry(alarm(of), 4)).collect());
-    let down = cell.down.as_slice().iter().map(|name| entry(left_out(name, out.get(name)), 4));
+    let down = cell.down.as_slice().iter().map(|name| entry(left_out(cell, name, out.get(name)), 4));
     add("out of service:".to_owned(), down.collect());
     add("stations:".to_owned(), stations.map(|(name, state)| station(name, state, is_line_stopped, width)).collect());
     add("in progress:".to_owned(), cell.activities.as_slice().iter().map(|of| entry(activity(of, now), 4)).collect());
     let starts = if cell.starting { "" } else { "; nothing starts" };
     let parts = format!("parts: {} inside, {} have left{starts}", cell.parts_inside, cell.parts_left);
-    add(parts, cell.parts.as_slice().iter().map(|of| entry(part(of, now), 4)).collect());
+    add(parts, cell.parts.as_slice().iter().map(|of| entry(part(cell, of, now), 4)).collect());
     let open = cell.orders.as_slice().iter().filter(|order| !is_over(order));
     let orders = format!("orders: {} not over", cell.orders_open);
     add(orders, open.map(|of| entry(order(of, now), 4)).collect());
@@ -80,9 +80,18 @@ fn alarm(of: &AlarmState) -> String {
     format!("{}: {} Answers: {}", of.id, of.text, of.answers.join(", "))
 }
 
-/// The coordinator's answer for a resource begins with its name.
-fn left_out(name: &str, reasons: Option<&Vec<String>>) -> String {
-    reasons.map_or_else(|| name.to_owned(), |reasons| reasons.join("; "))
+/// The coordinator's answer for a resource, sentences of which the first begins with its name. Of alarms, which are shown
+/// above, the number.
+fn left_out(cell: &CellState, name: &str, reasons: Option<&Vec<String>>) -> String {
+    let Some(reasons) = reasons else { return name.to_owned() };
+    let shown = cell.alarms.as_slice().iter().map(|of| format!("alarm {}", of.id)).collect::<Vec<_>>();
+    let sentence = |reason: &String| {
+        let alarm =
+            shown.iter().find(|alarm| reason.strip_prefix(&***alarm).is_some_and(|rest| rest.starts_with(": ")));
+        let text = alarm.unwrap_or(reason).trim_end_matches('.');
+        format!("{text}.")
+    };
+    reasons.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
 
 fn station(name: &str, state: Option<&StationState>, is_line_stopped: bool, width: usize) -> Vec<String> {
@@ -109,9 +118,11 @@ fn activity(of: &ActivityState, now: f64) -> String {
     format!("`{}`{part} for {}{text}", of.name, span(now - seconds(&of.began)))
 }
 
-fn part(of: &PartState, now: f64) -> String {
+fn part(cell: &CellState, of: &PartState, now: f64) -> String {
     let stage = if of.stage.is_empty() { String::new() } else { format!(" {}", of.stage) };
-    format!("part {}{stage}: {}, for {}", of.id, of.place, span(now - seconds(&of.since)))
+    let order = cell.orders.as_slice().iter().find(|order| of.order != 0 && order.id == of.order);
+    let order = order.map(|order| format!(" (order {})", order.name)).unwrap_or_default();
+    format!("part {}{stage}{order}: {}, for {}", of.id, of.place, span(now - seconds(&of.since)))
 }
 
 fn order(of: &ProductionState, now: f64) -> String {
@@ -226,6 +237,7 @@ mod tests {
         let part =
             |id, place: &str| PartState { id, stage: "A.turn".into(), place: place.into(), since: at(130), order: 1 };
         let order = |name: &str, due, ended| ProductionState {
+            id: if name == "rush" { 1 } else { 0 },
             name: name.into(),
             product: "A".into(),
             quantity: 5,
@@ -308,13 +320,29 @@ mod tests {
         assert!(!whole.contains("a task order"), "a station that waits for its next order waits for nothing");
     }
 
+    /// Sentences stay sentences, and the text of an alarm is shown once.
+    #[test]
+    fn why_a_resource_is_left_out_repeats_no_alarm() {
+        let reasons = [
+            "M1 out of service for 9 s: a rule.",
+            "m1: in emergency stop",
+            &format!("alarm 4: {ALARM}"),
+            "alarm 45: x",
+        ];
+        let reasons = reasons.map(str::to_owned).to_vec();
+        assert_eq!(
+            left_out(&cell(), "M1", Some(&reasons)),
+            "M1 out of service for 9 s: a rule. m1: in emergency stop. alarm 4. alarm 45: x."
+        );
+    }
+
     #[test]
     fn with_room_everything_is_shown() {
         let lines = drawn((100, usize::MAX));
         let whole = whole(&lines);
         for part in [
             "`load M1` of part 7 for 12 s: failed, waits for an answer to alarm 4",
-            "part 12 A.turn: in M1, loaded, for 2 min 10 s",
+            "part 12 A.turn (order rush): in M1, loaded, for 2 min 10 s",
             "rush: 2 of 5 A, in work, overdue for 1 min 15 s",
             "monday: 2 of 5 A, in work, due in 2 h 1 min",
             "m2           no state received",

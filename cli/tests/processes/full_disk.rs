@@ -32,7 +32,7 @@ impl SmallDisk {
         (said.trim() == "mounted").then_some(disk)
     }
 
-    /// Words before a command that is to see it.
+    /// Command line by which another command is started that is to see this disk.
     fn prefix(&self) -> Vec<String> {
         let id = self.holder.id().to_string();
         ["nsenter", "--preserve-credentials", "-U", "-m", "-t", &id].map(str::to_owned).to_vec()

@@ -19,6 +19,7 @@ mod kills;
 mod modbus;
 mod operated;
 mod other_devices;
+mod recovered;
 mod remaps;
 mod rubbish;
 mod slow_disk;

@@ -44,7 +44,7 @@ pub struct Rig {
     domain: u16,
     directory: TempDir,
     environment: Vec<(&'static str, PathBuf)>,
-    /// Words before each command.
+    /// Command line by which `linewright` is started, as `nsenter` in a namespace; empty if it is started by itself.
     prefix: Vec<String>,
     _turn: Turn,
 }
@@ -77,12 +77,12 @@ impl Rig {
         self.environment.push((name, value.to_owned()));
     }
 
-    /// Starts its processes by these words, as `nsenter` in a namespace.
+    /// Starts its processes by the command line `prefix`, as `nsenter` in a namespace.
     pub fn inside(&mut self, prefix: Vec<String>) {
         self.prefix = prefix;
     }
 
-    /// The `linewright` command, without words yet.
+    /// The `linewright` command behind its prefix, still without arguments.
     fn program(&self) -> Command {
         let own = env!("CARGO_BIN_EXE_linewright");
         let Some((first, rest)) = self.prefix.split_first() else { return Command::new(own) };

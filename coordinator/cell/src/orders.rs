@@ -45,6 +45,22 @@ pub enum PlayerInput<'a> {
     Reset(StationId),
 }
 
+impl PlayerInput<'_> {
+    /// Whether a person waits for its reply. What it has changed is on disk before that.
+    pub fn is_request(&self) -> bool {
+        match self {
+            PlayerInput::Production(..)
+            | PlayerInput::Answer { .. }
+            | PlayerInput::Alarm { .. }
+            | PlayerInput::Resource { .. }
+            | PlayerInput::Reset(_) => true,
+            PlayerInput::Station(..) | PlayerInput::Reply(..) | PlayerInput::Secured(..) | PlayerInput::Starts(_) => {
+                false
+            }
+        }
+    }
+}
+
 /// Identifies the requester of a reply; chosen by the caller.
 pub type RequestId = u64;
 
@@ -115,6 +131,15 @@ pub struct PlayerOutbox {
     pub replies: Vec<(RequestId, Result<Vec<ProductionId>, ProductionCommandError>)>,
     /// Events for operators.
     pub events: Vec<CellEvent>,
+    /// People wait for a reply to requests of the step, also where it is not in `replies`.
+    pub is_requested: bool,
+}
+
+impl PlayerOutbox {
+    /// Whether something follows from the records at once: they are to be on disk before it.
+    pub fn needs_disk(&self) -> bool {
+        !self.sends.is_empty() || !self.replies.is_empty() || self.is_requested
+    }
 }
 
 /// Message to a station.

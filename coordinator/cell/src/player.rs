@@ -135,6 +135,7 @@ impl Coordination {
     ) {
         let now = now.max(self.state.now());
         let mut told = out.records.len();
+        out.is_requested |= inputs.iter().any(PlayerInput::is_request);
         for input in inputs {
             match *input {
                 PlayerInput::Station(station, heard) => self.hear(now, station, heard, out),

@@ -23,6 +23,7 @@ use linewright_testkit::samples::{listed, samples};
 const MODE: ModeId = ModeId(5);
 const OTHER: ModeId = ModeId(6);
 const PART: PartId = PartId(3);
+const NAMED: &str = "part 3 (order rush, 2 of 5)";
 const FIRING: FiringId = FiringId(12);
 const KEY: OrderKey = OrderKey { epoch: 1, id: 5 };
 const STATION: StationId = StationId(1);
@@ -120,6 +121,8 @@ fn hold_reasons() -> Vec<HoldReason> {
         HoldReason::LooksWorse(_) => worse(None, Gain::Nothing);
     });
     reasons.extend(deciding_rules().into_iter().map(lost));
+    let own = Some(PART);
+    reasons.push(HoldReason::LostTo(LostDecision { to: OTHER, with: own, own, by: DecidingRule::Order }));
     reasons.extend(gains().into_iter().map(|gain| worse(Some((OTHER, Some(PART))), gain)));
     reasons
 }
@@ -165,16 +168,19 @@ type Way = (&'static str, &'static str, bool);
 
 fn wrong_rest(has_part: bool, way: Option<Way>, back: Option<(&'static str, &'static str)>) -> AlarmText<'static> {
     let (resource, station, stands, wanted, next) = ("M1", "m1", "clamped", "open", "load M1");
-    AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way, back }
+    AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way, back, too: &[] }
 }
+
+static STOPPED: std::sync::LazyLock<[String; 1]> = std::sync::LazyLock::new(|| ["robot".to_owned()]);
 
 fn alarms() -> Vec<AlarmText<'static>> {
     let (activity, again, found) = ("load M1", "M1 failed. Answer where the part is.", "M1: part expected, sensor off");
     samples!(AlarmText<'static> {
-        AlarmText::Failed { .. } => AlarmText::Failed { activity, part: Some(PART) },
+        AlarmText::Failed { .. } => AlarmText::Failed { activity, part: Some(NAMED) },
             AlarmText::Failed { activity, part: None };
         AlarmText::WithFacts { .. } => AlarmText::WithFacts { tell: again, facts: "load M1: …" };
-        AlarmText::LeadFirst { .. } => AlarmText::LeadFirst { stations: "robot and m1", then: again };
+        AlarmText::LeadFirst { .. } => AlarmText::LeadFirst { stopped: &[], stations: "robot and m1", then: again },
+            AlarmText::LeadFirst { stopped: &*STOPPED, stations: "robot and m1", then: again };
         AlarmText::WrongRest { .. } => wrong_rest(false, Some(("PB_clear_1", "clear", false)), None),
             wrong_rest(true, Some(("PB_load_1", "clamp", true)), None),
             wrong_rest(false, Some(("PB_unload_1", "release", true)), Some(("PB_back_1", "clamp"))),
@@ -184,10 +190,14 @@ fn alarms() -> Vec<AlarmText<'static>> {
         AlarmText::Moved { .. } => AlarmText::Moved { station: "robot", word: "as-before" };
         AlarmText::Awaited { .. } =>
             AlarmText::Awaited { failure: "robot: awaited input not on in time (code 32)", inputs: "lathe_chucked" };
+        AlarmText::LeftWaiting { .. } =>
+            AlarmText::LeftWaiting { station: "lathe", inputs: Some("part_present"), code: 12 },
+            AlarmText::LeftWaiting { station: "lathe", inputs: None, code: 12 };
         AlarmText::Agrees { .. } => AlarmText::Agrees { resource: "M1" };
         AlarmText::Carried => AlarmText::Carried;
         AlarmText::Mismatch { .. } => AlarmText::Mismatch { found, missing: None },
-            AlarmText::Mismatch { found, missing: Some(PART) };
+            AlarmText::Mismatch { found, missing: Some(NAMED) };
+        AlarmText::MovesToo { .. } => AlarmText::MovesToo { button: "PB_load_1", station: "robot" };
         AlarmText::PartMissing { .. } => AlarmText::PartMissing { resource: "M1" };
         AlarmText::PartUnexpected { .. } => AlarmText::PartUnexpected { resource: "M1" };
     })
@@ -230,11 +240,11 @@ fn answer_refused(why: AlarmAnswerRefusal, asked: ResourceRequest) -> String {
 fn waits() -> Vec<CellWait<'static>> {
     samples!(CellWait<'static> {
         CellWait::NotInCell(_) => CellWait::NotInCell(PART);
-        CellWait::UnderWay { .. } => CellWait::UnderWay { part: PART, activity: "`load M1`, 3 s left" };
-        CellWait::Resting { .. } => CellWait::Resting { part: PART, place: "in M1", seconds: 8.5 };
+        CellWait::UnderWay { .. } => CellWait::UnderWay { part: NAMED, activity: "`load M1`, 3 s left" };
+        CellWait::Resting { .. } => CellWait::Resting { part: NAMED, place: "in M1", seconds: 8.5 };
         CellWait::NoWay => CellWait::NoWay;
         CellWait::Activity { .. } => CellWait::Activity { activity: "`unload M1`", why: "no `slot` yet" };
-        CellWait::First(_) => CellWait::First(PART);
+        CellWait::First(_) => CellWait::First(NAMED);
         CellWait::Tokens { .. } => CellWait::Tokens { owners: "no `slot` yet", held: None },
             CellWait::Tokens { owners: "no `slot` yet", held: Some((61.0, "scheduled next: `load M2`")) };
         CellWait::InProgress => CellWait::InProgress;

@@ -22,7 +22,7 @@ pub enum HistoryError {
         /// The file.
         path: PathBuf,
     },
-    /// It is something else.
+    /// The file is no database of a cell or line.
     #[error("{path} is no database of a cell or line{}", .why.as_ref().map(|why| format!(" ({why})")).unwrap_or_default())]
     NotOurs {
         /// The file.
@@ -34,12 +34,12 @@ pub enum HistoryError {
     #[error("database {path} has form {is}, this program reads form {expected}: it was written by another version")]
     Form {
         path: PathBuf,
-        /// Its form.
+        /// Form of the file.
         is: i64,
         /// The form that is understood.
         expected: i64,
     },
-    /// It is about something else.
+    /// The database is about another cell or line, or another description of it.
     #[error("database {path} is about {is}, not about {expected}; move it away to begin a new one")]
     Other {
         path: PathBuf,
@@ -75,7 +75,7 @@ pub enum HistoryError {
     #[error("cannot use database {path}: {why}")]
     Refused {
         path: PathBuf,
-        /// Its reason.
+        /// Reason given by the database system.
         why: String,
     },
     /// The log from which it is caught up cannot be read.
@@ -89,7 +89,7 @@ pub enum HistoryError {
 
 impl HistoryError {
     /// The file.
-    pub fn path(&self) -> Option<&Path> {
+    pub fn path(&self) -> &Path {
         match self {
             HistoryError::File { path, .. }
             | HistoryError::Exists { path }
@@ -100,7 +100,7 @@ impl HistoryError {
             | HistoryError::Damaged { path, .. }
             | HistoryError::Replaced { path }
             | HistoryError::Refused { path, .. }
-            | HistoryError::Source { path, .. } => Some(path.as_path()).filter(|path| *path != Path::new("")),
+            | HistoryError::Source { path, .. } => path,
         }
     }
 

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 
 use crate::Note;
 
-/// Something that has happened.
+/// Event in a database: a record of the log, or a note, with its time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryEvent {
     /// Time of the event, in µs of the caller's clock.
@@ -35,7 +35,7 @@ impl HistoryEvent {
         }
     }
 
-    /// Its word, and what stands behind it as JSON.
+    /// Kind of the event, and its content as JSON, as reports print them.
     pub fn parts(&self) -> (String, String) {
         match &self.what {
             EventKind::Fact(_, fact) => parts(fact),

@@ -9,25 +9,23 @@
 //! A damaged file is renamed and a new one begun; a file that was replaced is opened again. Neither is an outage if it
 //! succeeds at once.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant, SystemTime};
 
-use chrono::{DateTime, Utc};
 use linewright_line::Tick;
 
 use crate::news::HistoryNews;
 use crate::outage::{LostNotes, Outages};
 use crate::recorder::{FeedQueue, FeedState, RecordSource};
+use crate::set_aside::set_aside;
 use crate::writer::HistoryItem;
 use crate::{History, HistoryError, Note};
 
 /// Records or notes written at once.
 const BATCH: usize = 1000;
-/// Files that belong to a database: itself, its write-ahead log and the index of that.
-const FILES: [&str; 3] = ["", "-wal", "-shm"];
 
 /// Opens the database, again after each failure.
 pub type OpenHistory = Box<dyn FnMut() -> Result<History, HistoryError> + Send>;
@@ -62,22 +60,16 @@ pub struct Feeding {
 }
 
 impl Feeding {
-    /// With a log, whose newest record is `last`; `history` is the database if it is open already.
-    pub fn of_log(
-        open: OpenHistory,
-        history: Option<History>,
-        source: Box<dyn RecordSource>,
-        last: u64,
-        shared: Arc<FeedState>,
-    ) -> Self {
+    /// With a log, whose newest record is `last`.
+    pub fn of_log(open: OpenHistory, source: Box<dyn RecordSource>, last: u64, shared: Arc<FeedState>) -> Self {
         let (shift, outages, pending) = (Shift::None, Outages::default(), LostNotes::default());
         let (shifts, begins, is_suspect, began) = (false, Some(last), false, Instant::now());
-        Feeding { open, history, source, shared, shift, shifts, begins, outages, is_suspect, pending, began }
+        Feeding { open, history: None, source, shared, shift, shifts, begins, outages, is_suspect, pending, began }
     }
 
     /// Without a log.
     pub fn of_notes(open: OpenHistory, source: Box<dyn RecordSource>, shared: Arc<FeedState>) -> Self {
-        Feeding { shifts: true, begins: None, ..Self::of_log(open, None, source, 0, shared) }
+        Feeding { shifts: true, begins: None, ..Self::of_log(open, source, 0, shared) }
     }
 
     /// Feeds until nothing more is offered.
@@ -109,8 +101,7 @@ impl Feeding {
         if self.outages.is_on() {
             self.open_again()?;
         }
-        let completed = self.complete();
-        self.shared.noting(completed)?;
+        self.complete().inspect_err(|error| self.shared.fail(error))?;
         self.history.ok_or_else(|| HistoryError::Refused { path: PathBuf::new(), why: "it is closed".to_owned() })
     }
 
@@ -133,9 +124,9 @@ impl Feeding {
         let error = if error.is_damage() { self.set_aside(&error).err().unwrap_or(error) } else { error };
         if self.outages.failed(self.now()) {
             let (why, remedy) = (error.to_string(), error.remedy());
-            self.shared.tell(HistoryNews::Failed { why, remedy });
+            self.shared.report(HistoryNews::Failed { why, remedy });
         }
-        let _ = self.shared.noting::<()>(Err(error));
+        self.shared.fail(&error);
     }
 
     /// During an outage. Records of a log are taken from there when it is over.
@@ -159,8 +150,11 @@ impl Feeding {
             self.take(what, items)?;
             next = if items.len() < BATCH { queue.try_recv().ok() } else { None };
         }
-        let is_drained = items.len() < BATCH;
+        let (is_drained, written) = (items.len() < BATCH, items.len());
         self.write(items)?;
+        if let Some(history) = &mut self.history {
+            history.remove_old(written)?;
+        }
         // What was dropped last is followed by nothing that would show it.
         if is_drained { self.complete() } else { Ok(()) }
     }
@@ -225,7 +219,7 @@ impl Feeding {
         }
         if let Some(lost) = self.outages.end(self.now()) {
             let path = self.history.as_ref().map_or_else(PathBuf::new, |history| history.path().to_owned());
-            self.shared.tell(HistoryNews::Resumed { path, lost });
+            self.shared.report(HistoryNews::Resumed { path, lost });
             self.shared.resume();
         }
         Ok(())
@@ -247,11 +241,11 @@ impl Feeding {
         if let Some(history) = self.history.as_mut().filter(|history| history.newest() > last) {
             history.forget_after(last)?;
         }
-        self.tell();
+        self.publish_newest();
         Ok(())
     }
 
-    fn tell(&self) {
+    fn publish_newest(&self) {
         self.shared.newest.store(self.newest(), Ordering::Release);
     }
 
@@ -268,8 +262,8 @@ impl Feeding {
                 self.abandon();
                 if error.is_damage() {
                     self.set_aside(&error)?;
-                } else if let Some(path) = error.path() {
-                    self.shared.tell(HistoryNews::Replaced { path: path.to_owned() });
+                } else {
+                    self.shared.report(HistoryNews::Replaced { path: error.path().to_owned() });
                     self.is_suspect = true;
                 }
                 self.open_again()?;
@@ -287,7 +281,7 @@ impl Feeding {
         if let Some(history) = self.history.as_mut().filter(|_| !items.is_empty()) {
             history.put(items)?;
         }
-        self.tell();
+        self.publish_newest();
         Ok(())
     }
 
@@ -297,9 +291,8 @@ impl Feeding {
 
     /// Renames a damaged database, with what belongs to it.
     fn set_aside(&mut self, error: &HistoryError) -> Result<(), HistoryError> {
-        let Some(path) = error.path() else { return Ok(()) };
-        let kept = set_aside(path, SystemTime::now())?;
-        self.shared.tell(HistoryNews::SetAside { why: error.to_string(), kept });
+        let kept = set_aside(error.path(), SystemTime::now())?;
+        self.shared.report(HistoryNews::SetAside { why: error.to_string(), kept });
         Ok(())
     }
 
@@ -324,53 +317,5 @@ impl Feeding {
         put?;
         read.map_err(|why| HistoryError::Source { path: history.path().to_owned(), why })?;
         self.put(&items)
-    }
-}
-
-/// Renames the files of a database so that the time is in their names; gives the name of the first.
-fn set_aside(path: &Path, now: SystemTime) -> Result<PathBuf, HistoryError> {
-    let time = DateTime::<Utc>::from(now).format("%Y%m%dT%H%M%SZ").to_string();
-    let with = |path: &Path, end: &str| {
-        let mut name = path.as_os_str().to_owned();
-        name.push(end);
-        PathBuf::from(name)
-    };
-    let names = std::iter::once(String::new()).chain((2..100).map(|nth| format!("-{nth}")));
-    let kept = names.map(|nth| with(path, &format!(".damaged-{time}{nth}"))).find(|kept| !kept.exists());
-    let kept = kept.unwrap_or_else(|| with(path, ".damaged"));
-    // The database first: if it cannot be renamed, it still has what belongs to it.
-    for end in FILES {
-        match std::fs::rename(with(path, end), with(&kept, end)) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(HistoryError::File { path: path.to_owned(), error });
-            }
-            Ok(()) | Err(_) => {}
-        }
-    }
-    Ok(kept)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_damaged_database_is_kept_with_its_time_and_all_that_belongs_to_it_and_none_is_overwritten() {
-        let dir = tempfile::tempdir().expect("a directory");
-        let path = dir.path().join("line.db");
-        let at = SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_000_000);
-        for nth in ["", "-2"] {
-            for end in ["", "-wal"] {
-                std::fs::write(dir.path().join(format!("line.db{end}")), format!("{nth}{end}")).expect("written");
-            }
-            let kept = set_aside(&path, at).expect("renamed");
-            let name = kept.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();
-            assert_eq!(name, format!("line.db.damaged-20261118T110640Z{nth}"));
-            for end in ["", "-wal"] {
-                let text = std::fs::read_to_string(dir.path().join(format!("{name}{end}"))).expect("it is kept");
-                assert_eq!(text, format!("{nth}{end}"));
-            }
-            assert!(!path.exists());
-        }
     }
 }

@@ -16,7 +16,7 @@
 //! [`mod@line`] folds them.
 //!
 //! A database that cannot be written is tried again: what was lost until then is a [`Note::Gap`] in it. A damaged one is kept
-//! under another name.
+//! under another name. What is older than it has to keep is removed in small steps ([`History::keeping`]).
 //!
 //! *Only this crate contains SQL.* Times are those of the records; the thread has a clock for its trials alone.
 
@@ -30,7 +30,9 @@ mod note;
 mod outage;
 mod reader;
 mod recorder;
+mod retention;
 mod schema;
+mod set_aside;
 mod writer;
 
 pub use about::{About, CellAbout, LineAbout, LineOperation, LineStation, TimeBase};
@@ -41,4 +43,5 @@ pub use note::{MotionOutcome, Note};
 pub use outage::LostNotes;
 pub use reader::HistoryReader;
 pub use recorder::{HistoryFeed, RecordSource};
+pub use retention::RemovedPart;
 pub use writer::History;

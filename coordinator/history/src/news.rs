@@ -10,7 +10,7 @@ use crate::outage::LostNotes;
 pub enum HistoryNews {
     /// Nothing can be written any more, for now.
     Failed {
-        /// What is wrong, with the file.
+        /// Reason, with the path of the file.
         why: String,
         /// What a person can do, unless the reason contains it.
         remedy: Option<&'static str>,
@@ -24,7 +24,7 @@ pub enum HistoryNews {
 }
 
 impl HistoryNews {
-    /// Whether people have to know.
+    /// Whether it belongs among the warnings of a log.
     pub fn is_warning(&self) -> bool {
         !matches!(self, HistoryNews::Resumed { .. })
     }

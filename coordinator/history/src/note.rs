@@ -64,7 +64,7 @@ pub enum Note {
         /// Time of the last.
         #[serde(with = "micros")]
         to: Tick,
-        /// How many.
+        /// Number of lost notes.
         lost: u64,
     },
     /// Of a line, as all below: the observation begins here, or goes on after a gap. The whole situation follows.
@@ -104,7 +104,7 @@ pub enum Note {
 }
 
 impl Note {
-    /// The same, so much later.
+    /// The note with its times moved on by `by`.
     pub(crate) fn later(mut self, by: Duration) -> Self {
         match &mut self {
             Note::Motion { from, to, .. }

@@ -9,7 +9,7 @@ use rusqlite::{Connection, OpenFlags};
 use crate::error::at;
 use crate::event::{EventKind, HistoryEvent, whole};
 use crate::writer::{PATIENCE, number, read_about};
-use crate::{About, HistoryError, Note, schema};
+use crate::{About, HistoryError, Note, RemovedPart, retention, schema};
 
 /// A database as it was when it was opened, whatever is written meanwhile.
 #[derive(Debug)]
@@ -45,6 +45,14 @@ impl HistoryReader {
 
     pub fn about(&self) -> &About {
         &self.about
+    }
+
+    /// The part that was removed, since it was older than what has to be kept; none if nothing was.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn removed(&self) -> Result<Option<RemovedPart>, HistoryError> {
+        retention::removed(&self.db).map_err(at(&self.path))
     }
 
     /// Times of the first and the last event; none if there is none.

@@ -62,7 +62,7 @@ pub(crate) struct FeedState {
     pub newest: AtomicU64,
     /// The newest that the log has.
     pub written: AtomicU64,
-    /// How often notes may have been lost, or another file begun, and that is over.
+    /// Number of times that writing was resumed, after an outage or into another file.
     resumed: AtomicU64,
     is_failing: AtomicBool,
     /// Reason why nothing is written now.
@@ -71,18 +71,15 @@ pub(crate) struct FeedState {
 }
 
 impl FeedState {
-    /// Keeps why nothing can be written, if that is so.
-    pub fn noting<T>(&self, fed: Result<T, HistoryError>) -> Result<T, HistoryError> {
-        if let Err(error) = &fed
-            && let Ok(mut failed) = self.failed.lock()
-        {
+    /// Keeps the reason why nothing can be written.
+    pub fn fail(&self, error: &HistoryError) {
+        if let Ok(mut failed) = self.failed.lock() {
             *failed = Some(error.to_string());
-            self.is_failing.store(true, Ordering::Release);
         }
-        fed
+        self.is_failing.store(true, Ordering::Release);
     }
 
-    /// It is written again, or into another file.
+    /// Notes that writing was resumed, after an outage or into another file.
     pub fn resume(&self) {
         if let Ok(mut failed) = self.failed.lock() {
             *failed = None;
@@ -91,7 +88,7 @@ impl FeedState {
         self.resumed.fetch_add(1, Ordering::AcqRel);
     }
 
-    pub fn tell(&self, of: HistoryNews) {
+    pub fn report(&self, of: HistoryNews) {
         let Ok(mut news) = self.news.lock() else { return };
         if news.len() >= NEWS_MAX {
             news.pop_front();
@@ -111,30 +108,26 @@ pub struct HistoryFeed {
 
 impl HistoryFeed {
     /// Begins, with what the log has: `last` is the number of its newest record. Records of the database beyond that are
-    /// removed, since a power cut has taken them from the log before anything was sent about them.
-    pub fn start(history: History, source: Box<dyn RecordSource>, last: u64) -> Self {
-        Self::with_queue(history, source, last, QUEUE)
-    }
-
-    /// The same with room for so many batches.
-    pub fn with_queue(history: History, source: Box<dyn RecordSource>, last: u64, queue: usize) -> Self {
-        let (path, about) = (history.path().to_owned(), history.about().clone());
-        let open = move || History::open(&path, about.clone());
-        Self::on_thread(queue, |shared| {
-            shared.written.store(last, Ordering::Release);
-            Feeding::of_log(Box::new(open), Some(history), source, last, shared)
-        })
-    }
-
-    /// The same with a database that is opened on the thread, and again after each failure.
+    /// removed, since a power cut has taken them from the log before anything was sent about them. The database is opened
+    /// on the thread, and again after each failure.
     pub fn of_log(
         open: impl FnMut() -> Result<History, HistoryError> + Send + 'static,
         source: Box<dyn RecordSource>,
         last: u64,
     ) -> Self {
-        Self::on_thread(QUEUE, |shared| {
+        Self::with_queue(open, source, last, QUEUE)
+    }
+
+    /// As [`HistoryFeed::of_log`], with room for `queue` batches.
+    pub fn with_queue(
+        open: impl FnMut() -> Result<History, HistoryError> + Send + 'static,
+        source: Box<dyn RecordSource>,
+        last: u64,
+        queue: usize,
+    ) -> Self {
+        Self::on_thread(queue, |shared| {
             shared.written.store(last, Ordering::Release);
-            Feeding::of_log(Box::new(open), None, source, last, shared)
+            Feeding::of_log(Box::new(open), source, last, shared)
         })
     }
 

@@ -14,7 +14,7 @@ use rusqlite::{Connection, OptionalExtension, Transaction, TransactionBehavior, 
 
 use crate::error::at;
 use crate::event::parts;
-use crate::{About, HistoryError, Note, schema};
+use crate::{About, HistoryError, Note, retention, schema};
 
 /// Longest wait for another connection to release the file. Readers never hold it.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
@@ -22,30 +22,38 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
 /// A database that is open for writing.
 #[derive(Debug)]
 pub struct History {
-    db: Connection,
-    path: PathBuf,
-    about: About,
+    pub(crate) db: Connection,
+    pub(crate) path: PathBuf,
     newest: u64,
     file: OpenFile,
+    /// What it has to keep; everything if none.
+    pub(crate) retention: Option<Duration>,
+    /// The newest record that was removed; 0 if none was.
+    pub(crate) removed_to: u64,
+    /// Others have written into the file: its write-ahead log is of what was there before.
+    is_overwritten: bool,
 }
 
-/// The file as it was last seen: device, number and length. Others may replace or shorten it.
-#[derive(Clone, Copy, Debug)]
+/// The file as it was last seen. Others may replace it, shorten it or write into it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct OpenFile {
     device: u64,
     number: u64,
     length: u64,
+    /// Time of the last write, in seconds and nanoseconds. With a write-ahead log only this process writes into the file, when it
+    /// takes over a part of that.
+    written: (i64, i64),
 }
 
 impl OpenFile {
     fn of(path: &Path) -> std::io::Result<Self> {
         let of = std::fs::metadata(path)?;
-        Ok(OpenFile { device: of.dev(), number: of.ino(), length: of.len() })
+        let written = (of.mtime(), of.mtime_nsec());
+        Ok(OpenFile { device: of.dev(), number: of.ino(), length: of.len(), written })
     }
 
-    /// Whether it is the same file, and nothing was cut off. A write-ahead log makes it longer only.
-    fn is_continued_by(&self, now: &OpenFile) -> bool {
-        (self.device, self.number) == (now.device, now.number) && self.length <= now.length
+    fn is_same_file(&self, other: &OpenFile) -> bool {
+        (self.device, self.number) == (other.device, other.number)
     }
 }
 
@@ -119,13 +127,10 @@ impl History {
         // With a write-ahead log this keeps the database whole over power cuts; what it may lose is fed again.
         db.pragma_update(None, "synchronous", "NORMAL").map_err(failed)?;
         let newest = db.query_row("SELECT ifnull(max(log), 0) FROM event", [], |row| row.get(0)).map_err(failed)?;
+        let removed_to = retention::removed(&db).map_err(failed)?.map_or(0, |removed| removed.log);
+        let newest = removed_to.max(newest);
         let file = OpenFile::of(path).map_err(|error| HistoryError::File { path: path.to_owned(), error })?;
-        Ok(History { db, path: path.to_owned(), about: about.clone(), newest, file })
-    }
-
-    /// Identity of the cell or line.
-    pub fn about(&self) -> &About {
-        &self.about
+        Ok(History { db, path: path.to_owned(), newest, file, retention: None, removed_to, is_overwritten: false })
     }
 
     /// Path of the database.
@@ -172,42 +177,62 @@ impl History {
     pub fn forget_after(&mut self, last: u64) -> Result<(), HistoryError> {
         self.db.execute("DELETE FROM event WHERE log > ?1", [number(last)]).map_err(at(&self.path))?;
         self.newest = self.newest.min(last);
+        self.has_written();
         Ok(())
     }
 
     /// Checks all of it.
     ///
     /// # Errors
-    /// When something is wrong.
+    /// The file is damaged, or cannot be read.
     pub(crate) fn check(&self) -> Result<(), HistoryError> {
         let found =
             self.db.query_row("PRAGMA quick_check(1)", [], |row| row.get::<_, String>(0)).map_err(at(&self.path))?;
         if found == "ok" { Ok(()) } else { Err(HistoryError::Damaged { path: self.path.clone(), why: found }) }
     }
 
-    /// Closes it without writing anything more into a file that has its name now.
+    /// Closes it without writing anything more into a file that has its name now, or into what others have put into it.
     pub(crate) fn abandon(self) {
-        let is_moved = OpenFile::of(&self.path)
-            .map_or(true, |now| (now.device, now.number) != (self.file.device, self.file.number));
+        let is_moved = OpenFile::of(&self.path).map_or(true, |now| !now.is_same_file(&self.file));
         if is_moved {
             // What it has yet to take over from the write-ahead log would be put into the other file.
             let _ = self.db.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()));
         }
         let _ = self.db.set_db_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, true);
+        let (path, is_overwritten) = (self.path.clone(), self.is_overwritten && !is_moved);
+        drop(self);
+        if is_overwritten {
+            // It would be written over what is there now. A person may want it; its index is made anew.
+            let with = |end: &str| {
+                let mut name = path.as_os_str().to_owned();
+                name.push(end);
+                PathBuf::from(name)
+            };
+            let _ = std::fs::rename(with("-wal"), with("-wal.replaced"));
+            let _ = std::fs::remove_file(with("-shm"));
+        }
     }
 
-    /// Whether the file with its name still is the one that is open.
+    /// Whether the file with its name still is the one that is open, with the content that this has written.
     fn check_file(&mut self) -> Result<(), HistoryError> {
         match OpenFile::of(&self.path) {
-            Ok(now) if self.file.is_continued_by(&now) => {
-                self.file = now;
-                Ok(())
-            }
+            Ok(now) if self.file == now => Ok(()),
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
                 Err(HistoryError::File { path: self.path.clone(), error })
             }
-            Ok(_) | Err(_) => Err(HistoryError::Replaced { path: self.path.clone() }),
+            Ok(now) => {
+                self.is_overwritten = now.is_same_file(&self.file);
+                Err(HistoryError::Replaced { path: self.path.clone() })
+            }
+            Err(_) => Err(HistoryError::Replaced { path: self.path.clone() }),
         }
+    }
+
+    /// Looks at the file after a change: a part of the write-ahead log may have been put into it.
+    pub(crate) fn has_written(&mut self) {
+        // The next change finds out what is wrong.
+        let now = OpenFile::of(&self.path).ok().filter(|now| now.is_same_file(&self.file));
+        self.file = now.unwrap_or(self.file);
     }
 
     pub(crate) fn put(&mut self, items: &[HistoryItem]) -> Result<(), HistoryError> {
@@ -217,6 +242,8 @@ impl History {
         let mut newest = self.newest;
         for item in items {
             match item {
+                // It was removed, and the log still has it.
+                HistoryItem::Record(number, _) if *number <= self.removed_to => {}
                 HistoryItem::Record(number, record) => {
                     match insert(&change, *number, record).map_err(failed)? {
                         Under::Nothing | Under::Same => (),
@@ -237,6 +264,7 @@ impl History {
         }
         change.commit().map_err(failed)?;
         self.newest = newest;
+        self.has_written();
         Ok(())
     }
 }

@@ -11,7 +11,7 @@ use linewright_line::net::ControlMode;
 use crate::common::Bench;
 
 /// The mode after the command, and the refusal's reasons; "" where it is obeyed.
-type Row = (ControlMode, ModeCommand, ControlMode, &'static str);
+type Row<'a> = (ControlMode, ModeCommand, ControlMode, &'a str);
 
 const AUTO_FROM_HOME: &str = "not possible from this mode; possible: start, manual; the way: start, then auto";
 const HAND_FROM_HOME: &str = "not possible from this mode; possible: start, manual; the way: start, then hand";
@@ -100,10 +100,16 @@ fn a_line_that_stands_at_home() {
 
 #[test]
 fn after_a_reset_only_manual_leads_out_of_the_emergency_stop() {
-    for command in [C::Start, C::Stop, C::Auto, C::Hand] {
+    for (command, way) in [
+        (C::Start, "; the way: manual, then start"),
+        (C::Stop, ""),
+        (C::Auto, "; the way: manual, then auto"),
+        (C::Hand, "; the way: manual, then hand"),
+    ] {
         let mut bench = Bench::in_mode(M::EStop);
         assert_eq!(bench.command(C::Reset), None);
-        check(&mut bench, (M::EStop, command, M::EStop, "not possible from this mode; possible: manual"));
+        let reasons = format!("not possible from this mode; possible: manual{way}");
+        check(&mut bench, (M::EStop, command, M::EStop, &reasons));
     }
     let mut bench = Bench::in_mode(M::EStop);
     assert_eq!(bench.command(C::Reset), None);

@@ -70,6 +70,8 @@ pub struct CoordinatorOptions {
     pub interface: String,
     /// Directory of the journal; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
+    /// What the database has to keep; everything if none.
+    pub retention: Option<Duration>,
     /// Options of the bus.
     pub bus: linewright_fieldbus::BusOptions,
     /// The process's clock.
@@ -147,11 +149,11 @@ impl Drop for CoordinatorLoop {
 
 impl CoordinatorLoop {
     fn start(options: CoordinatorOptions, participant: &Participant) -> Result<Self, CoordinatorNodeError> {
-        let CoordinatorOptions { line, cell, interface, state_dir, bus, clock } = options;
+        let CoordinatorOptions { line, cell, interface, state_dir, retention, bus, clock } = options;
         let (journal, record) = match &state_dir {
             Some(dir) => {
                 let path = dir.join("coordinator.journal");
-                let (journal, record) = JournalWriter::open(&path)?;
+                let (journal, record) = JournalWriter::open_synced(&path)?;
                 (Some(journal), record.map(|record| remembered(&record, &path)))
             }
             None => (None, None),
@@ -169,8 +171,8 @@ impl CoordinatorLoop {
         }
         let boot_id = fresh_boot_id();
         let for_line = state_dir.as_deref().filter(|_| cell.is_none());
-        let history = for_line.map(|dir| LineHistory::begin(dir, &line, clock.now()));
-        let cell = cell.map(|cell| CellNodeOptions { cell, line: line.clone(), state_dir, boot_id });
+        let history = for_line.map(|dir| LineHistory::begin(dir, &line, clock.now(), retention));
+        let cell = cell.map(|cell| CellNodeOptions { cell, line: line.clone(), state_dir, retention, boot_id });
         let cell = cell.map(|options| CellThread::open(options, &mut node)).transpose()?;
         Ok(CoordinatorLoop {
             shell: CoordinatorShell::new(&line, boot_id, record.unwrap_or_default()),

@@ -52,6 +52,18 @@ impl LineSituation {
         }
     }
 
+    /// One that differs in everything: the notes since it are of the whole situation, also of what is lost.
+    pub fn opposite(&self) -> Self {
+        let stopped = self.mode == ControlMode::EStop;
+        let not = |all: &[bool]| all.iter().map(|is| !is).collect();
+        LineSituation {
+            starts: !self.starts,
+            mode: if stopped { ControlMode::StandBy } else { ControlMode::EStop },
+            heard: not(&self.heard),
+            devices: not(&self.devices),
+        }
+    }
+
     /// Changes since `before`, for the database.
     pub fn notes_since(&self, before: &LineSituation) -> impl Iterator<Item = Note> {
         let is_stopped = |of: &LineSituation| of.mode == ControlMode::EStop;
@@ -96,6 +108,22 @@ mod tests {
         {
             assert_eq!(fault_note(&mut last, 1, fault), noted, "{fault}");
         }
+    }
+
+    #[test]
+    fn since_the_opposite_all_of_it_is_noted_also_what_was_lost_meanwhile() {
+        let now = LineSituation { heard: vec![true, false], devices: vec![true, false], ..LineSituation::new(2) };
+        let notes: Vec<Note> = now.notes_since(&now.opposite()).collect();
+        let device = |station, lost| Note::Device { station, device: String::new(), lost };
+        let expected = [
+            Note::Mode { name: "stand-by".to_owned(), starts: false },
+            Note::EmergencyStop { on: false },
+            Note::Station { station: 0, lost: false },
+            Note::Station { station: 1, lost: true },
+            device(0, false),
+            device(1, true),
+        ];
+        assert_eq!(notes, expected);
     }
 
     #[test]

@@ -123,13 +123,13 @@ fn in_auto(line: &Line) -> LineSituation {
 fn the_database_of_a_line_begins_with_how_everything_stands_in_each_life() {
     let (dir, line) = (tempfile::tempdir().expect("a directory"), line());
     let mut now = in_auto(&line);
-    let mut history = LineHistory::begin(dir.path(), &line, AT(5));
+    let mut history = LineHistory::begin(dir.path(), &line, AT(5), None);
     assert!(history.situation(AT(10), &now), "it is written");
     assert!(history.situation(AT(11), &now), "nothing has changed");
     history.cycle(AT(20), CompletedCycle { number: 7, took: std::time::Duration::from_millis(3600) });
     history.end(AT(30));
     now.heard[1] = false;
-    let mut history = LineHistory::begin(dir.path(), &line, AT(0));
+    let mut history = LineHistory::begin(dir.path(), &line, AT(0), None);
     let state = StationState { sequence: 1, fault: "stuck".to_owned(), ..of(&line, 2) };
     // Before it has begun: it is written with everything else.
     history.state(AT(0), StationId(2), &state);
@@ -180,7 +180,7 @@ fn a_line_goes_on_while_its_database_cannot_be_used_and_is_recorded_when_it_can(
         cycle_us: 0,
     };
     drop(History::open(&path, &other).expect("opens"));
-    let mut history = LineHistory::begin(dir.path(), &line, AT(0));
+    let mut history = LineHistory::begin(dir.path(), &line, AT(0), None);
     let now = in_auto(&line);
     assert!(history.situation(AT(1), &now), "the line is observed");
     history.cycle(AT(2), CompletedCycle { number: 7, took: std::time::Duration::from_millis(3600) });

@@ -26,6 +26,10 @@ const ANSWER_EVERY: Duration = Duration::from_millis(20);
 /// Time until writing a record is tried again. A disk that is full stays so for longer.
 const WRITE_AGAIN_EVERY: Duration = Duration::from_secs(1);
 
+/// Longest jump to a station's epoch that is followed. The other stations follow no order beyond [`EPOCH_JUMP_MAX`], and the
+/// orders after the jump must stay within that for those that have not received any of them.
+const EPOCH_FOLLOWED_MAX: u64 = EPOCH_JUMP_MAX / 2;
+
 /// A coordinator between its messages.
 #[derive(Debug)]
 pub struct CoordinatorShell {
@@ -208,7 +212,7 @@ impl CoordinatorShell {
                 let Some(states) = self.states.get_mut(station.index()) else { return true };
                 // An epoch that no coordinator can have given: followed, it would leave none above it. The station counts as
                 // not received. Its emergency stop is in force all the same.
-                if heard.mode_epoch > self.coordinator.epoch().saturating_add(EPOCH_JUMP_MAX) {
+                if heard.mode_epoch > self.coordinator.epoch().saturating_add(EPOCH_FOLLOWED_MAX) {
                     if heard.estopped && !self.coordinator.is_estopped() {
                         self.coordinator.handle(now, ModeInput::StationStopped(station));
                     }

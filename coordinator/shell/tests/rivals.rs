@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::{ModeCommand, StationView};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord};
+use linewright_line::StationId;
 use linewright_line::net::ControlMode;
+use linewright_station_shell::EPOCH_JUMP_MAX;
 
 use crate::rig::{LIFE, Rig};
 
@@ -86,7 +88,7 @@ fn who_comes_second_gives_way_and_who_is_followed_does_not() {
         rig.shell.handle(rig.now, CoordinatorArrival::Order { boot_id: OTHER, sequence: 10 + round });
         // The same epoch as this one's, by chance.
         let heard = StationView { mode_epoch: rig.shell.coordinator().epoch(), follows: OTHER, ..rig.heard[0] };
-        let station = linewright_line::StationId(0);
+        let station = StationId(0);
         rig.shell.handle(rig.now, CoordinatorArrival::State { station, sequence: 1 + round, heard });
         rig.act();
     }
@@ -125,4 +127,23 @@ fn a_station_that_follows_another_coordinator_has_acknowledged_nothing() {
     rig.heard[1].follows = rig.shell.boot_id();
     rig.refresh();
     assert!(rig.shell.order().enabled, "{}", rig.shell.coordinator().text());
+}
+
+/// A forged epoch that one station has followed. The others follow a limited jump.
+#[test]
+fn an_epoch_that_is_followed_leaves_room_for_the_stations_that_did_not_receive_it() {
+    let mut rig = Rig::new(CoordinatorRecord::default());
+    rig.in_auto();
+    let before = rig.shell.coordinator().epoch();
+    for jump in [EPOCH_JUMP_MAX, EPOCH_JUMP_MAX / 2] {
+        let heard = StationView { mode_epoch: before + jump, ..rig.heard[0] };
+        let arrival = CoordinatorArrival::State { station: StationId(0), sequence: 1 << 40, heard };
+        rig.shell.handle(rig.now, arrival);
+        rig.command(ModeCommand::EStop);
+        rig.act();
+        rig.command(ModeCommand::Reset);
+        rig.act();
+        let epoch = rig.shell.coordinator().epoch();
+        assert!(epoch <= before + EPOCH_JUMP_MAX, "{epoch} is beyond what a station at {before} follows");
+    }
 }

@@ -14,6 +14,7 @@ use thiserror::Error;
 use crate::bus::{Bus, BusError, BusOptions};
 use crate::clock::Clock;
 use crate::driver::Driver;
+use crate::texts::RequestReply;
 
 /// Why the bus of a node is not to be had.
 #[derive(Debug, Error)]
@@ -85,7 +86,7 @@ impl CanFieldbus {
             error: status.emergency.map(|(_, emergency)| emergency.code),
             losses: status.losses,
             values: vec![
-                ("node id", format!("{:02X}h", status.node.get())),
+                ("node id", status.node.to_string()),
                 ("state", state.to_owned()),
                 ("last emergency", emergency),
                 ("losses", status.losses.to_string()),
@@ -100,7 +101,7 @@ impl CanFieldbus {
         Diagnosis {
             device: status.name.to_owned(),
             owner: status.owner,
-            level: match (status.live, status.heard) {
+            level: match (status.live, status.received) {
                 (true, _) => Level::Ok,
                 (false, true) => Level::Error,
                 (false, false) => Level::Stale,
@@ -155,8 +156,8 @@ impl Fieldbus for CanFieldbus {
         canopen.chain(plain).collect()
     }
 
-    fn states(&self, tell: &mut dyn FnMut(&str, &'static str)) {
-        self.driver.manager().statuses().for_each(|status| tell(status.name, state_word(status.nmt)));
+    fn states(&self, take: &mut dyn FnMut(&str, &'static str)) {
+        self.driver.manager().statuses().for_each(|status| take(status.name, state_word(status.nmt)));
     }
 
     fn ask(&mut self, target: &BusTarget, request: BusRequest) -> Option<u64> {
@@ -174,7 +175,7 @@ impl Fieldbus for CanFieldbus {
             BusRequest::Write { object, value, bytes } => DeviceRequest::Write { object: id_of(object), value, bytes },
             BusRequest::Reset => {
                 self.driver.reset_node(id);
-                let text = "ordered to reset".to_owned();
+                let text = RequestReply::ResetOrdered.text().to_owned();
                 return Some(self.ask_at_once(Ok(BusReply { value: Vec::new(), text })));
             }
             BusRequest::Start => {
@@ -210,7 +211,7 @@ fn refusal(target: &BusTarget, request: BusRequest, error: &DeviceRequestError) 
 }
 
 fn no_canopen(target: &BusTarget, request: BusRequest) -> BusRefusal {
-    let text = format!("{target}, {request}: it speaks plain CAN frames, and has no objects and no states");
+    let text = format!("{target}, {request}: {}", RequestReply::NoCanopen.text());
     BusRefusal { text, code: Abort::NO_CONNECTION.0 }
 }
 

@@ -7,14 +7,13 @@ use std::sync::{Arc, Mutex};
 
 use linewright_canopen::Frame;
 use linewright_canopen::codec::NodeId;
-use linewright_canopen::manager::{BusEvent, BusOutbox, DeviceRequest, MANAGER_NODE, Manager, RequestResult};
+use linewright_canopen::manager::{BusEvent, BusOutbox, DeviceRequest, Manager, RequestResult};
 use linewright_fieldbus_seam::InputImage;
 use linewright_line::{Owner, Tick};
 
-use thiserror::Error;
-
 use crate::bus::{Bus, BusError, LastWire};
 use crate::clock::Clock;
+use crate::texts::BusWarning;
 
 pub struct Driver {
     bus: Bus,
@@ -43,23 +42,22 @@ impl LastFrames {
 }
 
 /// Why a manager cannot go on. Its node lets go of its outputs and ends.
-#[derive(Debug, Error)]
+#[derive(Debug)]
 pub enum DriverError {
     /// The interface is gone.
-    #[error(transparent)]
-    Bus(#[from] BusError),
+    Bus(BusError),
     /// Another manager drives this bus.
-    #[error(
-        "{bus}: another CANopen manager (node {MANAGER_NODE}) drives this bus: its heartbeat (77Fh) was heard {}; \
-         one bus has one manager: end that one, or give this one a bus of its own",
-        if *.has_sent { "just after this one had begun, which has let go of every output" }
-        else { "before this one had sent anything" }
-    )]
     AnotherManager {
         bus: String,
         /// Whether this one had already sent frames.
         has_sent: bool,
     },
+}
+
+impl From<BusError> for DriverError {
+    fn from(error: BusError) -> Self {
+        DriverError::Bus(error)
+    }
 }
 
 /// Number and distance of the attempts to send the last orders: a tenth of a second in all.
@@ -131,7 +129,7 @@ impl Driver {
             }
             std::thread::sleep(RELEASE_PAUSE);
         }
-        tracing::warn!(left = self.outbox.frames.len(), "the interface does not take the orders to let go");
+        tracing::warn!(left = self.outbox.frames.len(), "{}", BusWarning::NotReleased);
     }
 
     /// Sends a request to a device; see [`Manager::ask`]. [`Driver::next`] reports when it is answered.

@@ -13,6 +13,7 @@ mod can;
 mod clock;
 mod driver;
 pub mod sdo_client;
+pub mod texts;
 
 pub use bus::{Bus, BusDirectory, BusError, BusOptions, OwnBuses, Transport, find_bus, place};
 pub use can::{BusOpenError, CanFieldbus};

@@ -6,24 +6,27 @@
 use linewright_canopen::codec::{CanopenMessage, NodeId};
 use linewright_canopen::sdo::wire::SdoBytes;
 use linewright_canopen::sdo::{ObjectId, SdoClient, TransferError, TransferOptions, TransferProgress};
-use thiserror::Error;
 
 use crate::bus::{Bus, BusError};
 use crate::clock::Clock;
 
 /// Why an object was not read or written.
-#[derive(Debug, Error)]
+#[derive(Debug)]
 pub enum SdoError {
     /// The transfer has failed.
-    #[error("node {node}, {error}")]
     Transfer {
         node: NodeId,
         /// The object, and what went wrong with it.
         error: TransferError,
     },
     /// The bus is gone.
-    #[error(transparent)]
-    Bus(#[from] BusError),
+    Bus(BusError),
+}
+
+impl From<BusError> for SdoError {
+    fn from(error: BusError) -> Self {
+        SdoError::Bus(error)
+    }
 }
 
 /// Reads an object of `node`, of any length up to [`TransferOptions::len_max`].

@@ -2,4 +2,5 @@
 //!
 //! Others are `vcan` and `sdo_python`, which are run whole where there is a real CAN interface.
 
+mod texts;
 mod virtual_bus;

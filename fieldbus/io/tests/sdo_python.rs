@@ -45,7 +45,7 @@ fn equipment() -> Option<(Bus, String)> {
 fn python(python: &str, role: &str, node: NodeId) -> Child {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/sdo_python.py");
     let mut command = Command::new(python);
-    command.arg(script).args([role, INTERFACE, &node.to_string()]);
+    command.arg(script).args([role, INTERFACE, &node.get().to_string()]);
     // Interpreter and script are read only here: nothing is left beside them.
     command.env("PYTHONDONTWRITEBYTECODE", "1").kill_on_drop(true);
     if role == "server" {
@@ -167,7 +167,7 @@ fn we_read_and_write_the_server_of_python() {
         let absent = NodeId::new(99).unwrap();
         let brief = TransferOptions { timeout: Duration::from_millis(20), ..TransferOptions::default() };
         let error = sdo_client::read(&mut bus, absent, NUMBER, brief).await.unwrap_err();
-        assert_eq!(error.to_string(), "node 99, object 2002h:00: no answer within 20 ms, asked 3 times");
+        assert_eq!(error.to_string(), "node 63h, object 2002h:00: no answer within 20 ms, asked 3 times");
     });
 }
 

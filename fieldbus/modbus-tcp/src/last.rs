@@ -7,8 +7,6 @@ use std::time::Duration;
 
 use linewright_modbus::ModbusRequest;
 
-use crate::texts::LastOrderTrouble;
-
 /// The transaction of a last order: one that the connection itself reaches after an hour at the earliest, and which
 /// identifies the answer.
 const TRANSACTION: u16 = 0xFFFF;
@@ -58,19 +56,26 @@ impl LastOrder {
     }
 
     /// Reads from the socket: the fate of the order, if that is decided.
-    fn look(&self, heard: &mut Vec<u8>) -> Option<LastOutcome> {
+    fn look(&self, received: &mut Vec<u8>) -> Option<LastOutcome> {
         let Ok(own) = self.socket.try_lock() else { return Some(LastOutcome::Gone) };
         let Some(mut socket) = own.as_ref() else { return Some(LastOutcome::Gone) };
         let mut bytes = [0; 64];
         for _ in 0..PIECES {
             match socket.read(&mut bytes) {
-                Ok(0) => return Some(answer(&self.order, heard).unwrap_or(LastOutcome::Gone)),
-                Ok(read) => heard.extend(&bytes[..read]),
+                Ok(0) => return Some(answer(&self.order, received).unwrap_or(LastOutcome::Gone)),
+                Ok(read) => received.extend(&bytes[..read]),
                 Err(error) if error.kind() == ErrorKind::WouldBlock => break,
                 Err(_) => return Some(LastOutcome::Gone),
             }
         }
-        answer(&self.order, heard)
+        answer(&self.order, received)
+    }
+
+    /// Logs an outcome after which outputs may be on.
+    fn log(&self, outcome: LastOutcome) {
+        if let Some(text) = outcome.text(&self.device) {
+            tracing::error!("{text}");
+        }
     }
 
     /// Whether it has a connection, and an order for it.
@@ -83,6 +88,8 @@ impl LastOrder {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LastOutcome {
     Taken,
+    /// The connection has not taken the order.
+    Unsent,
     /// Refused with this exception code.
     Refused(u8),
     /// The connection has ended.
@@ -92,11 +99,11 @@ pub enum LastOutcome {
 }
 
 /// The answer to an order among the bytes that have come; an answer to an earlier request may come first.
-fn answer(order: &[u8], heard: &[u8]) -> Option<LastOutcome> {
+fn answer(order: &[u8], received: &[u8]) -> Option<LastOutcome> {
     let [high, low] = TRANSACTION.to_be_bytes();
     let function = *order.get(7)?;
     // MBAP header (transaction, protocol, length, unit), function, and of an exception its code (§7).
-    heard.windows(9).find_map(|part| match *part {
+    received.windows(9).find_map(|part| match *part {
         [a, b, 0, 0, 0, 6, _, of, _] if (a, b, of) == (high, low, function) => Some(LastOutcome::Taken),
         [a, b, 0, 0, 0, 3, _, of, code] if (a, b, of) == (high, low, function | 0x80) => {
             Some(LastOutcome::Refused(code))
@@ -112,28 +119,26 @@ pub fn send_all(lasts: &[LastOrder]) -> Vec<LastOutcome> {
     let (sent, unsent): (Vec<_>, Vec<_>) =
         lasts.iter().filter(|last| last.is_connected()).partition(|last| last.send());
     for last in unsent {
-        tracing::error!("{}", LastOrderTrouble::Unsent.text_of(&last.device));
+        last.log(LastOutcome::Unsent);
     }
     let outcomes = wait_for(&sent);
     for (last, outcome) in sent.iter().zip(&outcomes) {
-        if let Some(trouble) = LastOrderTrouble::of(*outcome) {
-            tracing::error!("{}", trouble.text_of(&last.device));
-        }
+        last.log(*outcome);
     }
     outcomes
 }
 
 fn wait_for(lasts: &[&LastOrder]) -> Vec<LastOutcome> {
-    let mut heard = vec![Vec::new(); lasts.len()];
+    let mut received = vec![Vec::new(); lasts.len()];
     let mut outcomes = vec![LastOutcome::Unanswered; lasts.len()];
     for nth in 1..=TRIES {
-        for ((last, heard), outcome) in lasts.iter().zip(&mut heard).zip(&mut outcomes) {
+        for ((last, received), outcome) in lasts.iter().zip(&mut received).zip(&mut outcomes) {
             if matches!(outcome, LastOutcome::Taken | LastOutcome::Gone) {
                 continue;
             }
-            if let Some(come) = last.look(heard) {
+            if let Some(come) = last.look(received) {
                 *outcome = come;
-                heard.clear();
+                received.clear();
             }
             if matches!(outcome, LastOutcome::Refused(_)) && nth % AGAIN == 0 {
                 last.send();
@@ -158,7 +163,7 @@ mod tests {
     const OFF: ModbusRequest = ModbusRequest::WriteCoils { first: 0, count: 2, bits: 0 };
 
     /// Outcome of a last order to a device that answers orders with these.
-    fn told(answers: &'static [&'static [u8]]) -> (LastOutcome, usize) {
+    fn outcome_of(answers: &'static [&'static [u8]]) -> (LastOutcome, usize) {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let socket = TcpStream::connect(listener.local_addr().expect("its address")).expect("a connection");
         socket.set_nonblocking(true).expect("it need not wait");
@@ -169,7 +174,7 @@ mod tests {
             while device.read_exact(&mut order).is_ok() {
                 let answer = answers.get(orders).copied().unwrap_or_default();
                 orders += 1;
-                device.write_all(answer).expect("somebody reads");
+                device.write_all(answer).expect("it is read");
             }
             orders
         });
@@ -185,17 +190,17 @@ mod tests {
 
     #[test]
     fn an_order_that_is_refused_is_sent_again_and_never_counts_as_taken() {
-        assert_eq!(told(&[TAKEN]), (LastOutcome::Taken, 1));
+        assert_eq!(outcome_of(&[TAKEN]), (LastOutcome::Taken, 1));
         // An answer to an earlier request comes first.
         assert_eq!(
-            told(&[&[0, 7, 0, 0, 0, 4, 1, 2, 1, 3, 0xFF, 0xFF, 0, 0, 0, 6, 1, 0x0F, 0, 0, 0, 2]]).0,
+            outcome_of(&[&[0, 7, 0, 0, 0, 4, 1, 2, 1, 3, 0xFF, 0xFF, 0, 0, 0, 6, 1, 0x0F, 0, 0, 0, 2]]).0,
             LastOutcome::Taken
         );
-        assert_eq!(told(&[BUSY, BUSY, TAKEN]), (LastOutcome::Taken, 3));
-        let (outcome, orders) = told(&[BUSY; 20]);
+        assert_eq!(outcome_of(&[BUSY, BUSY, TAKEN]), (LastOutcome::Taken, 3));
+        let (outcome, orders) = outcome_of(&[BUSY; 20]);
         assert_eq!(outcome, LastOutcome::Refused(6));
         assert!((5..=11).contains(&orders), "{orders}");
-        assert_eq!(told(&[]), (LastOutcome::Unanswered, 1));
+        assert_eq!(outcome_of(&[]), (LastOutcome::Unanswered, 1));
     }
 
     #[test]

@@ -135,8 +135,8 @@ impl Fieldbus for ModbusTcp {
         self.manager.diagnoses(self.clock.now())
     }
 
-    fn states(&self, tell: &mut dyn FnMut(&str, &'static str)) {
-        self.manager.states().for_each(|(name, state)| tell(name, state));
+    fn states(&self, take: &mut dyn FnMut(&str, &'static str)) {
+        self.manager.states().for_each(|(name, state)| take(name, state));
     }
 
     fn ask(&mut self, target: &BusTarget, request: BusRequest) -> Option<u64> {

@@ -4,40 +4,20 @@ use linewright_modbus::exception_text;
 
 use crate::last::LastOutcome;
 
-/// Why a device may have outputs on after the last order to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum LastOrderTrouble {
-    /// The connection has not taken the order.
-    Unsent,
-    Gone,
-    /// Refused with this exception code.
-    Refused(u8),
-    Unanswered,
-}
-
-impl LastOrderTrouble {
-    /// None if the order was obeyed.
-    pub fn of(outcome: LastOutcome) -> Option<Self> {
-        match outcome {
-            LastOutcome::Taken => None,
-            LastOutcome::Gone => Some(LastOrderTrouble::Gone),
-            LastOutcome::Refused(code) => Some(LastOrderTrouble::Refused(code)),
-            LastOutcome::Unanswered => Some(LastOrderTrouble::Unanswered),
-        }
-    }
-
-    /// The text for the device at this address and unit.
-    pub fn text_of(self, device: &str) -> String {
+impl LastOutcome {
+    /// The text for the device at this address and unit; none if the order was obeyed.
+    pub(crate) fn text(self, device: &str) -> Option<String> {
         let order = "the order to turn its outputs off";
         let what = match self {
-            LastOrderTrouble::Unsent => format!("was not sent {order}"),
-            LastOrderTrouble::Gone => format!("ended the connection before it answered {order}"),
-            LastOrderTrouble::Refused(code) => {
+            LastOutcome::Taken => return None,
+            LastOutcome::Unsent => format!("was not sent {order}"),
+            LastOutcome::Gone => format!("ended the connection before it answered {order}"),
+            LastOutcome::Refused(code) => {
                 format!("refuses {order}: {} (exception {code})", exception_text(code))
             }
-            LastOrderTrouble::Unanswered => format!("has not answered {order}"),
+            LastOutcome::Unanswered => format!("has not answered {order}"),
         };
-        format!("Modbus device {device} {what}; they may be on")
+        Some(format!("Modbus device {device} {what}; they may be on"))
     }
 }
 
@@ -49,19 +29,21 @@ mod tests {
 
     #[test]
     fn all_texts_of_last_orders() {
-        let troubles = samples!(LastOrderTrouble {
-            LastOrderTrouble::Unsent => LastOrderTrouble::Unsent;
-            LastOrderTrouble::Gone => LastOrderTrouble::Gone;
-            LastOrderTrouble::Refused(_) => LastOrderTrouble::Refused(4);
-            LastOrderTrouble::Unanswered => LastOrderTrouble::Unanswered;
+        let outcomes = samples!(LastOutcome {
+            LastOutcome::Taken => LastOutcome::Taken;
+            LastOutcome::Unsent => LastOutcome::Unsent;
+            LastOutcome::Refused(_) => LastOutcome::Refused(4);
+            LastOutcome::Gone => LastOutcome::Gone;
+            LastOutcome::Unanswered => LastOutcome::Unanswered;
         });
-        let text = |trouble: &LastOrderTrouble| trouble.text_of("10.0.0.7:502 unit 1");
-        let listed = listed("last orders", &troubles, text);
+        let text = |outcome: &LastOutcome| outcome.text("10.0.0.7:502 unit 1").unwrap_or_else(|| "no text".to_owned());
+        let listed = listed("last orders", &outcomes, text);
         let expected = "last orders
+  Taken: no text
   Unsent: Modbus device 10.0.0.7:502 unit 1 was not sent the order to turn its outputs off; they may be on
-  Gone: Modbus device 10.0.0.7:502 unit 1 ended the connection before it answered the order to turn its outputs off; \
-they may be on
   Refused: Modbus device 10.0.0.7:502 unit 1 refuses the order to turn its outputs off: device failure (exception 4); \
+they may be on
+  Gone: Modbus device 10.0.0.7:502 unit 1 ended the connection before it answered the order to turn its outputs off; \
 they may be on
   Unanswered: Modbus device 10.0.0.7:502 unit 1 has not answered the order to turn its outputs off; they may be on
 ";

@@ -4,27 +4,27 @@
 //! of a node follows from its own frames alone, not from the manager's commands. Memory is bounded by the number of
 //! node ids.
 
-use std::fmt;
 use std::time::Duration;
 
 use linewright_line::Tick;
 
 use crate::codec::{CanopenMessage, Emergency, NmtState, NodeId};
 use crate::frame::Frame;
+pub use crate::texts::state_name;
 
 /// Heartbeats that stay away for so many of their own periods are missed.
-const PERIODS_MISSED: u32 = 3;
+pub(crate) const PERIODS_MISSED: u32 = 3;
 
 /// State of one node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ScannedState {
     /// Its state by its last heartbeat or boot-up message; `None` if it has sent none.
     pub state: Option<NmtState>,
-    /// When it sent that.
+    /// Arrival of its last heartbeat or boot-up message.
     pub heartbeat: Option<Tick>,
     /// The time between its last two heartbeats.
     pub period: Option<Duration>,
-    /// When it sent anything at all.
+    /// Arrival of its last frame of any kind.
     pub last: Tick,
     /// Boot-up messages.
     pub boots: u32,
@@ -51,7 +51,7 @@ impl Default for BusScan {
 }
 
 impl BusScan {
-    pub fn hear(&mut self, now: Tick, frame: &Frame) {
+    pub fn take(&mut self, now: Tick, frame: &Frame) {
         let message = match CanopenMessage::decode(frame) {
             Ok(message) => message,
             Err(crate::FrameDecodeError::ErrorFrame { .. }) => {
@@ -85,9 +85,9 @@ impl BusScan {
     }
 
     /// Every node that was received, by id.
-    pub fn heard(&self) -> impl Iterator<Item = (NodeId, &ScannedState)> {
+    pub fn nodes(&self) -> impl Iterator<Item = (NodeId, &ScannedState)> {
         let numbered = (0u8..).zip(&self.nodes);
-        numbered.filter_map(|(id, heard)| Some((NodeId::new(id)?, heard.as_ref()?)))
+        numbered.filter_map(|(id, state)| Some((NodeId::new(id)?, state.as_ref()?)))
     }
 
     fn of(&mut self, now: Tick, node: NodeId) -> &mut ScannedState {
@@ -100,9 +100,9 @@ impl BusScan {
             emergency: None,
             inputs: 0,
         };
-        let heard = self.nodes[usize::from(node.get())].get_or_insert(blank);
-        heard.last = now;
-        heard
+        let state = self.nodes[usize::from(node.get())].get_or_insert(blank);
+        state.last = now;
+        state
     }
 }
 
@@ -118,58 +118,6 @@ impl ScannedState {
         self.state = Some(state);
         self.heartbeat = Some(now);
     }
-
-    /// In one sentence, as it is at `now`.
-    pub fn explain(&self, now: Tick) -> String {
-        let mut sentence = match (self.state, self.heartbeat) {
-            (Some(state), Some(at)) => self.alive(state, now.since(at)),
-            _ => "sends, but no heartbeat: its state is unknown".to_owned(),
-        };
-        if let Some((at, emergency)) = self.emergency {
-            let ago = Ago(now.since(at));
-            let _ = fmt::Write::write_fmt(&mut sentence, format_args!("; {ago} ago it reported {emergency}"));
-        }
-        sentence
-    }
-
-    fn alive(&self, state: NmtState, silent: Duration) -> String {
-        let name = state_name(state);
-        match self.period {
-            Some(period) if silent > period * PERIODS_MISSED => {
-                format!(
-                    "silent for {}, it was {name} and sent a heartbeat every {} ms",
-                    Ago(silent),
-                    period.as_millis()
-                )
-            }
-            Some(period) => format!("{name}, a heartbeat every {} ms", period.as_millis()),
-            None if state == NmtState::BootUp => format!("has booted {} ago, waits to be configured", Ago(silent)),
-            None => format!("{name}, one heartbeat {} ago", Ago(silent)),
-        }
-    }
-}
-
-/// Name of a state, in words.
-pub fn state_name(state: NmtState) -> String {
-    match state {
-        NmtState::BootUp => "booted".to_owned(),
-        NmtState::Stopped => "stopped".to_owned(),
-        NmtState::Operational => "operational".to_owned(),
-        NmtState::PreOperational => "pre-operational".to_owned(),
-        NmtState::Unknown(code) => format!("in state {code:02X}h, which CiA 301 does not know"),
-    }
-}
-
-/// A duration, in words.
-struct Ago(Duration);
-
-impl fmt::Display for Ago {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0.as_millis() {
-            millis @ 0..10_000 => write!(f, "{millis} ms"),
-            millis => write!(f, "{} s", millis / 1000),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -183,19 +131,19 @@ mod tests {
     fn survey(frames: &[(u64, &str)]) -> BusScan {
         let mut survey = BusScan::default();
         for (ms, frame) in frames {
-            survey.hear(at(*ms), &frame.parse().expect("a frame"));
+            survey.take(at(*ms), &frame.parse().expect("a frame"));
         }
         survey
     }
 
     fn sentence(frames: &[(u64, &str)], now: u64) -> String {
         let node = NodeId::new(4).expect("4 is a node id");
-        survey(frames).node(node).map_or_else(|| "never heard".to_owned(), |heard| heard.explain(at(now)))
+        survey(frames).node(node).map_or_else(|| "nothing received".to_owned(), |state| state.explain(at(now)))
     }
 
     #[test]
     fn a_node_is_what_its_frames_say() {
-        assert_eq!(sentence(&[], 10), "never heard");
+        assert_eq!(sentence(&[], 10), "nothing received");
         assert_eq!(sentence(&[(5, "704#00")], 10), "has booted 5 ms ago, waits to be configured");
         let beats = [(0, "704#00"), (10, "704#7F"), (60, "704#05"), (110, "704#05")];
         assert_eq!(sentence(&beats, 130), "operational, a heartbeat every 50 ms");
@@ -209,10 +157,10 @@ mod tests {
 
     #[test]
     fn what_is_sent_to_a_node_says_nothing_of_it() {
-        let heard = survey(&[(0, "000#0104"), (1, "204#01"), (2, "604#4000100000000000"), (3, "080#"), (4, "123#00")]);
-        assert_eq!((heard.heard().count(), heard.other), (0, 5));
-        let heard = survey(&[(0, "584#4300100091010300"), (1, "20000040#0000000000000000")]);
-        assert_eq!((heard.heard().count(), heard.bus_errors), (1, 1));
+        let found = survey(&[(0, "000#0104"), (1, "204#01"), (2, "604#4000100000000000"), (3, "080#"), (4, "123#00")]);
+        assert_eq!((found.nodes().count(), found.other), (0, 5));
+        let found = survey(&[(0, "584#4300100091010300"), (1, "20000040#0000000000000000")]);
+        assert_eq!((found.nodes().count(), found.bus_errors), (1, 1));
     }
 
     proptest::proptest! {
@@ -223,11 +171,11 @@ mod tests {
             let mut survey = BusScan::default();
             for (bytes, ms) in &frames {
                 if let Ok(frame) = Frame::from_bytes(bytes) {
-                    survey.hear(at(*ms), &frame);
+                    survey.take(at(*ms), &frame);
                 }
             }
-            for (_, heard) in survey.heard() {
-                proptest::prop_assert!(!heard.explain(at(50_000)).is_empty());
+            for (_, state) in survey.nodes() {
+                proptest::prop_assert!(!state.explain(at(50_000)).is_empty());
             }
         }
     }

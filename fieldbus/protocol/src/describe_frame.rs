@@ -65,7 +65,7 @@ fn order(command: NmtCommand) -> String {
         NmtCommand::EnterPreOperational => "enter pre-operational".to_owned(),
         NmtCommand::ResetNode => "reset".to_owned(),
         NmtCommand::ResetCommunication => "reset the communication".to_owned(),
-        NmtCommand::Unknown(code) => format!("{code:02X}h, which CiA 301 does not know"),
+        NmtCommand::Unknown(code) => format!("{code:02X}h, which CiA 301 does not have"),
     }
 }
 
@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(said("000#8100"), "order to all nodes: reset");
         assert_eq!(said("704#05"), "clamp_1_io: operational");
         assert_eq!(said("77F#05"), "manager: operational");
-        assert_eq!(said("705#7F"), "node 5: pre-operational");
+        assert_eq!(said("705#7F"), "node 05h: pre-operational");
         assert_eq!(said("184#0180"), "clamp_1_io: inputs 10000000 00000001");
         assert_eq!(said("204#03"), "to clamp_1_io: outputs 11000000");
         assert_eq!(said("080#"), "SYNC");

@@ -25,6 +25,7 @@ mod frame;
 pub mod manager;
 pub mod profile;
 pub mod sdo;
+mod texts;
 
 pub use codec::{CanopenMessage, FrameDecodeError, NodeId};
 pub use frame::{FRAME_BYTES, Frame, FrameError, FrameKind};

@@ -1,15 +1,16 @@
-//! The texts of a bus's manager in one list. A new variant without a text, or without a place in the list, does not
+//! The texts of a bus's manager, and of bus scans, in lists. A new variant without a text, or without a place in the list, does not
 //! compile.
 
 use std::time::Duration;
 
+use linewright_canopen::bus_scan::{ScannedState, state_name};
 use linewright_canopen::codec::{Emergency, NmtState, Profile};
 use linewright_canopen::manager::{
     BootError, BootStage, ChannelFault, DbcDeviceText, FrameFault, StartReply, WriteProtection,
 };
 use linewright_canopen::sdo::{Abort, ObjectId, TransferError, TransferFailure};
 use linewright_canopen::{BusEvent, DeviceRequestError, Frame, IgnoreReason, ManagerError, NodeId};
-use linewright_line::{FrameId, Owner, SignalError, StationId};
+use linewright_line::{FrameId, Owner, SignalError, StationId, Tick};
 use linewright_testkit::samples::{listed, samples};
 
 const OBJECT: ObjectId = ObjectId::new(0x1018, 1);
@@ -179,6 +180,46 @@ fn manager_errors() -> Vec<ManagerError> {
             ManagerError::FrameId { device: device(), id: message(), other: "device `drill`".to_owned() };
         ManagerError::TooWide { .. } => ManagerError::TooWide { device: device(), bits: 65 };
     })
+}
+
+/// At one second.
+fn scanned() -> Vec<ScannedState> {
+    let at = Tick::from_millis;
+    let silent =
+        ScannedState { state: None, heartbeat: None, period: None, last: at(0), boots: 0, emergency: None, inputs: 0 };
+    let beats = |state, heartbeat, period| ScannedState {
+        state: Some(state),
+        heartbeat: Some(at(heartbeat)),
+        period,
+        ..silent
+    };
+    vec![
+        silent,
+        ScannedState { emergency: Some((at(990), SHORTED)), ..silent },
+        beats(NmtState::BootUp, 900, None),
+        beats(NmtState::Stopped, 900, None),
+        beats(NmtState::Operational, 960, Some(ms(50))),
+        beats(NmtState::Operational, 800, Some(ms(50))),
+    ]
+}
+
+fn nmt_states() -> Vec<NmtState> {
+    samples!(NmtState {
+        NmtState::BootUp => NmtState::BootUp;
+        NmtState::Stopped => NmtState::Stopped;
+        NmtState::Operational => NmtState::Operational;
+        NmtState::PreOperational => NmtState::PreOperational;
+        NmtState::Unknown(_) => NmtState::Unknown(0x22);
+    })
+}
+
+#[test]
+fn all_texts_of_a_bus_scan() {
+    let lists = [
+        listed("nodes, behind the node", &scanned(), |node| node.explain(Tick::from_millis(1000))),
+        listed("states", &nmt_states(), |state| state_name(*state)),
+    ];
+    insta::assert_snapshot!(lists.join("\n"));
 }
 
 #[test]

@@ -144,8 +144,8 @@ impl Joined {
     }
 
     /// The name of each device that has a state, and that state.
-    pub fn states(&self, tell: &mut dyn FnMut(&str, &'static str)) {
-        self.buses.iter().for_each(|bus| bus.states(tell));
+    pub fn states(&self, take: &mut dyn FnMut(&str, &'static str)) {
+        self.buses.iter().for_each(|bus| bus.states(take));
     }
 
     pub fn ask(&mut self, target: &BusTarget, request: BusRequest) -> u64 {
@@ -158,7 +158,7 @@ impl Joined {
         self.unknown += 1;
         let number = self.unknown * count + count - 1;
         let text = match target {
-            BusTarget::Node(node) => format!("{target}, {request}: no device of this bus has node id {node}"),
+            BusTarget::Node(node) => format!("{target}, {request}: no device of this bus has node id {node:02X}h"),
             BusTarget::Device(_) => format!("{target}, {request}: there is no such device on this bus"),
         };
         self.answers.push((number, Err(BusRefusal { text, code: abort::NO_CONNECTION })));
@@ -311,6 +311,6 @@ mod tests {
         let number = joined.ask(&BusTarget::Node(6), BusRequest::Reset);
         let answers = joined.take_answers();
         let (told, Err(refusal)) = &answers[0] else { panic!("{answers:?}") };
-        assert_eq!((*told, refusal.text.as_str()), (number, "node 06h, reset: no device of this bus has node id 6"));
+        assert_eq!((*told, refusal.text.as_str()), (number, "node 06h, reset: no device of this bus has node id 06h"));
     }
 }

@@ -30,7 +30,7 @@ pub use image::{InputImage, gather, scatter};
 pub use joined::Joined;
 pub use request::{Answer, BusRefusal, BusReply, BusRequest, BusTarget, ObjectAddress, abort};
 
-/// Something a bus reports.
+/// Report of a bus.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum News {
     /// An owner's input image has changed, or whether it can be trusted has.
@@ -93,7 +93,7 @@ pub trait Fieldbus: Send {
     fn diagnoses(&self) -> Vec<Diagnosis>;
 
     /// The name of each device that has a state in the words of `ros2_canopen`, and that state.
-    fn states(&self, tell: &mut dyn FnMut(&str, &'static str));
+    fn states(&self, take: &mut dyn FnMut(&str, &'static str));
 
     /// Sends a request to a device; the answer comes with [`News::Answered`], under the number given here. `None` if it
     /// is not on this bus.

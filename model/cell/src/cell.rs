@@ -107,7 +107,7 @@ pub struct Resource {
     pub presence: Option<String>,
 }
 
-/// Something that can be done.
+/// Transition with a start and an end: what resources do together with parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Activity {
     /// Its name: the synchronisation's, or `M1.process`.
@@ -286,11 +286,11 @@ pub enum Whereabouts {
 /// Continuation after a failure. The source names the three (seed 000, L3101-3104); their meaning here is ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Strategy {
-    /// The same once more, from its beginning.
+    /// The activity is done once more, from its beginning.
     Redo,
     /// As it was before; then it is decided anew.
     Backward,
-    /// As if it were done.
+    /// The activity is taken as done.
     Forward,
 }
 

@@ -276,7 +276,7 @@ impl Eds {
 }
 
 fn commissioning(configuration: &Configuration) -> Vec<(&'static str, String)> {
-    let mut values = vec![("NodeID", configuration.node_id.to_string())];
+    let mut values = vec![("NodeID", configuration.node_id.get().to_string())];
     values.extend(configuration.node_name.iter().map(|name| ("NodeName", name.clone())));
     values.extend(configuration.baud_rate.map(|rate| ("Baudrate", rate.to_string())));
     values.extend(configuration.serial_number.map(|number| ("LSS_SerialNumber", format!("0x{number:08X}"))));

@@ -135,7 +135,7 @@ fn a_pdo_is_off_while_it_is_changed_and_storing_comes_last() {
     let first = &dcf.downloads(node(9)).expect("for this node")[0];
     assert_eq!((first.index, first.sub, first.reason), (0x1016, 1, WriteReason::Value));
     let error = dcf.downloads(node(8)).unwrap_err().to_string();
-    assert_eq!(error, "the file is for node 9, not for node 8; correct NodeID in its [DeviceComissioning]");
+    assert_eq!(error, "the file is for node 09h, not for node 08h; correct NodeID in its [DeviceComissioning]");
 }
 
 #[test]

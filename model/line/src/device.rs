@@ -189,7 +189,7 @@ impl Device {
         }
     }
 
-    /// The same, to complete it.
+    /// Its CANopen settings, to be completed from files.
     pub fn canopen_mut(&mut self) -> Option<&mut Canopen> {
         match &mut self.kind {
             DeviceKind::Io(canopen, _) | DeviceKind::Drive(canopen, _) => Some(canopen),
@@ -210,7 +210,7 @@ impl Device {
         }
     }
 
-    /// The same, to change it.
+    /// Its inputs and outputs, to be changed.
     pub fn io_mut(&mut self) -> Option<&mut Io> {
         match &mut self.kind {
             DeviceKind::Io(_, io) => Some(io),

@@ -66,7 +66,7 @@ pub enum TurnDirection {
 /// order that comes twice leads to the same place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriveIndex {
-    /// How many places it has.
+    /// Number of places.
     pub places: u16,
     /// After this way it is where it was.
     pub turn: f64,

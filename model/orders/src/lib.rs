@@ -45,7 +45,7 @@ impl fmt::Display for OrderKey {
 /// An order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TaskOrder {
-    /// The same each time it is sent.
+    /// Key of the order, unchanged each time it is sent.
     pub key: OrderKey,
     /// The memory it is meant for: a number that the station drew when its memory began. A station with another one
     /// refuses it.
@@ -92,6 +92,6 @@ pub enum TaskReply {
 pub enum TaskOutcome {
     /// As it should: the activity-end of seed 001 (L131-185).
     Done,
-    /// Otherwise.
+    /// The task ended by a failure.
     Failed(TaskFailure),
 }

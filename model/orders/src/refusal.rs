@@ -32,7 +32,7 @@ pub enum TaskRefusal {
 }
 
 impl TaskRefusal {
-    /// All of them, by their codes.
+    /// Every refusal, in the order of their codes.
     pub const ALL: [TaskRefusal; 11] = [
         TaskRefusal::Busy,
         TaskRefusal::Mode,

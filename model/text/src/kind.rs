@@ -74,7 +74,7 @@ impl<T: 'static> KeyKind<T> {
 }
 
 impl<T: 'static> KeyKind<Option<T>> {
-    /// The same, which may not be missing.
+    /// The key of this kind as one that may not be missing.
     pub fn required(self) -> Self {
         let read = self.read;
         KeyKind {
@@ -100,7 +100,7 @@ impl<T: 'static> KeyKind<Option<T>> {
         }
     }
 
-    /// The same, empty where nothing is written.
+    /// The key of this kind with the default value where it is missing.
     pub fn or_default(self) -> KeyKind<T>
     where
         T: Default,

@@ -25,7 +25,7 @@ impl<T> Located<T> {
         Located { value, at }
     }
 
-    /// Something else of the same place.
+    /// Another value, made from this one, at the same place.
     pub fn map<U>(self, make: impl FnOnce(T) -> U) -> Located<U> {
         Located { value: make(self.value), at: self.at }
     }

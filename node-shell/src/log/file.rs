@@ -2,9 +2,10 @@
 
 use std::ffi::OsString;
 use std::fs::{File, TryLockError};
-use std::io::{self, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 
+use super::disk::Disk;
 use super::frame::{self, Head};
 use super::{LogError, at, too_large};
 
@@ -77,28 +78,40 @@ pub(super) fn tidy(path: &Path, segment: u64) -> Result<(), LogError> {
     Ok(())
 }
 
-/// A new segment, on the disk and with its name; how long it is.
-pub(super) fn create(
-    path: &Path,
-    segment: u64,
-    number: u64,
-    identity: &[u8],
-    snapshot: Option<&[u8]>,
-) -> Result<(File, u64), LogError> {
+/// Content of a new segment.
+pub(super) struct NewSegment<'a> {
+    pub segment: u64,
+    /// The number of its first frame.
+    pub number: u64,
+    pub identity: &'a [u8],
+    pub snapshot: Option<&'a [u8]>,
+    /// Bytes behind that for records to come.
+    pub room: u64,
+}
+
+/// A new segment, on the disk and with its name; where its records begin.
+pub(super) fn create(disk: &Disk, path: &Path, new: &NewSegment<'_>) -> Result<(File, u64), LogError> {
+    let &NewSegment { segment, number, identity, snapshot, room } = new;
     let mut bytes = Vec::new();
     let fits = |bytes| too_large(path, bytes);
     frame::encode(&mut bytes, &Head { number, synced: 0 }, identity).map_err(fits)?;
     let head = Head { number: number + 1, synced: 0 };
     frame::encode(&mut bytes, &head, snapshot.unwrap_or_default()).map_err(fits)?;
+    let end = bytes.len() as u64;
+    bytes.resize(bytes.len() + usize::try_from(room).unwrap_or(0), 0);
     let (unfinished, name) = (beside(path, "new"), name(path, segment));
     let written = || {
-        let mut file = File::options().read(true).write(true).create(true).truncate(true).open(&unfinished)?;
-        file.write_all(&bytes)?;
-        file.sync_all()?;
-        std::fs::rename(&unfinished, &name)?;
+        let file = File::options().read(true).write(true).create(true).truncate(true).open(&unfinished)?;
+        disk.write(&file, &bytes, 0)?;
+        disk.sync(&file)?;
+        disk.rename(&file, &unfinished, &name)?;
         // The name as well.
-        File::open(directory(path))?.sync_all()?;
+        disk.sync(&File::open(directory(path))?)?;
         Ok(file)
     };
-    written().map(|file| (file, bytes.len() as u64)).map_err(|error| at(&name, error))
+    written().map(|file| (file, end)).map_err(|error| {
+        // What was not finished takes no room.
+        let _ = std::fs::remove_file(&unfinished);
+        at(&name, error)
+    })
 }

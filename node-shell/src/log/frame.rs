@@ -87,6 +87,20 @@ pub(super) fn read(file: &File, at: u64, bytes: u64, record: &mut Vec<u8>) -> io
     Ok(if is_whole { FrameFound::Whole(found) } else { FrameFound::Torn })
 }
 
+/// The end of what is not zero from `at` on: what is behind it was never written.
+pub(super) fn written_until(file: &File, at: u64, bytes: u64) -> io::Result<u64> {
+    let (mut window, mut from, mut until) = (vec![0; WINDOW_BYTES], at, at);
+    while from < bytes {
+        let length = (bytes - from).min(WINDOW_BYTES as u64) as usize;
+        file.read_exact_at(&mut window[..length], from)?;
+        if let Some(last) = window[..length].iter().rposition(|&byte| byte != 0) {
+            until = from + last as u64 + 1;
+        }
+        from += length as u64;
+    }
+    Ok(until)
+}
+
 /// Whether a frame from `at` on shows that frame `number`, which is missing there, was on the disk.
 pub(super) fn is_counted_on(file: &File, at: u64, bytes: u64, number: u64) -> io::Result<bool> {
     let (mut window, mut record, mut summed) = (vec![0; WINDOW_BYTES], Vec::new(), 0);

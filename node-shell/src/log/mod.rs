@@ -17,22 +17,36 @@
 //! all behind it were not synced, are cut off, and were never published. To distinguish a torn record from one that was
 //! damaged on the disk, each contains the number of records synced when it was written: if a later one counts it as
 //! synced, the log is refused. Memory does not depend on how long a log is, only on its largest record.
+//!
+//! # A full disk
+//! [`RecordLog::make_room`] writes zeros behind the records. Records to come replace them, which needs no more of the disk. Zeros
+//! at the end of a file are no torn record.
+//!
+//! # A disk that fails
+//! A write that fails is taken back, and can be repeated. After a failed sync the content of the file is unknown: then
+//! [`RecordLog::begin_anew`] alone goes on, into another file.
 
+mod disk;
 mod file;
 mod frame;
 
 use std::fs::File;
 use std::io;
-use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+pub use disk::{Disk, DiskFaults, DiskOperation};
+use file::NewSegment;
 pub use frame::RECORD_BYTES_MAX;
 use frame::{FrameFound, Head};
 
 /// A buffer that was larger is given back.
 const BUFFER_BYTES: usize = 64 * 1024;
+/// Room is made in pieces of this, so that it is made seldom.
+const ROOM_BYTES: u64 = 256 * 1024;
+/// Written to find out whether a disk can be.
+const PROBE_BYTES: u64 = 512;
 
 /// Why a log cannot be used.
 #[derive(Debug, Error)]
@@ -76,7 +90,7 @@ pub enum LogError {
         why: String,
     },
     /// The end of an earlier, failed write may be in the file.
-    #[error("log {path}: an earlier write failed; open it again")]
+    #[error("log {path}: an earlier write failed, its content is unknown")]
     Failed {
         /// The file.
         path: PathBuf,
@@ -96,12 +110,17 @@ pub enum LogEntry<'a> {
 /// A log that is open for writing.
 #[derive(Debug)]
 pub struct RecordLog {
+    disk: Disk,
     path: PathBuf,
     identity: Vec<u8>,
     segment: u64,
     file: File,
     /// Position of the next record.
     end: u64,
+    /// Length of the file: behind `end` it is zero.
+    length: u64,
+    /// Room asked for.
+    least_room: u64,
     /// The number of the next frame.
     next: u64,
     /// The newest frame that is on the disk.
@@ -121,33 +140,52 @@ impl RecordLog {
     pub fn open(
         path: &Path,
         identity: &[u8],
+        read: impl FnMut(LogEntry<'_>) -> Result<(), String>,
+    ) -> Result<(Self, u64), LogError> {
+        Self::open_on(Disk::default(), path, identity, read)
+    }
+
+    /// The same on a disk of the caller's.
+    ///
+    /// # Errors
+    /// As [`RecordLog::open`].
+    pub fn open_on(
+        disk: Disk,
+        path: &Path,
+        identity: &[u8],
         mut read: impl FnMut(LogEntry<'_>) -> Result<(), String>,
     ) -> Result<(Self, u64), LogError> {
         let lock = file::lock(path)?;
         let (identity, segment, file, opened) = match file::newest(path)? {
             None => {
-                let (file, end) = file::create(path, 1, 1, identity, None)?;
-                (identity.to_vec(), 1, file, Opened { end, next: 3, cut: 0, identity: Vec::new() })
+                let new = NewSegment { segment: 1, number: 1, identity, snapshot: None, room: 0 };
+                let (file, end) = file::create(&disk, path, &new)?;
+                (identity.to_vec(), 1, file, Opened { end, length: end, next: 3, cut: 0, identity: Vec::new() })
             }
             Some(segment) => {
                 let name = file::name(path, segment);
                 let file = File::options().read(true).write(true).open(&name).map_err(|error| at(&name, error))?;
                 let mut opened = read_all(&file, &name, &mut read)?;
                 if opened.cut > 0 {
-                    // On the disk, lest what was cut off comes back behind what is written next.
-                    file.set_len(opened.end).and_then(|()| file.sync_all()).map_err(|error| at(&name, error))?;
+                    // On the disk, lest what was cut off comes back behind what is written next. The room stays.
+                    let zeros = vec![0; usize::try_from(opened.cut).unwrap_or(0)];
+                    let cleared = disk.write(&file, &zeros, opened.end).and_then(|()| disk.sync(&file));
+                    cleared.map_err(|error| at(&name, error))?;
                 }
                 (std::mem::take(&mut opened.identity), segment, file, opened)
             }
         };
         file::tidy(path, segment)?;
-        let Opened { end, next, cut, .. } = opened;
+        let Opened { end, length, next, cut, .. } = opened;
         let mut log = RecordLog {
+            disk,
             path: path.to_owned(),
             identity,
             segment,
             file,
             end,
+            length,
+            least_room: 0,
             next,
             synced: 0,
             has_failed: false,
@@ -191,12 +229,15 @@ impl RecordLog {
                 .map_err(|bytes| too_large(&self.path, bytes))?;
             next += 1;
         }
-        if let Err(error) = self.file.write_all_at(&self.buffer, self.end) {
+        if let Err(error) = self.disk.write(&self.file, &self.buffer, self.end) {
             // The begun write is taken back at once, on the disk as well; otherwise its content is unknown.
-            self.has_failed = self.file.set_len(self.end).and_then(|()| self.file.sync_all()).is_err();
+            let taken_back = self.disk.set_len(&self.file, self.end).and_then(|()| self.disk.sync(&self.file));
+            self.has_failed = taken_back.is_err();
+            self.length = self.end;
             return Err(at(&self.name(), error));
         }
         self.end += self.buffer.len() as u64;
+        self.length = self.length.max(self.end);
         self.next = next;
         self.buffer.shrink_to(BUFFER_BYTES);
         Ok(())
@@ -209,7 +250,7 @@ impl RecordLog {
     pub fn sync(&mut self) -> Result<(), LogError> {
         self.must_work()?;
         if self.synced + 1 < self.next {
-            self.file.sync_data().map_err(|error| {
+            self.disk.sync_data(&self.file).map_err(|error| {
                 self.has_failed = true;
                 at(&file::name(&self.path, self.segment), error)
             })?;
@@ -218,18 +259,66 @@ impl RecordLog {
         Ok(())
     }
 
-    /// Goes on with a snapshot in the place of all there is. It is on the disk when this returns.
+    /// Makes room for so many bytes of records, so that a disk that fills up later does not keep them from being written.
     ///
     /// # Errors
-    /// When the snapshot is too large or the file system refuses. Unless it has failed by that, the
+    /// When the disk has no room, or refuses. What room there is stays.
+    pub fn make_room(&mut self, least: u64) -> Result<(), LogError> {
+        self.must_work()?;
+        self.least_room = least;
+        if self.room() >= least {
+            return Ok(());
+        }
+        let missing = least + ROOM_BYTES - self.room();
+        let made = self.disk.write(&self.file, &vec![0; usize::try_from(missing).unwrap_or(0)], self.length);
+        match made {
+            Ok(()) => self.length += missing,
+            // Part of it may be there.
+            Err(_) => self.length = self.file.metadata().map_or(self.length, |of| of.len().max(self.end)),
+        }
+        made.map_err(|error| at(&self.name(), error))
+    }
+
+    /// Bytes of records that need no more of the disk.
+    pub fn room(&self) -> u64 {
+        self.length.saturating_sub(self.end)
+    }
+
+    /// Finds out whether the disk can be written, by a write into the room, and a sync. Nothing is changed.
+    ///
+    /// # Errors
+    /// When it cannot. After a failed sync the log has failed.
+    pub fn probe(&mut self) -> Result<(), LogError> {
+        self.must_work()?;
+        let bytes = self.room().min(PROBE_BYTES);
+        self.disk
+            .write(&self.file, &[0; PROBE_BYTES as usize][..bytes as usize], self.end)
+            .and_then(|()| {
+                let synced = self.disk.sync_data(&self.file);
+                self.has_failed = synced.is_err();
+                synced
+            })
+            .map_err(|error| at(&file::name(&self.path, self.segment), error))?;
+        self.synced = self.next - 1;
+        Ok(())
+    }
+
+    /// Goes on with a snapshot in the place of all there is, also after a failure. It is on the disk when this returns.
+    ///
+    /// # Errors
+    /// When the snapshot is too large or the file system refuses. Unless it has failed by that, or had before, the
     /// log before it goes on.
     pub fn begin_anew(&mut self, snapshot: &[u8]) -> Result<(), LogError> {
-        self.must_work()?;
-        let segment = self.segment + 1;
-        let created = file::create(&self.path, segment, self.next, &self.identity, Some(snapshot));
+        // A file that an earlier attempt has left counts as well.
+        let segment = file::newest(&self.path)?.unwrap_or(0).max(self.segment) + 1;
+        let (number, room) = (self.next, self.least_room);
+        let new = NewSegment { segment, number, identity: &self.identity, snapshot: Some(snapshot), room };
+        let created = file::create(&self.disk, &self.path, &new);
         // With its name, but perhaps not on the disk: which of the two will be found is unknown.
-        self.has_failed = created.is_err() && file::name(&self.path, segment).exists();
+        self.has_failed |= created.is_err() && file::name(&self.path, segment).exists();
         (self.file, self.end) = created?;
+        self.has_failed = false;
+        self.length = self.end + room;
         self.segment = segment;
         self.synced = self.next + 1;
         self.next += 2;
@@ -238,12 +327,17 @@ impl RecordLog {
         Ok(())
     }
 
+    /// Whether the content of the file is unknown: [`RecordLog::begin_anew`] alone goes on.
+    pub fn has_failed(&self) -> bool {
+        self.has_failed
+    }
+
     /// The file that is being written.
     pub fn name(&self) -> PathBuf {
         file::name(&self.path, self.segment)
     }
 
-    /// Its length, in bytes.
+    /// Its length without the room, in bytes.
     pub fn bytes(&self) -> u64 {
         self.end
     }
@@ -256,6 +350,8 @@ impl RecordLog {
 /// Content found in a file.
 struct Opened {
     end: u64,
+    /// Of the file.
+    length: u64,
     next: u64,
     cut: u64,
     identity: Vec<u8>,
@@ -268,7 +364,7 @@ fn read_all(
 ) -> Result<Opened, LogError> {
     let failed = |error| at(name, error);
     let bytes = file.metadata().map_err(failed)?.len();
-    let mut opened = Opened { end: 0, next: 0, cut: 0, identity: Vec::new() };
+    let mut opened = Opened { end: 0, length: bytes, next: 0, cut: 0, identity: Vec::new() };
     let (mut position, mut record) = (0_u64, Vec::new());
     while opened.end < bytes {
         let head = match frame::read(file, opened.end, bytes, &mut record).map_err(failed)? {
@@ -276,10 +372,11 @@ fn read_all(
             // The first two were on the disk before the file had its name.
             FrameFound::Whole(_) | FrameFound::Torn if position < 2 => break,
             FrameFound::Whole(_) | FrameFound::Torn => {
-                if frame::is_counted_on(file, opened.end, bytes, opened.next).map_err(failed)? {
+                let written = frame::written_until(file, opened.end, bytes).map_err(failed)?;
+                if frame::is_counted_on(file, opened.end, written, opened.next).map_err(failed)? {
                     return Err(LogError::Damaged { path: name.to_owned(), offset: opened.end });
                 }
-                opened.cut = bytes - opened.end;
+                opened.cut = written - opened.end;
                 break;
             }
         };

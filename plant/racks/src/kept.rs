@@ -1,7 +1,8 @@
 //! Positions of the simulated plant in a file, so that a plant that is started again stands where it stood.
 //!
 //! A thread writes: a plant does not wait for a disk. The file is replaced whole; a kill leaves the one before. It is not
-//! forced onto the disk: a simulated machine survives no power cut.
+//! forced onto the disk: a simulated machine survives no power cut. It has the positions of every bus, or is not written. A file that
+//! cannot be used is kept beside it.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -9,18 +10,25 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use linewright_line::{DeviceBus, Line, Tick};
 use linewright_plant::{PlantOptions, Rack, RackPositions};
 use serde::{Deserialize, Serialize};
 
+use crate::texts::{PlantNews, UnusablePositions};
+
 /// Name of the file in a state directory.
 pub const KEPT_IN: &str = "plant.json";
 /// The form of the file. Another one gets another number.
-const VERSION: u32 = 1;
+pub(crate) const VERSION: u32 = 1;
 /// Shortest time between two writes.
 const WRITE_EVERY: Duration = Duration::from_millis(200);
+/// Longest wait at the end of the process for the last write, and the period of the check.
+const END: Duration = Duration::from_secs(2);
+const POLL: Duration = Duration::from_millis(10);
+/// Files kept that could not be used; of more the last is replaced.
+const SET_ASIDE_MAX: usize = 5;
 
 /// Contents of the file.
 #[derive(Debug, Serialize, Deserialize)]
@@ -52,36 +60,42 @@ pub enum KeptPositions {
 /// Why they cannot be used, with what follows.
 pub fn kept_positions(dir: &Path, line: &Line, now: Tick, options: PlantOptions) -> Result<KeptPositions, String> {
     let path = dir.join(KEPT_IN);
-    let unusable = |why: &dyn std::fmt::Display| {
-        format!(
-            "positions of the simulated machine in {} cannot be used: {why}; it begins at home, empty, and stations that were \
-             stopped elsewhere report `position lost`",
-            path.display()
-        )
-    };
+    let unusable = |why: UnusablePositions| why.text(&path);
+    let unreadable = |why: String| unusable(UnusablePositions::Unreadable(why));
     let text = match std::fs::read(&path) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(KeptPositions::Nothing),
-        Err(error) => return Err(unusable(&error)),
+        Err(error) => return Err(unreadable(error.to_string())),
     };
-    let AnyPlantFile { version } = serde_json::from_slice(&text).map_err(|error| unusable(&error))?;
+    let AnyPlantFile { version } = serde_json::from_slice(&text).map_err(|error| unreadable(error.to_string()))?;
     if version != VERSION {
-        return Err(unusable(&format!("it has form {version}, this program reads form {VERSION}")));
+        return Err(unusable(UnusablePositions::Version(version)));
     }
-    let file: PlantFile = serde_json::from_slice(&text).map_err(|error| unusable(&error))?;
+    let file: PlantFile = serde_json::from_slice(&text).map_err(|error| unreadable(error.to_string()))?;
     if file.line != line.name {
-        return Err(unusable(&format!("they are those of line `{}`", file.line)));
+        return Err(unusable(UnusablePositions::OtherLine(file.line)));
     }
     let buses: BTreeMap<String, &DeviceBus> =
         line.devices.iter().map(|device| (device.bus.to_string(), &device.bus)).collect();
     if !buses.keys().eq(file.buses.keys()) {
-        return Err(unusable(&"the line has other buses now"));
+        return Err(unusable(UnusablePositions::OtherBuses));
     }
     let rack = |(name, bus): (String, &DeviceBus)| {
-        let rack = Rack::resumed(now, line, bus, options, &file.buses[&name]).map_err(|why| unusable(&why))?;
+        let rack = Rack::resumed(now, line, bus, options, &file.buses[&name])
+            .map_err(|why| unusable(UnusablePositions::Misfit(why)))?;
         Ok((name, rack))
     };
     buses.into_iter().map(rack).collect::<Result<_, String>>().map(KeptPositions::Racks)
+}
+
+/// Renames a file that cannot be used, so that it is not overwritten.
+pub(crate) fn set_aside(dir: &Path) {
+    let name = |nth: usize| dir.join(format!("{KEPT_IN}.unusable-{nth}"));
+    let free = (1..SET_ASIDE_MAX).map(name).find(|name| !name.exists()).unwrap_or_else(|| name(SET_ASIDE_MAX));
+    match std::fs::rename(dir.join(KEPT_IN), &free) {
+        Ok(()) => tracing::warn!("the positions that cannot be used are kept as {}", free.display()),
+        Err(error) => tracing::warn!("the positions that cannot be used are overwritten: {error}"),
+    }
 }
 
 /// Takes positions to be written.
@@ -99,8 +113,11 @@ impl Keeper {
     pub fn begin(dir: &Path, line: &Line) -> (Self, KeeperThread) {
         let ((wake, woken), newest) = (sync_channel(1), Newest::default());
         let file = PlantFile { version: VERSION, line: line.name.clone(), buses: BTreeMap::new() };
+        let mut buses: Vec<String> = line.devices.iter().map(|device| device.bus.to_string()).collect();
+        buses.sort();
+        buses.dedup();
         let (dir, its) = (dir.to_owned(), newest.clone());
-        let thread = std::thread::spawn(move || write_all(&dir, file, &its, &woken));
+        let thread = std::thread::spawn(move || write_all(&dir, file, buses.len(), &its, &woken));
         (Keeper { newest, wake }, KeeperThread(thread))
     }
 
@@ -116,25 +133,35 @@ impl Keeper {
 pub struct KeeperThread(JoinHandle<()>);
 
 impl KeeperThread {
-    /// Returns when the last positions are written.
+    /// Returns when the last positions are written, or the disk has not taken them for a while.
     pub fn end(self) {
-        let _ = self.0.join();
+        let since = Instant::now();
+        while !self.0.is_finished() {
+            if since.elapsed() >= END {
+                tracing::warn!(
+                    "the last positions of the simulated machine are not written after {} s, the disk hangs; a run that goes on \
+                     from this state may find it elsewhere",
+                    END.as_secs()
+                );
+                return;
+            }
+            std::thread::sleep(POLL);
+        }
     }
 }
 
-fn write_all(dir: &Path, mut file: PlantFile, newest: &Newest, woken: &Receiver<()>) {
+fn write_all(dir: &Path, mut file: PlantFile, buses: usize, newest: &Newest, woken: &Receiver<()>) {
     let mut is_reported = false;
     while let Ok(()) = woken.recv() {
         file.buses.append(&mut newest.lock().unwrap_or_else(PoisonError::into_inner));
+        if file.buses.len() < buses {
+            continue;
+        }
         match write(dir, &file) {
             Ok(()) => is_reported = false,
             Err(error) if !is_reported => {
                 is_reported = true;
-                tracing::warn!(
-                    "positions of the simulated machine cannot be written to {}: {error}; a run that goes on from this state \
-                     finds it elsewhere; make room on the disk, or the directory writable",
-                    dir.join(KEPT_IN).display()
-                );
+                tracing::warn!("{}", PlantNews::NotKept { path: &dir.join(KEPT_IN), why: error.to_string() });
             }
             Err(_) => {}
         }
@@ -148,4 +175,41 @@ fn write(dir: &Path, file: &PlantFile) -> io::Result<()> {
     std::fs::create_dir_all(dir)?;
     std::fs::write(&unfinished, serde_json::to_vec(file)?)?;
     std::fs::rename(&unfinished, &name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_written_before_every_bus_has_its_positions() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let line = linewright_testkit::presses::line();
+        let mut buses: Vec<String> = line.devices.iter().map(|device| device.bus.to_string()).collect();
+        buses.sort();
+        buses.dedup();
+        assert_eq!(buses.len(), 2);
+        let (keeper, writer) = Keeper::begin(dir.path(), &line);
+        keeper.keep(&buses[0], RackPositions::default());
+        std::thread::sleep(WRITE_EVERY * 2);
+        assert!(!dir.path().join(KEPT_IN).exists());
+        keeper.keep(&buses[1], RackPositions::default());
+        drop(keeper);
+        writer.end();
+        let text = std::fs::read(dir.path().join(KEPT_IN)).expect("it is written");
+        let file: PlantFile = serde_json::from_slice(&text).expect("it is whole");
+        assert!(file.buses.keys().eq(&buses));
+    }
+
+    #[test]
+    fn files_that_cannot_be_used_are_kept_and_not_without_end() {
+        let dir = tempfile::tempdir().expect("a directory");
+        for nth in 0..9 {
+            std::fs::write(dir.path().join(KEPT_IN), format!("{nth}")).expect("written");
+            set_aside(dir.path());
+        }
+        let kept = |nth: usize| std::fs::read_to_string(dir.path().join(format!("{KEPT_IN}.unusable-{nth}")));
+        assert_eq!((1..=5).map(|nth| kept(nth).expect("it is kept")).collect::<Vec<_>>(), ["0", "1", "2", "3", "8"]);
+        assert_eq!(std::fs::read_dir(dir.path()).expect("a directory").count(), SET_ASIDE_MAX);
+    }
 }

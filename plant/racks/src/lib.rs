@@ -6,6 +6,7 @@
 
 mod kept;
 mod modbus;
+pub mod texts;
 
 use std::collections::BTreeMap;
 use std::future::Future;
@@ -14,40 +15,36 @@ use std::path::Path;
 use std::time::Duration;
 
 use linewright_canopen::Frame;
-use linewright_canopen::candump::CandumpWriter;
 use linewright_fieldbus::bus::{self, BusError};
 use linewright_fieldbus::{Bus, Clock};
 use linewright_line::{Device, DeviceBus as BusName, Line, Tick};
 use linewright_plant::{PlantOptions, PositionsWatch, Rack};
-use thiserror::Error;
 use tokio::task::JoinSet;
 
 use kept::Keeper;
 pub use kept::{KEPT_IN, KeptPositions, kept_positions};
 use modbus::{Asked, Servers, cannot_serve};
 pub use modbus::{Served, are_served, can_be_served, fail_device, served_at};
+use texts::PlantNews;
 
 /// Positions are kept no more often than this.
 const KEEP_EVERY: Duration = Duration::from_millis(200);
 
 /// Why a plant cannot run, or had to end.
-#[derive(Debug, Error)]
+#[derive(Debug)]
 pub enum PlantError {
     /// A CAN bus is not to be had, or is gone.
-    #[error(transparent)]
-    Bus(#[from] BusError),
+    Bus(BusError),
     /// A Modbus device cannot be served at its address.
-    #[error(
-        "cannot serve the simulated Modbus device at {address}: {error}; a device that is simulated needs an address of this \
-         machine, such as 127.0.0.1:1502; with real devices: `linewright run --no-plant`"
-    )]
     Modbus { address: String, error: io::Error },
     /// Something is served at the address of a Modbus device.
-    #[error(
-        "cannot serve the simulated Modbus device at {address}: {by} is there. Modbus addresses are not separated by ROS domains \
-         as virtual buses are: end that first, or give the device another address; with real devices: `linewright run --no-plant`"
-    )]
-    ModbusTaken { address: String, by: String },
+    ModbusTaken { address: String, by: Option<Served> },
+}
+
+impl From<BusError> for PlantError {
+    fn from(error: BusError) -> Self {
+        PlantError::Bus(error)
+    }
 }
 
 /// Options of a plant.
@@ -66,7 +63,7 @@ pub struct RackOptions {
 }
 
 /// One bus's devices, connected and ready to run.
-pub struct RackRunner {
+struct RackRunner {
     /// Name of the bus in the description.
     name: String,
     /// `None` where no device is on CAN.
@@ -85,11 +82,6 @@ struct KeptRack {
     bus: String,
     watch: PositionsWatch,
     keeper: Keeper,
-}
-
-/// Connects every device of `line` to its bus. Must be called within a tokio runtime.
-pub fn open_plant(line: &Line, options: &RackOptions) -> Result<Vec<RackRunner>, PlantError> {
-    open_racks(line, options, BTreeMap::new())
 }
 
 /// Opens every bus; its rack is taken from `racks`, or new.
@@ -124,43 +116,46 @@ fn open_racks(
     names.into_iter().map(open).collect()
 }
 
-/// Runs every device of `line` until it is cancelled. Returns only if a bus cannot be opened or is gone, or there is none.
-pub async fn run_plant(line: &Line, options: &RackOptions) -> Result<(), PlantError> {
-    run_racks(open_plant(line, options)?, std::future::pending()).await
-}
-
-/// Runs every device of `line` until `stop`. Mechanisms and parts begin where they were when a plant last kept its positions in
-/// `dir`, and are kept there. Where they cannot be used, that is logged and everything begins at home.
-pub async fn run_kept_plant(
+/// Runs every device of `line` until `stop`; must be called within a tokio runtime. With `keep`, mechanisms and parts begin
+/// where they were when a plant last kept its positions in that directory, and are kept there.
+///
+/// # Errors
+/// A bus cannot be opened or is gone, or a Modbus device cannot be served.
+pub async fn run_plant(
     line: &Line,
     options: &RackOptions,
-    dir: &Path,
+    keep: Option<&Path>,
     stop: impl Future<Output = ()>,
 ) -> Result<(), PlantError> {
+    let Some(dir) = keep else { return run_racks(open_racks(line, options, BTreeMap::new())?, stop).await };
     let now = options.clock.now();
-    let racks = match kept_positions(dir, line, now, options.plant) {
-        Ok(KeptPositions::Nothing) => BTreeMap::new(),
-        Ok(KeptPositions::Racks(racks)) => {
-            tracing::info!("mechanisms and parts are where they were, by {}", dir.join(KEPT_IN).display());
-            racks
-        }
-        Err(why) => {
-            tracing::warn!("{why}");
-            BTreeMap::new()
-        }
-    };
+    let mut runners = open_racks(line, options, kept_racks(dir, line, options, now))?;
     let (keeper, writer) = Keeper::begin(dir, line);
-    let keep = |mut runner: RackRunner| {
+    for runner in &mut runners {
         let (line, bus, watch) = (line.clone(), runner.name.clone(), PositionsWatch::new(now, KEEP_EVERY));
         runner.kept = Some(KeptRack { line, bus, watch, keeper: keeper.clone() });
-        runner
-    };
-    let runners = open_racks(line, options, racks)?.into_iter().map(keep).collect();
+    }
     let ended = run_racks(runners, stop).await;
     drop(keeper);
     // Its last write; it has ended when every rack and this have let go of it.
     writer.end();
     ended
+}
+
+/// The racks with the positions kept in `dir`. Where these cannot be used, that is logged and everything begins at home.
+fn kept_racks(dir: &Path, line: &Line, options: &RackOptions, now: Tick) -> BTreeMap<String, Rack> {
+    match kept_positions(dir, line, now, options.plant) {
+        Ok(KeptPositions::Nothing) => BTreeMap::new(),
+        Ok(KeptPositions::Racks(racks)) => {
+            tracing::info!("{}", PlantNews::Resumed { path: &dir.join(KEPT_IN) });
+            racks
+        }
+        Err(why) => {
+            tracing::warn!("{why}");
+            kept::set_aside(dir);
+            BTreeMap::new()
+        }
+    }
 }
 
 async fn run_racks(runners: Vec<RackRunner>, stop: impl Future<Output = ()>) -> Result<(), PlantError> {
@@ -210,21 +205,14 @@ impl KeptRack {
 }
 
 impl RackRunner {
-    pub fn describe(&self) -> String {
+    fn describe(&self) -> String {
         let bus = self.bus.iter().map(Bus::describe);
         let modbus = self.addresses.iter().map(|address| format!("Modbus TCP {address}"));
         bus.chain(modbus).collect::<Vec<_>>().join(", ")
     }
 
-    /// Records the bus from here on.
-    pub fn record(&mut self, recorder: CandumpWriter) {
-        if let Some(bus) = &mut self.bus {
-            bus.record(recorder);
-        }
-    }
-
     /// Runs until it is cancelled, or its bus is gone.
-    pub async fn run(mut self) -> BusError {
+    async fn run(mut self) -> BusError {
         loop {
             if let Err(gone) = self.step().await {
                 return gone;
@@ -236,12 +224,12 @@ impl RackRunner {
     ///
     /// # Errors
     /// When the bus is gone.
-    pub async fn step(&mut self) -> Result<(), BusError> {
+    async fn step(&mut self) -> Result<(), BusError> {
         let mut out: Vec<Frame> = Vec::new();
         let deadline = self.next_deadline();
         tokio::select! {
             biased;
-            frame = heard(&mut self.bus) => self.rack.handle(self.clock.now(), &frame?, &mut out),
+            frame = received(&mut self.bus) => self.rack.handle(self.clock.now(), &frame?, &mut out),
             // The queue is this one's own: it never ends. The clients may be gone.
             Some(asked) = self.servers.next() => match asked {
                 Asked::Request { at: (address, unit), request, reply } => {
@@ -278,7 +266,7 @@ impl RackRunner {
     }
 }
 
-async fn heard(bus: &mut Option<Bus>) -> Result<Frame, BusError> {
+async fn received(bus: &mut Option<Bus>) -> Result<Frame, BusError> {
     match bus {
         Some(bus) => bus.recv().await,
         None => std::future::pending().await,

@@ -7,6 +7,7 @@ use std::pin::Pin;
 use std::time::Duration;
 
 use super::PlantError;
+use super::texts::{ModbusFaultError, PlantNews};
 use linewright_line::{Device, Line, Table};
 use linewright_plant::{FaultWrite, ModbusRequest, ModbusResponse};
 use tokio::net::{TcpListener, TcpStream};
@@ -98,7 +99,7 @@ async fn serve(server: Server, address: String, run: String, to: mpsc::Sender<As
     };
     let failed = |error| tracing::debug!("a Modbus connection has ended: {error}");
     if let Err(error) = server.serve(&connected, failed).await {
-        tracing::warn!("the Modbus server at {address} has ended: {error}");
+        tracing::warn!("{}", PlantNews::ServerEnded { address: &address, why: error.to_string() });
     }
 }
 
@@ -194,7 +195,7 @@ fn request_of(request: &Request<'_>) -> Option<ModbusRequest> {
 pub enum Served {
     /// Simulated devices of this run of a line; of none where the plant was started by itself.
     Simulated { run: Option<String> },
-    /// Something else.
+    /// A server that is no simulated device.
     Other,
 }
 
@@ -238,7 +239,7 @@ pub async fn can_be_served(line: &Line) -> Result<(), PlantError> {
                 io::ErrorKind::AddrInUse => served_at((address, unit)).await.ok(),
                 _ => None,
             };
-            return Err(cannot_serve(address, error, by.as_ref()));
+            return Err(cannot_serve(address, error, by));
         }
     }
     Ok(())
@@ -256,16 +257,11 @@ pub async fn are_served(line: &Line, run: &str) -> bool {
 }
 
 /// The error, with what serves there already.
-pub(crate) fn cannot_serve(address: &str, error: io::Error, by: Option<&Served>) -> PlantError {
+pub(crate) fn cannot_serve(address: &str, error: io::Error, by: Option<Served>) -> PlantError {
     let address = address.to_owned();
     if error.kind() != io::ErrorKind::AddrInUse {
         return PlantError::Modbus { address, error };
     }
-    let by = match by {
-        Some(Served::Simulated { run: Some(run) }) => format!("the plant of {run}"),
-        Some(Served::Simulated { run: None }) => "another simulated plant".to_owned(),
-        Some(Served::Other) | None => "another process".to_owned(),
-    };
     PlantError::ModbusTaken { address, by }
 }
 
@@ -280,24 +276,23 @@ pub async fn fail_device(at: (&str, u8), device: &str, object: (u16, u8), value:
     match request(at, Request::Custom(FAULT_FUNCTION, data.into())).await? {
         Ok(_) => Ok(()),
         Err(ExceptionCode::IllegalDataValue) => {
-            Err(format!("{device} at {} has no such fault; a device in Modbus can be silent, reboot or no-boot", at.0))
+            Err(ModbusFaultError::NoSuchFault { device, address: at.0 }.to_string())
         }
-        Err(refused) => Err(format!("{device} at {} refuses it: {refused}", at.0)),
+        Err(refused) => Err(ModbusFaultError::Refused { device, address: at.0, why: refused.to_string() }.to_string()),
     }
 }
 
 /// The answer to a request on a connection of its own.
 async fn request((address, unit): (&str, u8), request: Request<'_>) -> Result<Result<Response, ExceptionCode>, String> {
-    let gone = |error: &dyn std::fmt::Display| {
-        format!("no simulated device answers at {address}: {error}; is the simulated plant running?")
-    };
+    let gone =
+        |error: &dyn std::fmt::Display| ModbusFaultError::Unreachable { address, why: error.to_string() }.to_string();
     let answered = async {
         let stream = TcpStream::connect(address).await.map_err(|error| gone(&error))?;
         let mut context = tcp::attach_slave(stream, Slave(unit));
         context.call(request).await.map_err(|error| gone(&error))
     };
     let answer = tokio::time::timeout(ANSWER, answered).await;
-    answer.unwrap_or_else(|_| Err(gone(&format!("nothing within {} s", ANSWER.as_secs()))))
+    answer.unwrap_or_else(|_| Err(ModbusFaultError::Unanswered { address, within: ANSWER }.to_string()))
 }
 
 fn response_to(request: &Request<'_>, response: ModbusResponse) -> Option<Response> {

@@ -1,5 +1,6 @@
 //! A manager drives the plant over a virtual bus, in real time.
 
+use std::future::pending;
 use std::time::Duration;
 
 use linewright_canopen::sdo::{self, ObjectId};
@@ -30,7 +31,7 @@ impl Bench {
         let clock = Clock::start();
         let plant = PlantOptions::default();
         let options = RackOptions { line_bus: LINE_BUS.to_owned(), bus: bus.clone(), plant, clock, run: None };
-        let plant = tokio::spawn(async move { run_plant(&line(), &options).await.unwrap() });
+        let plant = tokio::spawn(async move { run_plant(&line(), &options, None, pending()).await.unwrap() });
         Bench { _dir: dir, bus, line: line(), clock, plant }
     }
 

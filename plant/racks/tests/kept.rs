@@ -9,7 +9,7 @@ use linewright_fieldbus::{Bus, Clock, Driver};
 use linewright_fieldbus_seam::InputImage;
 use linewright_line::{DeviceBus as BusName, Owner, Tick};
 use linewright_plant::PlantOptions;
-use linewright_racks::{KEPT_IN, KeptPositions, RackOptions, kept_positions, run_kept_plant};
+use linewright_racks::{KEPT_IN, KeptPositions, RackOptions, kept_positions, run_plant};
 use linewright_testkit::presses::*;
 use tokio::sync::oneshot;
 
@@ -33,7 +33,7 @@ async fn press(buses: &Path, kept: &Path, outputs: u128, inputs: u128) {
         let stopped = async {
             let _ = stopped.await;
         };
-        run_kept_plant(&line(), &options, &dir, stopped).await
+        run_plant(&line(), &options, Some(&dir), stopped).await
     });
     tokio::time::sleep(Duration::from_millis(50)).await;
     let described = line();
@@ -75,17 +75,38 @@ async fn a_plant_that_is_stopped_half_way_goes_on_from_there() {
     assert_eq!(ram(kept.path()), half_way);
     press(buses.path(), kept.path(), FORWARD, FRONT).await;
     assert_eq!(ram(kept.path()), 80.0);
-    // Damaged, of another form, of another line: at home, and begun anew.
-    for (text, why) in [
+    // Damaged, of another form, of another line: at home, and begun anew; what could not be used is kept.
+    for (nth, (text, why)) in (1..).zip([
         ("{\"version\":1,", "EOF"),
         ("{\"version\":9,\"line\":\"presses\"}", "it has form 9, this program reads form 1"),
         ("{\"version\":1,\"line\":\"other\",\"buses\":{}}", "they are those of line `other`"),
-    ] {
+    ]) {
         std::fs::write(kept.path().join(KEPT_IN), text).unwrap();
         let refused = kept_positions(kept.path(), &line(), Tick::ZERO, PlantOptions::default());
         let refused = refused.map(|_| ()).unwrap_err();
         assert!(refused.contains(why) && refused.contains("begins at home"), "{refused}");
         press(buses.path(), kept.path(), 0, BACK).await;
         assert_eq!(ram(kept.path()), 0.0);
+        let aside = kept.path().join(format!("{KEPT_IN}.unusable-{nth}"));
+        assert_eq!(std::fs::read_to_string(aside).unwrap(), text);
     }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_disk_that_hangs_does_not_keep_a_plant_from_ending() {
+    let (buses, kept) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    // Nothing reads from it, so a write to it begins and does not end.
+    let hangs = kept.path().join(KEPT_IN).with_extension("json.new");
+    let made = std::process::Command::new("mkfifo").arg(&hangs).status().unwrap();
+    assert!(made.success());
+    let (buses, kept) = (buses.path().to_owned(), kept.path().to_owned());
+    let (ended, has_ended) = oneshot::channel();
+    std::thread::spawn(move || {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(press(&buses, &kept, FORWARD, 0));
+        let _ = ended.send(());
+    });
+    tokio::time::timeout(WAIT, has_ended).await.expect("it ends").unwrap();
+    // The thread that writes is let go.
+    drop(std::fs::File::open(hangs));
 }

@@ -1,5 +1,6 @@
 //! A Modbus manager drives the simulated plant over TCP, in real time; and a foreign client does.
 
+use std::future::pending;
 use std::process::Command;
 use std::time::Duration;
 
@@ -73,7 +74,7 @@ impl Bench {
         let options = RackOptions { line_bus: "no-can".to_owned(), bus, plant: PlantOptions::default(), clock, run };
         let line = line_on(port, registers);
         let devices = line.devices.clone();
-        let plant = tokio::spawn(async move { run_plant(&line, &options).await.unwrap() });
+        let plant = tokio::spawn(async move { run_plant(&line, &options, None, pending()).await.unwrap() });
         Bench { _dir: dir, clock, port, devices, plant }
     }
 

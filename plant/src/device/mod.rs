@@ -140,7 +140,7 @@ impl DeviceNode {
         }
     }
 
-    /// The same with analogue channels.
+    /// The device with analogue channels.
     pub fn with_channels(self, analogue: &Analogue) -> Self {
         DeviceNode { channels: SimulatedChannels::new(self.comm.node, analogue), ..self }
     }

@@ -45,12 +45,12 @@ pub(super) struct Pdo {
 }
 
 impl Pdo {
-    /// That of the inputs (TPDO1).
+    /// The process data object of the inputs (TPDO1).
     pub(super) fn of_inputs(node: NodeId, inputs: usize) -> Self {
         Pdo::new(0x1800, 0x6000, 0x180 + u32::from(node.get()), inputs.div_ceil(8) as u8)
     }
 
-    /// That of the outputs (RPDO1).
+    /// The process data object of the outputs (RPDO1).
     pub(super) fn of_outputs(node: NodeId, outputs: usize) -> Self {
         Pdo::new(0x1400, 0x6200, 0x200 + u32::from(node.get()), outputs.div_ceil(8) as u8)
     }

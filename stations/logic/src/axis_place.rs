@@ -11,13 +11,16 @@
 //! | any other | in doubt | in doubt |
 //! | not known: the drive is not homed | – | under way; only a person who holds it has it homed |
 //!
+//! At a rest the homing is none of the index: see [`crate::homing`].
+//!
 //! At rest the place is the one where the last index ended. Another one is in doubt: it was turned while nothing looked.
 
 use linewright_line::net::{ControlMode, MotionStage, StationPlace};
-use linewright_line::{Device, Drive, DriveIndex, Line, OpId, Owner, Station, StationId};
+use linewright_line::{Device, Drive, DriveIndex, Line, OpId, Owner, StationId};
 
 use crate::controller::Controller;
 use crate::event::PlacesApart;
+use crate::homing::PeerSpan;
 use crate::parts::{IndexProgress, RunCommand, Token};
 use crate::program::PlaceTable;
 
@@ -30,7 +33,9 @@ pub(crate) struct NumberedPlaces {
     /// The drive is homed: until then it measures nothing.
     is_homed: bool,
     /// The switches of the other axes while the index turns.
-    while_turning: u128,
+    pub while_turning: u128,
+    /// The other stations' states of the conflicts, where the drive is homed.
+    pub others: Vec<PeerSpan>,
 }
 
 /// The drive that turns an endless axis of a station from place to place.
@@ -40,9 +45,11 @@ pub(crate) fn index_drive(line: &Line, station: StationId) -> Option<(&Drive, &D
 }
 
 impl NumberedPlaces {
-    pub fn of(drive: &Drive, numbers: &DriveIndex, station: &Station, op: OpId) -> Self {
-        let while_turning = station.rest_inputs(StationPlace::operating(op));
-        NumberedPlaces { op, numbers: numbers.clone(), is_homed: drive.homing.is_some(), while_turning }
+    pub fn of(drive: &Drive, numbers: &DriveIndex, (line, station): (&Line, StationId), op: OpId) -> Self {
+        let while_turning = line.station(station).rest_inputs(StationPlace::operating(op));
+        let is_homed = drive.homing.is_some();
+        let others = if is_homed { PeerSpan::of(line, station) } else { Vec::new() };
+        NumberedPlaces { op, numbers: numbers.clone(), is_homed, while_turning, others }
     }
 
     pub fn mark_freeing(&self, places: &mut [PlaceTable]) {
@@ -75,6 +82,11 @@ impl Controller {
     pub(crate) fn to_be_homed(&self) -> Option<OpId> {
         let silent = self.unreferenced();
         let axis = self.program.places_of_axis.as_ref().filter(|_| silent != 0 && self.marking.doubtful.is_none())?;
+        if self.rests_to_be_homed().is_some()
+            || self.marking().any(|place| place.op == axis.op && place.stage != MotionStage::Completed)
+        {
+            return Some(axis.op);
+        }
         let token = self.tokens().first().filter(|token| self.marking.count == 1 && self.rest_off(token) == silent)?;
         let place = self.place(token);
         let onward = match place.stage {
@@ -85,7 +97,7 @@ impl Controller {
             MotionStage::Operating | MotionStage::Incomplete => place.op,
         };
         let onward = &self.program.places[usize::from(self.program.index_of(StationPlace::operating(onward)))];
-        (onward.frees || onward.turns != 0).then_some(axis.op)
+        (onward.frees || (onward.turns != 0 && self.program.tasks.is_some())).then_some(axis.op)
     }
 
     /// Follows the axis as it stands: its place is learned where it is not known, and is not to change.

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::event::{HappeningKind, StationHappening, StopCause};
+use crate::homing::Homing;
 use crate::ignored::{Handled, Ignored};
 use crate::order::{OrderKey, TaskCommand, TaskReply};
 use crate::panel::{Commands, ModeOrder, PanelCommand, RivalCoordinators};
@@ -94,6 +95,7 @@ pub struct Controller {
     pub(crate) commands: Commands,
     pub(crate) levels: Levels,
     pub(crate) agreement: Agreement,
+    pub(crate) homing: Homing,
     /// Of a task-driven station.
     pub(crate) orders: Option<Box<OrderSlot>>,
     pub(crate) output: StationOutput,
@@ -147,6 +149,7 @@ impl Controller {
             commands: Commands::new(),
             levels: Levels { now: 0, before: 0, mode: ControlMode::StandBy },
             agreement: Agreement { pending: None, next_request: 1, refusal: None },
+            homing: Homing::default(),
             orders: program.tasks.as_ref().map(|_| Box::new(OrderSlot::new(boot_id))),
             output: StationOutput::default(),
             due: Due { outputs: true, report: true, settled: false, deadline: Tick::ZERO },

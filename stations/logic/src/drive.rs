@@ -11,16 +11,17 @@ impl Controller {
     ///
     /// An actuator is on only if: its place is operating; the image by which that was judged is valid; the mode is not the
     /// emergency stop; a motion that a person holds has its button down; and the measured positions allow the motion.
-    /// Everything else is off. Parameters of a task are on while it runs.
+    /// Everything else is off, but for a homing at a rest (see `homing`). Parameters of a task are on while it runs.
     pub(crate) fn drive(&mut self) {
         let mut outputs = 0;
         self.image.watched = self.image.panel | self.program.interlocks.read_by_others;
         let mut deadline = self.commands.deadline(self.now).min(self.views.deadline(self.now));
         if self.image.valid {
             deadline = deadline.min(self.image.until);
-            outputs |= self.parameter_outputs();
+            outputs |= self.parameter_outputs() | self.homing_output();
         }
         deadline = deadline.min(self.order_limit());
+        self.image.watched |= self.homing_inputs();
         self.image.watched |= self.program.tasks.as_ref().map_or(0, |tasks| tasks.watched);
         self.image.watched |= self.program.places_of_axis.as_ref().map_or(0, |axis| axis.numbers.report(u16::MAX));
         self.image.watched |= self.marking.stuck.map_or(0, |stuck| stuck.input.bit());
@@ -95,7 +96,7 @@ impl Controller {
         report.recovering_home = self.marking.path.is_some();
         report.at_home = self.is_at_home();
         report.round = self.home_round() + i32::from(!report.at_home);
-        report.stopped = !self.tokens().iter().any(|t| t.driven);
+        report.stopped = !self.homing.is_driven && !self.tokens().iter().any(|t| t.driven);
         report.selector_manual = self.commands.selector_manual();
         report.devices_valid = self.image.valid;
         report.request = self.agreement.pending.map(|p| p.request);

@@ -25,7 +25,7 @@ pub enum StopCause {
     SwitchStuck,
     /// The same, and the switch of the end that it was to leave is still on.
     BothSwitchesOn {
-        /// That other switch.
+        /// The switch of the end to be left.
         behind: InputId,
     },
     /// The station lost its devices.
@@ -121,6 +121,8 @@ pub enum HappeningKind {
     OrderDone(TaskId),
     /// It has not.
     OrderFailed(TaskId, TaskFailure),
+    /// It was left on request, within its time, while it waited for inputs with this code.
+    OrderLeft(TaskId, u16),
     /// It goes back to where the task began, as far as it can by itself.
     Securing(TaskId),
 }

@@ -11,13 +11,15 @@ use crate::event::{StationHappening, StopCause};
 use crate::peer_set::PeerSet;
 use crate::program::{CompiledTransition, IncomingArrow as Arrow};
 use crate::texts::place::{op_names, place_text};
-use crate::texts::{PanelChoice, PositionDoubt, REJOIN_WAY, RejoinAdvice, StationWait, stuck_text};
+use crate::texts::{NoReturn, PanelChoice, PositionDoubt, REJOIN_WAY, RejoinAdvice, StationWait, stuck_text};
 use crate::views::Comparability;
 
 impl Controller {
     /// Operation of each branch of the station, e.g. `advance clamp` or `undoing 1st lift (stopped)`.
     pub fn operation_text(&self, line: &Line) -> String {
-        let parts: Vec<String> = self.marking().map(|place| place_text(line, self.program.station, place)).collect();
+        let mut parts: Vec<String> =
+            self.marking().map(|place| place_text(line, self.program.station, place)).collect();
+        parts.extend(self.homing.is_driven.then(|| "homing".to_owned()));
         parts.join(" + ")
     }
 
@@ -25,7 +27,7 @@ impl Controller {
     pub fn fault_text(&self, line: &Line) -> String {
         let mut parts = Vec::new();
         for place in self.marking().filter(|place| place.is_incomplete()) {
-            let cause = match self.marking.causes_of_stop[place.op.index()] {
+            let cause = match self.cause_shown(place.op) {
                 // Where it is measured changes while it is in doubt.
                 cause @ StopCause::IndexDoubtful { .. } => {
                     self.loss().filter(|_| self.doubtful_index().is_some()).unwrap_or(cause)
@@ -43,8 +45,8 @@ impl Controller {
                 parts.push(detail);
             }
             // The text of a doubt names the way itself.
-            if let Some(op) = self.to_be_homed() {
-                parts.push(StationWait::Homing { op: self.op_name(line, op) }.text());
+            if let Some(way) = self.homing_way(line) {
+                parts.push(way);
             } else if self.doubtful_index().is_none() && self.is_read_off() {
                 parts.push(REJOIN_WAY.to_owned());
             }
@@ -56,6 +58,19 @@ impl Controller {
             parts.push(stuck_text(self.op_name(line, stuck.op), &text(stuck.input), behind.as_deref()));
         }
         parts.join("; ")
+    }
+
+    /// The cause of a stop. One that was reported by switches of both ends is shown until they are seen off, though a button
+    /// has been let go since.
+    fn cause_shown(&self, op: OpId) -> StopCause {
+        let cause = self.marking.causes_of_stop[op.index()];
+        let behind = self.marking.stuck.filter(|stuck| stuck.op == op).and_then(|stuck| stuck.behind);
+        match (cause, behind) {
+            (StopCause::Released, Some(behind)) if self.image.valid && self.image.bits & behind.bit() != 0 => {
+                StopCause::BothSwitchesOn { behind }
+            }
+            _ => cause,
+        }
     }
 
     /// Loss of its position.
@@ -128,8 +143,8 @@ impl Controller {
         if self.program.tasks.is_some() {
             return self.explain_lost_rest(line, reasons);
         }
-        if let Some(op) = self.to_be_homed() {
-            reasons.push(StationWait::Homing { op: self.op_name(line, op) }.text());
+        if let Some(way) = self.homing_way(line) {
+            reasons.push(way);
             return;
         }
         let compares = self.rules.generations && (is_lost || !self.program.peers.is_empty());
@@ -187,7 +202,7 @@ impl Controller {
             MotionStage::Incomplete => {
                 // What it stands in is not known before rejoin.
                 let unknown = self.rules.generations && self.views.generation == 0 && self.program.tasks.is_none();
-                reasons.extend(match self.marking.causes_of_stop[place.op.index()] {
+                reasons.extend(match self.cause_shown(place.op) {
                     StopCause::NotAtHome if unknown && !self.program.peers.is_empty() => None,
                     // What ends a doubt is said before; nothing at the panel does.
                     _ if self.doubtful_index().is_some_and(|(op, _)| op == place.op) => None,
@@ -204,6 +219,7 @@ impl Controller {
                 }
                 self.explain_way_home(line, place, now, reasons);
             }
+            MotionStage::Completed if self.rests_to_be_homed().is_some() => self.explain_homing(line, now, reasons),
             MotionStage::Completed => self.explain_next(line, place, now, reasons),
         }
     }
@@ -262,7 +278,11 @@ impl Controller {
                         _ if self.leads_back(place, step) => StationWait::Panel.text(),
                         block => StationWait::PanelAdvance {
                             op: self.op_name(line, place.op),
-                            is_undone: block == Block::Recovery,
+                            no_return: match block {
+                                Block::Recovery if self.is_at_home() => NoReturn::AtHome,
+                                Block::Recovery => NoReturn::Undone,
+                                Block::Normal => NoReturn::Irreversible,
+                            },
                         }
                         .text(),
                     });
@@ -298,7 +318,16 @@ impl Controller {
             Block::Normal => hand.reverses_from_its_end(),
             Block::Recovery => hand.reverse_on(),
         };
-        StationWait::Button { onward: onward.map(name), back: back.map(name) }.text()
+        let leads_back = self.leads_back(place, usize::from(self.program.step_of[place.op.index()]));
+        match (place.block, onward, back, hand.back()) {
+            (Block::Normal, Some(onward), None, Some(back)) if leads_back => {
+                StationWait::ButtonMidway { onward: name(onward), back: name(back) }.text()
+            }
+            (Block::Recovery, Some(again), None, _) if leads_back && self.rest().is_some() => {
+                StationWait::ButtonUndone { again: name(again) }.text()
+            }
+            _ => StationWait::Button { onward: onward.map(name), back: back.map(name) }.text(),
+        }
     }
 
     fn explain_way_home(&self, line: &Line, place: StationPlace, now: Tick, reasons: &mut Vec<String>) {
@@ -342,7 +371,7 @@ impl Controller {
         }
     }
 
-    fn cause_text(&self, line: &Line, cause: &Arrow, cycle: i32, now: Tick) -> String {
+    pub(crate) fn cause_text(&self, line: &Line, cause: &Arrow, cycle: i32, now: Tick) -> String {
         let peer = self.program.peers[cause.peer as usize];
         let (station, op) = (&line.station(peer).name, &line.operation((peer, cause.from)).name);
         let own = self.op_name(line, cause.to);
@@ -373,7 +402,7 @@ impl Controller {
         }
     }
 
-    fn op_name<'a>(&self, line: &'a Line, op: OpId) -> &'a str {
+    pub(crate) fn op_name<'a>(&self, line: &'a Line, op: OpId) -> &'a str {
         &line.operation((self.program.station, op)).name
     }
 

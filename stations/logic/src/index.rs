@@ -162,8 +162,8 @@ impl Controller {
         }
         let begins = !matches!(action.kind, TransitionKind::Resume(..));
         let tables = action.to.iter().map(|&place| &self.program.places[usize::from(place)]);
-        // A person who holds an index has its drive homed first.
-        let is_led = self.commands.mode() == ControlMode::Manual;
+        // A person who holds an index has its drive homed first: at a rest of a station with a cycle by itself (see `homing`).
+        let is_led = self.commands.mode() == ControlMode::Manual && self.program.tasks.is_some();
         let unknown = if is_led { self.unreferenced() } else { 0 };
         let missed = tables.filter(|_| begins).find(|table| table.turns & !self.image.bits & !unknown != 0)?;
         let input = InputId(missed.turns.trailing_zeros() as u16);

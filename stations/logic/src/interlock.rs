@@ -66,7 +66,7 @@ impl Controller {
         self.program.guards(place, path).find(|guard| !allows(guard))
     }
 
-    fn positions_known(&self, guard: &PositionGuard) -> PositionsKnown {
+    pub(crate) fn positions_known(&self, guard: &PositionGuard) -> PositionsKnown {
         let peer = usize::from(guard.peer);
         PositionsKnown {
             own: self.image.valid.then_some(self.image.bits),

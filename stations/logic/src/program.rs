@@ -193,7 +193,7 @@ pub struct Program {
     pub(crate) interlocks: Interlocks,
     /// All switches of its axes.
     pub(crate) switches: u128,
-    /// Those of its indexes.
+    /// All switches of its indexes.
     pub(crate) index_switches: u128,
     /// For each step, which of them are on when it is complete; none where a place has no switch, or several.
     pub(crate) measured_after: Vec<Option<u128>>,
@@ -250,7 +250,7 @@ impl Program {
         let measured = places.iter().find(|table| table.is_measured && table.turns != 0);
         let places_of_axis = index_drive(line, station)
             .zip(measured)
-            .map(|((drive, numbers), table)| NumberedPlaces::of(drive, numbers, described, table.place.op));
+            .map(|((drive, numbers), table)| NumberedPlaces::of(drive, numbers, (line, station), table.place.op));
         places_of_axis.iter().for_each(|axis| axis.mark_freeing(&mut places));
         Ok(Program {
             station,

@@ -111,6 +111,7 @@ impl Controller {
         out.extend([i64::from(self.image.valid), self.levels.mode as i64, i64::from(self.marking.unconfirmed)]);
         out.push(i64::from(self.marking.placed) | i64::from(self.marking.doubtful.is_some()) << 1);
         out.extend(self.program.places_of_axis.as_ref().map(|_| i64::from(self.marking.axis_place)));
+        out.extend(self.program.places_of_axis.as_ref().map(|_| i64::from(self.homing.is_driven)));
         out.push(i64::from(self.views.generation != 0));
         self.commands.situation(self.now, out);
         match &self.agreement.pending {
@@ -136,6 +137,10 @@ impl Controller {
             if self.rules.positions {
                 out.extend([self.now < view.measured_until, view.stopped].map(i64::from));
                 out.extend(word(view.measured & self.program.interlocks.read_of(peer)));
+            }
+            if self.program.places_of_axis.is_some() {
+                out.extend(view.places.iter().map(|&number| i64::from(number)));
+                out.push(i64::from(view.recovering_home));
             }
             let read = self.program.causes.iter().flatten().filter(|c| usize::from(c.peer) == peer);
             out.extend(read.map(|cause| relative(view.done[cause.from.index()])));

@@ -482,6 +482,10 @@ impl Controller {
             orders.remember(slot.key, TaskReply::Ended(outcome));
             self.note(match outcome {
                 TaskOutcome::Done => HappeningKind::OrderDone(slot.task),
+                // The code is also that of an order whose time was over.
+                TaskOutcome::Failed(TaskFailure::Waiting(code)) if self.now < slot.limit => {
+                    HappeningKind::OrderLeft(slot.task, code)
+                }
                 TaskOutcome::Failed(failure) => HappeningKind::OrderFailed(slot.task, failure),
             });
         }

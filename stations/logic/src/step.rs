@@ -82,7 +82,9 @@ impl Controller {
         self.levels.before = self.levels.now;
         let mut fired = self.agreement.pending.is_some() && self.settle();
         fired |= self.pass(self.levels.now | edges);
-        if edges != 0 && !fired && self.agreement.pending.is_none() {
+        let is_free = !fired && self.agreement.pending.is_none();
+        self.follow_homing(if is_free { edges } else { 0 });
+        if edges != 0 && is_free && !self.homing.is_driven {
             self.refuse(edges);
         }
         let mut ended = true;

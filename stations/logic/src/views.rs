@@ -34,10 +34,13 @@ pub(crate) struct PeerView {
     pub stopped: bool,
     /// Its input image.
     pub measured: u128,
-    /// That image is unknown from then on.
+    /// Time from which on the input image is unknown.
     pub measured_until: Tick,
     pub done: Vec<i32>,
     pub cycle: i32,
+    /// Its marking, of each operation the number of its place; empty where nothing here reads it.
+    pub places: Vec<u8>,
+    pub recovering_home: bool,
     pub request: Option<WithdrawalRequest>,
     /// Our answer to that request.
     pub answer: Option<WithdrawalAnswer>,
@@ -86,6 +89,8 @@ impl PeerViews {
             measured_until: Tick::ZERO,
             done: vec![i32::MIN; operations],
             cycle: 0,
+            places: Vec::with_capacity(operations),
+            recovering_home: false,
             request: None,
             answer: None,
             verdict: None,
@@ -132,6 +137,11 @@ impl PeerViews {
         let comparable = !self.rules.generations || (report.generation == self.generation && self.generation != 0);
         view.done.copy_from_slice(&report.done);
         view.cycle = report.cycle;
+        view.places.clear();
+        if program.places_of_axis.is_some() && report.places.len() == bits {
+            view.places.extend_from_slice(&report.places);
+            view.recovering_home = report.recovering_home;
+        }
         view.verdict = report.answers.iter().find(|a| a.to == me.0).map(|a| (a.boot_id, a.number, a.in_the_way));
         let same = view.boot_id == report.boot_id && view.request == report.request;
         view.boot_id = report.boot_id;

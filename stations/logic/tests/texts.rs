@@ -4,8 +4,8 @@ use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, Line, OpId, StationId, TaskId, TransferLine, parse};
 use linewright_orders::{TaskFailure, TaskRefusal};
 use linewright_station_logic::{
-    CompileError, HappeningKind, Ignored, PanelChoice, PlacesApart, PositionDoubt, RejoinAdvice, StationHappening,
-    StationWait, StopCause,
+    CompileError, HappeningKind, Ignored, NoReturn, PanelChoice, PlacesApart, PositionDoubt, RejoinAdvice,
+    StationHappening, StationWait, StopCause,
 };
 
 use linewright_testkit::samples::{listed, samples};
@@ -73,6 +73,7 @@ fn happenings() -> Vec<HappeningKind> {
         HappeningKind::OrderRefused(_) => HappeningKind::OrderRefused(TaskRefusal::Busy);
         HappeningKind::OrderDone(_) => HappeningKind::OrderDone(TASK);
         HappeningKind::OrderFailed(..) => HappeningKind::OrderFailed(TASK, TaskFailure::TimedOut);
+        HappeningKind::OrderLeft(..) => HappeningKind::OrderLeft(TASK, 12);
         HappeningKind::Securing(_) => HappeningKind::Securing(TASK);
     })
 }
@@ -152,6 +153,10 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
         StationWait::PositionLost(_) => StationWait::PositionLost(lost);
         StationWait::Rejoin(..) => StationWait::Rejoin(doubts()[0], advice()[0]);
         StationWait::Homing { .. } => StationWait::Homing { op: "index" };
+        StationWait::HomingAtRest => StationWait::HomingAtRest;
+        StationWait::HomingFault { .. } => StationWait::HomingFault { input: "drive_fault" };
+        StationWait::Standstill { .. } => StationWait::Standstill { station };
+        StationWait::LedOut { .. } => StationWait::LedOut { station, why: "the table turns under clamp_1" };
         StationWait::NewGeneration => StationWait::NewGeneration;
         StationWait::Stopped { .. } => StationWait::Stopped {
             op,
@@ -172,10 +177,13 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
             StationWait::Button { onward: Some("PB_2"), back: None },
             StationWait::Button { onward: None, back: Some("PB_3") },
             StationWait::Button { onward: None, back: None };
+        StationWait::ButtonMidway { .. } => StationWait::ButtonMidway { onward: "PB_2", back: "PB_4" };
+        StationWait::ButtonUndone { .. } => StationWait::ButtonUndone { again: "PB_2" };
         StationWait::TaskButton { .. } => StationWait::TaskButton { choices };
         StationWait::Panel => StationWait::Panel;
-        StationWait::PanelAdvance { .. } => StationWait::PanelAdvance { op: "decel", is_undone: true },
-            StationWait::PanelAdvance { op: "feed main slide", is_undone: false };
+        StationWait::PanelAdvance { .. } => StationWait::PanelAdvance { op: "decel", no_return: NoReturn::AtHome },
+            StationWait::PanelAdvance { op: "decel", no_return: NoReturn::Undone },
+            StationWait::PanelAdvance { op: "feed main slide", no_return: NoReturn::Irreversible };
         StationWait::PanelAtRest => StationWait::PanelAtRest;
         StationWait::Selector => StationWait::Selector;
         StationWait::RecoveryPath => StationWait::RecoveryPath;
@@ -223,6 +231,7 @@ fn all_texts_of_a_station() {
             HappeningKind::Ordered(_)
             | HappeningKind::OrderDone(_)
             | HappeningKind::OrderFailed(..)
+            | HappeningKind::OrderLeft(..)
             | HappeningKind::Securing(_) => event(&tasks, M1, *what),
             HappeningKind::HomeAgain => {
                 format!("{}; task-driven: {}", event(&line, CLAMP, *what), event(&tasks, M1, *what))

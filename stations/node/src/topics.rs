@@ -10,7 +10,7 @@ use tokio::sync::mpsc;
 
 use crate::orders::TaskOrderTopics;
 
-/// Something a subscription brought.
+/// Message from a subscription.
 #[derive(Debug)]
 pub enum StationInbound {
     /// The coordinator's order.

@@ -22,7 +22,7 @@ pub struct InputsMessage {
     pub under: (u64, u64),
 }
 
-/// Something that has arrived.
+/// Message, or input image of the devices, that has reached the node.
 #[derive(Clone, Copy, Debug)]
 pub enum StationArrival<'a> {
     /// A coordinator's order.

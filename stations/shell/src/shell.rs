@@ -45,7 +45,7 @@ pub struct StationShell {
     orders_by_number: Vec<NumberedOrder>,
     /// Number and lives of the output image that was given last.
     driven: Option<(u64, u64)>,
-    /// That image's bits, and its number.
+    /// Bits and number of the output image that was given last.
     image: (u128, u64),
     /// The same of the one before, if a record comes first that may be late.
     before: Option<(u128, u64)>,

@@ -7,7 +7,7 @@ use super::WorkspaceMember;
 use crate::part::{Stream, cargo, lines};
 
 /// Crates that decide and never act: called with the time and their inputs, they return outputs.
-pub const PURE: [&str; 21] = [
+pub const PURE: [&str; 23] = [
     "linewright-random",
     "linewright-nets",
     "linewright-diagnostics",
@@ -29,6 +29,8 @@ pub const PURE: [&str; 21] = [
     "linewright-plant",
     "linewright-proof",
     "linewright-simulation",
+    "linewright-recovery",
+    "linewright-faults",
 ];
 
 /// Dependencies that neither they nor the messages may have, at any distance.
@@ -49,7 +51,7 @@ const FORBIDDEN: [&str; 9] = [
 ];
 
 /// For each crate, those of the workspace it may build on. Dependencies point one way; a new crate gets a row here.
-const MAY_USE: [(&str, &[&str]); 37] = [
+const MAY_USE: [(&str, &[&str]); 39] = [
     ("linewright-random", &[]),
     ("linewright-nets", &[]),
     ("linewright-diagnostics", &[]),
@@ -122,6 +124,30 @@ const MAY_USE: [(&str, &[&str]); 37] = [
             "linewright-coordinator-shell",
             "linewright-canopen",
             "linewright-plant",
+        ],
+    ),
+    (
+        "linewright-recovery",
+        &[
+            "linewright-line",
+            "linewright-station-logic",
+            "linewright-coordinator-logic",
+            // The part of a station's report that the coordinator uses is chosen once, there.
+            "linewright-coordinator-shell",
+        ],
+    ),
+    (
+        "linewright-faults",
+        &[
+            "linewright-line",
+            "linewright-station-logic",
+            "linewright-station-shell",
+            "linewright-coordinator-logic",
+            "linewright-coordinator-shell",
+            "linewright-plant",
+            // Generated lines are made there.
+            "linewright-proof",
+            "linewright-simulation",
         ],
     ),
     (

@@ -17,7 +17,7 @@ use linewright_line::Tick;
 use miette::{IntoDiagnostic, WrapErr, miette};
 
 use super::Args;
-use super::story::failed;
+use super::story::{failed, removed_text};
 use super::when::{self, Zone};
 use crate::out::{self, say};
 
@@ -72,6 +72,7 @@ impl LineSource {
         let stopped: Duration = report.stops.iter().map(|stop| stop.total).sum();
         // Writing to a string does not fail.
         let _ = writeln!(text, "{}, {} to {}", self.about.title, self.show(from), self.show(to));
+        text.push_str(&removed_text(&self.reader, |at| self.show(at)));
         let _ = write!(text, "{} s observed: produced {} s", seconds(report.observed()), seconds(report.producing));
         let _ = writeln!(text, ", stopped {} s, not recorded {} s", seconds(stopped), seconds(report.unrecorded));
         for gap in &report.gaps {

@@ -67,13 +67,21 @@ fn rests(line: &Line, id: StationId) -> StationRests {
         let awaited = awaited.flat_map(|of| {
             of.waits.iter().map(|&input| (of.waits_code, Arc::from(station.inputs[input.index()].as_str())))
         });
+        let back = back.filter(goes_back);
+        let name = |button: ButtonId| Arc::from(line.buttons[usize::from(button.0)].as_str());
+        let shared = [Some(forward), back].into_iter().flatten().flat_map(|button| {
+            let others = line.station_ids().filter(|&of| of != id).map(|of| line.station(of));
+            let others = others.filter(move |of| of.operations.iter().any(|op| is_moved(op, button)));
+            others.map(move |of| (name(button), Arc::from(of.name.as_str())))
+        });
         RestTask {
+            shared: shared.collect(),
             awaited: awaited.collect(),
             name: task.name.as_str().into(),
             from: task.from,
             to: task.to,
-            button: line.buttons[usize::from(forward.0)].as_str().into(),
-            back: back.filter(goes_back).map(|back| line.buttons[usize::from(back.0)].as_str().into()),
+            button: name(forward),
+            back: back.map(name),
             waits: operations.any(|op| !station.operations[op.index()].waits.is_empty()),
         }
     };
@@ -190,6 +198,11 @@ impl<'a> BuiltPolicy<'a> {
         }
         Some(gone.into_iter().collect())
     }
+}
+
+/// Whether a hand-mode button moves an operation, on or back.
+fn is_moved(operation: &linewright_line::Operation, button: ButtonId) -> bool {
+    operation.hand.forward() == button || operation.hand.back() == Some(button)
 }
 
 fn number(id: Of) -> ResourceId {

@@ -82,8 +82,10 @@ fn ways(handling: &RecoveryPolicy, mode: ModeId) -> Vec<RecoveryChoice> {
     for rule in rules {
         let possible = rule.answers.iter().map(|answer| (answer.ruling.part, answer.ruling.then));
         let possible = possible.filter(|&(part, then)| can_be(part) && (then != Strategy::Redo || rule.retries > 0));
-        // Once it has been tried often enough, what is left are the others; the usual ones where there are none.
+        // Once it has been tried often enough, it is decided anew; where a rule has nothing else, the usual answers are given.
         usual |= !possible.clone().any(|(_, then)| then != Strategy::Redo);
+        let anew = possible.clone().filter(|&(_, then)| then == Strategy::Redo);
+        ways.extend(anew.map(|(part, _)| (part, Strategy::Backward)));
         ways.extend(possible);
     }
     if usual {

@@ -19,7 +19,7 @@ use super::Reasons;
 use super::ways::ShortestRoutes;
 use crate::texts::decision::tenths;
 use crate::texts::wait::{failed, remaining, unready};
-use crate::texts::{CellWait, TokenOwner, called, reason};
+use crate::texts::{self, CellWait, TokenOwner, called, reason};
 
 /// At most so many are named where many would do.
 const NAMED_MAX: usize = 3;
@@ -35,15 +35,16 @@ pub fn why_not(
     let state = coordination.state();
     let table = state.table();
     let Some(found) = state.part(part) else { return vec![CellWait::NotInCell(part).text()] };
+    let name = texts::part(state, part);
     let cell = match found.place {
         PartPlace::In(firing) => {
             let activity = state.firing(firing).map(|firing| progress(state, firing, now)).unwrap_or_default();
-            return vec![CellWait::UnderWay { part, activity: &activity }.text()];
+            return vec![CellWait::UnderWay { part: &name, activity: &activity }.text()];
         }
         PartPlace::On { cell, arrival: _ } => cell,
     };
     let (place, seconds) = (place(table, cell), seconds(now.since(found.since)));
-    let mut lines = vec![CellWait::Resting { part, place: &place, seconds }.text()];
+    let mut lines = vec![CellWait::Resting { part: &name, place: &place, seconds }.text()];
     let options: Vec<_> = table.consumers(cell).iter().copied().filter(|&m| table.part_in(m) == Some(cell)).collect();
     if options.is_empty() {
         lines.push(CellWait::NoWay.text());
@@ -79,7 +80,7 @@ fn option(
     let state = coordination.state();
     let table = state.table();
     if let Some(first) = state.takeable(mode).next().filter(|_| !state.takeable(mode).any(|able| able == part)) {
-        return CellWait::First(first).text();
+        return CellWait::First(&texts::part(state, first)).text();
     }
     let lacked = table.takes(mode).iter().filter(|&&(cell, weight)| state.marking().count(cell) < u64::from(weight));
     let lacked: Vec<String> = lacked.map(|&(cell, _)| owner(ways, state, now, cell)).collect();

@@ -74,7 +74,9 @@ impl Coordination {
         if ruling.part != Whereabouts::Carrier
             && let Some(station) = ordered.find(|&station| self.fresh(now, station).is_some_and(|of| of.is_held))
         {
-            return Err(AlarmAnswerRefusal::NotAtRest(station));
+            let is_stopped = self.state.exceptions().is_stopped(station);
+            let why = if is_stopped { AlarmAnswerRefusal::EmergencyStop } else { AlarmAnswerRefusal::NotAtRest };
+            return Err(why(station));
         }
         // A resource that carries and works may have another part.
         let carrier = handling.mode(firing.mode).carrier;

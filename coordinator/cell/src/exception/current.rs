@@ -1,4 +1,4 @@
-//! How things are now that an alarm or a reason is about: what it said when it was raised may have been put right since.
+//! Texts of alarms and of resources left out by the present state, which may differ from that when the alarm was raised.
 
 use linewright_line::Tick;
 
@@ -11,7 +11,7 @@ use super::fact::{AlarmSubject, OutOfServiceReason, SecuredState, SensorMismatch
 use super::standing::WrongRest;
 use crate::texts::alarm::{self, AlarmText, StationStanding};
 
-/// What keeps a resource by itself from being counted on.
+/// Present finding about a resource that is left out by rule.
 enum ResourceFinding {
     Mismatch(SensorMismatch),
     WrongRest(WrongRest),
@@ -19,16 +19,22 @@ enum ResourceFinding {
 }
 
 impl Coordination {
-    /// Standing of a station of a failed activity, by its last report where that says more than the record.
+    /// Standing of a station of a failed activity, with an emergency stop of its own before anything else.
     pub(crate) fn standing_now(&self, now: Tick, firing: FiringId, order: &OngoingOrder) -> StationStanding {
-        let exceptions = self.state().exceptions();
-        let heard = self.fresh(now, order.station);
-        let has_left = heard.is_some_and(|heard| heard.slot.is_none());
-        let is_at_rest = has_left && heard.is_some_and(|heard| heard.rest.is_some());
-        if exceptions.is_stopped(order.station) {
+        if self.state().exceptions().is_stopped(order.station) {
             return StationStanding::EmergencyStop;
         }
-        if heard.is_some_and(|heard| heard.is_held) {
+        self.standing_if_reset(now, firing, order)
+    }
+
+    /// Standing of a station of a failed activity: by the station's last report where that is fresh and more exact than the
+    /// record, otherwise by the record.
+    pub(crate) fn standing_if_reset(&self, now: Tick, firing: FiringId, order: &OngoingOrder) -> StationStanding {
+        let exceptions = self.state().exceptions();
+        let received = self.fresh(now, order.station);
+        let has_left = received.is_some_and(|received| received.slot.is_none());
+        let is_at_rest = has_left && received.is_some_and(|received| received.rest.is_some());
+        if received.is_some_and(|received| received.is_held) {
             return StationStanding::Held;
         }
         match (exceptions.stands(firing, order.key), order.state) {
@@ -56,7 +62,7 @@ impl Coordination {
                 ResourceFinding::Mismatch(found) => {
                     let can_be_gone = found.model && of.words.iter().any(|word| word == alarm::GONE);
                     let missing = self.state().resting(resource).map(|(_, part)| part).filter(|_| can_be_gone);
-                    alarm::mismatch(self.state().table().handling(), &found, missing)
+                    alarm::mismatch(self.state(), &found, missing)
                 }
                 ResourceFinding::WrongRest(found) => alarm::wrong_rest(self.state(), &found),
                 ResourceFinding::Nothing => {
@@ -78,13 +84,13 @@ impl Coordination {
         })
     }
 
-    /// What is found of a resource; none if that cannot be said: its station or sensor is not received, it stands at no rest, or
-    /// something is under way there.
+    /// Present finding about a resource. None while it cannot be determined: its station is not received, its sensor or rest is
+    /// unknown, or an activity or order is in progress there.
     fn found_now(&self, now: Tick, resource: ResourceId) -> Option<ResourceFinding> {
         let handling = self.state().table().handling();
         let of = handling.resource(resource)?;
         let station = of.station?;
-        let heard = self.fresh(now, station).filter(|_| !self.is_in_use(resource, None))?;
+        let received = self.fresh(now, station).filter(|_| !self.is_in_use(resource, None))?;
         if let Some(found) = self.difference(resource) {
             return Some(ResourceFinding::Mismatch(found));
         }
@@ -92,7 +98,7 @@ impl Coordination {
             return Some(ResourceFinding::WrongRest(found));
         }
         let rests = handling.rests.iter().any(|of| of.station == station);
-        let is_known = (heard.rest.is_some() || !rests) && (heard.presence.is_known() || !of.is_sensed);
+        let is_known = (received.rest.is_some() || !rests) && (received.presence.is_known() || !of.is_sensed);
         (is_known && self.obstacle(now, station).is_none()).then_some(ResourceFinding::Nothing)
     }
 }

@@ -167,7 +167,8 @@ impl Coordination {
         limit.chain(again).chain(missed).min()
     }
 
-    /// Permitted answers for a failed activity.
+    /// Permitted answers for a failed activity. Where `redo` has been answered as often as it may be, its word decides anew,
+    /// unless another answer says as much: the part may well be where it was.
     pub(super) fn answers(&self, firing: &OngoingActivity, cause: ActivityFailure) -> Vec<PermittedAnswer> {
         let handling = self.state.table().handling();
         let (rule, handled) = (handling.rule(firing.mode, cause), handling.mode(firing.mode));
@@ -178,10 +179,16 @@ impl Coordination {
             (Whereabouts::Carrier, _) => handled.carrier.is_some(),
             (Whereabouts::From | Whereabouts::To, Strategy::Backward | Strategy::Forward) => true,
         };
-        let described =
-            rule.map(|rule| rule.answers.iter().filter(|answer| can_be(answer)).cloned().collect::<Vec<_>>());
-        let described = described.unwrap_or_default();
-        if described.is_empty() { usual().into_iter().filter(can_be).collect() } else { described }
+        let described = rule.map(|rule| &rule.answers[..]).unwrap_or_default();
+        if !described.iter().any(can_be) {
+            return usual().into_iter().filter(can_be).collect();
+        }
+        let has_from = described.iter().any(|answer| can_be(answer) && answer.leaves_it_where_it_was());
+        let anew = |answer: &PermittedAnswer| match can_be(answer) {
+            true => Some(answer.clone()),
+            false => answer.anew().filter(|_| !has_from),
+        };
+        described.iter().filter_map(anew).collect()
     }
 
     /// No alarm where a rule is automatic and all stations are at rest; otherwise one is raised.
@@ -295,7 +302,10 @@ impl Coordination {
         let handling = self.state.table().handling();
         let handled = handling.mode(firing.mode);
         let answers = handling.rule(firing.mode, cause).map(|rule| &rule.answers[..]).unwrap_or_default();
-        let answer = answers.iter().find(|answer| answer.ruling == *ruling);
+        let is_given = |answer: &&PermittedAnswer| {
+            answer.ruling == *ruling || answer.anew().is_some_and(|anew| anew.ruling == *ruling)
+        };
+        let answer = answers.iter().find(is_given);
         let named = answer.iter().flat_map(|answer| answer.down.iter().copied());
         let as_whom = answer.iter().flat_map(|answer| answer.down_as.iter().filter_map(|&part| handled.holder(part)));
         let mut down: Vec<_> = named.chain(as_whom).map(|id| (id, OutOfServiceReason::Rule(firing.id))).collect();
@@ -441,7 +451,7 @@ impl Coordination {
             self.leave_out(now, resource, OutOfServiceReason::Mismatch, out);
         }
         let missing = self.state.resting(resource).map(|(_, part)| part).filter(|_| found.model);
-        let text = alarm::mismatch(self.state.table().handling(), &found, missing);
+        let text = alarm::mismatch(&self.state, &found, missing);
         let alarm = AlarmId(self.state.exceptions().last_alarm + 1);
         let words = [alarm::UP].into_iter().chain(missing.map(|_| alarm::GONE)).map(str::to_owned).collect();
         let about = AlarmSubject::Resource(resource);

@@ -65,6 +65,8 @@ pub struct RestTask {
     pub button: Arc<str>,
     /// The button that takes all of it back in hand mode, from the rest where it has ended; none if none does.
     pub back: Option<Arc<str>>,
+    /// Other stations that a button of these moves too, each with the button.
+    pub shared: Vec<(Arc<str>, Arc<str>)>,
     /// One of its motions waits for inputs.
     pub waits: bool,
     /// The codes of its motions whose time was over while they waited, each with an input.
@@ -125,6 +127,19 @@ pub enum FailureMatch {
     Any,
     /// Those of this word.
     Word(Arc<str>),
+}
+
+impl PermittedAnswer {
+    /// The answer of the same word once it may not be tried again; none of other answers.
+    pub(super) fn anew(&self) -> Option<PermittedAnswer> {
+        let ruling = RecoveryDecision { then: Strategy::Backward, ..self.ruling.clone() };
+        (self.ruling.then == Strategy::Redo).then(|| PermittedAnswer { ruling, ..self.clone() })
+    }
+
+    /// Whether it says no more than that the part is where it was.
+    pub(super) fn leaves_it_where_it_was(&self) -> bool {
+        self.ruling.part == Whereabouts::From && self.down.is_empty() && self.down_as.is_empty()
+    }
 }
 
 impl Default for RecoveryPolicy {

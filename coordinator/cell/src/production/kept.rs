@@ -18,6 +18,9 @@ use super::order::ProductionOrder;
 pub(in super::super) struct SavedProduction {
     orders: Vec<ProductionOrder>,
     of_part: Vec<(PartId, ProductionId)>,
+    /// Numbers of these parts in their orders; without them those that have left were the first.
+    #[serde(default)]
+    numbers: Vec<u32>,
     leaving: Vec<(FiringId, PartId)>,
     last: u64,
 }
@@ -27,7 +30,8 @@ impl Production {
     pub(in super::super) fn kept(&self) -> SavedProduction {
         SavedProduction {
             orders: self.orders.values().cloned().collect(),
-            of_part: self.of_part.iter().map(|(&part, &id)| (part, id)).collect(),
+            of_part: self.of_part.iter().map(|(&part, &(id, _))| (part, id)).collect(),
+            numbers: self.of_part.values().map(|&(_, number)| number).collect(),
             leaving: self.leaving.iter().map(|(&firing, &part)| (firing, part)).collect(),
             last: self.last,
         }
@@ -51,11 +55,15 @@ impl Production {
             }
         }
         let mut inside: BTreeMap<ProductionId, u32> = BTreeMap::new();
+        let mut numbers = kept.numbers.into_iter();
         for (part, id) in kept.of_part {
-            if new.of_part.insert(part, id).is_some() {
+            let inside = inside.entry(id).or_default();
+            *inside += 1;
+            let done = new.orders.get(&id).map_or(0, |order| order.done);
+            let number = numbers.next().unwrap_or_else(|| done.saturating_add(*inside));
+            if new.of_part.insert(part, (id, number)).is_some() {
                 return Err(format!("{part} counts to two orders"));
             }
-            *inside.entry(id).or_default() += 1;
         }
         let counts = |order: &ProductionOrder| order.inside() == inside.remove(&order.id).unwrap_or(0);
         if !new.orders.values().all(counts) || !inside.is_empty() {

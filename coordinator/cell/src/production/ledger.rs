@@ -30,7 +30,8 @@ pub struct Production {
     enters: BTreeMap<ModeId, usize>,
     leaves: BTreeSet<ModeId>,
     pub(super) orders: BTreeMap<ProductionId, ProductionOrder>,
-    pub(super) of_part: BTreeMap<PartId, ProductionId>,
+    /// Order of each part inside, and the part's number in it.
+    pub(super) of_part: BTreeMap<PartId, (ProductionId, u32)>,
     /// Activities in progress that take a part out.
     pub(super) leaving: BTreeMap<FiringId, PartId>,
     pub(super) last: u64,
@@ -88,7 +89,12 @@ impl Production {
 
     /// Order that a part counts to; none if it has left, or was not ordered.
     pub fn order_of(&self, part: PartId) -> Option<&ProductionOrder> {
-        self.order(*self.of_part.get(&part)?)
+        self.order(self.of_part.get(&part)?.0)
+    }
+
+    /// The part's number in its order, from 1 to its quantity. A part that replaces a lost one has the number of that.
+    pub fn number_in_order(&self, part: PartId) -> Option<u32> {
+        Some(self.of_part.get(&part)?.1)
     }
 
     /// The change that makes orders of these requests, all of them or none. Those that are orders already change
@@ -206,12 +212,13 @@ impl Production {
                 Ok(())
             }
             ProductionChange::Lost(part) => {
-                let id =
+                let (id, number) =
                     self.of_part.remove(part).ok_or_else(|| ProductionMisfit(format!("{part} counts to no order")))?;
                 self.leaving.retain(|_, leaving| leaving != part);
                 if let Some(order) = self.orders.get_mut(&id) {
                     order.entered = order.entered.saturating_sub(1);
                     order.lost += 1;
+                    order.freed.push(number);
                 }
                 self.close(id, at);
                 Ok(())
@@ -326,12 +333,14 @@ impl Production {
         order.entered += 1;
         order.begun.get_or_insert(at);
         order.newest = Some(at);
-        self.of_part.insert(part, id);
+        // Numbers that are not free are those of all other parts that have entered.
+        let number = order.freed.pop().unwrap_or(order.entered);
+        self.of_part.insert(part, (id, number));
         true
     }
 
     fn leave(&mut self, part: PartId, at: Tick) -> bool {
-        let Some(id) = self.of_part.remove(&part) else { return false };
+        let Some((id, _)) = self.of_part.remove(&part) else { return false };
         if let Some(order) = self.orders.get_mut(&id) {
             order.done += 1;
             order.surplus += u32::from(order.cancelled.is_some());
@@ -393,7 +402,7 @@ impl Production {
     /// Data for a dispatcher at a time: of parts inside, and of those that may enter.
     pub fn jobs(&self, now: Tick) -> PartPriorities {
         let mut jobs = PartPriorities::default();
-        let of = |(&part, id): (&PartId, &ProductionId)| Some((part, self.orders.get(id)?.job()));
+        let of = |(&part, (id, _)): (&PartId, &(ProductionId, u32))| Some((part, self.orders.get(id)?.job()));
         jobs.parts = self.of_part.iter().filter_map(of).collect();
         let count = self.products.len();
         let mut admission = Admission { product: self.enters.clone(), wanted: vec![0; count], more: vec![None; count] };

@@ -31,6 +31,9 @@ pub struct ProductionOrder {
     pub surplus: u32,
     /// Number of parts lost; others have entered, or will, in their place.
     pub lost: u32,
+    /// Numbers in the order of lost parts that no other part has taken.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub freed: Vec<u32>,
     /// Time at which its first part entered.
     #[serde(default, with = "serial::maybe", skip_serializing_if = "Option::is_none")]
     pub begun: Option<Tick>,
@@ -97,6 +100,7 @@ impl ProductionOrder {
             done: 0,
             surplus: 0,
             lost: 0,
+            freed: Vec::new(),
             begun: None,
             newest: None,
             cancelled: None,

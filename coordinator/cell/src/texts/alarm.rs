@@ -22,13 +22,21 @@ pub(crate) fn alarm(of: &Coordination, firing: &OngoingActivity, cause: Activity
     let state = of.state();
     let handling = state.table().handling();
     let tell = handling.rule(firing.mode, cause).map(|rule| filled(&rule.tell, state, firing.mode, firing.part));
-    let tell = tell
-        .unwrap_or_else(|| AlarmText::Failed { activity: state.table().called(firing.mode), part: firing.part }.text());
-    let is_held = |order: &&OngoingOrder| of.standing_now(now, firing.id, order) == StationStanding::Held;
-    let held: Vec<String> =
-        firing.orders.iter().filter(is_held).map(|order| handling.station_name(order.station)).collect();
+    let tell = tell.unwrap_or_else(|| {
+        let part = firing.part.map(|part| super::part(state, part));
+        AlarmText::Failed { activity: state.table().called(firing.mode), part: part.as_deref() }.text()
+    });
+    let is_held = |order: &&OngoingOrder| of.standing_if_reset(now, firing.id, order) == StationStanding::Held;
+    let of_held = firing.orders.iter().filter(is_held).map(|order| order.station);
+    let held: Vec<String> = of_held.clone().map(|station| handling.station_name(station)).collect();
+    let stopped = of_held.filter(|&station| state.exceptions().is_stopped(station));
+    let stopped: Vec<String> = stopped.map(|station| handling.station_name(station)).collect();
     let text = AlarmText::WithFacts { tell: &tell, facts: &facts(of, firing, cause, now) }.text();
-    if held.is_empty() { text } else { AlarmText::LeadFirst { stations: &held.join(" and "), then: &text }.text() }
+    if held.is_empty() {
+        text
+    } else {
+        AlarmText::LeadFirst { stopped: &stopped, stations: &held.join(" and "), then: &text }.text()
+    }
 }
 
 /// The alarm again, behind what was found after an answer.
@@ -56,7 +64,9 @@ fn facts(of: &Coordination, firing: &OngoingActivity, cause: ActivityFailure, no
             && is_told(failure)
         {
             // Writing to a string does not fail.
-            let _ = write!(text, "; {}", order_failed(state, firing, order, failure));
+            let of_another = first.is_some() || matches!(cause, ActivityFailure::ByHand { .. });
+            let left = of_another.then(|| left_waiting(state, firing, order, failure)).flatten();
+            let _ = write!(text, "; {}", left.unwrap_or_else(|| order_failed(state, firing, order, failure)));
         }
     }
     let mut joint = ";";
@@ -133,20 +143,44 @@ fn is_told(failure: OrderFailure) -> bool {
 
 /// Failure of an order with the names of its station and of the inputs that were waited for.
 fn order_failed(state: &PlayerState, firing: &OngoingActivity, order: &OngoingOrder, failure: OrderFailure) -> String {
+    let text = failure.text_of(&state.table().handling().station_name(order.station));
+    let inputs = awaited(state, firing, order, failure);
+    inputs.map_or_else(|| text.clone(), |inputs| AlarmText::Awaited { failure: &text, inputs: &inputs }.text())
+}
+
+/// The same where the order was left because of another one's failure: no time was over.
+fn left_waiting(
+    state: &PlayerState,
+    firing: &OngoingActivity,
+    order: &OngoingOrder,
+    failure: OrderFailure,
+) -> Option<String> {
+    let OrderFailure::Code(code) = failure else { return None };
+    let TaskFailure::Waiting(_) = TaskFailure::from_code(code) else { return None };
+    let station = state.table().handling().station_name(order.station);
+    let inputs = awaited(state, firing, order, failure);
+    Some(AlarmText::LeftWaiting { station: &station, inputs: inputs.as_deref(), code }.text())
+}
+
+/// The inputs that an order waited for when it failed.
+fn awaited(
+    state: &PlayerState,
+    firing: &OngoingActivity,
+    order: &OngoingOrder,
+    failure: OrderFailure,
+) -> Option<String> {
     let (handling, station) = (state.table().handling(), order.station);
-    let text = failure.text_of(&handling.station_name(station));
     // Its orders are those of the activity, in their order.
     let at = firing.orders.iter().position(|of| of.key == order.key);
     let task = at.and_then(|at| state.table().activity(firing.mode).orders.get(at)).map(|of| &*of.task);
-    let inputs = match failure {
+    match failure {
         OrderFailure::Code(code) => task.and_then(|task| handling.awaited(station, task, code)),
         OrderFailure::Refused(_)
         | OrderFailure::TimedOut
         | OrderFailure::Forgotten
         | OrderFailure::Lost
         | OrderFailure::DevicesLost => None,
-    };
-    inputs.map_or_else(|| text.clone(), |inputs| AlarmText::Awaited { failure: &text, inputs: &inputs }.text())
+    }
 }
 
 /// What was found when an answer was compared: sensors contradict it.
@@ -162,14 +196,22 @@ pub(crate) fn moved(state: &PlayerState, ruling: &RecoveryDecision, station: Sta
     AlarmText::Moved { station: &name, word: &ruling.word }.text()
 }
 
+/// Whether an alarm says that the answer with this word was not taken.
+pub fn takes_back(text: &str, word: &str) -> bool {
+    let contradicted = AlarmText::Contradicted { word, found: "" }.text();
+    let moved = AlarmText::Moved { station: "", word }.text();
+    text.starts_with(contradicted.trim_end_matches('.')) || text.contains(&moved)
+}
+
 /// The carrier holds the part.
 pub(crate) fn carried(state: &PlayerState, mode: ModeId, of: Option<PartId>) -> String {
     filled(&AlarmText::Carried.text(), state, mode, of)
 }
 
 /// A sensor that contradicts the model.
-pub(crate) fn mismatch(handling: &RecoveryPolicy, found: &SensorMismatch, missing: Option<PartId>) -> String {
-    AlarmText::Mismatch { found: &difference(handling, found), missing }.text()
+pub(crate) fn mismatch(state: &PlayerState, found: &SensorMismatch, missing: Option<PartId>) -> String {
+    let missing = missing.map(|part| super::part(state, part));
+    AlarmText::Mismatch { found: &difference(state.table().handling(), found), missing: missing.as_deref() }.text()
 }
 
 /// A station at another rest than its next task begins at.
@@ -183,6 +225,11 @@ pub(crate) fn wrong_rest(state: &PlayerState, found: &WrongRest) -> String {
     let way = way.min_by_key(|task| task.waits);
     let mut ended = tasks.iter().filter(|task| (task.from, task.to) == (found.wanted, found.stands));
     let back = ended.find_map(|task| Some((task.back.as_deref()?, &*task.name)));
+    let held = [way.map(|task| &*task.button), back.map(|(button, _)| button)];
+    let all = tasks.iter().flat_map(|task| &task.shared).filter(|(button, _)| held.contains(&Some(&**button)));
+    let mut too: Vec<String> = all.map(|(button, station)| AlarmText::MovesToo { button, station }.text()).collect();
+    too.sort_unstable();
+    too.dedup();
     AlarmText::WrongRest {
         resource: handling.resource_name(found.resource),
         station: &handling.station_name(found.station),
@@ -192,6 +239,7 @@ pub(crate) fn wrong_rest(state: &PlayerState, found: &WrongRest) -> String {
         has_part: found.has_part,
         way: way.map(|task| (&*task.button, &*task.name, task.waits)),
         back,
+        too: &too,
     }
     .text()
 }
@@ -205,15 +253,17 @@ fn difference(handling: &RecoveryPolicy, found: &SensorMismatch) -> String {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlarmText<'a> {
     /// An activity failed, and its rule has no text.
-    Failed { activity: &'a str, part: Option<PartId> },
+    Failed { activity: &'a str, part: Option<&'a str> },
     /// Instruction, and the facts.
     WithFacts { tell: &'a str, facts: &'a str },
-    /// Stations between two rests; the alarm follows.
-    LeadFirst { stations: &'a str, then: &'a str },
+    /// Stations between two rests, those of them in an emergency stop of their own; the alarm follows.
+    LeadFirst { stopped: &'a [String], stations: &'a str, then: &'a str },
     /// The facts of a failed activity; how its stations stand follows.
     Facts { activity: &'a str, cause: &'a str, seconds: f64 },
     /// A failure, and the inputs that were waited for.
     Awaited { failure: &'a str, inputs: &'a str },
+    /// An order that was left while it waited for inputs, since another one had failed.
+    LeftWaiting { station: &'a str, inputs: Option<&'a str>, code: u16 },
     /// Sensors contradict an answer; the alarm follows again.
     Contradicted { word: &'a str, found: &'a str },
     /// A station moved after an answer; the alarm follows again.
@@ -221,7 +271,7 @@ pub enum AlarmText<'a> {
     /// The carrier holds the part; with placeholders.
     Carried,
     /// A sensor contradicts the model; a part that is missing may have been removed.
-    Mismatch { found: &'a str, missing: Option<PartId> },
+    Mismatch { found: &'a str, missing: Option<&'a str> },
     /// A station that stands at another rest than its next task begins at; the button and the task of a way there, and whether
     /// that waits for inputs; and the button that takes back the task that has led away from there.
     WrongRest {
@@ -233,7 +283,10 @@ pub enum AlarmText<'a> {
         has_part: bool,
         way: Option<(&'a str, &'a str, bool)>,
         back: Option<(&'a str, &'a str)>,
+        too: &'a [String],
     },
+    /// Another station that a button moves.
+    MovesToo { button: &'a str, station: &'a str },
     /// What an alarm of a resource was about is so no longer.
     Agrees { resource: &'a str },
     /// A sensor that should be on.
@@ -250,9 +303,20 @@ impl AlarmText<'_> {
             }
             AlarmText::Failed { activity, part: None } => format!("{activity} failed. Answer where the part is."),
             AlarmText::WithFacts { tell, facts } => format!("{tell} ({facts})"),
-            AlarmText::LeadFirst { stations, then } => format!("First lead {stations} to a rest in manual. {then}"),
+            AlarmText::LeadFirst { stopped: [], stations, then } => {
+                format!("First lead {stations} to a rest in manual. {then}")
+            }
+            AlarmText::LeadFirst { stopped, stations, then } => {
+                let reset: Vec<String> =
+                    stopped.iter().map(|name| format!("`linewright resource … {name} reset`")).collect();
+                format!("First {}, then lead {stations} to a rest in manual. {then}", reset.join(" and "))
+            }
             AlarmText::Facts { activity, cause, seconds } => format!("{activity}: {cause}, after {seconds} s"),
             AlarmText::Awaited { failure, inputs } => format!("{failure}: {inputs}"),
+            AlarmText::LeftWaiting { station, inputs, code } => {
+                let inputs = inputs.unwrap_or("an input");
+                format!("{station}: told to leave while it waited for {inputs} (code {code})")
+            }
             AlarmText::Contradicted { word, found } => format!("Answer \"{word}\" contradicts the sensors: {found}."),
             AlarmText::Moved { station, word } => format!("{station} moved after the answer \"{word}\"."),
             AlarmText::Agrees { resource } => {
@@ -267,7 +331,7 @@ impl AlarmText<'_> {
             AlarmText::Mismatch { found, missing: Some(part) } => {
                 format!("{found}. Correct it, then answer \"{UP}\"; if {part} was removed, answer \"{GONE}\".")
             }
-            AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way, back } => {
+            AlarmText::WrongRest { resource, station, stands, wanted, next, has_part, way, back, too } => {
                 let part = if has_part { "a part" } else { "no part" };
                 let back =
                     back.map(|(button, task)| format!("{button} (takes task \"{task}\" back, if that was the last)"));
@@ -280,11 +344,13 @@ impl AlarmText<'_> {
                     (None, Some(back)) => format!("in hand mode hold {back}"),
                     (None, None) => "in hand mode run the tasks that lead there".to_owned(),
                 };
+                let too = too.iter().map(|too| format!(" {too}.")).collect::<String>();
                 format!(
                     "{station} stands at rest \"{stands}\", but {resource} has {part}, and {next} begins at \"{wanted}\": {resource} \
-                     is not used. Bring {station} to \"{wanted}\": {way} (to hand mode: stop, wait for the standstill, start, hand). Then answer \"{UP}\"."
+                     is not used. Bring {station} to \"{wanted}\": {way} (to hand mode: stop, wait for the standstill, start, hand).{too} Then answer \"{UP}\"."
                 )
             }
+            AlarmText::MovesToo { button, station } => format!("{button} moves {station} too"),
             AlarmText::PartMissing { resource } => format!("{resource}: part expected, sensor off"),
             AlarmText::PartUnexpected { resource } => format!("{resource}: no part expected, sensor on"),
         }
@@ -302,7 +368,8 @@ fn filled(text: &str, state: &PlayerState, mode: ModeId, of: Option<PartId>) -> 
         let Some((word, after)) = behind.split_once('}') else { break };
         filled.push_str(before);
         match word {
-            "part" => filled.push_str(&of.map_or_else(|| "?".to_owned(), |PartId(number)| number.to_string())),
+            // The text has "part" before it.
+            "part" => filled.push_str(&of.map_or_else(|| "?".to_owned(), |part| super::part::number(state, part))),
             "type" => filled.push_str(&handled.part_type),
             "activity" => filled.push_str(state.table().called(mode)),
             "carrier" => filled.push_str(&name(handled.carrier)),

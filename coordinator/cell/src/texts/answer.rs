@@ -68,7 +68,8 @@ impl AlarmAnswerRefusal {
             }
             AlarmAnswerRefusal::CannotWork(id, why) => format!("{}: {}", station(id), why.text()),
             AlarmAnswerRefusal::EmergencyStop(id) => {
-                format!("{}: in emergency stop; clear the cause, then give reset", station(id))
+                let name = station(id);
+                format!("{name}: in emergency stop; clear the cause, then `linewright resource … {name} reset`")
             }
             AlarmAnswerRefusal::Open(id) => {
                 format!("{}: an activity with it failed; answer that alarm first", resource(id))

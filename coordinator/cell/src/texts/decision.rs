@@ -47,14 +47,17 @@ fn whom(part: Option<PartId>) -> String {
 }
 
 /// Reason why the other comes first.
-fn ground(by: &DecidingRule) -> String {
-    match by {
+fn ground(lost: &LostDecision) -> String {
+    match &lost.by {
         DecidingRule::Waited => "waited longer than patience_s".to_owned(),
         DecidingRule::Helps { part } => {
             format!("clears the way for {}, which waited longer than patience_s", whom(*part))
         }
         DecidingRule::Inside => "already in the cell".to_owned(),
         DecidingRule::Rule { rule, theirs, ours } => format!("by {rule} ({theirs}; the other {ours})"),
+        DecidingRule::Order if lost.with.is_some() && lost.with == lost.own => {
+            "equal for the same part; described earlier".to_owned()
+        }
         DecidingRule::Order => "waited longer, or lower part number".to_owned(),
     }
 }
@@ -74,8 +77,8 @@ fn leads(gain: &Gain) -> String {
 /// Reason why something was held.
 pub fn reason(table: &CellTable, reason: &HoldReason) -> String {
     match reason {
-        HoldReason::LostTo(LostDecision { to, with, own: _, by }) => {
-            format!("{} goes first: {}", named(table, *to, *with), ground(by))
+        HoldReason::LostTo(lost) => {
+            format!("{} goes first: {}", named(table, lost.to, lost.with), ground(lost))
         }
         HoldReason::NotYet(until) => format!("scheduled not before {}", moment(*until)),
         HoldReason::ReservedFor { part, mode } => {
@@ -111,7 +114,7 @@ pub fn decision(table: &CellTable, started: &[(ModeId, Option<PartId>)], held: &
         let mut joint = ",";
         for (loser, lost) in lost {
             // Writing to a string does not fail.
-            let _ = write!(line, "{joint} before {}: {}", named(table, loser, lost.own), ground(&lost.by));
+            let _ = write!(line, "{joint} before {}: {}", named(table, loser, lost.own), ground(lost));
             joint = ";";
         }
         if joint == "," {

@@ -8,10 +8,12 @@ pub mod alarm;
 mod answer;
 pub(crate) mod decision;
 mod failure;
+mod part;
 mod production;
 mod service;
 pub(crate) mod wait;
 
 pub use answer::answer_refused;
 pub use decision::{called, decision, named, reason};
+pub use part::part;
 pub use wait::{CellWait, TokenOwner, failed, recovery};

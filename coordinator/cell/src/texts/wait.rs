@@ -12,15 +12,15 @@ pub enum CellWait<'a> {
     /// There is no such part.
     NotInCell(PartId),
     /// The part is in an activity.
-    UnderWay { part: PartId, activity: &'a str },
+    UnderWay { part: &'a str, activity: &'a str },
     /// The part rests, `in` a resource or `on` a place.
-    Resting { part: PartId, place: &'a str, seconds: f64 },
+    Resting { part: &'a str, place: &'a str, seconds: f64 },
     /// No activity takes the part.
     NoWay,
     /// An activity that could take the part, and why it does not.
     Activity { activity: &'a str, why: &'a str },
     /// Another part is taken first.
-    First(PartId),
+    First(&'a str),
     /// Tokens are missing; where they are. Before, how many seconds ago, it was held for a reason.
     Tokens { owners: &'a str, held: Option<(f64, &'a str)> },
     /// All servers are in use.

@@ -1,13 +1,13 @@
-//! Alarm given by hand: stations of the resource stop, and are put right like others that stand half-way.
+//! Alarm given by hand: stations of the resource stop, and are put right like others that stand half-way. Answers each time.
 
 use linewright_coordinator_cell::dispatch::why_resource;
-use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest};
+use linewright_coordinator_cell::exception::{AlarmAnswerRefusal, OutOfServiceReason, ResourceRequest, Strategy};
 use linewright_coordinator_cell::{
     ActivityFailure, ActivityPhase, OngoingActivity, PlayerInput, StationUnavailable, TaskOutcome,
 };
 use linewright_orders::TaskFailure;
 
-use super::bench::Bench;
+use super::bench::{Bench, workcell};
 
 #[test]
 fn a_person_can_give_alarm_of_a_machine() {
@@ -116,4 +116,32 @@ fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed()
         ]
     );
     assert_eq!(why_resource(&bench.sim.coordination, now, m3), ["M3 in service."]);
+}
+
+/// What the alarm asks for can be answered each time: the part is back where it was, also when it is not tried again.
+#[test]
+fn a_word_that_may_not_be_tried_again_decides_anew() {
+    let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 1\ndown = [\"to\"]"), &[1, 0]);
+    let first = bench.load_fails();
+    let ruling = |bench: &Bench| {
+        let rulings = bench.sim.coordination.rulings(bench.alarm().id);
+        rulings.into_iter().map(|ruling| (ruling.word, ruling.then)).collect::<Vec<_>>()
+    };
+    assert_eq!(ruling(&bench)[0], ("in-store".to_owned(), Strategy::Redo));
+    bench.answer("in-store");
+    bench.closed(first.id);
+    let m1 = bench.resource("M1");
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
+    let again = bench.load_fails();
+    let words: Vec<_> =
+        [("in-store", Strategy::Backward), ("in-machine", Strategy::Forward), ("scrap", Strategy::Backward)]
+            .into_iter()
+            .map(|(word, then)| (word.to_owned(), then))
+            .collect();
+    assert_eq!(ruling(&bench), words);
+    bench.answer("in-store");
+    bench.closed(again.id);
+    bench.hear();
+    assert_eq!(bench.down()[0].0, "M1", "what the rule leaves out is left out all the same");
+    assert!(bench.state().parts().len() == 1, "the part is kept");
 }

@@ -50,6 +50,12 @@ fn its_stations_stop_and_the_resources_are_left_out() {
     let text = bench.alarm().text.clone();
     assert!(text.ends_with("robot: in emergency stop, m1: in emergency stop)"), "{text}");
     assert!(bench.at("m1").is_held && bench.at("robot").is_held);
+    let first = ["robot", "m1"].map(|name| format!("`linewright resource … {name} reset`")).join(" and ");
+    assert!(text.starts_with(&format!("First {first}, then lead robot and m1 to a rest in manual. ")), "{text}");
+    let asked = ResourceRequest::Answer(bench.alarm().id);
+    bench.answer("in-store");
+    let stopped = AlarmAnswerRefusal::EmergencyStop(robot);
+    assert_eq!(bench.objections().last(), Some(&(asked, stopped)), "in manual it would not move");
 }
 
 /// Answered, led to a rest and up: none of it is possible without a reset, or instead of one.

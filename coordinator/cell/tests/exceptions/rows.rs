@@ -255,7 +255,7 @@ fn an_automatic_rule_asks_when_its_retries_are_used_up() {
         .collect();
     assert_eq!(
         (by, bench.alarm().words.as_slice()),
-        (vec![AnsweredBy::Rule; 2], &["in-machine".to_owned(), "scrap".to_owned()][..])
+        (vec![AnsweredBy::Rule; 2], &["in-store", "in-machine", "scrap"].map(str::to_owned)[..])
     );
     assert_eq!(bench.state().exceptions().times(firing.mode, firing.part), 2);
     // An alarm is raised as well where a station is not at rest.

@@ -203,6 +203,19 @@ fn an_alarm_names_the_inputs_that_were_waited_for() {
     assert!(text.contains("robot: awaited input not on in time (code 22): m1_clamped, after"), "{text}");
 }
 
+/// No time was over at a station that is told to leave since another one has failed: nothing is wrong with its sensor.
+#[test]
+fn an_order_left_while_it_waited_is_not_called_late() {
+    let mut bench = Bench::c1_of_its_line(&[1, 0]);
+    bench.at("robot").fails_with = Some(22);
+    bench.at("m1").is_stuck = true;
+    bench.at("m1").waits_code = Some(12);
+    bench.until_that(|bench| bench.state().exceptions().alarms().len() > 0);
+    let text = bench.alarm().text.clone();
+    assert!(text.contains("robot: awaited input not on in time (code 22): m1_clamped, after"), "{text}");
+    assert!(text.contains("; m1: told to leave while it waited for part_present (code 12); robot"), "{text}");
+}
+
 #[test]
 fn a_station_stands_for_its_only_resource() {
     let bench = Bench::c1(&[1, 0]);

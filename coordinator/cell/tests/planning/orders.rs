@@ -234,11 +234,11 @@ fn production_orders_outlive_their_coordinator() {
     }
 }
 
-/// For a part that is lost another one enters.
+/// For a part that is lost another one enters, and has its number in the order.
 #[test]
 fn a_lost_part_is_replaced() {
     let (made, mut production) = book();
-    accept(&mut production, at(0), &[request(1, &("A", 1, None))]);
+    accept(&mut production, at(0), &[request(1, &("A", 3, None))]);
     let enter = made.mode("enter<A.new>");
     let entering = |firing: u64, part: u64| Record {
         at: at(1),
@@ -249,17 +249,21 @@ fn a_lost_part_is_replaced() {
             orders: Vec::new(),
         },
     };
-    assert!(production.note(&entering(1, 1)).unwrap());
+    for part in 1..=3 {
+        assert!(production.note(&entering(part, part)).unwrap());
+    }
     let missing = |production: &Production| production.missing().count();
     assert_eq!(missing(&production), 0);
     let lost = changed(at(2), ProductionChange::Lost(PartId(1)));
     production.note(&lost).unwrap();
     assert_eq!((missing(&production), production.named("order 1").unwrap().lost), (1, 1));
     production.note(&lost).unwrap_err();
-    assert!(production.note(&entering(2, 2)).unwrap());
-    assert_eq!(production.order_of(PartId(2)).unwrap().id, ProductionId(1));
+    assert!(production.note(&entering(4, 4)).unwrap());
+    assert_eq!(production.order_of(PartId(4)).unwrap().id, ProductionId(1));
+    let numbers = |production: &Production| [1, 2, 3, 4].map(|part| production.number_in_order(PartId(part)));
+    assert_eq!(numbers(&production), [None, Some(2), Some(3), Some(1)]);
     // One without an order counts to nothing.
-    assert!(!production.note(&entering(3, 3)).unwrap());
+    assert!(!production.note(&entering(5, 5)).unwrap());
 }
 
 /// A change that does not follow from what was written before is refused, and nothing changes.

@@ -294,7 +294,7 @@ impl LineTracking {
         if mode == "e-stop" {
             stopped(StopKind::EmergencyStop, String::new())
         } else if let Some((station, text)) = self.known.faults.first_key_value() {
-            stopped(StopKind::Alarm, format!("{}: {text}", name(station)))
+            stopped(StopKind::Alarm, format!("{}: {}", name(station), unmeasured(text)))
         } else if let Some(station) = self.known.unheard.first() {
             stopped(StopKind::NotHeard, format!("{}: no state received", name(station)))
         } else if let Some(station) = self.known.without_devices.first() {
@@ -334,9 +334,43 @@ fn cause(why: &str) -> String {
     text + rest
 }
 
+/// A fault without the times that were measured as it came: how long nothing was heard, and when it is tried again.
+fn unmeasured(fault: &str) -> String {
+    ["; tried again in ", " for "].iter().fold(fault.to_owned(), |text, before| without_ms(&text, before))
+}
+
+/// The text without each number of milliseconds that follows these words, and without the words.
+fn without_ms(text: &str, before: &str) -> String {
+    let mut parts = text.split(before);
+    let mut kept = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let behind = part.trim_start_matches(|c: char| c.is_ascii_digit());
+        match behind.strip_prefix(" ms") {
+            Some(behind) if behind.len() + 3 < part.len() => kept.push_str(behind),
+            _ => kept.extend([before, part]),
+        }
+    }
+    kept
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_fault_has_no_time_that_was_measured_as_it_came() {
+        for (fault, cause) in [
+            ("clamp (node 06h): no heartbeat (1017h) for 201 ms", "clamp (node 06h): no heartbeat (1017h)"),
+            (
+                "io (10.0.0.4:502 unit 1): not asked for 152 ms; tried again in 99 ms; look",
+                "io (10.0.0.4:502 unit 1): not asked; look",
+            ),
+            ("waits for ms, for 2 s; for  ms", "waits for ms, for 2 s; for  ms"),
+            ("", ""),
+        ] {
+            assert_eq!(unmeasured(fault), cause);
+        }
+    }
 
     #[test]
     fn a_cause_has_no_number_of_a_cycle() {

@@ -5,4 +5,5 @@ mod feeding;
 mod line;
 mod outages;
 mod played;
+mod retention;
 mod rows;

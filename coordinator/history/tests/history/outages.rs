@@ -164,6 +164,30 @@ fn a_file_that_is_replaced_is_opened_again_and_the_old_one_is_whole() {
     assert_eq!(notes(&moved), [(AT(5), said("old"))]);
 }
 
+/// A backup is copied over the file while it is written: what the write-ahead log has of the old one does not get into it.
+#[test]
+fn a_backup_that_is_copied_over_the_file_stays_what_it_is() {
+    let (dir, path) = scratch();
+    let backup = dir.path().join("backup.db");
+    {
+        let mut history = History::create(&backup, &about()).unwrap();
+        (1..200).for_each(|at| history.note(AT(at), &said("backup")).unwrap());
+    }
+    let mut feed = feed(&path);
+    for at in 1000..1400 {
+        wait_for("it takes notes", || feed.offer_note(AT(at), said("old")));
+    }
+    wait_for("it is written", || count(&path) == 400);
+    std::fs::write(&path, std::fs::read(&backup).unwrap()).unwrap();
+    feed.offer_note(AT(2000), said("new"));
+    wait_for("it goes on", || feed.resumed() == 1);
+    assert!(matches!(&all_news(&feed)[..], [HistoryNews::Replaced { .. }]));
+    feed.end_within(Duration::from_secs(20));
+    let mut expected: Vec<_> = (1..200).map(|at| (AT(at), said("backup"))).collect();
+    expected.push((AT(2000), said("new")));
+    assert!(notes(&path) == expected, "{:?}", notes(&path).len());
+}
+
 #[test]
 fn a_file_that_is_removed_or_cut_off_is_begun_anew() {
     for cut in [None, Some(0), Some(5000)] {

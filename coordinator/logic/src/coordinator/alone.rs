@@ -10,7 +10,7 @@ use linewright_line::net::ControlMode;
 
 use super::{Coordinator, StationEntry, StationView};
 use crate::refusal::ModeRefusal;
-use crate::texts::ModeText;
+use crate::texts::{ModeText, reason_texts};
 
 impl Coordinator {
     /// Leaves these stations out, and no others: their faults are exceptions of the cell they work in (found by the
@@ -123,7 +123,10 @@ impl Coordinator {
     pub fn text_with(&self, stopped_at: &str) -> String {
         let name = |id| self.line.station(id).name.as_str();
         let stations = || self.line.station_ids().zip(&self.stations);
-        let texts = |reasons: &[ModeRefusal]| reasons.iter().map(|reason| reason.text(&self.line)).collect();
+        let texts = |reasons: &[ModeRefusal]| reason_texts(reasons, &self.line, |_| String::new());
+        let troubles = self.troubles_in(self.mode);
+        let is_other = |reasons: &[ModeRefusal]| reasons.iter().any(|reason| !troubles.contains(reason));
+        let ended = self.ended.as_ref().filter(|(_, reasons)| is_other(reasons));
         let text = ModeText {
             stopping: self.stopping,
             stop: self.estop.map(|(cause, _)| cause.text(&self.line)),
@@ -132,8 +135,8 @@ impl Coordinator {
             waiting: self.waiting_for().into_iter().map(name).collect(),
             without: stations().filter(|(_, station)| station.isolated).map(|(id, _)| name(id)).collect(),
             stopped: stations().filter(|(_, station)| station.stopped).map(|(id, _)| name(id)).collect(),
-            troubles: texts(&self.troubles_in(self.mode)),
-            ended: self.ended.as_ref().map(|(mode, reasons)| (*mode, texts(reasons))),
+            ended: ended.map(|(mode, reasons)| (*mode, texts(reasons))),
+            troubles: texts(&troubles),
         };
         text.text(self.mode)
     }

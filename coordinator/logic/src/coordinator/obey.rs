@@ -43,7 +43,10 @@ impl Coordinator {
             (M::EStop, C::Reset) => self.reset(),
             (M::EStop, C::Manual) if self.estop.is_some() => vec![ModeRefusal::EStop],
             (M::EStop, C::Manual) | (M::StandBy, C::Manual) => self.go_manual(),
-            (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) if self.estop.is_none() => wrong_mode(&[C::Manual], &[]),
+            (M::EStop, C::Stop) if self.estop.is_none() => wrong_mode(&[C::Manual], &[]),
+            (M::EStop, C::Start | C::Auto | C::Hand) if self.estop.is_none() => {
+                wrong_mode(&[C::Manual], &[C::Manual, command])
+            }
             (M::EStop, C::Start | C::Stop | C::Auto | C::Hand) => vec![ModeRefusal::EStop],
             (M::Home, C::Start) => {
                 self.found();

@@ -6,3 +6,4 @@ mod mode;
 mod refusal;
 
 pub use mode::ModeText;
+pub(crate) use refusal::reason_texts;

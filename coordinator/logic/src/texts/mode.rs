@@ -24,7 +24,7 @@ pub struct ModeText<'a> {
     pub stopped: Vec<&'a str>,
     /// Reasons against other modes.
     pub troubles: Vec<String>,
-    /// The mode that ended by itself last, and why; until the next command.
+    /// The mode that ended by itself last, and why; until the next command, and where that is no trouble now.
     pub ended: Option<(ControlMode, Vec<String>)>,
 }
 
@@ -56,9 +56,7 @@ impl ModeText<'_> {
         if !self.stopped.is_empty() {
             text.push_str(&format!(", {} in emergency stop", self.stopped.join(" and ")));
         }
-        if let Some((mode, reasons)) = &self.ended
-            && reasons.iter().any(|reason| !self.troubles.contains(reason))
-        {
+        if let Some((mode, reasons)) = &self.ended {
             text.push_str(&format!(", {mode} ended ({})", reasons.join("; ")));
         }
         if !self.troubles.is_empty() {

@@ -1,6 +1,6 @@
 //! Refused commands: why the mode does not change, and what to do.
 
-use linewright_line::{Line, Owner};
+use linewright_line::{Device, Line, Owner};
 
 use crate::decision::ModeCommand;
 use crate::refusal::{ModeRefusal, RefusedCommand};
@@ -18,28 +18,36 @@ impl RefusedCommand {
 
     /// The same, with the diagnostics of an owner's devices that are lost (empty where it is unknown).
     pub fn text_with(&self, line: &Line, trouble: impl Fn(Owner) -> String) -> String {
-        let reason_text = |reason: &ModeRefusal| {
-            let trouble = match reason {
-                ModeRefusal::DevicesLost(station) => trouble(Owner::Station(*station)),
-                ModeRefusal::ConsoleLost | ModeRefusal::ConsoleNeverHeard => trouble(Owner::Console),
-                _ => String::new(),
-            };
-            let text = reason.text(line);
-            if trouble.is_empty() { text } else { format!("{text}: {trouble}") }
+        let trouble_of = |reason: &ModeRefusal| match reason {
+            ModeRefusal::DevicesLost(station) => trouble(Owner::Station(*station)),
+            ModeRefusal::ConsoleLost | ModeRefusal::ConsoleNeverHeard => trouble(Owner::Console),
+            _ => String::new(),
         };
-        let apart = |reason: &ModeRefusal| match reason {
-            ModeRefusal::NoCommonStart(station) => Some(line.station(*station).name.as_str()),
-            _ => None,
-        };
-        let mut reasons: Vec<String> =
-            self.reasons.iter().filter(|reason| apart(reason).is_none()).map(reason_text).collect();
-        // What all of them lack is said once.
-        let without: Vec<&str> = self.reasons.iter().filter_map(apart).collect();
-        if !without.is_empty() {
-            reasons.push(format!("{}: {NO_COMMON_START}", without.join(", ")));
-        }
+        let reasons = reason_texts(&self.reasons, line, trouble_of);
         format!("{} refused in {}: {}", self.command.name(), self.mode, reasons.join("; "))
     }
+}
+
+/// The reasons, each with what is known of its cause (empty where nothing is). What several stations lack is one reason.
+pub(crate) fn reason_texts(
+    reasons: &[ModeRefusal],
+    line: &Line,
+    trouble: impl Fn(&ModeRefusal) -> String,
+) -> Vec<String> {
+    let apart = |reason: &ModeRefusal| match reason {
+        ModeRefusal::NoCommonStart(station) => Some(line.station(*station).name.as_str()),
+        _ => None,
+    };
+    let text = |reason: &ModeRefusal| {
+        let (text, trouble) = (reason.text(line), trouble(reason));
+        if trouble.is_empty() { text } else { format!("{text}: {trouble}") }
+    };
+    let mut texts: Vec<String> = reasons.iter().filter(|reason| apart(reason).is_none()).map(text).collect();
+    let without: Vec<&str> = reasons.iter().filter_map(apart).collect();
+    if !without.is_empty() {
+        texts.push(format!("{}: {NO_COMMON_START}", without.join(", ")));
+    }
+    texts
 }
 
 impl ModeRefusal {
@@ -76,7 +84,13 @@ impl ModeRefusal {
             ModeRefusal::PositionLost(station) => {
                 let described = line.station(*station);
                 let turns = described.op_ids().any(|op| described.index_of(op).is_some());
-                let text = if turns { "position lost; see its fault, look, then rejoin" } else { POSITION_LOST };
+                let of_station = line.devices_of(Owner::Station(*station)).filter_map(Device::drive);
+                let is_homed = of_station.into_iter().any(|drive| drive.index.is_some() && drive.homing.is_some());
+                let text = match (turns, is_homed) {
+                    (true, true) => "position lost; see its fault: home its drive in manual, or look, then rejoin",
+                    (true, false) => "position lost; see its fault, look, then rejoin",
+                    (false, _) => POSITION_LOST,
+                };
                 (station, text)
             }
             ModeRefusal::NoCommonStart(station) => (station, NO_COMMON_START),

@@ -3,11 +3,12 @@
 //! The thread of the cell writes a step's records into the log ([`super::CellLog::write`]), sends the messages, and then passes
 //! the records to the history, which never blocks. At the beginning of a life the two are compared, and what the database lacks
 //! is read from the log. A snapshot removes the records before it from the log, so a snapshot is written only when
-//! [`HistoryFeeder::has`] confirms that nothing is lost by it, or while the database cannot be written: the log stays bounded,
+//! [`HistoryFeeder::has`] confirms that nothing is lost by it, or while the database could not be written for long: the log stays bounded,
 //! and the database says what is missing in it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use linewright_cell::Cell;
 use linewright_coordinator_cell::compile::{CompiledCell, sheet};
@@ -30,20 +31,11 @@ pub struct HistoryFeeder {
 }
 
 impl HistoryFeeder {
-    /// Begins a life: `state` is that of the log at `log`, which is the one that is written from here on.
-    pub fn begin(history: History, log: &Path, state: &PlayerState) -> Self {
-        let source = LogRecords { path: log.to_owned() };
-        HistoryFeeder {
-            recorder: HistoryFeed::start(history, Box::new(source), state.sequence()),
-            faults: BTreeMap::new(),
-            resumed: 0,
-        }
-    }
-
-    /// Begins a life as well, with a database that is opened on the thread that feeds it, and again after each failure.
-    pub fn open(path: &Path, about: CellAbout, log: &Path, state: &PlayerState) -> Self {
+    /// Begins a life: `state` is that of the log at `log`, which is the one that is written from here on. The database is
+    /// opened on the thread that feeds it, and again after each failure.
+    pub fn open(path: &Path, about: CellAbout, log: &Path, state: &PlayerState, retention: Option<Duration>) -> Self {
         let (path, source) = (path.to_owned(), LogRecords { path: log.to_owned() });
-        let open = move || History::open(&path, &about);
+        let open = move || Ok(History::open(&path, &about)?.keeping(retention));
         HistoryFeeder {
             recorder: HistoryFeed::of_log(open, Box::new(source), state.sequence()),
             faults: BTreeMap::new(),
@@ -109,6 +101,7 @@ pub(super) fn begin(
     dir: &Path,
     (cell, line, made): (&Cell, &Line, &CompiledCell),
     state: &PlayerState,
+    retention: Option<Duration>,
 ) -> HistoryFeeder {
     let about = CellAbout {
         cell: cell.name.clone(),
@@ -118,7 +111,7 @@ pub(super) fn begin(
         stations: line.stations.iter().map(|station| station.name.clone()).collect(),
         sheet: sheet(cell, made),
     };
-    HistoryFeeder::open(&dir.join("cell.db"), about, &dir.join("cell.log"), state)
+    HistoryFeeder::open(&dir.join("cell.db"), about, &dir.join("cell.log"), state, retention)
 }
 
 /// The log on disk, read beside its writer.

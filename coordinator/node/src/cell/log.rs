@@ -7,14 +7,15 @@
 //!
 //! # When it is on the disk
 //! [`CellLog::write`] takes what a step of the player left. Records are written at once, which a killed process survives; if
-//! the step sends a message or reply, they and all before them are on the disk before that returns, which a power cut survives.
+//! the step sends a message, or a person waits for a reply, they and all before them are on the disk before that returns, which a
+//! power cut survives.
 //! Records that nothing was sent about may be lost by one: they are then received, or decided, again.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use linewright_coordinator_cell::{CellSnapshot, CellTable, PlayerOutbox, PlayerState, Record};
-use linewright_node_shell::log::{LogEntry, LogError, RecordLog};
+use linewright_node_shell::log::{Disk, LogEntry, LogError, RecordLog};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -22,6 +23,8 @@ use thiserror::Error;
 const FORMAT: u32 = 1;
 /// After so many records a log begins anew, with a snapshot. A record has some hundred bytes.
 pub const RECORDS_MAX: u64 = 10_000;
+/// A log waits so long for a database that cannot be written.
+const RECORDS_KEPT_MAX: u64 = 10 * RECORDS_MAX;
 
 /// Reason why the log of a cell cannot be used.
 #[derive(Debug, Error)]
@@ -75,6 +78,8 @@ pub struct CellLog {
     log: RecordLog,
     /// Since the last snapshot.
     records: u64,
+    /// Records at which a snapshot is due: more after one that failed.
+    long: u64,
 }
 
 /// A log, and its contents.
@@ -94,10 +99,18 @@ impl CellLog {
     /// # Errors
     /// When there is a log and it cannot be used, or is about another cell or another description of it.
     pub fn open(path: &Path, cell: &str, table: &Arc<CellTable>) -> Result<OpenedLog, CellLogError> {
+        Self::open_on(Disk::default(), path, cell, table)
+    }
+
+    /// The same on a disk of the caller's.
+    ///
+    /// # Errors
+    /// As [`CellLog::open`].
+    pub fn open_on(disk: Disk, path: &Path, cell: &str, table: &Arc<CellTable>) -> Result<OpenedLog, CellLogError> {
         let expected = LogIdentity { format: FORMAT, cell: cell.to_owned(), table: format!("{:016x}", table.digest()) };
         let (mut state, mut records) = (PlayerState::new(table.clone()), 0);
         let mut difference = None;
-        let opened = RecordLog::open(path, &serde_json::to_vec(&expected)?, |entry| match entry {
+        let opened = RecordLog::open_on(disk, path, &serde_json::to_vec(&expected)?, |entry| match entry {
             LogEntry::Identity(bytes) => {
                 let is: LogIdentity = serde_json::from_slice(bytes).map_err(|_| "it is no log of a cell".to_owned())?;
                 difference = is.difference(&expected);
@@ -115,7 +128,7 @@ impl CellLog {
             }
         });
         match (opened, difference) {
-            (Ok((log, cut)), _) => Ok(OpenedLog { log: CellLog { log, records }, state, cut }),
+            (Ok((log, cut)), _) => Ok(OpenedLog { log: CellLog { log, records, long: RECORDS_MAX }, state, cut }),
             (Err(_), Some((is, expected))) => Err(CellLogError::Other { path: path.to_owned(), is, expected }),
             (Err(error), None) => Err(error.into()),
         }
@@ -127,10 +140,7 @@ impl CellLog {
     /// When it cannot be written. Nothing of it may then be sent.
     pub fn write(&mut self, out: &PlayerOutbox) -> Result<(), CellLogError> {
         self.append(&out.records)?;
-        if !out.sends.is_empty() || !out.replies.is_empty() {
-            self.log.sync()?;
-        }
-        Ok(())
+        if out.needs_disk() { self.sync() } else { Ok(()) }
     }
 
     /// Writes down records that nothing is sent for yet.
@@ -138,6 +148,9 @@ impl CellLog {
     /// # Errors
     /// When they cannot be written.
     pub fn append(&mut self, records: &[Record]) -> Result<(), CellLogError> {
+        if records.is_empty() {
+            return Ok(());
+        }
         let lines = records.iter().map(serde_json::to_vec).collect::<Result<Vec<_>, _>>()?;
         self.log.append(lines.iter().map(Vec::as_slice))?;
         self.records += records.len() as u64;
@@ -154,17 +167,49 @@ impl CellLog {
 
     /// Whether there are so many records that a snapshot should take their place.
     pub fn is_long(&self) -> bool {
-        self.records >= RECORDS_MAX
+        self.records >= self.long
+    }
+
+    /// Whether there are so many that the log is shortened although the database lacks some of them.
+    pub fn is_very_long(&self) -> bool {
+        self.records >= RECORDS_KEPT_MAX
     }
 
     /// Puts a snapshot in the place of all records. `state` is the state they lead to.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When it cannot be written. Unless the log has failed, it goes on without; the next is due later.
     pub fn begin_anew(&mut self, state: &PlayerState) -> Result<(), CellLogError> {
+        self.long = self.records + RECORDS_MAX / 10;
         self.log.begin_anew(&serde_json::to_vec(&state.snapshot())?)?;
-        self.records = 0;
+        (self.records, self.long) = (0, RECORDS_MAX);
         Ok(())
+    }
+
+    /// Whether a snapshot alone makes it usable again.
+    pub fn has_failed(&self) -> bool {
+        self.log.has_failed()
+    }
+
+    /// Takes room on the disk for so many bytes of records.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn make_room(&mut self, least: u64) -> Result<(), CellLogError> {
+        Ok(self.log.make_room(least)?)
+    }
+
+    /// Bytes of records for which there is room whatever becomes of the disk.
+    pub fn room(&self) -> u64 {
+        self.log.room()
+    }
+
+    /// Finds out whether the disk can be written, changing nothing.
+    ///
+    /// # Errors
+    /// When it cannot.
+    pub fn probe(&mut self) -> Result<(), CellLogError> {
+        Ok(self.log.probe()?)
     }
 
     /// The file that is being written, and how long it is.

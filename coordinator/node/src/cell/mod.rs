@@ -3,14 +3,17 @@
 //! What happens next is decided in [`linewright_coordinator_cell`]; here it is written down, sent and published.
 
 mod history;
+mod keeping;
 mod log;
 mod pending_replies;
 mod play;
+mod requests;
 mod topics;
 mod why;
 mod wire;
 mod words;
 
 pub use history::HistoryFeeder;
+pub use keeping::{CellLogKeeper, ROOM_BYTES};
 pub use log::{CellLog, CellLogError, OpenedLog, RECORDS_MAX};
 pub use play::{CellError, CellNodeOptions, CellThread};

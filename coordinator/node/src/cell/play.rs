@@ -12,29 +12,28 @@ use linewright_cell::Cell;
 use linewright_cell::net::Supply;
 use linewright_coordinator_cell::compile::{OrderTiming, Unplayable, compile_cell, schedule_follower};
 use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes};
-use linewright_coordinator_cell::exception::{RecoveryPolicy, ResourceRequest, StationUnavailable};
-use linewright_coordinator_cell::production::ProductionOrderRequest;
+use linewright_coordinator_cell::exception::{RecoveryPolicy, StationUnavailable};
 use linewright_coordinator_cell::schedule::{PlanActualBar, ScheduleFollower};
 use linewright_coordinator_cell::{
-    AlarmId, CellEvent, CellMessage, Coordination, OldEpoch, OrderKey, PlayerInput, PlayerOutbox, ProductionCommand,
-    RecordKind, RequestId, TaskReply as Answered, TaskReport,
+    CellEvent, CellMessage, Coordination, OldEpoch, PlayerInput, PlayerOutbox, RecordKind,
 };
 use linewright_history::Note;
-use linewright_line::{InputId, Line, StationId, Tick};
-use linewright_msgs::{CellState, SetResourceRequest, SetResourceResponse, SubmitOrders, WhyNotResponse};
-use linewright_node_line::quoted;
-use linewright_node_shell::{Forward, RosNode, ServiceReply, TopicError, fresh_key, stamp};
+use linewright_line::{InputId, Line, Tick};
+use linewright_msgs::{CellState, WhyNotResponse};
+use linewright_node_shell::{Forward, RosNode, TopicError, stamp};
 use linewright_station_shell::NewestBySequence;
 use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::history::{HistoryFeeder, begin};
-use super::log::{CellLog, CellLogError, known};
-use super::pending_replies::{AnsweringOperator, PendingReplies, Requester, denied_all};
+use super::keeping::CellLogKeeper;
+use super::log::{CellLogError, known};
+use super::pending_replies::PendingReplies;
+use super::requests::PlayerMessage;
 use super::topics::{CellInbound, CellPublishers, open};
 use super::why::why;
 use super::wire;
-use super::words::{by_whom, describe};
+use super::words::describe;
 use crate::situation::{IsolatedStations, LineSituation};
 
 /// Reason why a cell cannot be played, or not any more.
@@ -72,6 +71,8 @@ pub struct CellNodeOptions {
     pub line: Line,
     /// Directory of its log; `None`: nothing is kept.
     pub state_dir: Option<PathBuf>,
+    /// What its database has to keep; everything if none.
+    pub retention: Option<Duration>,
     /// Boot id of the process.
     pub boot_id: u64,
 }
@@ -157,48 +158,13 @@ impl CellThread {
     }
 }
 
-/// Something for the token player.
-enum PlayerMessage {
-    State(StationId, TaskReport),
-    Reply(StationId, OrderKey, Answered),
-    Secured(StationId, OrderKey, Answered),
-    Submit(RequestId, Vec<ProductionOrderRequest>),
-    Cancel(RequestId, String),
-    Withdraw(RequestId, String),
-    Say(ResourceRequest, String),
-}
-
-impl PlayerMessage {
-    fn input(&self) -> PlayerInput<'_> {
-        match self {
-            PlayerMessage::State(station, heard) => PlayerInput::Station(*station, heard),
-            PlayerMessage::Reply(station, key, reply) => PlayerInput::Reply(*station, *key, *reply),
-            PlayerMessage::Secured(station, key, reply) => PlayerInput::Secured(*station, *key, *reply),
-            PlayerMessage::Submit(ticket, requests) => {
-                PlayerInput::Production(*ticket, ProductionCommand::Submit(requests))
-            }
-            PlayerMessage::Cancel(ticket, name) => PlayerInput::Production(*ticket, ProductionCommand::Cancel(name)),
-            PlayerMessage::Withdraw(ticket, name) => {
-                PlayerInput::Production(*ticket, ProductionCommand::Withdraw(name))
-            }
-            PlayerMessage::Say(said, text) => match *said {
-                ResourceRequest::Answer(alarm) => PlayerInput::Answer { alarm, word: text },
-                ResourceRequest::Alarm(resource) => PlayerInput::Alarm { resource, text },
-                ResourceRequest::Down(resource) => PlayerInput::Resource { resource, up: false },
-                ResourceRequest::Up(resource) => PlayerInput::Resource { resource, up: true },
-                ResourceRequest::Reset(station) => PlayerInput::Reset(station),
-            },
-        }
-    }
-}
-
-struct CellLoop {
+pub(super) struct CellLoop {
     line: Line,
     ways: ShortestRoutes,
     reasons: Reasons,
-    coordination: Coordination,
+    pub(super) coordination: Coordination,
     follower: ScheduleFollower,
-    log: Option<CellLog>,
+    pub(super) log: Option<CellLogKeeper>,
     /// The database beside the log; none where there is no log.
     chronicle: Option<HistoryFeeder>,
     /// Situation of the line, as last written to the database.
@@ -210,8 +176,8 @@ struct CellLoop {
     /// The time when this life began, and by which clock it goes on.
     origin: Tick,
     began: tokio::time::Instant,
-    told: Vec<PlayerMessage>,
-    people: PendingReplies,
+    pub(super) told: Vec<PlayerMessage>,
+    pub(super) people: PendingReplies,
     /// Reasons why stations can do nothing now, from their states; and the inputs that sense their parts.
     unable: Vec<Option<StationUnavailable>>,
     sensors: Vec<Option<InputId>>,
@@ -230,7 +196,7 @@ impl CellLoop {
         situation: watch::Receiver<LineSituation>,
         apart: watch::Sender<IsolatedStations>,
     ) -> Result<Self, CellError> {
-        let CellNodeOptions { cell, line, state_dir, boot_id } = options;
+        let CellNodeOptions { cell, line, state_dir, retention, boot_id } = options;
         let pace = OrderTiming { repeat_interval: line.timing.stale, grace: line.timing.stale * 2 };
         let mut made = compile_cell(&cell, Some(&line), Supply::Open, pace)?;
         let handling =
@@ -238,7 +204,8 @@ impl CellLoop {
         made.table = made.table.with_handling(handling);
         let table = Arc::new(made.table.clone());
         let (state, mut log) = known(state_dir.as_deref(), &cell.name, &table)?;
-        let mut chronicle = log.as_ref().and(state_dir.as_deref()).map(|dir| begin(dir, (&cell, &line, &made), &state));
+        let kept = log.as_ref().and(state_dir.as_deref());
+        let mut chronicle = kept.map(|dir| begin(dir, (&cell, &line, &made), &state, retention));
         let follower = schedule_follower(&cell, &made, &state);
         let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         // A clock that was set back does not stop what is timed: time goes on from the newest record.
@@ -258,7 +225,7 @@ impl CellLoop {
             reasons: Reasons::default(),
             coordination,
             follower,
-            log,
+            log: log.map(|log| CellLogKeeper::new(log, origin)),
             chronicle,
             noted: LineSituation::new(line.stations.len()),
             says,
@@ -279,7 +246,7 @@ impl CellLoop {
         })
     }
 
-    fn now(&self) -> Tick {
+    pub(super) fn now(&self) -> Tick {
         self.origin + self.began.elapsed()
     }
 
@@ -308,7 +275,10 @@ impl CellLoop {
 
     fn deadline(&self) -> Tick {
         let tell = self.said + if self.changed { TELL_AT_MOST_EVERY } else { TELL_EVERY };
-        self.coordination.next_deadline().map_or(tell, |next| next.min(tell))
+        let log = self.log.as_ref();
+        // A cell that decides nothing has no deadlines.
+        let next = self.coordination.next_deadline().filter(|_| log.is_none_or(|log| !log.is_halted()));
+        next.into_iter().chain(log.and_then(CellLogKeeper::next_deadline)).fold(tell, Tick::min)
     }
 
     fn take(&mut self, news: CellInbound) {
@@ -320,6 +290,10 @@ impl CellLoop {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
                     let (heard, refused) = wire::heard(&message, self.line.station(station), unable, sensor);
                     let secured = wire::secured(&message, &heard);
+                    if self.log.as_ref().is_some_and(CellLogKeeper::is_halted) {
+                        // Nothing is taken for a while, and a state is whole.
+                        self.told.retain(|told| told.station() != Some(station));
+                    }
                     self.told.push(PlayerMessage::State(station, heard));
                     self.told.extend(secured.map(|(key, reply)| PlayerMessage::Secured(station, key, reply)));
                     self.told.extend(refused.into_iter().map(|(key, reply)| PlayerMessage::Reply(station, key, reply)));
@@ -332,76 +306,59 @@ impl CellLoop {
                     self.chronicle.iter_mut().for_each(|chronicle| chronicle.fault(now, station, &message.fault));
                 }
             }
-            CellInbound::Answer(alarm, word, by, reply) => {
-                tracing::info!("alarm {alarm}: request answer {}{}", quoted(&word), by_whom(&by));
-                self.say(ResourceRequest::Answer(AlarmId(alarm)), word, AnsweringOperator::Answer(reply));
-            }
-            CellInbound::Resource(said, reply) => {
-                let SetResourceRequest { resource, what, text, by } = said;
-                tracing::info!(
-                    "resource {}: request {what}{}, text {}",
-                    quoted(&resource),
-                    by_whom(&by),
-                    quoted(&text)
-                );
-                match wire::said(self.coordination.state(), &resource, what) {
-                    Ok(said) => self.say(said, text, AnsweringOperator::Resource(reply)),
-                    Err(reason) => reply.send(SetResourceResponse { accepted: false, reason }),
-                }
-            }
-            CellInbound::Submit(asked, reply) => self.submit(&asked.requests, reply),
-            CellInbound::Cancel(name, reply) => {
-                let ticket = self.people.ticket(Requester::Change(reply));
-                self.told.push(PlayerMessage::Cancel(ticket, name));
-            }
-            CellInbound::Withdraw(name, reply) => {
-                let ticket = self.people.ticket(Requester::Change(reply));
-                self.told.push(PlayerMessage::Withdraw(ticket, name));
-            }
+            CellInbound::Answer(..)
+            | CellInbound::Resource(..)
+            | CellInbound::Submit(..)
+            | CellInbound::Cancel(..)
+            | CellInbound::Withdraw(..) => self.request(news),
             CellInbound::Why(about, reply) => {
                 let lines = why(&self.ways, &self.reasons, &self.coordination, self.now(), &about);
                 let known = lines.is_ok();
-                reply.send(WhyNotResponse { known, lines: lines.unwrap_or_else(|unknown| vec![unknown]) });
+                let mut lines = lines.unwrap_or_else(|unknown| vec![unknown]);
+                lines.extend(self.log.as_ref().and_then(CellLogKeeper::trouble));
+                reply.send(WhyNotResponse { known, lines });
             }
         }
     }
 
-    fn say(&mut self, said: ResourceRequest, text: String, operator: AnsweringOperator) {
-        self.told.push(PlayerMessage::Say(said, text));
-        self.people.expect(said, operator);
-    }
-
-    fn submit(&mut self, asked: &[linewright_msgs::ProductionRequest], reply: ServiceReply<SubmitOrders>) {
-        let (mut requests, mut problems) = (Vec::new(), Vec::new());
-        for request in asked {
-            match wire::request(request, fresh_key()) {
-                Ok(request) => requests.push(request),
-                Err(problem) => problems.push(problem),
-            }
-        }
-        if problems.is_empty() {
-            let ticket = self.people.ticket(Requester::Submit(reply));
-            self.told.push(PlayerMessage::Submit(ticket, requests));
-        } else {
-            reply.send(denied_all(problems));
-        }
-    }
-
-    /// One step: arrivals go in; records are written before anything is sent.
+    /// One step: arrivals go in; records are written before anything is sent. While they cannot be there is no step.
     fn act(&mut self) -> Result<(), CellError> {
-        let (now, may_start) = (self.now(), self.situation.borrow_and_update().starts);
-        let told = std::mem::take(&mut self.told);
-        let mut inputs = vec![PlayerInput::Starts(may_start)];
-        inputs.extend(told.iter().map(PlayerMessage::input));
-        let mut out = PlayerOutbox::default();
-        self.coordination.step(now, &inputs, &mut self.follower, &mut out);
-        // Like the line's, a station's emergency stop is in force before it is written down.
-        self.tell_apart(true);
+        let (now, situation) = (self.now(), self.situation.borrow_and_update().starts);
         if let Some(log) = &mut self.log {
-            log.write(&out)?;
+            log.make_room(now);
+            if let Some(out) = log.try_again(now, self.coordination.state()) {
+                self.perform(now, out)?;
+            }
         }
+        let may_start = situation && !self.log.as_ref().is_some_and(|log| log.is_halted() || log.is_short());
+        if self.log.as_ref().is_none_or(|log| !log.is_halted()) {
+            let told = std::mem::take(&mut self.told);
+            let mut inputs = vec![PlayerInput::Starts(may_start)];
+            inputs.extend(told.iter().map(PlayerMessage::input));
+            let mut out = PlayerOutbox::default();
+            self.coordination.step(now, &inputs, &mut self.follower, &mut out);
+            // Like the line's, a station's emergency stop is in force before it is written down.
+            self.tell_apart(true);
+            if self.log.as_mut().is_none_or(|log| log.write(now, &mut out)) {
+                self.perform(now, out)?;
+            }
+        }
+        self.changed |= self.message.starting != may_start;
+        self.tell(may_start);
+        // What a snapshot removes from the log must be in the database; unless there is none, or it could not be written for long.
+        let state = self.coordination.state();
+        let is_kept = |is_very_long: bool| {
+            let chronicle = self.chronicle.as_ref();
+            chronicle.is_none_or(|chronicle| chronicle.has(state) || is_very_long && chronicle.is_failing())
+        };
+        self.log.iter_mut().for_each(|log| log.shorten(now, state, is_kept));
+        Ok(())
+    }
+
+    /// Sends and publishes what follows from a step that is written down.
+    fn perform(&mut self, now: Tick, mut out: PlayerOutbox) -> Result<(), CellError> {
         self.note(now, &out);
-        self.changed |= !out.records.is_empty() || self.message.starting != may_start;
+        self.changed |= !out.records.is_empty();
         out.records.iter().for_each(|record| self.reasons.note(record));
         for send in &out.sends {
             match send {
@@ -411,17 +368,7 @@ impl CellLoop {
         }
         self.people.reply(&self.line, self.coordination.state(), &mut out);
         self.tell_apart(false);
-        for event in out.events {
-            self.event(event)?;
-        }
-        self.tell(may_start);
-        // What a snapshot removes from the log must be in the database; unless there is none, or it cannot be written.
-        let state = self.coordination.state();
-        let is_kept = self.chronicle.as_ref().is_none_or(|chronicle| chronicle.has(state) || chronicle.is_failing());
-        match &mut self.log {
-            Some(log) if log.is_long() && is_kept => Ok(log.begin_anew(state)?),
-            Some(_) | None => Ok(()),
-        }
+        out.events.into_iter().try_for_each(|event| self.event(event))
     }
 
     /// Publishes which stations are the cell's affair alone. It follows from the state, which only records change. Before
@@ -444,7 +391,7 @@ impl CellLoop {
     fn note(&mut self, now: Tick, out: &PlayerOutbox) {
         let Some(chronicle) = &mut self.chronicle else { return };
         if chronicle.has_resumed() {
-            self.noted = LineSituation::new(self.line.stations.len());
+            self.noted = self.situation.borrow().opposite();
         }
         chronicle.tell(self.coordination.state(), out);
         for record in &out.records {

@@ -92,11 +92,12 @@ fn about(line: &Line) -> LineAbout {
 }
 
 impl LineHistory {
-    /// Feeds the database in `dir`, which is made if there is none. Nothing is waited for.
-    pub fn begin(dir: &Path, line: &Line, now: Tick) -> Self {
+    /// Feeds the database in `dir`, which is made if there is none, and keeps so much. Nothing is waited for.
+    pub fn begin(dir: &Path, line: &Line, now: Tick, retention: Option<Duration>) -> Self {
         let (path, of) = (dir.join("line.db"), line.clone());
         let mut known = None;
-        Self::with(move || History::open(&path, &*known.get_or_insert_with(|| about(&of))), line, now)
+        let open = move || Ok(History::open(&path, &*known.get_or_insert_with(|| about(&of)))?.keeping(retention));
+        Self::with(open, line, now)
     }
 
     /// The same with a database that `open` opens, on the thread that feeds it, and again after each failure.

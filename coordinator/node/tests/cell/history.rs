@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use linewright_coordinator_cell::compile::dispatcher;
 use linewright_coordinator_cell::{CellTable, PlayerOutbox, PlayerState, Record};
 use linewright_coordinator_node::cell::HistoryFeeder;
-use linewright_history::{CellAbout, History, HistoryReader, TimeBase};
+use linewright_history::{CellAbout, HistoryReader, TimeBase};
 use linewright_line::Tick;
 use linewright_simulation::Rng;
 use linewright_simulation::cell::{CellSim, RecordStore};
@@ -44,8 +44,8 @@ struct Both {
 
 impl Both {
     fn begin(&mut self, state: &PlayerState) {
-        let history = History::open(&self.dir.join("cell.db"), &self.about).expect("opens");
-        self.chronicle = Some(HistoryFeeder::begin(history, &self.dir.join("cell.log"), state));
+        let (database, log) = (self.dir.join("cell.db"), self.dir.join("cell.log"));
+        self.chronicle = Some(HistoryFeeder::open(&database, self.about.clone(), &log, state, None));
     }
 }
 
@@ -111,9 +111,9 @@ fn played(of: &Shipped, death: Death, crash_at: Vec<usize>, seed: u64, tells: bo
     let (log, state) = (sim.log.clone(), sim.state().clone());
     // The last life ends, and another one begins that takes what is missing.
     drop(sim);
-    let history = History::open(&dir.path().join("cell.db"), &about(of)).expect("opens");
-    HistoryFeeder::begin(history, &dir.path().join("cell.log"), &state).close().expect("all is written");
-    assert!(records(&dir.path().join("cell.db")) == log, "seed {seed}, {death:?}: the database is the log");
+    let (database, log_file) = (dir.path().join("cell.db"), dir.path().join("cell.log"));
+    HistoryFeeder::open(&database, about(of), &log_file, &state, None).close().expect("all is written");
+    assert!(records(&database) == log, "seed {seed}, {death:?}: the database is the log");
     anew.load(Ordering::Relaxed)
 }
 

@@ -2,6 +2,7 @@
 //! from the bytes of their logs; and the database beside the log.
 
 mod crash;
+mod full_disk;
 mod history;
 mod log;
 mod shipped;

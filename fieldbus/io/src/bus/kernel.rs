@@ -12,6 +12,7 @@ use socketcan::{CanDataFrame, CanFrame, CanRemoteFrame, SocketOptions};
 use linewright_canopen::{Frame, FrameKind};
 
 use super::BusStats;
+use crate::texts::BusWarning;
 
 /// After a failed read, so that one that fails again and again does not take the whole processor.
 const READ_PAUSE: Duration = Duration::from_millis(50);
@@ -82,7 +83,7 @@ impl KernelBus {
                 }
                 Err(error) => {
                     if !std::mem::replace(&mut self.failing, true) {
-                        tracing::warn!(interface = self.name, %error, "nothing can be heard on the CAN interface");
+                        tracing::warn!(interface = self.name, %error, "{}", BusWarning::NothingReceived);
                     }
                     stats.receive_errors += 1;
                     tokio::time::sleep(READ_PAUSE).await;

@@ -16,14 +16,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use thiserror::Error;
-
 use kernel::KernelBus;
 pub(crate) use last::LastWire;
 use linewright_canopen::Frame;
 use linewright_canopen::candump::CandumpWriter;
 pub use own::{BusDirectory, OwnBuses, find as find_bus};
 use virtual_bus::VirtualBus;
+
+use crate::texts::{BusDescription, BusWarning};
 
 /// Transport and place of the bus.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -46,27 +46,17 @@ pub enum Transport {
 }
 
 /// Why a bus cannot be opened.
-#[derive(Debug, Error)]
+#[derive(Debug)]
 pub enum BusError {
     /// The name cannot be that of an interface.
-    #[error("`{name}` is not a bus name: 1 to 15 letters, digits, `.`, `_` or `-`, not starting with a dot")]
     Name { name: String },
-    #[error("cannot open CAN interface {name}: {error}")]
+    /// The interface cannot be opened.
     Kernel { name: String, error: io::Error },
     /// There is no such interface, and the virtual bus was not requested.
-    #[error(
-        "there is no CAN interface {name} ({error}): see `ip link show {name}` and the name given; \
-         without CAN hardware `linewright run` and nodes started with --virtual-bus use a virtual bus"
-    )]
     Missing { name: String, error: io::Error },
     /// The interface was there, and is down or gone.
-    #[error(
-        "CAN interface {name} is gone ({error}): nothing can be sent or heard; bring it up again \
-         (`ip link set {name} up`) and start this again"
-    )]
     Gone { name: String, error: io::Error },
     /// The virtual bus's directory cannot be used.
-    #[error("cannot use {path} for virtual bus '{name}': {error}")]
     Virtual {
         name: String,
         /// Its directory, or this member's place in it.
@@ -135,15 +125,12 @@ impl Bus {
     }
 
     pub fn describe(&self) -> String {
+        let name = self.name.as_str();
         match &self.wire {
-            BusWire::Kernel(_) => format!("SocketCAN {}", self.name),
-            BusWire::Virtual(bus) if kernel::has_can() => {
-                format!("virtual bus '{}' in {} (no CAN interface of that name)", self.name, bus.dir().display())
-            }
-            BusWire::Virtual(bus) => {
-                format!("virtual bus '{}' in {} (this kernel has no CAN)", self.name, bus.dir().display())
-            }
+            BusWire::Kernel(_) => BusDescription::SocketCan { name },
+            BusWire::Virtual(bus) => BusDescription::Virtual { name, dir: bus.dir(), has_can: kernel::has_can() },
         }
+        .to_string()
     }
 
     /// Whether it is the virtual bus.
@@ -157,7 +144,7 @@ impl Bus {
             BusWire::Kernel(_) => LastWire::kernel(&self.name),
             BusWire::Virtual(bus) => LastWire::of_directory(bus.dir().to_owned()),
         };
-        opened.map_err(|error| tracing::warn!("{}: no way to let go of outputs when stuck: {error}", self.name)).ok()
+        opened.map_err(|error| tracing::warn!("{}: {}: {error}", self.name, BusWarning::NoLastWire)).ok()
     }
 
     /// Records every frame sent and received from here on.

@@ -19,7 +19,7 @@ use peer::ModbusPeer;
 /// Task of one connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkAct {
-    /// Its place among the devices.
+    /// Index of the device.
     pub device: usize,
     /// Number of that device's connection: outcomes of older ones are ignored.
     pub link: u32,
@@ -79,7 +79,7 @@ enum ModbusChange {
     Nothing,
     /// It has sent its inputs, or has come up.
     Inputs,
-    /// It was operational and is not.
+    /// It has ceased to be operational.
     Lost,
 }
 

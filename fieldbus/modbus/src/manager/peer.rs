@@ -83,10 +83,10 @@ pub(super) struct ModbusPeer {
     feed: u16,
     /// When the last write of its watchdog register was sent.
     fed: Tick,
-    heard: u64,
+    received: u64,
     /// When its inputs last came; `None` since it was last lost.
     pub updated: Option<Tick>,
-    /// Why it is not operational.
+    /// Reason why it is not operational.
     pub why: Option<ModbusTrouble>,
     failures: u32,
     up_since: Tick,
@@ -127,7 +127,7 @@ impl ModbusPeer {
             sent: None,
             feed: 0,
             fed: Tick::ZERO,
-            heard: 0,
+            received: 0,
             updated: None,
             why: None,
             failures: 0,
@@ -171,7 +171,7 @@ impl ModbusPeer {
     }
 
     pub fn input_bits(&self) -> u128 {
-        gather(self.heard, &self.modbus.inputs)
+        gather(self.received, &self.modbus.inputs)
     }
 
     /// Request that turns its outputs off, if it has any.
@@ -261,7 +261,7 @@ impl ModbusPeer {
             Phase::Operational => match (asked, value) {
                 (Some((ModbusRequest::Read { .. }, _)), Some(value)) => match self.part_asked() {
                     Some(ReadPart::Check) => self.compare(now, value, out),
-                    _ => self.hear(now, value),
+                    _ => self.receive(now, value),
                 },
                 _ => ModbusChange::Nothing,
             },
@@ -269,8 +269,8 @@ impl ModbusPeer {
         }
     }
 
-    fn hear(&mut self, now: Tick, value: u64) -> ModbusChange {
-        self.heard = kept_bits(value, self.modbus.inputs.len());
+    fn receive(&mut self, now: Tick, value: u64) -> ModbusChange {
+        self.received = kept_bits(value, self.modbus.inputs.len());
         self.updated = Some(now);
         ModbusChange::Inputs
     }
@@ -297,7 +297,7 @@ impl ModbusPeer {
                 return self.lose(now, ModbusTrouble::OtherDevice { register, found: value, expected }, out);
             }
             (Some(Step::Inputs), Some(value)) => {
-                self.hear(now, value);
+                self.receive(now, value);
             }
             _ => {}
         }

@@ -39,8 +39,9 @@ impl NodeId {
 }
 
 impl fmt::Display for NodeId {
+    /// In hexadecimal, as identifiers of frames are: `06h` is the node whose heartbeat is `706h`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
+        f.pad(&format!("{:02X}h", self.0))
     }
 }
 

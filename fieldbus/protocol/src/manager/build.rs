@@ -7,7 +7,7 @@ use super::process::ProcessData;
 use super::request::Requests;
 use super::rival::Rival;
 use super::status::DeviceMemory;
-use super::{MANAGER_NODE, ManagedImage, Manager, TOLD};
+use super::{MANAGER_NODE, ManagedImage, Manager, REPORTS};
 use crate::codec::NodeId;
 use linewright_fieldbus_seam::InputImage;
 use linewright_line::{Canopen, Device, DeviceKind, FrameId, Timing};
@@ -82,7 +82,7 @@ impl Manager {
             next_sync: None,
             off: None,
             ignored: [0; IGNORE_REASONS],
-            told: [TOLD; IGNORE_REASONS + 1],
+            reports: [REPORTS; IGNORE_REASONS + 1],
             rival: Rival::new(&timing),
             pace: SendQueue::new(),
             turn: 0,

@@ -9,7 +9,7 @@
 
 use linewright_line::Tick;
 
-use super::peer::{NotOperationalReason, Peer, PeerPhase};
+use super::peer::{NotOperationalReason, PeerPhase};
 use super::{BusOutbox, Manager, RETRY};
 use crate::frame::{BUS_OFF, RESTARTED};
 
@@ -64,15 +64,6 @@ impl Manager {
         }
         for owner in self.images.iter().map(|image| image.owner).collect::<Vec<_>>() {
             self.gather(now, owner, out);
-        }
-    }
-}
-
-impl Peer {
-    /// Reads its device type at once, if it is absent.
-    pub(super) fn ask_soon(&mut self, now: Tick) {
-        if let PeerPhase::Absent { probe } = &mut self.phase {
-            *probe = now;
         }
     }
 }

@@ -76,7 +76,7 @@ pub(super) struct AnalogueChannels {
     /// The image it was last sent; `None` since the last boot or loss.
     sent: Option<u128>,
     /// For each object, when it last came since the last boot or loss.
-    heard: [Option<Tick>; OBJECTS],
+    received: [Option<Tick>; OBJECTS],
     /// Whether all channels were received and measured at the last check.
     sound: bool,
 }
@@ -95,7 +95,7 @@ impl AnalogueChannels {
             within: (EVERY * MISSING).max(timing.heartbeat_timeout),
             image: 0,
             sent: None,
-            heard: [None; OBJECTS],
+            received: [None; OBJECTS],
             sound: false,
         }
     }
@@ -143,8 +143,8 @@ impl AnalogueChannels {
         if payload.bytes().len() < usize::from((last - 1) % 4 + 1) * 2 {
             return Err(IgnoreReason::ShortPdo);
         }
-        if let Some(heard) = self.heard.get_mut(usize::from(object - FIRST)) {
-            *heard = Some(now);
+        if let Some(received) = self.received.get_mut(usize::from(object - FIRST)) {
+            *received = Some(now);
         }
         let data = payload.bits().to_le_bytes();
         for input in self.inputs.iter_mut().filter(|input| input.of.channel.pdo() == object) {
@@ -168,8 +168,8 @@ impl AnalogueChannels {
     /// Why its owner's inputs cannot be valid, if they cannot.
     pub fn fault(&self, now: Tick) -> Option<ChannelFault> {
         let late = |input: &&ChannelInput| {
-            let heard = self.heard.get(usize::from(input.of.channel.pdo() - FIRST)).copied().flatten();
-            heard.is_none_or(|heard| heard + self.within <= now)
+            let received = self.received.get(usize::from(input.of.channel.pdo() - FIRST)).copied().flatten();
+            received.is_none_or(|received| received + self.within <= now)
         };
         if let Some(input) = self.inputs.iter().find(late) {
             return Some(ChannelFault::Late { object: input.of.channel.pdo() });
@@ -200,8 +200,8 @@ impl AnalogueChannels {
 
     /// When an object is late, or a channel measured again.
     pub fn deadline(&self) -> Tick {
-        let used = self.heard.iter().flatten().filter(|_| self.sound);
-        let late = used.map(|heard| *heard + self.within);
+        let used = self.received.iter().flatten().filter(|_| self.sound);
+        let late = used.map(|received| *received + self.within);
         late.chain(self.inputs.iter().filter_map(ChannelInput::mended_at)).fold(Tick::NEVER, Tick::min)
     }
 
@@ -243,7 +243,7 @@ impl AnalogueChannels {
     /// It was lost, or is about to be configured.
     pub fn lost(&mut self) {
         self.sent = None;
-        self.heard = [None; OBJECTS];
+        self.received = [None; OBJECTS];
         self.sound = false;
         for input in &mut self.inputs {
             input.number = None;
@@ -255,7 +255,7 @@ impl AnalogueChannels {
 
     /// When it last sent a channel.
     pub fn updated(&self) -> Option<Tick> {
-        self.heard.iter().flatten().max().copied()
+        self.received.iter().flatten().max().copied()
     }
 
     /// Measured and set values, in words; `None` without channels.

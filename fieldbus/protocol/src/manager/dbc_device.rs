@@ -33,7 +33,7 @@ pub struct DbcDeviceState<'a> {
     /// All its messages come in time, and make sense; true of one that is only sent to.
     pub live: bool,
     /// Something of it has come in time, whatever it was.
-    pub heard: bool,
+    pub received: bool,
     /// Number of times it was live and then was not.
     pub losses: u32,
     pub is: String,
@@ -58,8 +58,8 @@ struct PublishedMessage {
 pub(super) struct DbcDevice {
     pub name: String,
     pub owner: Owner,
-    heard: Vec<ReceivedMessage>,
-    told: Vec<PublishedMessage>,
+    received: Vec<ReceivedMessage>,
+    published: Vec<PublishedMessage>,
     /// Number of times each message has been sent: in several forms it is one to the device.
     counts: BTreeMap<FrameId, u64>,
     live: bool,
@@ -70,18 +70,19 @@ pub(super) struct DbcDevice {
 
 impl DbcDevice {
     pub fn new(device: &Device, binding: &FrameBinding) -> Self {
-        let heard = |frame: &ReceivedFrameBinding| ReceivedMessage {
+        let received = |frame: &ReceivedFrameBinding| ReceivedMessage {
             frame: frame.clone(),
             counter: None,
             pages: frame.pages.iter().map(|page| (None, vec![false; page.inputs.len()])).collect(),
             last: None,
         };
-        let told = |frame: &SentFrameBinding| PublishedMessage { frame: frame.clone(), due: Tick::ZERO, sent: None };
+        let published =
+            |frame: &SentFrameBinding| PublishedMessage { frame: frame.clone(), due: Tick::ZERO, sent: None };
         DbcDevice {
             name: device.name.clone(),
             owner: device.owner,
-            heard: binding.heard.iter().map(heard).collect(),
-            told: binding.told.iter().map(told).collect(),
+            received: binding.heard.iter().map(received).collect(),
+            published: binding.told.iter().map(published).collect(),
             counts: BTreeMap::new(),
             // A device that sends nothing counts as live.
             live: binding.heard.is_empty(),
@@ -93,7 +94,10 @@ impl DbcDevice {
 
     /// Identifiers of the messages it sends and receives.
     fn ids(&self) -> impl Iterator<Item = FrameId> {
-        self.heard.iter().map(|heard| heard.frame.id).chain(self.told.iter().map(|told| told.frame.id))
+        self.received
+            .iter()
+            .map(|received| received.frame.id)
+            .chain(self.published.iter().map(|published| published.frame.id))
     }
 
     pub fn updated(&self) -> Option<Tick> {
@@ -105,37 +109,37 @@ impl DbcDevice {
     }
 
     pub fn input_bits(&self) -> u128 {
-        let pages = self.heard.iter().flat_map(|heard| heard.frame.pages.iter().zip(&heard.pages));
+        let pages = self.received.iter().flat_map(|received| received.frame.pages.iter().zip(&received.pages));
         let inputs = pages.flat_map(|(page, (_, on))| page.inputs.iter().zip(on));
         inputs.filter(|(_, on)| **on).fold(0, |bits, ((input, _, _), _)| bits | input.bit())
     }
 
     /// A message that has not come in time, how long it has not, and why.
     fn late(&self, now: Tick) -> Option<(&ReceivedMessage, Option<Duration>, FrameFault)> {
-        self.heard.iter().find_map(|heard| {
-            let timeout = heard.frame.timeout;
+        self.received.iter().find_map(|received| {
+            let timeout = received.frame.timeout;
             let stale = |at: &Option<Tick>| at.is_none_or(|at| at + timeout <= now);
-            let (at, _) = heard.pages.iter().find(|(at, _)| stale(at))?;
-            let fault = match heard.last {
+            let (at, _) = received.pages.iter().find(|(at, _)| stale(at))?;
+            let fault = match received.last {
                 Some((last, fault)) if last + timeout > now => fault,
                 _ => FrameFault::Silent,
             };
-            Some((heard, at.map(|at| now.since(at)), fault))
+            Some((received, at.map(|at| now.since(at)), fault))
         })
     }
 
     /// Takes a frame, if it is one of this device's.
-    fn hear(&mut self, now: Tick, id: FrameId, frame: &Frame, out: &mut BusOutbox) -> Option<PeerChange> {
-        let heard = self.heard.iter_mut().find(|heard| heard.frame.id == id)?;
-        if let Err(fault) = heard.take(now, frame) {
-            heard.last = Some((now, fault));
+    fn take(&mut self, now: Tick, id: FrameId, frame: &Frame, out: &mut BusOutbox) -> Option<PeerChange> {
+        let received = self.received.iter_mut().find(|received| received.frame.id == id)?;
+        if let Err(fault) = received.take(now, frame) {
+            received.last = Some((now, fault));
             return Some(if fault == FrameFault::Short {
                 PeerChange::Ignored(IgnoreReason::ShortPdo)
             } else {
                 PeerChange::Unchanged
             });
         }
-        heard.last = Some((now, FrameFault::Page));
+        received.last = Some((now, FrameFault::Page));
         self.updated = Some(now);
         if self.live || self.late(now).is_some() {
             return Some(PeerChange::Inputs);
@@ -149,9 +153,9 @@ impl DbcDevice {
     fn poll(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
         let mut outcome = PeerChange::Unchanged;
         if self.live
-            && let Some((heard, silent_for, why)) = self.late(now)
+            && let Some((received, silent_for, why)) = self.late(now)
         {
-            let (id, silent_for) = (heard.frame.id, silent_for.unwrap_or_default());
+            let (id, silent_for) = (received.frame.id, silent_for.unwrap_or_default());
             out.events.push(BusEvent::FramesLost { id, silent_for, why });
             self.live = false;
             self.losses += 1;
@@ -159,20 +163,19 @@ impl DbcDevice {
             outcome = PeerChange::Lost;
         }
         let image = self.vouched();
-        for told in &mut self.told {
-            if told.due <= now {
-                told.send(now, image, &mut self.counts, out);
+        for published in &mut self.published {
+            if published.due <= now {
+                published.send(now, image, &mut self.counts, out);
             }
         }
         outcome
     }
 
     fn deadline(&self) -> Tick {
-        let late =
-            self.heard.iter().filter(|_| self.live).flat_map(|heard| {
-                heard.pages.iter().map(|(at, _)| at.map_or(Tick::NEVER, |at| at + heard.frame.timeout))
-            });
-        late.chain(self.told.iter().map(|told| told.due)).fold(Tick::NEVER, Tick::min)
+        let late = self.received.iter().filter(|_| self.live).flat_map(|received| {
+            received.pages.iter().map(|(at, _)| at.map_or(Tick::NEVER, |at| at + received.frame.timeout))
+        });
+        late.chain(self.published.iter().map(|published| published.due)).fold(Tick::NEVER, Tick::min)
     }
 
     /// Takes the image its owner has set, and sends the changes.
@@ -184,26 +187,27 @@ impl DbcDevice {
     /// Sends every message with everything off, whatever it was sent before.
     pub fn release(&mut self, now: Tick, out: &mut BusOutbox) {
         self.image = 0;
-        for told in &mut self.told {
-            told.send(now, 0, &mut self.counts, out);
+        for published in &mut self.published {
+            published.send(now, 0, &mut self.counts, out);
         }
     }
 
     /// Frames that [`DbcDevice::release`] would send now.
     fn release_frames(&self, frames: &mut Vec<Frame>) {
-        for (nth, told) in self.told.iter().enumerate() {
+        for (nth, published) in self.published.iter().enumerate() {
             // Forms of one message that come before it in the same go are counted as well.
-            let before = self.told[..nth].iter().filter(|other| other.frame.id == told.frame.id).count() as u64;
-            let count = self.counts.get(&told.frame.id).copied().unwrap_or_default();
-            frames.extend(told.frame_of(0, count.wrapping_add(before)));
+            let before =
+                self.published[..nth].iter().filter(|other| other.frame.id == published.frame.id).count() as u64;
+            let count = self.counts.get(&published.frame.id).copied().unwrap_or_default();
+            frames.extend(published.frame_of(0, count.wrapping_add(before)));
         }
     }
 
     fn send_changes(&mut self, now: Tick, out: &mut BusOutbox) {
         let image = self.vouched();
-        for told in &mut self.told {
-            if told.sent.is_some_and(|sent| sent != told.frame.bytes(image, 0)) {
-                told.send(now, image, &mut self.counts, out);
+        for published in &mut self.published {
+            if published.sent.is_some_and(|sent| sent != published.frame.bytes(image, 0)) {
+                published.send(now, image, &mut self.counts, out);
             }
         }
     }
@@ -215,10 +219,10 @@ impl DbcDevice {
 
     pub fn explain(&self, now: Tick) -> String {
         match self.late(now) {
-            None if self.heard.is_empty() => DbcDeviceText::NotHeard.to_string(),
+            None if self.received.is_empty() => DbcDeviceText::NotHeard.to_string(),
             None => DbcDeviceText::Live.to_string(),
-            Some((heard, since, why)) => {
-                DbcDeviceText::Missing { message: &heard.frame.name, id: heard.frame.id, since, why }.to_string()
+            Some((received, since, why)) => {
+                DbcDeviceText::Missing { message: &received.frame.name, id: received.frame.id, since, why }.to_string()
             }
         }
     }
@@ -290,8 +294,8 @@ impl Manager {
 
     pub(super) fn add_plain(&mut self, device: &Device, binding: &FrameBinding) {
         let plain = DbcDevice::new(device, binding);
-        for told in &plain.told {
-            self.pace.treat_as_process_data(Frame::of_id(told.frame.id, &[]).map_or(0, |frame| frame.id_word()));
+        for published in &plain.published {
+            self.pace.treat_as_process_data(Frame::of_id(published.frame.id, &[]).map_or(0, |frame| frame.id_word()));
         }
         self.plains.push(plain);
     }
@@ -304,8 +308,8 @@ impl Manager {
                 if let Some(other) = self.plains[..nth].iter().find(|other| other.ids().any(|own| own == id)) {
                     return refuse(format!("device `{}`", other.name));
                 }
-                if plain.heard.iter().any(|heard| heard.frame.id == id)
-                    && plain.told.iter().any(|told| told.frame.id == id)
+                if plain.received.iter().any(|received| received.frame.id == id)
+                    && plain.published.iter().any(|published| published.frame.id == id)
                 {
                     return refuse("a message it is sent".to_owned());
                 }
@@ -333,7 +337,7 @@ impl Manager {
     pub(super) fn take_plain(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) -> bool {
         let Some(id) = frame.frame_id().filter(|_| !self.plains.is_empty()) else { return false };
         let Some((at, outcome)) =
-            self.plains.iter_mut().enumerate().find_map(|(at, plain)| Some((at, plain.hear(now, id, frame, out)?)))
+            self.plains.iter_mut().enumerate().find_map(|(at, plain)| Some((at, plain.take(now, id, frame, out)?)))
         else {
             return false;
         };
@@ -361,7 +365,10 @@ impl Manager {
             name: &plain.name,
             owner: plain.owner,
             live: plain.trusted(now),
-            heard: plain.heard.iter().any(|heard| heard.last.is_some_and(|(at, _)| now < at + heard.frame.timeout)),
+            received: plain
+                .received
+                .iter()
+                .any(|received| received.last.is_some_and(|(at, _)| now < at + received.frame.timeout)),
             losses: plain.losses,
             is: plain.explain(now),
         })

@@ -30,7 +30,7 @@ impl DeviceRequest {
     }
 }
 
-/// Why a request was not fulfilled.
+/// Reason why a request was not fulfilled.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DeviceRequestError {
     /// No device of this bus has that node id.

@@ -62,7 +62,7 @@ impl Errors {
         self.standing.is_some() && self.reaction == Reaction::Fault
     }
 
-    pub fn hear(&mut self, now: Tick, emergency: Emergency) {
+    pub fn take(&mut self, now: Tick, emergency: Emergency) {
         let Emergency { code, register, .. } = emergency;
         if register == 0 {
             // A code without a bit in the register is an event that has passed, or one that is reported as gone.

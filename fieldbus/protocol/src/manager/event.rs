@@ -84,7 +84,7 @@ pub enum BusEvent {
         /// Object 1001h; 0 is no error.
         register: u8,
     },
-    /// The device sends so much that it is not listened to any more.
+    /// The device sends so much that its frames are ignored.
     Babbles {
         node: NodeId,
     },

@@ -57,7 +57,7 @@ pub enum ChannelFault {
     },
     /// The process data object that carries it has not come for too long.
     Late {
-        /// Which: 2 to 4.
+        /// Number of the process data object, 2 to 4.
         object: u8,
     },
 }

@@ -91,22 +91,22 @@ pub struct Manager {
     /// Next peer to send a segment of a block.
     turn: usize,
     /// Limits of the reports of ignored frames, by reason, and at the end of bus errors.
-    told: [Budget; IGNORE_REASONS + 1],
+    reports: [Budget; IGNORE_REASONS + 1],
     rival: Rival,
 }
 
 impl Manager {
     /// Takes one frame received at `now`.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut BusOutbox) {
-        let (start, told) = (out.frames.len(), out.events.len());
-        self.pace.heard(now);
+        let (start, reported) = (out.frames.len(), out.events.len());
+        self.pace.received(now);
         if self.rival.is_mute() {
             self.listen(now, frame, out);
             return self.pass(now, start, out);
         }
         self.take(now, frame, out);
         self.requests.poll(now, &mut self.peers, out);
-        self.record(now, &out.events[told..]);
+        self.record(now, &out.events[reported..]);
         self.pass(now, start, out);
     }
 
@@ -132,10 +132,10 @@ impl Manager {
                 self.unless_babbling(now, node, frame, out, |peer, out| peer.heartbeat(now, state, out));
             }
             CanopenMessage::Tpdo1 { node, payload } => {
-                self.unless_babbling(now, node, frame, out, |peer, out| peer.inputs_heard(now, 1, payload, out));
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.take_inputs(now, 1, payload, out));
             }
             CanopenMessage::Tpdo { node, number, payload } => {
-                self.unless_babbling(now, node, frame, out, |peer, out| peer.inputs_heard(now, number, payload, out));
+                self.unless_babbling(now, node, frame, out, |peer, out| peer.take_inputs(now, number, payload, out));
             }
             CanopenMessage::Emergency { node, emergency } => {
                 self.unless_babbling(now, node, frame, out, |peer, out| peer.emergency(now, emergency, out));
@@ -161,7 +161,7 @@ impl Manager {
     /// Does what is due at `now`: own heartbeat, probing, retries, refreshing outputs, detecting silence. For the first
     /// four periods of its heartbeat that is listening alone.
     pub fn poll(&mut self, now: Tick, out: &mut BusOutbox) {
-        let (start, told) = (out.frames.len(), out.events.len());
+        let (start, reported) = (out.frames.len(), out.events.len());
         if !self.may_send(now, out) {
             return;
         }
@@ -183,7 +183,7 @@ impl Manager {
         }
         self.poll_plain(now, out);
         self.requests.poll(now, &mut self.peers, out);
-        self.record(now, &out.events[told..]);
+        self.record(now, &out.events[reported..]);
         self.forget_states(now);
         self.pass(now, start, out);
     }
@@ -423,7 +423,7 @@ impl Manager {
             FrameDecodeError::Remote { .. } => IgnoreReason::Remote,
             FrameDecodeError::ErrorFrame { class } => {
                 self.ignored[IgnoreReason::ErrorFrame as usize] += 1;
-                if self.told[IGNORE_REASONS].take(now) {
+                if self.reports[IGNORE_REASONS].take(now) {
                     out.events.push(BusEvent::BusError { class });
                 }
                 return self.bus_error(now, class, out);
@@ -439,14 +439,14 @@ impl Manager {
         // An answer to another node's request is normal traffic, not worth an event. Of the rest, enough is reported to
         // understand it; the counters have all of it.
         let everyday = matches!(reason, IgnoreReason::NotForManager | IgnoreReason::Babbling);
-        if !everyday && self.told[reason as usize].take(now) {
+        if !everyday && self.reports[reason as usize].take(now) {
             out.events.push(BusEvent::Ignored { reason, frame });
         }
     }
 }
 
 /// Limit on reports of a repeated event.
-const TOLD: Budget = Budget::new(20, Duration::from_millis(100));
+const REPORTS: Budget = Budget::new(20, Duration::from_millis(100));
 
 /// Time until an unanswered order is repeated, and between probes of an absent device. Twice a second is soon enough
 /// for an operator who plugs it in, and no load for the bus.

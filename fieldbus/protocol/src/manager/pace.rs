@@ -40,7 +40,7 @@ pub(super) struct SendQueue {
     at: Tick,
     /// Microseconds of the bus that may be used, by the manager's own frames.
     own: i64,
-    /// The same for the frames of all nodes.
+    /// Microseconds of the bus that may be used, by the frames of all nodes.
     shared: i64,
     /// Urgent frames that were refused.
     urgent: VecDeque<Frame>,
@@ -86,7 +86,7 @@ impl SendQueue {
     }
 
     /// Another node has sent a frame.
-    pub fn heard(&mut self, now: Tick) {
+    pub fn received(&mut self, now: Tick) {
         self.refill(now);
         self.shared = (self.shared - FRAME).max(-BURST * FRAME);
     }
@@ -153,7 +153,7 @@ impl SendQueue {
         self.own_is_through() && self.service.is_empty() && self.service_may_go(now)
     }
 
-    /// That segment is sent.
+    /// Counts a segment that was sent.
     pub fn streamed(&mut self, now: Tick) {
         self.spend_service(now);
     }
@@ -269,7 +269,7 @@ mod tests {
         let mut pace = SendQueue::new();
         let mut sent = 0;
         for micros in (0..100_000).step_by(100) {
-            pace.heard(Tick::from_micros(micros));
+            pace.received(Tick::from_micros(micros));
             sent += pass(&mut pace, micros, &["601#4000100000000000"]).len();
             assert!(pace.service.len() <= REQUESTS_MAX, "what one device babbles for is bounded");
         }

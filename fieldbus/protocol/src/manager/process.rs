@@ -27,7 +27,7 @@ pub(super) struct BitImage {
     inputs: Vec<Option<InputId>>,
     outputs: Vec<Option<OutputId>>,
     /// Its inputs as last sent; kept for showing after a loss.
-    heard: u64,
+    received: u64,
     /// Its share of the image its owner set last.
     wanted: u64,
     /// Data last sent to it; `None` since the last boot or loss.
@@ -41,7 +41,7 @@ impl ProcessData {
 
     pub fn of_io(io: &Io, timing: &Timing) -> Self {
         let (inputs, outputs) = (io.inputs.clone(), io.outputs.clone());
-        let bits = BitImage { inputs, outputs, heard: 0, wanted: 0, sent: None };
+        let bits = BitImage { inputs, outputs, received: 0, wanted: 0, sent: None };
         ProcessData::Io(bits, Box::new(AnalogueChannels::of(&io.analogue, timing)))
     }
 
@@ -104,7 +104,7 @@ impl ProcessData {
     /// Its bits of its owner's input image.
     pub fn inputs(&self) -> u128 {
         match self {
-            ProcessData::Io(bits, channels) => gather(bits.heard, &bits.inputs) | channels.bits(),
+            ProcessData::Io(bits, channels) => gather(bits.received, &bits.inputs) | channels.bits(),
             ProcessData::Drive(drive) => drive.inputs(),
         }
     }
@@ -118,7 +118,7 @@ impl ProcessData {
                 if payload.bytes().len() * 8 < bits.inputs.len() {
                     return Err(IgnoreReason::ShortPdo);
                 }
-                bits.heard = payload.bits();
+                bits.received = payload.bits();
                 Ok(())
             }
             ProcessData::Drive(drive) => drive.take(now, payload).map_err(|_| IgnoreReason::ShortPdo),

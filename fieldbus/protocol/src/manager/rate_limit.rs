@@ -13,7 +13,7 @@ use linewright_line::Tick;
 pub(super) const FRAMES_MAX: u32 = 200;
 /// In which they are counted.
 pub(super) const WINDOW: Duration = Duration::from_millis(100);
-/// Time for which a node has to keep within that to be listened to again.
+/// Time for which a node has to keep within the limit until its frames are taken again.
 const CALM: Duration = Duration::from_secs(1);
 
 /// Frame count of a node.
@@ -37,7 +37,7 @@ pub(super) enum RateVerdict {
 }
 
 impl NodeRateLimits {
-    pub fn hear(&mut self, now: Tick) -> RateVerdict {
+    pub fn count(&mut self, now: Tick) -> RateVerdict {
         if self.begun + WINDOW <= now {
             (self.begun, self.frames) = (now, 0);
         }
@@ -59,7 +59,7 @@ impl NodeRateLimits {
         self.until = self.until.filter(|until| *until > now);
     }
 
-    /// When it may have ceased to.
+    /// Time at which the flood may have ended.
     pub fn deadline(&self) -> Tick {
         self.until.unwrap_or(Tick::NEVER)
     }

@@ -15,9 +15,9 @@ use linewright_line::Tick;
 use super::Manager;
 use super::device_request::{DeviceRequest, DeviceRequestError, PATIENCE, RequestResult, WAITING_MAX};
 use super::event::{BusEvent, BusOutbox};
-use super::peer::{Peer, PeerPhase};
+use super::peer::{Peer, SdoChannelState};
 use super::protected_objects::guarded;
-use super::texts::{StartReply, not_asked, unknown_node};
+use super::texts::{not_asked, unknown_node};
 use super::transfer::Transfer;
 use crate::codec::{NmtCommand, NodeId};
 use crate::sdo::wire::SdoBytes;
@@ -100,7 +100,7 @@ impl Requests {
             } else {
                 // No abort to the device: a transfer of the manager's own has ended this one there.
                 let request = self.active.swap_remove(at);
-                tell(request.number, Err(DeviceRequestError::Overtaken(peer.explain(now))), out);
+                finish(request.number, Err(DeviceRequestError::Overtaken(peer.explain(now))), out);
             }
         }
         for _ in 0..self.waiting.len() {
@@ -109,10 +109,10 @@ impl Requests {
             match peer.channel() {
                 SdoChannelState::Free => self.begin(now, &request, peer, out),
                 SdoChannelState::None => {
-                    tell(request.number, Err(DeviceRequestError::NotReady(peer.explain(now))), out)
+                    finish(request.number, Err(DeviceRequestError::NotReady(peer.explain(now))), out)
                 }
                 SdoChannelState::Busy if request.until <= now => {
-                    tell(request.number, Err(DeviceRequestError::Waited(peer.explain(now))), out);
+                    finish(request.number, Err(DeviceRequestError::Waited(peer.explain(now))), out);
                 }
                 // Back to the end: the order of those of one device stays as it is.
                 SdoChannelState::Busy => self.waiting.push_back(request),
@@ -126,7 +126,7 @@ impl Requests {
             DeviceRequest::Read(object) => (Transfer::read(now, node, object, &mut out.frames), RequestStep::Last),
             DeviceRequest::Write { object, value, bytes } => match bytes.map(|bytes| setting(object, value, bytes)) {
                 Some(Ok(setting)) => (Transfer::write(now, node, &setting, &mut out.frames), RequestStep::Last),
-                Some(Err(error)) => return tell(number, Err(error), out),
+                Some(Err(error)) => return finish(number, Err(error), out),
                 None => (Transfer::read(now, node, object, &mut out.frames), RequestStep::Measure),
             },
         };
@@ -159,7 +159,7 @@ impl Requests {
         };
         let Some(answer) = answer else { return };
         let number = self.active.swap_remove(at).number;
-        tell(number, answer, out);
+        finish(number, answer, out);
         peer.give_back(now, out);
     }
 }
@@ -187,7 +187,7 @@ impl ActiveRequest {
     }
 }
 
-fn tell(number: u64, answer: RequestResult, out: &mut BusOutbox) {
+fn finish(number: u64, answer: RequestResult, out: &mut BusOutbox) {
     out.answers.push((number, answer));
     out.events.push(BusEvent::Answered { number });
 }
@@ -203,58 +203,6 @@ fn setting(object: ObjectId, value: u32, bytes: usize) -> Result<SdoWrite, Devic
     }
 }
 
-/// Whether a request may use a device's SDO channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SdoChannelState {
-    /// Now.
-    Free,
-    /// Later: the manager has something to do there.
-    Busy,
-    /// Without an answer.
-    None,
-}
-
-impl Peer {
-    /// Whether a request may use its SDO channel.
-    fn channel(&self) -> SdoChannelState {
-        match self.phase {
-            // A stopped device answers no SDO (CiA 301 §7.3.2.2.4).
-            PeerPhase::Absent { .. } | PeerPhase::Stopped => SdoChannelState::None,
-            PeerPhase::Booting(_) => SdoChannelState::Busy,
-            _ if self.lent || self.writing.is_some() || self.errors.want_channel() => SdoChannelState::Busy,
-            PeerPhase::Refused { .. } | PeerPhase::Starting { .. } | PeerPhase::Operational => SdoChannelState::Free,
-        }
-    }
-
-    /// The channel is the manager's again; its delayed transfers come first.
-    fn give_back(&mut self, now: Tick, out: &mut BusOutbox) {
-        self.lent = false;
-        if self.writing.is_none() && self.is_operational() {
-            self.errors.ask(now, self.node, &mut out.frames);
-        }
-        self.write_if_wanted(now, out);
-    }
-
-    /// Start on request. It never is started before it is identified and configured.
-    fn start_by_request(&mut self, now: Tick, out: &mut BusOutbox) -> Result<String, String> {
-        let text = self.explain(now);
-        match self.phase {
-            PeerPhase::Operational | PeerPhase::Starting { .. } => Ok(text),
-            // Not as it is: its state since it was stopped is unknown. And a stopped device answers no SDO.
-            PeerPhase::Stopped => {
-                self.order(NmtCommand::EnterPreOperational, out);
-                self.boot(now, out);
-                Ok(StartReply::Woken.text(&text))
-            }
-            PeerPhase::Refused { .. } => {
-                self.boot(now, out);
-                Err(StartReply::LookedAtAgain.text(&text))
-            }
-            PeerPhase::Absent { .. } | PeerPhase::Booting(_) => Err(text),
-        }
-    }
-}
-
 impl Manager {
     /// Sends a request to a device; the answer comes as [`BusEvent::Answered`] with the number given here, and is in
     /// [`BusOutbox::answers`]. At once if it is refused.
@@ -263,17 +211,17 @@ impl Manager {
         self.requests.last += 1;
         let number = self.requests.last;
         let Some(peer) = self.peers.iter().find(|peer| peer.node.get() == node) else {
-            tell(number, Err(DeviceRequestError::UnknownNode { node }), out);
+            finish(number, Err(DeviceRequestError::UnknownNode { node }), out);
             return number;
         };
         if let Some(why) = self.rival.keeps_off(now) {
-            tell(number, Err(DeviceRequestError::NotReady(not_asked(&why))), out);
+            finish(number, Err(DeviceRequestError::NotReady(not_asked(&why))), out);
         } else if let DeviceRequest::Write { object, .. } = ask
             && let Some(why) = guarded(object, &peer.plan.settings)
         {
-            tell(number, Err(DeviceRequestError::Guarded { object, why }), out);
+            finish(number, Err(DeviceRequestError::Guarded { object, why }), out);
         } else if self.requests.waiting.len() >= WAITING_MAX {
-            tell(number, Err(DeviceRequestError::Full), out);
+            finish(number, Err(DeviceRequestError::Full), out);
         } else {
             let node = peer.node;
             self.requests.waiting.push_back(QueuedRequest { number, node, ask, until: now + PATIENCE });
@@ -306,11 +254,11 @@ impl Manager {
             return Err(why);
         }
         let start = out.frames.len();
-        let said = match self.peers.iter_mut().find(|peer| peer.node == node) {
+        let reply = match self.peers.iter_mut().find(|peer| peer.node == node) {
             Some(peer) => peer.start_by_request(now, out),
-            None => Err(unknown_node(node)),
+            None => Err(unknown_node(node.get())),
         };
         self.pass(now, start, out);
-        said
+        reply
     }
 }

@@ -31,7 +31,7 @@ use crate::codec::CanopenMessage;
 use crate::frame::Frame;
 
 /// Least time between two reports of another manager while it is there.
-const TOLD_EVERY: Duration = Duration::from_secs(5);
+const REPORTED_EVERY: Duration = Duration::from_secs(5);
 
 /// Stage of taking over the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ enum Takeover {
 /// State of the watch for another manager.
 #[derive(Debug)]
 pub(super) struct Rival {
-    /// Time for which another manager is listened for.
+    /// Time without frames of its own in which another manager would be noticed.
     listen: Duration,
     /// Time for which it counts as there after its last heartbeat.
     hold: Duration,
@@ -59,9 +59,9 @@ pub(super) struct Rival {
     slack: Duration,
     stage: Takeover,
     /// First and last arrival of its heartbeat; `None` while this manager is alone.
-    heard: Option<(Tick, Tick)>,
-    /// When it was last reported.
-    told: Option<Tick>,
+    received: Option<(Tick, Tick)>,
+    /// Time of the last report of it.
+    reported: Option<Tick>,
 }
 
 impl Rival {
@@ -73,8 +73,8 @@ impl Rival {
             hold: timing.heartbeat_timeout.max(listen),
             slack: timing.heartbeat,
             stage: Takeover::Before,
-            heard: None,
-            told: None,
+            received: None,
+            reported: None,
         }
     }
 
@@ -90,7 +90,7 @@ impl Rival {
 
     /// Since when another one has been there.
     pub fn since(&self) -> Option<Tick> {
-        self.heard.map(|(began, _)| began)
+        self.received.map(|(began, _)| began)
     }
 
     /// Advances time; whether this manager may send now. `on_the_bus`: whether frames could have been received.
@@ -115,7 +115,9 @@ impl Rival {
             Takeover::Before => return None,
             Takeover::Listening { until } => until,
             Takeover::Yielded { .. } => Tick::NEVER,
-            Takeover::Young { .. } | Takeover::Settled => self.heard.map_or(Tick::NEVER, |(_, last)| last + self.hold),
+            Takeover::Young { .. } | Takeover::Settled => {
+                self.received.map_or(Tick::NEVER, |(_, last)| last + self.hold)
+            }
         })
     }
 
@@ -145,10 +147,10 @@ impl Manager {
         if let Takeover::Yielded { .. } = rival.stage {
             return;
         }
-        let begins = rival.heard.is_none();
-        rival.heard = Some((rival.since().unwrap_or(now), now));
-        if rival.told.is_none_or(|told| told + TOLD_EVERY <= now) {
-            rival.told = Some(now);
+        let begins = rival.received.is_none();
+        rival.received = Some((rival.since().unwrap_or(now), now));
+        if rival.reported.is_none_or(|reported| reported + REPORTED_EVERY <= now) {
+            rival.reported = Some(now);
             out.events.push(BusEvent::AnotherManager);
         }
         let has_sent = rival.has_sent();
@@ -181,8 +183,8 @@ impl Manager {
         if !self.rival.may_send(now, self.off.is_none()) {
             return false;
         }
-        if self.rival.heard.is_some_and(|(_, last)| last + self.rival.hold <= now) {
-            self.rival.heard = None;
+        if self.rival.received.is_some_and(|(_, last)| last + self.rival.hold <= now) {
+            self.rival.received = None;
             out.events.push(BusEvent::AloneAgain);
             self.bring_back(now, out);
         }

@@ -4,7 +4,7 @@ use linewright_line::{Owner, Tick};
 
 use super::Manager;
 use super::event::BusEvent;
-use super::peer::{Peer, PeerPhase};
+use super::peer::PeerPhase;
 use crate::codec::{Emergency, NmtState, NodeId, Profile};
 
 /// Condition of a device.
@@ -47,18 +47,6 @@ pub(super) struct DeviceMemory {
     pub emergency: Option<(Tick, Emergency)>,
     pub losses: u32,
     pub ignored: u64,
-}
-
-impl Peer {
-    fn condition(&self) -> DeviceCondition {
-        match self.phase {
-            PeerPhase::Absent { .. } => DeviceCondition::Absent,
-            PeerPhase::Booting(_) | PeerPhase::Starting { .. } => DeviceCondition::Booting,
-            PeerPhase::Refused { .. } => DeviceCondition::Refused,
-            PeerPhase::Operational => DeviceCondition::Operational,
-            PeerPhase::Stopped => DeviceCondition::Stopped,
-        }
-    }
 }
 
 impl Manager {

@@ -187,7 +187,7 @@ pub enum ServerFrame {
         object: ObjectId,
     },
     DownloadSegment {
-        /// That of the segment.
+        /// Toggle bit of the confirmed segment.
         toggle: bool,
     },
     /// The object, or the announcement of its segments.

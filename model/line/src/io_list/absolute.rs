@@ -16,7 +16,7 @@ impl DeviceBegin {
     /// `drill io=%I4,%Q2`, or `drill io=4` for both.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The text is not of this form, or gives inputs or outputs twice.
     pub fn read(text: &str) -> Result<Self, String> {
         let wrong = || format!("`{text}` is not as in `drill io=%I4,%Q2` or `drill io=4`");
         let (device, begins) = text.rsplit_once('=').ok_or_else(wrong)?;

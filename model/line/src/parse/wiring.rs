@@ -135,14 +135,14 @@ fn bits<'a, Id>(
     bound
 }
 
-/// Binds one bit that is named by itself, and not in a list.
+/// Binds one input that is named by itself, and not in a list.
 pub(super) fn one_input<'a>(bit: &'a LocatedName, wires: &mut Wires<'a>, report: &mut Report) -> Option<InputId> {
     tag(bit, "input", report);
     let Wires { inputs, outputs, wiring } = wires;
     one_bit(bit, "input", inputs, outputs, &mut wiring.inputs, report).map(InputId::at)
 }
 
-/// The same for an output.
+/// Binds one output that is named by itself, and not in a list.
 pub(super) fn one_output<'a>(bit: &'a LocatedName, wires: &mut Wires<'a>, report: &mut Report) -> Option<OutputId> {
     tag(bit, "output", report);
     let Wires { inputs, outputs, wiring } = wires;

@@ -115,7 +115,7 @@ impl Clause {
         Clause { atoms: atoms.into_iter().collect(), scheduled: false }
     }
 
-    /// The same, if the dispatcher decides so.
+    /// The clause, enabled only by a decision of the dispatcher.
     pub fn scheduled(mut self) -> Clause {
         self.scheduled = true;
         self

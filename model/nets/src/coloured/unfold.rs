@@ -18,7 +18,7 @@ use crate::{Marking, Net, NetBuilder, PlaceId, TransitionId};
 pub enum Colours {
     /// All of every domain.
     All,
-    /// Those that could ever be there.
+    /// The colours that a place can ever hold.
     Reachable,
 }
 

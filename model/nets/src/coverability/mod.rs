@@ -34,7 +34,7 @@ pub struct CoverabilityLimits {
 }
 
 impl Default for CoverabilityLimits {
-    /// Some seconds, and a quarter of a gigabyte.
+    /// Limits that take some seconds and a quarter of a gigabyte.
     fn default() -> Self {
         CoverabilityLimits { labels: 1_000_000, bytes: 256 << 20, comparisons: 1 << 29 }
     }

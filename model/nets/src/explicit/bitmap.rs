@@ -32,7 +32,7 @@ impl BitmapLayout {
         BitmapLayout::with_bits(encoding, BITS)
     }
 
-    /// The same using only so many bits of each word.
+    /// The layout with only `bits` bits of each word in use.
     pub(super) fn with_bits(encoding: &MarkingEncoding, bits: u32) -> Option<BitmapLayout> {
         let radices: Vec<u32> = encoding.radices.iter().copied().collect::<Option<_>>()?;
         if encoding.bounds.contains(&None) {

@@ -15,7 +15,7 @@ pub struct WitnessMarking {
 pub struct Home {
     /// Number of markings.
     pub states: u64,
-    /// One of them.
+    /// One of these markings.
     pub example: Marking,
 }
 
@@ -43,7 +43,7 @@ pub struct NetFacts {
     pub arcs: u64,
     /// Reachable markings at which nothing is enabled.
     pub deadlocks: u64,
-    /// One of them.
+    /// One of the dead markings.
     pub deadlock: Option<WitnessMarking>,
     /// Per place, the most tokens that it ever holds.
     pub bounds: Vec<u32>,

@@ -168,7 +168,7 @@ impl<'a> MarkingTable<'a> {
         MarkingTable::with_bits(net, encoding, limits, 0)
     }
 
-    /// The same with at least so many bits per digit.
+    /// The table with at least this number of bits per digit.
     pub(super) fn with_bits(
         net: &'a Net,
         encoding: &'a MarkingEncoding,

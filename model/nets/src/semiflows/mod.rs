@@ -99,7 +99,7 @@ pub struct SemiflowLimits {
 }
 
 impl Default for SemiflowLimits {
-    /// Some seconds, and a quarter of a gigabyte.
+    /// Limits that take some seconds and a quarter of a gigabyte.
     fn default() -> Self {
         SemiflowLimits { rows: 200_000, bytes: 256 << 20, combinations: 20_000_000, looks: 500_000_000 }
     }

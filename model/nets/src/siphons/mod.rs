@@ -29,7 +29,7 @@ pub struct SiphonLimits {
 }
 
 impl Default for SiphonLimits {
-    /// Some seconds on a net of a hundred places.
+    /// Limits that take some seconds on a net of a hundred places.
     fn default() -> Self {
         SiphonLimits { sets: 500_000, bytes: 256 << 20 }
     }

@@ -48,7 +48,7 @@ impl Tnces {
         self.semantics
     }
 
-    /// The same system under another reading.
+    /// The system with other semantics.
     pub fn with_semantics(mut self, semantics: Semantics) -> Tnces {
         self.semantics = semantics;
         self

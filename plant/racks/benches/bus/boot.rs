@@ -34,10 +34,10 @@ pub fn run(place: &Place) {
                 run: None,
             };
             let line = line();
-            tokio::select! {
-                ended = run_plant(&line, &options) => ended.expect("the plant runs"),
-                _ = stopped => {}
-            }
+            let stopped = async {
+                _ = stopped.await;
+            };
+            run_plant(&line, &options, None, stopped).await.expect("the plant runs");
         });
     });
     block_on(async {

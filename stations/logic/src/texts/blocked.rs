@@ -7,6 +7,9 @@ use crate::event::StopCause;
 /// Wait of a station with invalid devices. Which device and why, their manager reports.
 pub const DEVICES_INVALID: &str = "its I/O devices: no process data, or not operational";
 
+/// What waits for something where a drive is to be homed at a rest.
+pub(crate) const HOMING: &str = "the homing of its drive";
+
 /// The way back of a station that stands somewhere else than its chart has it, in its fault.
 pub(crate) const REJOIN_WAY: &str = "its switches fit another place: look where it stands, then confirm it with rejoin";
 
@@ -23,6 +26,14 @@ pub enum StationWait<'a> {
     Rejoin(PositionDoubt, RejoinAdvice<'a>),
     /// The homing of a drive, by this index.
     Homing { op: &'a str },
+    /// The homing of the drive, at a rest.
+    HomingAtRest,
+    /// The end of the drive's fault, before it is homed.
+    HomingFault { input: &'a str },
+    /// The standstill of another station, before the drive is homed.
+    Standstill { station: &'a str },
+    /// Its state of a conflict, before the drive is homed.
+    LedOut { station: &'a str, why: &'a str },
     /// All stations at home: this one shares no counts with the others.
     NewGeneration,
     /// A motion that was stopped is not complete: where advance and return lead it.
@@ -45,6 +56,11 @@ pub enum StationWait<'a> {
     Input { input: &'a str, own: &'a str },
     /// A button in hand mode; none has a function where both are empty.
     Button { onward: Option<&'a str>, back: Option<&'a str> },
+    /// A button in hand mode within a sequence, which its other button takes back only from its end.
+    ButtonMidway { onward: &'a str, back: &'a str },
+    /// A button in hand mode where a task was taken back to its beginning: only this task's, until the station is led on
+    /// to the rest.
+    ButtonUndone { again: &'a str },
     /// A button in hand mode that begins a task: the choices, each from [`StationWait::task_button`].
     TaskButton { choices: &'a [String] },
     /// A command of the station's panel.
@@ -55,10 +71,10 @@ pub enum StationWait<'a> {
     Selector,
     /// A mode in which stations move.
     Mode(ControlMode),
-    /// The reset of the emergency stop.
+    /// What ends the emergency stop. A station does not know whether it has been reset.
     EStop,
-    /// Advance at the station's panel; return leads no further back.
-    PanelAdvance { op: &'a str, is_undone: bool },
+    /// Advance at the station's panel; return leads nowhere.
+    PanelAdvance { op: &'a str, no_return: NoReturn },
     /// Return, which leads on along the recovery path. In no other mode than manual does anything lead on there.
     RecoveryPath,
     /// A motion forbidden by measured positions; the detail of [`StopCause::Interlock`].
@@ -104,6 +120,15 @@ impl PanelChoice {
             PanelChoice::WayHome => "go home along the recovery path",
         }
     }
+}
+
+/// Reason why return leads nowhere from the end of a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoReturn {
+    AtHome,
+    /// The operation is undone, and its hand type leads no further back.
+    Undone,
+    Irreversible,
 }
 
 /// Reason why the position of a station is in doubt.
@@ -157,8 +182,19 @@ impl StationWait<'_> {
             StationWait::Devices => DEVICES_INVALID.to_owned(),
             StationWait::PositionLost(detail) => detail.to_owned(),
             StationWait::Rejoin(doubt, advice) => format!("rejoin: {}; {}", doubt.text(), advice.text()),
-            StationWait::Homing { op } => {
-                format!("the homing of its drive: hold advance at its panel in manual, as far as the end of `{op}`")
+            StationWait::Homing { op } => format!(
+                "the homing of its drive: hold advance at its panel in manual, as far as the end of `{op}`; the axis turns \
+                 to its reference first, forwards or back"
+            ),
+            StationWait::HomingAtRest => {
+                "the homing of its drive: hold advance at its panel in manual until its place is \
+                                          measured; the axis turns to its reference, forwards or back"
+                    .to_owned()
+            }
+            StationWait::HomingFault { input } => format!("{input} to go off, for {HOMING}"),
+            StationWait::Standstill { station } => format!("{station} to stand still, for {HOMING}"),
+            StationWait::LedOut { station, why } => {
+                format!("{station} to be led out of its state of the conflict `{why}`, for {HOMING}")
             }
             StationWait::NewGeneration => "a new generation: no counts in common with the other stations; lead all \
                                            stations home in manual, then give auto"
@@ -186,6 +222,15 @@ impl StationWait<'_> {
                 (None, Some(back)) => format!("a button: {back} to go back"),
                 (None, None) => "a button: none assigned here; use manual or auto".to_owned(),
             },
+            StationWait::ButtonMidway { onward, back } => {
+                format!(
+                    "a button: {onward} to go on; {back} takes back only from the end of the sequence (from here: \
+                     return at its panel in manual)"
+                )
+            }
+            StationWait::ButtonUndone { again } => {
+                format!("a button: {again} to do it again; for another task, return at its panel in manual, or auto")
+            }
             StationWait::TaskButton { choices } => format!("a button: {}", choices.join(", ")),
             StationWait::Panel => "advance or return at its panel".to_owned(),
             StationWait::PanelAtRest => {
@@ -193,12 +238,14 @@ impl StationWait<'_> {
             }
             StationWait::Selector => "its selector at manual".to_owned(),
             StationWait::Mode(mode) => format!("a mode that allows motion (now {mode})"),
-            StationWait::EStop => "the reset of the emergency stop".to_owned(),
-            StationWait::PanelAdvance { op, is_undone: true } => {
-                format!("advance at its panel; no return: {op} is undone, its hand type leads no further back")
-            }
-            StationWait::PanelAdvance { op, is_undone: false } => {
-                format!("advance at its panel; no return: {op} cannot be undone")
+            StationWait::EStop => "manual, possible once the emergency stop is reset".to_owned(),
+            StationWait::PanelAdvance { op, no_return } => {
+                let why = match no_return {
+                    NoReturn::AtHome => "it is at home".to_owned(),
+                    NoReturn::Undone => format!("{op} is undone, and return leads no further back"),
+                    NoReturn::Irreversible => format!("{op} cannot be undone"),
+                };
+                format!("advance at its panel; no return: {why}")
             }
             StationWait::RecoveryPath => {
                 "return at its panel in manual: it is on its recovery path, half-way home".to_owned()

@@ -50,6 +50,9 @@ impl StationHappening {
             HappeningKind::OrderRefused(refusal) => format!("task order {}", refusal.text()),
             HappeningKind::OrderDone(id) => format!("completed task {}", task(id)),
             HappeningKind::OrderFailed(id, failure) => format!("task {} failed: {}", task(id), failure.text()),
+            HappeningKind::OrderLeft(id, code) => {
+                format!("left task {} on request, while it waited for an input (code {code})", task(id))
+            }
             HappeningKind::Securing(id) => format!("started undoing task {}", task(id)),
         }
     }

@@ -11,6 +11,6 @@ mod event;
 mod ignored;
 pub(crate) mod place;
 
-pub(crate) use blocked::REJOIN_WAY;
-pub use blocked::{DEVICES_INVALID, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};
+pub use blocked::{DEVICES_INVALID, NoReturn, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};
+pub(crate) use blocked::{HOMING, REJOIN_WAY};
 pub(crate) use cause::stuck_text;

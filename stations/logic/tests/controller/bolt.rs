@@ -102,8 +102,13 @@ fn switched_on_with_the_bolt_home_a_person_draws_it_homes_the_drive_and_locks_ag
     assert_eq!(table.rig.doing(), "unlock (done)");
     table.advance();
     assert_eq!(table.outputs(), ["turn"], "to no place: that homes it");
+    assert_eq!(table.rig.doing(), "unlock (done) + homing");
     table.see(&[], &["in_place", "place_1"]);
-    assert_eq!((table.rig.doing().as_str(), table.is_lost()), ("index (done)", false));
+    assert_eq!((table.rig.doing().as_str(), table.is_lost()), ("unlock (done)", false), "a homing is no index");
+    table.advance();
+    assert_eq!(table.outputs(), ["turn", "to_2"]);
+    table.see(&["in_place"], &[]);
+    table.see(&["place_1"], &["in_place", "place_2"]);
     table.advance();
     assert_eq!(table.outputs(), ["push"]);
     table.see(&["LS_free"], &["LS_locked"]);

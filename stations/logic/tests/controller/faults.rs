@@ -138,6 +138,14 @@ fn the_emergency_stop_stops_every_operating_place() {
     }
 }
 
+/// A station does not know whether the stop has been reset: what it waits for is true before and after.
+#[test]
+fn in_an_emergency_stop_a_station_at_rest_waits_for_manual() {
+    let mut rig = Rig::new(alone(1, &[r(1), r(2)]));
+    rig.mode(ControlMode::EStop);
+    assert_eq!(rig.blocked_by(), ["manual, possible once the emergency stop is reset"]);
+}
+
 #[test]
 fn the_emergency_stop_outlives_its_lease() {
     let mut rig = running();

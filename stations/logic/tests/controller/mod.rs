@@ -7,6 +7,7 @@ mod bolt;
 mod commands;
 mod faults;
 mod hand;
+mod homing;
 mod hostile;
 mod index;
 mod interlock;

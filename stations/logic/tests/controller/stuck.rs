@@ -98,6 +98,24 @@ fn a_clamp_that_has_not_left_its_open_switch_is_not_closed_whatever_the_other_sw
     }
 }
 
+/// Let go before the watchdog reports it anew, it is stopped by the switches as before: they are still both on.
+#[test]
+fn released_between_two_switches_that_are_on_it_keeps_its_cause() {
+    let mut clamp = Clamp::stuck(false);
+    clamp.advance();
+    assert_eq!(clamp.rig.doing(), "advance clamp (stopped)");
+    assert!(clamp.fault().contains("are both on"), "{}", clamp.fault());
+    // Repaired, it is stopped by its button.
+    clamp.rig.set(clamp.closed, false);
+    clamp.advance();
+    assert_eq!(clamp.rig.doing(), "advance clamp (stopped)");
+    assert_eq!(clamp.fault(), "");
+    // Both on again, it was not stopped by them.
+    clamp.rig.set(clamp.closed, true);
+    clamp.advance();
+    assert_eq!(clamp.fault(), "");
+}
+
 #[test]
 fn repaired_it_is_led_on_at_once() {
     let mut clamp = Clamp::stuck(false);

@@ -121,6 +121,11 @@ fn return_is_offered_where_it_moves_and_nowhere_else() {
             }
         }
     }
+    let mut rig = in_manual(3, &[1, 1, 2, 6]);
+    rig.advance_through(0);
+    rig.retract_through(0);
+    assert!(rig.report().at_home);
+    assert_eq!(rig.blocked_by(), ["advance at its panel; no return: it is at home"]);
     let mut rig = Rig::new(alone(2, &[r(1), i(2, &[2]), r(6)]));
     rig.mode(ControlMode::Manual);
     rig.advance_through(0);

@@ -54,7 +54,9 @@ fn told_before_it_has_begun_it_does_not_begin() {
     let mut m1 = Bench::new();
     m1.set("part_present", false);
     m1.run(&order(1, "clamp"));
+    m1.events();
     assert_eq!(m1.secure(key(1, 1)), ended(TaskFailure::Waiting(12)));
+    assert_eq!(m1.events(), ["left task clamp on request, while it waited for an input (code 12)"]);
     m1.set("part_present", true);
     assert_eq!(m1.outputs, 0);
 }

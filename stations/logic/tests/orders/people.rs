@@ -1,12 +1,12 @@
 //! People and faults: the course of an order when a person moves the station, and how it gets back to a rest.
 
-use linewright_line::OpId;
 use linewright_line::net::ControlMode;
 use linewright_line::net::StationPlace;
+use linewright_line::{OpId, StationId};
 use linewright_station_logic::PanelCommand::{Advance, Retract};
-use linewright_station_logic::{TaskFailure, TaskOutcome, TaskReply};
+use linewright_station_logic::{Restore, TaskFailure, TaskOutcome, TaskReply};
 
-use super::bench::{Bench, ended, key, order};
+use super::bench::{Bench, MEMORY, ended, key, order};
 
 #[test]
 fn a_fault_ends_the_order_with_its_code_and_leaves_the_station_where_it_is() {
@@ -254,4 +254,40 @@ fn an_input_that_holds_a_motion_is_named_in_hand_and_in_manual() {
     m1.mode(ControlMode::Auto);
     m1.mode(ControlMode::Hand);
     assert_eq!(m1.blocked_by(), [missing, "a button: PB_close for clamp"]);
+}
+
+/// A sequence is taken back from its end, and a task that was taken back is led on to the rest: what waits for a button says so.
+#[test]
+fn what_a_button_does_not_do_within_a_sequence_is_named() {
+    let mut robot = Bench::standing(StationId(1), Restore::Fresh, MEMORY, &["A_0", "G_0"]);
+    robot.mode(ControlMode::Hand);
+    robot.press("PB_load");
+    robot.release();
+    robot.press("PB_load");
+    robot.arrive();
+    robot.release();
+    assert_eq!(robot.doing(), "to the store (done)");
+    robot.press("PB_back");
+    assert_eq!((robot.doing().as_str(), robot.outputs), ("to the store (done)", 0), "t4 is the last operation's alone");
+    robot.release();
+    let midway = "a button: PB_load to go on; PB_back takes back only from the end of the sequence (from here: return at \
+                  its panel in manual)";
+    assert_eq!(robot.blocked_by(), [midway]);
+
+    let mut m1 = Bench::new();
+    m1.mode(ControlMode::Hand);
+    m1.press("PB_close");
+    m1.arrive();
+    m1.release();
+    m1.press("PB_back");
+    m1.arrive();
+    m1.release();
+    assert_eq!((m1.doing().as_str(), m1.rest().as_deref()), ("clamp close (undone)", Some("open")));
+    let undone = "a button: PB_close to do it again; for another task, return at its panel in manual, or auto";
+    assert_eq!(m1.blocked_by(), [undone]);
+    m1.mode(ControlMode::Manual);
+    m1.hold(&[Retract(true)]);
+    m1.hold(&[]);
+    m1.mode(ControlMode::Hand);
+    assert_eq!(m1.blocked_by(), ["a button: PB_close for clamp"], "as it says");
 }

@@ -7,6 +7,7 @@ use linewright_line::Tick;
 use super::super::RETRY;
 use super::super::boot::{Boot, BootError, BootStep};
 use super::super::event::{BusEvent, BusOutbox};
+use super::super::texts::StartReply;
 use super::{Peer, PeerPhase};
 use crate::codec::NmtCommand;
 use crate::sdo::TransferFailure;
@@ -55,10 +56,36 @@ impl Peer {
             why,
             BootError::Transfer { error, .. } | BootError::NotReadBack(error) if matches!(error.cause, TransferFailure::Silent { .. })
         );
-        self.phase = if silent && self.heard + self.timeout <= now {
+        self.phase = if silent && self.alive_at + self.timeout <= now {
             PeerPhase::Absent { probe: now + RETRY }
         } else {
             PeerPhase::Refused { why, retry: now + if silent { RETRY } else { REFUSED_RETRY } }
         };
+    }
+
+    /// Reads its device type at once, if it is absent.
+    pub(in crate::manager) fn ask_soon(&mut self, now: Tick) {
+        if let PeerPhase::Absent { probe } = &mut self.phase {
+            *probe = now;
+        }
+    }
+
+    /// Start on request. It never is started before it is identified and configured.
+    pub(in crate::manager) fn start_by_request(&mut self, now: Tick, out: &mut BusOutbox) -> Result<String, String> {
+        let text = self.explain(now);
+        match self.phase {
+            PeerPhase::Operational | PeerPhase::Starting { .. } => Ok(text),
+            // Not as it is: its state since it was stopped is unknown. And a stopped device answers no SDO.
+            PeerPhase::Stopped => {
+                self.order(NmtCommand::EnterPreOperational, out);
+                self.boot(now, out);
+                Ok(StartReply::Woken.text(&text))
+            }
+            PeerPhase::Refused { .. } => {
+                self.boot(now, out);
+                Err(StartReply::LookedAtAgain.text(&text))
+            }
+            PeerPhase::Absent { .. } | PeerPhase::Booting(_) => Err(text),
+        }
     }
 }

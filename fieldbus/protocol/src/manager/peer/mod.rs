@@ -16,16 +16,23 @@
 //! is expected, and its heartbeat consumer must watch *this* manager before an output is energised. A stopped device
 //! stays stopped: another node ordered that, and the manager does not override it. Only frames from the device change
 //! its phase; the manager's own frames prove nothing.
+//!
+//! Here are the phases and what leads from one to another. Beside it: bringing it up (`boot.rs`), its share of the outputs
+//! (`outputs.rs`), its SDO channel while it runs (`sdo_channel.rs`), SYNC (`sync.rs`), whether its inputs are trusted
+//! (`trust.rs`), and its state in words (`explain.rs`).
 
 mod boot;
+mod explain;
+mod outputs;
+mod sdo_channel;
 mod sync;
 mod trust;
-mod write;
 
 use std::time::Duration;
 
 use linewright_fieldbus_seam::Budget;
 use linewright_line::{Device, DeviceSetup, Owner, Reaction, Tick, Timing};
+pub(super) use sdo_channel::SdoChannelState;
 
 use super::boot::{Boot, BootError, BootPlan, DEVICE_TYPE, plan};
 use super::channels::AnalogueChannels;
@@ -34,9 +41,10 @@ use super::event::{BusEvent, BusOutbox};
 use super::fault::IgnoreReason;
 use super::process::ProcessData;
 use super::rate_limit::NodeRateLimits;
+use super::status::DeviceCondition;
 use super::sync::inputs_within;
 use super::transfer::Transfer;
-use super::{RETRY, TOLD};
+use super::{REPORTS, RETRY};
 use crate::codec::{CanopenMessage, Emergency, NmtCommand, NmtState, NodeId, Payload};
 use crate::sdo::SdoWrite;
 use crate::sdo::wire::{ClientFrame, SdoBytes};
@@ -101,11 +109,11 @@ pub(super) struct Peer {
     pub(super) errors: Errors,
     pub(super) flood: NodeRateLimits,
     /// Limit of reports of it, and limit of its boots and start orders.
-    pub(super) told: Budget,
+    pub(super) reports: Budget,
     pub(super) orders: Budget,
     /// Setting being written while it runs.
     pub(super) writing: Option<(SdoWrite, Transfer)>,
-    /// Its SDO channel is lent to a request (`request.rs`). Whatever the manager begins there takes it back.
+    /// Its SDO channel is lent to a request (`manager/request.rs`). Whatever the manager begins there takes it back.
     pub(super) lent: bool,
     pub(super) plan: BootPlan,
     /// Why it was last refused, so that it is reported once.
@@ -114,7 +122,7 @@ pub(super) struct Peer {
     pub(super) refresh: Duration,
     pub(super) phase: PeerPhase,
     /// When it last gave a sign of life; meaningless while absent.
-    pub(super) heard: Tick,
+    pub(super) alive_at: Tick,
     /// When its last heartbeat came, if one ever did.
     pub(super) beat: Option<Tick>,
     /// Another node has stopped it, and it has not been brought up since.
@@ -150,7 +158,7 @@ impl Peer {
             process,
             errors: Errors::new(device.on_emergency()),
             flood: NodeRateLimits::default(),
-            told: TOLD,
+            reports: REPORTS,
             orders: ORDERS,
             writing: None,
             lent: false,
@@ -158,7 +166,7 @@ impl Peer {
             timeout: timing.heartbeat_timeout,
             refresh: timing.refresh,
             phase: PeerPhase::Absent { probe: Tick::ZERO },
-            heard: Tick::ZERO,
+            alive_at: Tick::ZERO,
             beat: None,
             held: false,
             why: None,
@@ -173,7 +181,7 @@ impl Peer {
     /// Its inputs may be acted upon: it is operational, not silent, and has sent them since it came up.
     pub(super) fn trusted(&self, now: Tick) -> bool {
         matches!(self.phase, PeerPhase::Operational)
-            && now.since(self.heard) < self.timeout
+            && now.since(self.alive_at) < self.timeout
             && !self.errors.stand()
             && (!self.process.has_inputs() || self.updated.is_some())
             && self.process.fault(now).is_none()
@@ -198,8 +206,18 @@ impl Peer {
         matches!(self.phase, PeerPhase::Operational)
     }
 
+    pub(super) fn condition(&self) -> DeviceCondition {
+        match self.phase {
+            PeerPhase::Absent { .. } => DeviceCondition::Absent,
+            PeerPhase::Booting(_) | PeerPhase::Starting { .. } => DeviceCondition::Booting,
+            PeerPhase::Refused { .. } => DeviceCondition::Refused,
+            PeerPhase::Operational => DeviceCondition::Operational,
+            PeerPhase::Stopped => DeviceCondition::Stopped,
+        }
+    }
+
     pub(super) fn deadline(&self) -> Tick {
-        let lost = self.heard + self.timeout;
+        let lost = self.alive_at + self.timeout;
         match &self.phase {
             PeerPhase::Absent { probe } => *probe,
             PeerPhase::Booting(boot) => boot.deadline(),
@@ -227,10 +245,10 @@ impl Peer {
         // may never have been configured; its next boot finds out whether it is still there.
         let watched =
             !matches!(self.phase, PeerPhase::Absent { .. } | PeerPhase::Booting(_) | PeerPhase::Refused { .. });
-        if watched && self.heard + self.timeout <= now {
+        if watched && self.alive_at + self.timeout <= now {
             // Reported once: one whose other frames arrive is looked at again and again.
             if !self.lacks_heartbeat() {
-                out.events.push(BusEvent::DeviceLost { node: self.node, silent_for: now.since(self.heard) });
+                out.events.push(BusEvent::DeviceLost { node: self.node, silent_for: now.since(self.alive_at) });
             }
             // Perhaps its heartbeat alone has ceased: then it receives this manager's, and would keep its outputs.
             self.send_rest(out);
@@ -278,7 +296,7 @@ impl Peer {
     }
 
     pub(super) fn heartbeat(&mut self, now: Tick, state: NmtState, out: &mut BusOutbox) -> PeerChange {
-        self.heard = now;
+        self.alive_at = now;
         self.beat = Some(now);
         if self.lacks_heartbeat() {
             self.why = None;
@@ -299,7 +317,7 @@ impl Peer {
                 PeerChange::Unchanged
             }
             (_, NmtState::BootUp) => {
-                self.tell(now, BusEvent::DeviceRebooted { node: self.node }, out);
+                self.report(now, BusEvent::DeviceRebooted { node: self.node }, out);
                 let outcome = self.leave(now, PeerPhase::Starting { retry: now }, NotOperationalReason::Booted);
                 self.boot(now, out);
                 outcome
@@ -336,13 +354,13 @@ impl Peer {
                 self.lose_sync(now, out)
             }
             (PeerPhase::Operational, NmtState::PreOperational) => {
-                self.tell(now, BusEvent::DeviceLeft { node: self.node, state }, out);
+                self.report(now, BusEvent::DeviceLeft { node: self.node, state }, out);
                 let outcome = self.leave(now, PeerPhase::Stopped, NotOperationalReason::Left(state));
                 self.boot(now, out);
                 outcome
             }
             (PeerPhase::Starting { .. } | PeerPhase::Operational, NmtState::Stopped | NmtState::Unknown(_)) => {
-                self.tell(now, BusEvent::DeviceLeft { node: self.node, state }, out);
+                self.report(now, BusEvent::DeviceLeft { node: self.node, state }, out);
                 self.leave(now, PeerPhase::Stopped, NotOperationalReason::Left(state))
             }
             (PeerPhase::Stopped, NmtState::Stopped | NmtState::Unknown(_)) => PeerChange::Unchanged,
@@ -351,7 +369,7 @@ impl Peer {
 
     /// Takes its first process data object (its bits, or a drive's words), or one with channels, 2 to 4. Only an
     /// operational device sends process data (CiA 301 §7.3.2.2), so receiving it proves the state.
-    pub(super) fn inputs_heard(&mut self, now: Tick, object: u8, payload: Payload, out: &mut BusOutbox) -> PeerChange {
+    pub(super) fn take_inputs(&mut self, now: Tick, object: u8, payload: Payload, out: &mut BusOutbox) -> PeerChange {
         match &self.phase {
             // Without heartbeats its end would go unnoticed: process data alone do not make up for them. It is probed
             // and configured anew as one that is absent.
@@ -360,7 +378,7 @@ impl Peer {
             }
             PeerPhase::Absent { .. } => {
                 // Alive, but not configured by this manager: its inputs wait until it is.
-                self.heard = now;
+                self.alive_at = now;
                 self.boot(now, out);
                 return PeerChange::Ignored(IgnoreReason::NotOperational);
             }
@@ -372,7 +390,7 @@ impl Peer {
         match self.process.take(now, object, payload) {
             Ok(()) if object == 1 => {
                 self.updated = Some(now);
-                self.hears_sync(now);
+                self.sync_holds(now);
             }
             Ok(()) => {}
             Err(why) => return PeerChange::Ignored(why),
@@ -392,11 +410,11 @@ impl Peer {
     pub(super) fn sdo_answer(&mut self, now: Tick, raw: &SdoBytes, out: &mut BusOutbox) -> PeerChange {
         match &mut self.phase {
             PeerPhase::Absent { .. } if !self.flood.is_on() => {
-                self.heard = now;
+                self.alive_at = now;
                 self.boot(now, out);
             }
             PeerPhase::Booting(boot) => {
-                self.heard = now;
+                self.alive_at = now;
                 let step = boot.handle(now, &self.plan, raw, &mut out.frames);
                 self.booted(now, step, out);
             }
@@ -413,37 +431,6 @@ impl Peer {
             _ => return PeerChange::Ignored(IgnoreReason::NotForManager),
         }
         PeerChange::Unchanged
-    }
-
-    /// Takes the image its owner has set, and sends its share if it is operational and has something else.
-    pub(super) fn set_image(&mut self, now: Tick, image: u128, out: &mut BusOutbox) {
-        self.process.set_image(now, image);
-        self.send_if_wanted(now, out);
-    }
-
-    /// Sends its share of the image if that is something else than it has.
-    pub(super) fn send_if_wanted(&mut self, now: Tick, out: &mut BusOutbox) {
-        if self.process.wants_to_send() {
-            self.send_outputs(now, out);
-        }
-        self.write_if_wanted(now, out);
-    }
-
-    /// Sends its share of the image, provided it is operational: before that the device would drop the frame, and the
-    /// manager would take it as applied.
-    pub(super) fn send_outputs(&mut self, now: Tick, out: &mut BusOutbox) {
-        if self.is_operational() && self.process.has_outputs() {
-            let node = self.node;
-            self.process.give(|object, payload| out.frames.push(rpdo(node, object, payload)));
-            self.sent = Some(now);
-        }
-    }
-
-    /// Lets go of all outputs, whatever state it is in.
-    pub(super) fn send_rest(&self, out: &mut BusOutbox) {
-        if self.process.has_outputs() {
-            self.process.rest(|object, payload| out.frames.push(rpdo(self.node, object, payload)));
-        }
     }
 
     fn up(&mut self, now: Tick, out: &mut BusOutbox) -> PeerChange {
@@ -477,12 +464,3 @@ impl Peer {
 /// Limit on boots and start orders of a device: a few times at once, and then twice a second or so. Faster repetitions
 /// are cut off.
 const ORDERS: Budget = Budget::new(20, Duration::from_millis(200));
-
-/// A process data object for a device: its first, or one with channels, 2 to 4.
-fn rpdo(node: NodeId, object: u8, payload: Payload) -> crate::Frame {
-    match object {
-        1 => CanopenMessage::Rpdo1 { node, payload },
-        number => CanopenMessage::Rpdo { node, number, payload },
-    }
-    .encode()
-}

@@ -21,7 +21,7 @@ impl Peer {
     }
 
     /// Inputs have come. A peer that has sent them long enough since it came up has no losses of SYNC in a row.
-    pub(in crate::manager) fn hears_sync(&mut self, now: Tick) {
+    pub(in crate::manager) fn sync_holds(&mut self, now: Tick) {
         if self.sync_losses > 0
             && self.is_operational()
             && self.inputs_within.is_some_and(|within| self.up_since + within * CLEAR <= now)

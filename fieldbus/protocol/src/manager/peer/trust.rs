@@ -11,7 +11,7 @@ use crate::codec::{BUS_OFF_RECOVERED, Emergency, HEARTBEAT_LOST};
 
 impl Peer {
     pub(in crate::manager) fn emergency(&mut self, now: Tick, emergency: Emergency, out: &mut BusOutbox) -> PeerChange {
-        self.tell(now, BusEvent::Emergency { node: self.node, emergency, profile: self.process.profile() }, out);
+        self.report(now, BusEvent::Emergency { node: self.node, emergency, profile: self.process.profile() }, out);
         // It has let go of its outputs because it missed the manager's heartbeat; its own next heartbeat would show it,
         // later. While it was away it may have booted unheard, so it is not started as it is.
         if matches!(emergency.code, HEARTBEAT_LOST | BUS_OFF_RECOVERED) && self.is_operational() {
@@ -21,7 +21,7 @@ impl Peer {
         }
         self.process.emergency(now, emergency.code);
         let stood = self.errors.stand();
-        self.errors.hear(now, emergency);
+        self.errors.take(now, emergency);
         self.send_if_wanted(now, out);
         match (stood, self.errors.stand()) {
             (false, true) if self.is_operational() => PeerChange::Lost,
@@ -35,7 +35,7 @@ impl Peer {
         let Some(register) = register else { return false };
         let news = self.errors.register(now, register);
         if news {
-            self.tell(now, BusEvent::ErrorRegister { node: self.node, register }, out);
+            self.report(now, BusEvent::ErrorRegister { node: self.node, register }, out);
         }
         news
     }
@@ -66,7 +66,7 @@ impl Peer {
         out: &mut BusOutbox,
         act: impl FnOnce(&mut Peer, &mut BusOutbox) -> PeerChange,
     ) -> PeerChange {
-        match self.flood.hear(now) {
+        match self.flood.count(now) {
             RateVerdict::Fine => act(self, out),
             RateVerdict::Begins => {
                 out.events.push(BusEvent::Babbles { node: self.node });
@@ -78,8 +78,8 @@ impl Peer {
     }
 
     /// Reports something, unless there was too much of it.
-    pub(in crate::manager) fn tell(&mut self, now: Tick, event: BusEvent, out: &mut BusOutbox) {
-        if self.told.take(now) {
+    pub(in crate::manager) fn report(&mut self, now: Tick, event: BusEvent, out: &mut BusOutbox) {
+        if self.reports.take(now) {
             out.events.push(event);
         }
     }

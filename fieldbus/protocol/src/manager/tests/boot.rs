@@ -196,7 +196,7 @@ fn a_device_without_error_values_is_not_started() {
     assert_eq!(
         text,
         format!(
-            "node 6 is not started: it cannot be configured: object 6206h:01: refused: 06020000h (no such object) {REMEDY}"
+            "node 06h is not started: it cannot be configured: object 6206h:01: refused: 06020000h (no such object) {REMEDY}"
         )
     );
     let is = bench.manager.explain(bench.now, node(6)).unwrap();
@@ -226,7 +226,8 @@ fn a_device_that_takes_its_error_values_and_keeps_others_is_not_started() {
     ] {
         let mut bench = asked_for_error_values(Default::default());
         answers.iter().for_each(|text| bench.hear(text));
-        let expected = format!("node 6 is not started: object {object} {REMEDY} is {found}, not {written} as written");
+        let expected =
+            format!("node 06h is not started: object {object} {REMEDY} is {found}, not {written} as written");
         assert_eq!(said(&mut bench), expected);
     }
 }

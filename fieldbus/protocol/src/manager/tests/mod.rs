@@ -315,7 +315,7 @@ fn an_emergency_is_told_by_the_table_of_the_device() {
     let mut bench = ManagerBench::up();
     bench.hear("086#2023010000000000");
     let said = bench.take().1[0].to_string();
-    assert_eq!(said, "node 6 reports 2320h (short circuit at outputs), register 01h");
+    assert_eq!(said, "node 06h reports 2320h (short circuit at outputs), register 01h");
     let drive: Frame = "086#1186010000000000".parse().unwrap();
     let Ok(CanopenMessage::Emergency { emergency, .. }) = CanopenMessage::decode(&drive) else { panic!("{drive}") };
     assert_eq!(emergency.text(Profile::Drive), "8611h (following error), register 01h");
@@ -351,8 +351,11 @@ fn impossible_devices_are_refused_by_name() {
     let mut devices = devices();
     devices[1].canopen_mut().expect("CANopen").node_id = 4;
     let error = Manager::new(&devices, Timing::default()).map(|_| ()).unwrap_err();
-    assert_eq!(error.to_string(), "devices `drill-a` and `drill-b` share node id 4");
+    assert_eq!(error.to_string(), "devices `drill-a` and `drill-b` share node id 04h");
     devices[1].canopen_mut().expect("CANopen").node_id = 127;
     let error = Manager::new(&devices, Timing::default()).map(|_| ()).unwrap_err();
-    assert_eq!(error.to_string(), "device `drill-b` has node id 127; devices have 1 to 126, the manager itself is 127");
+    assert_eq!(
+        error.to_string(),
+        "device `drill-b` has node id 7Fh; devices have 01h to 7Eh, the manager itself is 7Fh"
+    );
 }

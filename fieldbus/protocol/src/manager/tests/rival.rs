@@ -134,7 +134,7 @@ fn while_another_is_there_every_output_is_off_and_nothing_moves_and_it_is_report
     assert_eq!(
         trouble,
         [
-            "another CANopen manager (node 127) has sent its heartbeat (77Fh) on this bus for 20000 ms: every output is let \
+            "another CANopen manager (node 7Fh) has sent its heartbeat (77Fh) on this bus for 20000 ms: every output is let \
           go and nothing moves; end one of the two"
         ]
     );

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::fmt;
 
+use crate::manager::MANAGER_NODE;
 use crate::manager::build::ManagerError;
 use crate::manager::device_request::{DeviceRequestError, PATIENCE, WAITING_MAX};
 use crate::manager::protected_objects::WriteProtection;
@@ -31,8 +32,8 @@ impl fmt::Display for DeviceRequestError {
 }
 
 /// No device has this node id.
-pub(in crate::manager) fn unknown_node(node: impl fmt::Display) -> String {
-    format!("no device of this bus has node id {node}")
+pub(in crate::manager) fn unknown_node(node: u8) -> String {
+    format!("no device of this bus has node id {node:02X}h")
 }
 
 impl WriteProtection {
@@ -73,10 +74,13 @@ impl fmt::Display for ManagerError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ManagerError::NodeId { device, node } => {
-                write!(f, "device `{device}` has node id {node}; devices have 1 to 126, the manager itself is 127")
+                write!(
+                    f,
+                    "device `{device}` has node id {node:02X}h; devices have 01h to 7Eh, the manager itself is {MANAGER_NODE}"
+                )
             }
             ManagerError::Duplicate { first, second, node } => {
-                write!(f, "devices `{first}` and `{second}` share node id {node}")
+                write!(f, "devices `{first}` and `{second}` share node id {node:02X}h")
             }
             ManagerError::Unread { device, file } => {
                 write!(f, "device `{device}`: its file {file} has not been read")

@@ -9,20 +9,20 @@ use super::{ControlwordEdge, DriveFeedback, DriveGoal, DriveInhibit, DrivePhase,
 impl ManagedDrive {
     /// Its activity, or what it waits for, in one sentence, with the statusword it was read from.
     pub fn explain(&self) -> String {
-        let Some(heard) = self.heard else {
+        let Some(feedback) = self.feedback else {
             return "no process data from it yet".to_owned();
         };
         let mut text = match self.phase {
-            DrivePhase::Resting => self.resting(heard),
+            DrivePhase::Resting => self.resting(feedback),
             DrivePhase::Refused(refusal) => self.refused(refusal),
-            DrivePhase::Preparing(goal) => self.preparing(goal, heard),
+            DrivePhase::Preparing(goal) => self.preparing(goal, feedback),
             DrivePhase::Offered(at) => format!("{}: waiting for it to acknowledge the set-point", self.to(at)),
-            DrivePhase::Moving(at) => self.moving(at, heard),
-            DrivePhase::Homing { .. } => format!("homing: at {}", self.units(heard.actual)),
+            DrivePhase::Moving(at) => self.moving(at, feedback),
+            DrivePhase::Homing { .. } => format!("homing: at {}", self.units(feedback.actual)),
             DrivePhase::Homed => "homed".to_owned(),
-            DrivePhase::There => format!("at {}, where it was ordered to", self.units(heard.actual)),
+            DrivePhase::There => format!("at {}, where it was ordered to", self.units(feedback.actual)),
         };
-        let word = heard.word;
+        let word = feedback.word;
         let power = word.state() == DriveState::SwitchOnDisabled && !matches!(self.phase, DrivePhase::Resting);
         for (applies, note) in [
             (!word.remote(), "operated locally: it does not obey"),
@@ -38,13 +38,13 @@ impl ManagedDrive {
         text
     }
 
-    fn resting(&self, heard: DriveFeedback) -> String {
-        let state = heard.word.state();
+    fn resting(&self, feedback: DriveFeedback) -> String {
+        let state = feedback.word.state();
         match (state, self.binding.at_rest) {
             (DriveState::Fault | DriveState::FaultReactionActive, _) => {
                 format!("{state}{}: being reset", self.because())
             }
-            (DriveState::OperationEnabled, AtRest::Hold) => format!("holding at {}", self.units(heard.actual)),
+            (DriveState::OperationEnabled, AtRest::Hold) => format!("holding at {}", self.units(feedback.actual)),
             (DriveState::OperationEnabled | DriveState::QuickStopActive, _) => {
                 format!("{state}: stopping, no output is on")
             }
@@ -77,24 +77,24 @@ impl ManagedDrive {
         }
     }
 
-    fn preparing(&self, goal: DriveGoal, heard: DriveFeedback) -> String {
-        let state = heard.word.state();
+    fn preparing(&self, goal: DriveGoal, feedback: DriveFeedback) -> String {
+        let state = feedback.word.state();
         let next = match state {
             DriveState::NotReadyToSwitchOn => DriveState::SwitchOnDisabled,
             DriveState::SwitchOnDisabled => DriveState::ReadyToSwitchOn,
             DriveState::ReadyToSwitchOn => DriveState::SwitchedOn,
             DriveState::QuickStopActive if self.binding.at_rest == AtRest::Off => DriveState::SwitchOnDisabled,
-            DriveState::OperationEnabled => return self.enabled(goal, heard),
+            DriveState::OperationEnabled => return self.enabled(goal, feedback),
             _ => DriveState::OperationEnabled,
         };
         format!("{state}: waiting for {next}")
     }
 
     /// Enabled, without an order to move yet.
-    fn enabled(&self, goal: DriveGoal, heard: DriveFeedback) -> String {
+    fn enabled(&self, goal: DriveGoal, feedback: DriveFeedback) -> String {
         let mode = self.mode_for(goal);
-        if heard.mode != mode {
-            return format!("operation enabled: waiting for mode {mode}, it is in {}", heard.mode);
+        if feedback.mode != mode {
+            return format!("operation enabled: waiting for mode {mode}, it is in {}", feedback.mode);
         }
         match (self.edge, goal) {
             (ControlwordEdge::Leaving | ControlwordEdge::Raised, _) => {
@@ -110,9 +110,9 @@ impl ManagedDrive {
         }
     }
 
-    fn moving(&self, at: usize, heard: DriveFeedback) -> String {
-        let here = self.units(heard.actual);
-        let lags = heard.word.following_error() && self.binding.mode == DriveMode::Position;
+    fn moving(&self, at: usize, feedback: DriveFeedback) -> String {
+        let here = self.units(feedback.actual);
+        let lags = feedback.word.following_error() && self.binding.mode == DriveMode::Position;
         match (self.is_there(at), lags) {
             (true, _) => format!("{}: there", self.to(at)),
             (false, true) => format!("{}: at {here}, lagging behind", self.to(at)),

@@ -161,7 +161,7 @@ pub struct ManagedDrive {
     binding: DriveBinding,
     now: Tick,
     image: u128,
-    heard: Option<DriveFeedback>,
+    feedback: Option<DriveFeedback>,
     sent: Option<DriveCommand>,
     phase: DrivePhase,
     edge: ControlwordEdge,
@@ -182,7 +182,7 @@ impl ManagedDrive {
             binding,
             now: Tick::ZERO,
             image: 0,
-            heard: None,
+            feedback: None,
             sent: None,
             phase: DrivePhase::Resting,
             edge: ControlwordEdge::Leaving,
@@ -212,12 +212,12 @@ impl ManagedDrive {
             return Err(ShortPdo { actual: payload.bytes().len() });
         };
         let word = Statusword(u16::from_le_bytes([low, high]));
-        let heard = DriveFeedback { word, mode: mode as i8, actual: i32::from_le_bytes([a, b, c, d]) };
-        self.see_edge(heard);
+        let feedback = DriveFeedback { word, mode: mode as i8, actual: i32::from_le_bytes([a, b, c, d]) };
+        self.see_edge(feedback);
         if !matches!(word.state(), DriveState::Fault | DriveState::FaultReactionActive) {
             self.failed_since = None;
         }
-        self.heard = Some(heard);
+        self.feedback = Some(feedback);
         self.advance(now);
         Ok(())
     }
@@ -241,7 +241,7 @@ impl ManagedDrive {
     /// [`ManagedDrive::settings`] are to be written before it is started again.
     pub fn lost(&mut self, now: Tick) {
         self.now = now;
-        self.heard = None;
+        self.feedback = None;
         self.sent = None;
         self.edge = ControlwordEdge::Leaving;
         self.homed = false;
@@ -294,7 +294,7 @@ impl ManagedDrive {
         let command = self.command();
         let enables = |word: u16| word & word::ENABLE_OPERATION == word::ENABLE_OPERATION;
         if !enables(command.word) {
-            let enabled = self.heard.is_none_or(|heard| heard.word.state() == DriveState::OperationEnabled);
+            let enabled = self.feedback.is_none_or(|feedback| feedback.word.state() == DriveState::OperationEnabled);
             // It is enabled, or may be by the time this arrives.
             if enabled || self.sent.is_some_and(|sent| enables(sent.word)) {
                 self.edge = ControlwordEdge::Leaving;
@@ -323,24 +323,24 @@ impl ManagedDrive {
 
     /// Of an endless axis: at which place it is, or which it has left last.
     fn place_inputs(&self) -> u128 {
-        let (Some(places), Some(heard)) = (&self.binding.index, self.heard.filter(|_| self.knows_zero())) else {
+        let (Some(places), Some(feedback)) = (&self.binding.index, self.feedback.filter(|_| self.knows_zero())) else {
             return 0;
         };
         // On its way to its zero it knows none.
         if matches!(self.phase, DrivePhase::Homing { .. } | DrivePhase::Preparing(DriveGoal::Home)) {
             return 0;
         }
-        let Some(at) = places.at(heard.actual) else { return 0 };
+        let Some(at) = places.at(feedback.actual) else { return 0 };
         self.binding.place_inputs(at.number, self.is_there(usize::from(at.number) - 1))
     }
 
     /// Whether it is at target `at`. While it is ordered there, also whether its statusword reports so.
     fn is_there(&self, at: usize) -> bool {
-        let Some(heard) = self.heard.filter(|_| self.knows_zero()) else { return false };
+        let Some(feedback) = self.feedback.filter(|_| self.knows_zero()) else { return false };
         let target = &self.binding.targets[at];
         let is_near = match &self.binding.index {
-            Some(places) => places.has(at, heard.actual),
-            None => heard.actual.abs_diff(target.to) <= self.binding.window,
+            Some(places) => places.has(at, feedback.actual),
+            None => feedback.actual.abs_diff(target.to) <= self.binding.window,
         };
         // Targets at one place share their input; of an endless axis all do, wherever they are.
         let is_same = |to: usize| match &self.binding.index {
@@ -350,15 +350,16 @@ impl ManagedDrive {
         is_near
             && match self.phase {
                 DrivePhase::Preparing(DriveGoal::Target(to)) | DrivePhase::Offered(to) => !is_same(to),
-                DrivePhase::Moving(to) => !is_same(to) || heard.word.target_reached(),
+                DrivePhase::Moving(to) => !is_same(to) || feedback.word.target_reached(),
                 _ => true,
             }
     }
 
     fn has_failed(&self) -> bool {
-        let failed =
-            |heard: DriveFeedback| matches!(heard.word.state(), DriveState::Fault | DriveState::FaultReactionActive);
-        matches!(self.phase, DrivePhase::Refused(_)) || self.heard.is_some_and(failed)
+        let failed = |feedback: DriveFeedback| {
+            matches!(feedback.word.state(), DriveState::Fault | DriveState::FaultReactionActive)
+        };
+        matches!(self.phase, DrivePhase::Refused(_)) || self.feedback.is_some_and(failed)
     }
 
     fn knows_zero(&self) -> bool {

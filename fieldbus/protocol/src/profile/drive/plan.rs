@@ -17,16 +17,16 @@ use super::{
 
 impl ManagedDrive {
     /// Takes the evidence of a statusword about bit 4: see [`ControlwordEdge`].
-    pub(super) fn see_edge(&mut self, heard: DriveFeedback) {
-        let before = self.heard.map(|heard| heard.mode);
+    pub(super) fn see_edge(&mut self, feedback: DriveFeedback) {
+        let before = self.feedback.map(|feedback| feedback.mode);
         let is_low = self.sent.is_some_and(|sent| sent.word & NEW_SET_POINT == 0);
-        let acknowledged = heard.mode == PROFILE_POSITION && heard.word.set_point_acknowledge();
+        let acknowledged = feedback.mode == PROFILE_POSITION && feedback.word.set_point_acknowledge();
         self.edge = match self.edge {
             // Every way back to operation enabled is ordered with the bit low.
-            _ if heard.word.state() != DriveState::OperationEnabled => ControlwordEdge::Low,
+            _ if feedback.word.state() != DriveState::OperationEnabled => ControlwordEdge::Low,
             ControlwordEdge::Leaving => ControlwordEdge::Leaving,
             // So is every change of mode.
-            _ if is_low && before.is_some_and(|before| before != heard.mode) => ControlwordEdge::Low,
+            _ if is_low && before.is_some_and(|before| before != feedback.mode) => ControlwordEdge::Low,
             ControlwordEdge::Raised if acknowledged => ControlwordEdge::Acknowledged,
             ControlwordEdge::Acknowledged if is_low && !acknowledged => ControlwordEdge::Low,
             edge => edge,
@@ -40,7 +40,7 @@ impl ManagedDrive {
             // The same output may demand a target next.
             self.step(now);
         }
-        let failed = self.heard.is_some_and(|heard| heard.word.state() == DriveState::Fault);
+        let failed = self.feedback.is_some_and(|feedback| feedback.word.state() == DriveState::Fault);
         let resettable = failed && self.phase == DrivePhase::Resting;
         self.failed_since = resettable.then(|| self.failed_since.unwrap_or(now));
     }
@@ -65,29 +65,29 @@ impl ManagedDrive {
     }
 
     fn pursue(&mut self, now: Tick, goal: DriveGoal) -> DrivePhase {
-        let Some(heard) = self.heard else { return DrivePhase::Preparing(goal) };
-        let state = heard.word.state();
+        let Some(feedback) = self.feedback else { return DrivePhase::Preparing(goal) };
+        let state = feedback.word.state();
         if matches!(state, DriveState::Fault | DriveState::FaultReactionActive) {
             return DrivePhase::Refused(DriveInhibit::Failed);
         }
-        let enabled = state == DriveState::OperationEnabled && heard.mode == self.mode_for(goal);
-        if let Some(phase) = self.on_circle(goal, heard, enabled) {
+        let enabled = state == DriveState::OperationEnabled && feedback.mode == self.mode_for(goal);
+        if let Some(phase) = self.on_circle(goal, feedback, enabled) {
             return phase;
         }
         match (self.phase, goal) {
-            (DrivePhase::Preparing(before), _) if before == goal => self.prepared(now, goal, heard, enabled),
+            (DrivePhase::Preparing(before), _) if before == goal => self.prepared(now, goal, feedback, enabled),
             (DrivePhase::Offered(at) | DrivePhase::Moving(at), DriveGoal::Target(wanted)) if at == wanted => {
                 match (enabled, self.edge) {
-                    (false, _) => DrivePhase::Refused(DriveInhibit::Interrupted(heard.word)),
+                    (false, _) => DrivePhase::Refused(DriveInhibit::Interrupted(feedback.word)),
                     (true, ControlwordEdge::Acknowledged) => DrivePhase::Moving(at),
                     (true, _) => self.phase,
                 }
             }
             (DrivePhase::Homing { open, since }, DriveGoal::Home) => {
                 if !enabled {
-                    return DrivePhase::Refused(DriveInhibit::Interrupted(heard.word));
+                    return DrivePhase::Refused(DriveInhibit::Interrupted(feedback.word));
                 }
-                self.home(now, heard, open, since)
+                self.home(now, feedback, open, since)
             }
             (DrivePhase::Homed, DriveGoal::Home) => DrivePhase::Homed,
             // A first order, or another one than before.
@@ -95,21 +95,21 @@ impl ManagedDrive {
         }
     }
 
-    /// Of an endless axis that has not been told to go: it is there already, or must not be told to.
-    fn on_circle(&self, goal: DriveGoal, heard: DriveFeedback, enabled: bool) -> Option<DrivePhase> {
+    /// Of an endless axis that has not been ordered to go: it is there already, or must not be ordered to.
+    fn on_circle(&self, goal: DriveGoal, feedback: DriveFeedback, enabled: bool) -> Option<DrivePhase> {
         let (Some(places), DriveGoal::Target(at)) = (&self.binding.index, goal) else { return None };
         match self.phase {
             DrivePhase::Offered(under_way) | DrivePhase::Moving(under_way) if under_way == at => None,
             // One that coasts through its window is not there: it has to stand, and say so, before anything comes of it.
-            DrivePhase::There if places.has(at, heard.actual) => Some(DrivePhase::There),
-            _ if places.has(at, heard.actual) => (enabled && self.stands(heard)).then_some(DrivePhase::There),
-            _ if places.is_next(at, heard.actual) => None,
-            _ => Some(DrivePhase::Refused(DriveInhibit::NotNext { at, from: heard.actual })),
+            DrivePhase::There if places.has(at, feedback.actual) => Some(DrivePhase::There),
+            _ if places.has(at, feedback.actual) => (enabled && self.stands(feedback)).then_some(DrivePhase::There),
+            _ if places.is_next(at, feedback.actual) => None,
+            _ => Some(DrivePhase::Refused(DriveInhibit::NotNext { at, from: feedback.actual })),
         }
     }
 
-    /// Whether everything is as it must be before the drive is told to move.
-    fn prepared(&self, now: Tick, goal: DriveGoal, heard: DriveFeedback, enabled: bool) -> DrivePhase {
+    /// Whether everything is as it must be before the drive is ordered to move.
+    fn prepared(&self, now: Tick, goal: DriveGoal, feedback: DriveFeedback, enabled: bool) -> DrivePhase {
         if !enabled || self.edge != ControlwordEdge::Low {
             return DrivePhase::Preparing(goal);
         }
@@ -117,21 +117,21 @@ impl ManagedDrive {
             (DriveGoal::Target(at), DriveMode::Velocity) => DrivePhase::Moving(at),
             (DriveGoal::Target(at), DriveMode::Position) => {
                 // Halted it says so when it stands. One that coasts past its place would go round for it.
-                let stands = self.binding.index.is_none() || self.stands(heard);
-                let ready = stands && !heard.word.set_point_acknowledge() && self.slow_or_fast(at).is_none();
+                let stands = self.binding.index.is_none() || self.stands(feedback);
+                let ready = stands && !feedback.word.set_point_acknowledge() && self.slow_or_fast(at).is_none();
                 if ready { DrivePhase::Offered(at) } else { DrivePhase::Preparing(goal) }
             }
-            (DriveGoal::Home, _) => DrivePhase::Homing { open: !heard.word.homing_attained(), since: now },
+            (DriveGoal::Home, _) => DrivePhase::Homing { open: !feedback.word.homing_attained(), since: now },
         }
     }
 
-    /// Whether it says that it stands. It does so only if it was last told to halt.
-    fn stands(&self, heard: DriveFeedback) -> bool {
-        self.sent.is_some_and(|sent| sent.word & HALT != 0) && heard.word.target_reached()
+    /// Whether the drive reports standstill, which it does only after an order to halt.
+    fn stands(&self, feedback: DriveFeedback) -> bool {
+        self.sent.is_some_and(|sent| sent.word & HALT != 0) && feedback.word.target_reached()
     }
 
-    fn home(&mut self, now: Tick, heard: DriveFeedback, open: bool, since: Tick) -> DrivePhase {
-        let word = heard.word;
+    fn home(&mut self, now: Tick, feedback: DriveFeedback, open: bool, since: Tick) -> DrivePhase {
+        let word = feedback.word;
         let open = open || !word.homing_attained();
         if word.homing_error() {
             self.homed = false;
@@ -196,7 +196,7 @@ impl ManagedDrive {
     }
 
     fn rest_word(&self) -> u16 {
-        let state = self.heard.map(|heard| heard.word.state());
+        let state = self.feedback.map(|feedback| feedback.word.state());
         match (state, self.binding.at_rest) {
             (Some(DriveState::Fault), _) => match self.failed_since {
                 Some(since) if RESET_HIGH.contains(&self.round_time(since)) => FAULT_RESET,
@@ -218,14 +218,14 @@ impl ManagedDrive {
             DriveGoal::Target(at) if self.binding.mode == DriveMode::Position => self.binding.targets[at].to,
             _ => self.rest_target(),
         };
-        let Some(heard) = self.heard else { return DriveCommand { word: QUICK_STOP, mode: sent_mode, target } };
-        let state = heard.word.state();
+        let Some(feedback) = self.feedback else { return DriveCommand { word: QUICK_STOP, mode: sent_mode, target } };
+        let state = feedback.word.state();
         let wanted = self.mode_for(goal);
         // A mode is not changed under a drive that may still be moving.
-        let known = [PROFILE_POSITION, PROFILE_VELOCITY, HOMING].contains(&heard.mode);
-        let stands =
-            !matches!(state, DriveState::OperationEnabled | DriveState::QuickStopActive) || heard.word.target_reached();
-        let mode = if stands || !known { wanted } else { heard.mode };
+        let known = [PROFILE_POSITION, PROFILE_VELOCITY, HOMING].contains(&feedback.mode);
+        let stands = !matches!(state, DriveState::OperationEnabled | DriveState::QuickStopActive)
+            || feedback.word.target_reached();
+        let mode = if stands || !known { wanted } else { feedback.mode };
         let word = match (state, self.binding.at_rest) {
             (DriveState::SwitchOnDisabled, _) => SHUTDOWN,
             (DriveState::ReadyToSwitchOn, _) => SWITCH_ON,
@@ -234,7 +234,7 @@ impl ManagedDrive {
                 // Nothing shows whether it has seen bit 4 low: it has to leave this state, for that shows it.
                 let unclear = match self.edge {
                     ControlwordEdge::Leaving => true,
-                    ControlwordEdge::Raised => heard.mode == wanted,
+                    ControlwordEdge::Raised => feedback.mode == wanted,
                     ControlwordEdge::Low | ControlwordEdge::Acknowledged => false,
                 };
                 match (unclear, at_rest) {

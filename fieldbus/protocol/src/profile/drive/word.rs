@@ -39,7 +39,7 @@ pub const HOMING: i8 = 6;
 /// Bits 7 and 6 of the positioning option code (60F2h, rotary axis direction option): towards greater positions alone, past
 /// the greatest one if need be.
 pub const ROTARY_POSITIVE: u16 = 2 << 6;
-/// The same towards smaller positions.
+/// These bits: towards smaller positions alone, past the smallest one if need be.
 pub const ROTARY_NEGATIVE: u16 = 1 << 6;
 /// The shorter way; towards greater positions if both are as long.
 pub const ROTARY_SHORTEST: u16 = 3 << 6;

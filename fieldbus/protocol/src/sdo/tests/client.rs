@@ -220,7 +220,7 @@ fn what_others_ask_is_ignored_at_first_and_later_the_end() {
     assert_eq!(read(&lines), Some(Ok(vec![7])));
     assert_eq!(cause(read(&[ASKED, TEN, foreign])), TransferFailure::Interrupted { by: OTHER });
     let error = read(&[ASKED, TEN, foreign]).unwrap().unwrap_err();
-    assert_eq!(error.to_string(), "object 1008h:00: somebody else has asked the device for 2000h:01");
+    assert_eq!(error.to_string(), "object 1008h:00: another client has asked the device for 2000h:01");
 }
 
 #[test]

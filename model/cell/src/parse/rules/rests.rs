@@ -51,9 +51,14 @@ impl<'d, 'a> Machine<'d, 'a> {
         activity.used(role).any(|part| part.value.of == Some(self.id))
     }
 
-    /// What an activity orders of its station.
+    /// The order of an activity to its station.
+    fn order_in<'o, 'b>(&self, activity: &'o DraftActivity<'b>) -> Option<&'o DraftOrder<'b>> {
+        activity.orders.iter().find(|order| order.controller == Some(self.controller))
+    }
+
+    /// The order of an activity to its station, with the task.
     fn ordered_by(&self, activity: &'d DraftActivity<'a>) -> Option<Ordered<'d, 'a>> {
-        let order = activity.orders.iter().find(|order| order.controller == Some(self.controller))?;
+        let order = self.order_in(activity)?;
         let task = self.station.task_named(&order.raw.task.as_ref()?.value)?;
         Some(Ordered { activity, order, task: self.station.task(task) })
     }
@@ -66,18 +71,16 @@ impl<'d, 'a> Machine<'d, 'a> {
 
     /// Whether nothing is ordered in a phase.
     fn is_without_order(&self, draft: &DraftCell<'_>, role: Role) -> bool {
-        let is_ordered =
-            |activity: &DraftActivity<'_>| activity.orders.iter().any(|o| o.controller == Some(self.controller));
-        !draft.activities.iter().any(|activity| self.is_used_by(activity, role) && is_ordered(activity))
+        let mut used = draft.activities.iter().filter(|activity| self.is_used_by(activity, role));
+        !used.any(|activity| self.order_in(activity).is_some())
     }
 
     /// Whether its station is ordered to do something that is none of these phases, or of two: it may stand anywhere then.
     fn does_other_things(&self, draft: &DraftCell<'_>) -> bool {
-        let orders =
-            |activity: &&DraftActivity<'_>| activity.orders.iter().any(|o| o.controller == Some(self.controller));
         let phases =
             |activity: &DraftActivity<'_>| PHASES.iter().filter(|role| self.is_used_by(activity, **role)).count();
-        draft.activities.iter().filter(orders).any(|activity| phases(activity) != 1)
+        let mut ordering = draft.activities.iter().filter(|activity| self.order_in(activity).is_some());
+        ordering.any(|activity| phases(activity) != 1)
     }
 
     fn rest(&self, rest: RestId) -> &'d str {

@@ -23,7 +23,8 @@ pub(super) fn node_ids_are_usable(draft: &DraftLine<'_>, report: &mut Report) {
             continue;
         }
         let problem = if node.value == MANAGER {
-            Problem::error(node.at.clone(), format!("node id {MANAGER} is the bus manager's own")).label("reserved")
+            Problem::error(node.at.clone(), format!("node id {MANAGER:02X}h is the bus manager's own"))
+                .label("reserved")
         } else {
             Problem::error(node.at.clone(), format!("{} is not a node id", node.value))
         };
@@ -39,7 +40,7 @@ pub(super) fn node_ids_are_unique_on_a_bus(draft: &DraftLine<'_>, report: &mut R
             report.add(
                 Problem::error(
                     node.at.clone(),
-                    format!("two devices with node id {:#04x} ({}) on {}", node.value, node.value, device.bus),
+                    format!("two devices with node id {:02X}h on {}", node.value, device.bus),
                 )
                 .label("again")
                 .also(earlier, "first here")

@@ -11,6 +11,9 @@ use crate::parse::drive::method;
 use crate::parse::raw::{RawDevice, RawDrive, RawTarget};
 use crate::{AxisId, DriveMode, Owner, StationId};
 
+/// Methods that take the place where the axis stands.
+const HOMING_IN_PLACE: [i64; 2] = [35, 37];
+
 /// Applies every rule about drives.
 pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
     axes_have_one_drive(draft, report);
@@ -28,6 +31,7 @@ pub(super) fn check(draft: &DraftLine<'_>, report: &mut Report) {
                 motions_end_at_their_targets(drive, raw_drive, station, report);
                 axes_are_moved_by_their_drive(drive, raw_drive, station, report);
                 watchdogs_leave_time(drive, raw_drive, station, report);
+                watchdogs_leave_time_to_home(drive, raw_drive, station, report);
             }
             Some(Owner::Console) => report.add(
                 Problem::error(raw_drive.at.clone(), "a drive of the console")
@@ -307,6 +311,41 @@ fn watchdogs_leave_time(drive: &DraftDrive, raw: &RawDrive, station: &DraftStati
                     .hint("a longer watchdog, or a faster drive"),
                 );
             }
+        }
+    }
+}
+
+/// An index that is cut short, and the first one, homes the drive within its watchdog: it may look for its reference all the way
+/// round before it goes on.
+fn watchdogs_leave_time_to_home(drive: &DraftDrive, raw: &RawDrive, station: &DraftStation<'_>, report: &mut Report) {
+    let (Some(homing), Some(index)) = (&raw.homing, &raw.index) else { return };
+    let (Some(fast), Some(turn), Some(number)) = (&homing.fast, &index.turn, &homing.method) else { return };
+    let (Some(velocity), Some(acceleration)) = (&raw.velocity, &raw.acceleration) else { return };
+    if HOMING_IN_PLACE.contains(&number.value) {
+        return;
+    }
+    let Some((output, _)) = drive.homing else { return };
+    for operation in &station.operations {
+        let (Some(way), Some(watchdog)) = (operation.by(), operation.raw.watchdog.as_ref()) else { continue };
+        let turns =
+            operation.motions().any(|(signals, _)| signals.actuator.as_ref().map(|actuator| actuator.value) == output);
+        let takes = turn.value / fast.value + trapezoid_time(way.value, velocity.value, acceleration.value);
+        let limit = watchdog.value.as_secs_f64();
+        if turns && takes >= limit {
+            report.add(
+                Problem::warning(
+                    watchdog.at.clone(),
+                    format!(
+                        "the watchdog of `{}` is {limit} s, but with the homing it may take {takes:.1} s",
+                        operation.name
+                    ),
+                )
+                .label("too short for both")
+                .also(&fast.at, format!("a whole turn of {} at this speed", turn.value))
+                .hint(
+                    "a longer watchdog, or a faster search; else it is held again and again until the drive is homed",
+                ),
+            );
         }
     }
 }

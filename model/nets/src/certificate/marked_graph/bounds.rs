@@ -19,7 +19,7 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// Some seconds, and some hundred megabytes.
+    /// Limits that take some seconds and some hundred megabytes.
     pub(super) fn of(net: &Net) -> Effort {
         Effort { searches: 50_000_000 / (1 + net.transition_count()), entries: 10_000_000 }
     }

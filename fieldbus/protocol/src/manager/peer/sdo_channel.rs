@@ -1,4 +1,4 @@
-//! Transfers on a device's SDO channel while it runs.
+//! The one SDO channel of a device: what the manager writes there while the device runs, and what requests may do with it.
 
 use linewright_line::Tick;
 
@@ -7,6 +7,17 @@ use super::super::transfer::Transfer;
 use super::{Peer, PeerPhase};
 use crate::sdo::wire::SdoBytes;
 use crate::sdo::{Abort, TransferFailure, TransferProgress};
+
+/// Whether a request may use a device's SDO channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::manager) enum SdoChannelState {
+    /// Now.
+    Free,
+    /// Later: the manager has something to do there.
+    Busy,
+    /// Without an answer.
+    None,
+}
 
 impl Peer {
     /// Whether a transfer of it has segments of a block to send.
@@ -56,5 +67,25 @@ impl Peer {
             });
             self.process.written(now, &setting, answer);
         }
+    }
+
+    /// Whether a request may use its SDO channel.
+    pub(in crate::manager) fn channel(&self) -> SdoChannelState {
+        match self.phase {
+            // A stopped device answers no SDO (CiA 301 §7.3.2.2.4).
+            PeerPhase::Absent { .. } | PeerPhase::Stopped => SdoChannelState::None,
+            PeerPhase::Booting(_) => SdoChannelState::Busy,
+            _ if self.lent || self.writing.is_some() || self.errors.want_channel() => SdoChannelState::Busy,
+            PeerPhase::Refused { .. } | PeerPhase::Starting { .. } | PeerPhase::Operational => SdoChannelState::Free,
+        }
+    }
+
+    /// The channel is the manager's again; its delayed transfers come first.
+    pub(in crate::manager) fn give_back(&mut self, now: Tick, out: &mut BusOutbox) {
+        self.lent = false;
+        if self.writing.is_none() && self.is_operational() {
+            self.errors.ask(now, self.node, &mut out.frames);
+        }
+        self.write_if_wanted(now, out);
     }
 }

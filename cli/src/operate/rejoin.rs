@@ -1,0 +1,169 @@
+//! `rejoin`: an operator confirms where a station stands. The answer is the station's own: its event, or its state.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use linewright_line::{REJOIN_AT_REST, StationId};
+use linewright_msgs::{StationEvent, StationState, Text};
+use linewright_node_shell::RosArgs;
+use linewright_station_logic::{HappeningKind, StationHappening};
+use miette::miette;
+use tokio::time::{Instant, timeout_at};
+
+use super::{ANSWER, CONNECT, print_station};
+use crate::client::{OperatorClient, StateUpdate};
+use crate::load;
+
+/// Confirm where a station stands.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A station that started without its journal does not move. Check the machine first: this sets its marking from its limit switches. Between two switches, name the operation it was stopped in. A task-driven station that stands at another rest than its journal says is confirmed in the same way. Then lead all stations home in manual and give auto."
+)]
+pub struct RejoinArgs {
+    /// The line's directory, or its description file.
+    line: PathBuf,
+    /// The station.
+    station: String,
+    /// Operation in which it was stopped; where its switches fit the ends of several, the one that was done last.
+    #[arg(long, value_name = "OPERATION")]
+    within: Option<String>,
+    /// Rest at which a task-driven station stands, where its switches fit several.
+    #[arg(long, value_name = "REST", conflicts_with = "within")]
+    rest: Option<String>,
+}
+
+/// `linewright rejoin`
+pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let line = load::line(&args.line, true)?;
+    let id = load::station(&line, &args.station)?;
+    let station = line.station(id);
+    if let Some(unknown) = args.within.as_ref().filter(|name| station.operation_named(name).is_none()) {
+        let names: Vec<&str> = station.operations.iter().map(|operation| operation.name.as_str()).collect();
+        return Err(miette!("unknown operation '{unknown}' of {}; operations: {}", station.name, names.join(", ")));
+    }
+    if let Some(unknown) = args.rest.as_ref().filter(|name| station.rest_named(name).is_none()) {
+        let names: Vec<&str> = station.rests.iter().map(|rest| rest.name.as_str()).collect();
+        let known =
+            if names.is_empty() { "it is not task-driven".to_owned() } else { format!("rests: {}", names.join(", ")) };
+        return Err(miette!("unknown rest '{unknown}' of {}; {known}", station.name));
+    }
+    let at =
+        args.rest.as_ref().map(|rest| format!("{REJOIN_AT_REST}{rest}")).or(args.within.clone()).unwrap_or_default();
+    let mut client = OperatorClient::open(&line, ros, "operator")?;
+    let publisher = client.rejoin(id)?;
+    client.until_connected(CONNECT).await?;
+    client.listen(ANSWER).await?;
+    let before = client.station(id).map(Stand::of).map(Stand::confirmed);
+    publisher.send(Text::from(at.as_str()));
+    let events = events_of(&mut client, id).await?;
+    print_station(&client, id);
+    let confirmed = StationHappening { cycle: 0, what: HappeningKind::Rejoined }.text(&line, id);
+    let after = client.station(id).map(Stand::of);
+    let is_changed = before != after.clone().map(Stand::confirmed);
+    if events.iter().any(|event| event.text == confirmed) || is_changed {
+        if !is_changed {
+            crate::out::say!("{}: confirmed, it stands as before", station.name);
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let named = args.within.as_ref().or(args.rest.as_ref());
+    crate::out::complain!("nothing changed: {}", unchanged(after.as_ref(), named.map(String::as_str)));
+    Ok(ExitCode::FAILURE)
+}
+
+/// What happens at the station in the time of an answer.
+async fn events_of(client: &mut OperatorClient, id: StationId) -> miette::Result<Vec<StationEvent>> {
+    let mut events = Vec::new();
+    let until = Instant::now() + ANSWER;
+    while let Ok(heard) = timeout_at(until, client.next()).await {
+        match heard? {
+            StateUpdate::Event(station, event) if station == id => events.push(event),
+            StateUpdate::Event(..) | StateUpdate::Line | StateUpdate::Station(_) => {}
+        }
+    }
+    Ok(events)
+}
+
+/// Where a station stands, by its state.
+#[derive(Clone, Debug, Default)]
+struct Stand {
+    places: Vec<u8>,
+    generation: u64,
+    is_lost: bool,
+    fault: String,
+    stopped: bool,
+    devices_valid: bool,
+    blocked_by: Vec<String>,
+}
+
+impl Stand {
+    fn of(state: &StationState) -> Self {
+        Stand {
+            places: state.places.to_vec(),
+            generation: state.generation,
+            is_lost: state.position_lost,
+            fault: state.fault.to_string(),
+            stopped: state.stopped,
+            devices_valid: state.devices_valid,
+            blocked_by: state.blocked_by.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+impl Stand {
+    /// What a confirmation changes; the rest changes by itself.
+    fn confirmed(self) -> (Vec<u8>, u64, bool) {
+        (self.places, self.generation, self.is_lost)
+    }
+}
+
+/// Reason why a confirmation has changed nothing.
+fn unchanged(state: Option<&Stand>, named: Option<&str>) -> String {
+    let Some(state) = state else { return "no state received from the station".to_owned() };
+    if !state.stopped {
+        return "rejected: station moving; rejoin needs standstill".to_owned();
+    }
+    let advice = state.blocked_by.iter().find_map(|why| why.strip_prefix("rejoin: "));
+    match (advice, named) {
+        (None, _) if !state.devices_valid => {
+            "rejected: its I/O devices are not operational, so its switches measure nothing".to_owned()
+        }
+        (Some(advice), Some(named)) => format!("its switches do not fit `{named}`: {advice}"),
+        (Some(advice), None) => advice.to_owned(),
+        (None, Some(named)) if state.is_lost => format!("its switches do not fit `{named}`: {}", state.fault),
+        (None, None) if state.is_lost => format!("its switches do not tell where it stands: {}", state.fault),
+        (None, _) if state.generation == 0 => {
+            "no answer received, and its state is as before; confirm again, and see its log".to_owned()
+        }
+        (None, _) => "its position is known, and its switches agree: nothing to confirm".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Stand, unchanged};
+
+    /// It was called known, while its position was lost.
+    #[test]
+    fn a_position_that_is_lost_is_never_called_known() {
+        let fault = "position lost: in_place is off; the homing of its drive: hold advance at its panel in manual";
+        let lost = Stand {
+            is_lost: true,
+            generation: 5,
+            fault: fault.into(),
+            stopped: true,
+            devices_valid: true,
+            blocked_by: vec![fault.into()],
+            ..Stand::default()
+        };
+        for named in [None, Some("index")] {
+            let why = unchanged(Some(&lost), named);
+            assert!(why.contains("the homing of its drive") && !why.contains("is known"), "{why}");
+        }
+        let known = Stand { is_lost: false, fault: String::new(), blocked_by: Vec::new(), ..lost };
+        assert!(unchanged(Some(&known), None).contains("nothing to confirm"));
+        // Without counts in common it takes a confirmation each time: no answer is no refusal.
+        assert!(unchanged(Some(&Stand { generation: 0, ..known }), None).contains("no answer received"));
+    }
+}

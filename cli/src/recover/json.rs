@@ -1,0 +1,131 @@
+//! The plan as a JSON object, for programs. Its form is in `docs/recover.md`.
+
+use std::collections::BTreeMap;
+
+use linewright_line::net::Block;
+use linewright_line::{Line, OperationModule};
+use linewright_recovery::{Need, PlannedMotion, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep};
+use serde::Serialize;
+
+use crate::client::OperatorClient;
+use crate::states::ModeJson;
+
+/// A plan.
+#[derive(Serialize)]
+pub struct RecoveryJson {
+    line: String,
+    mode: Option<ModeJson>,
+    not_heard: Vec<String>,
+    /// `auto`, `look again`, `no way`; null where the coordinator is not heard.
+    end: Option<&'static str>,
+    /// What is to be known of an end that is not auto.
+    remarks: Vec<String>,
+    shortest: bool,
+    steps: Vec<StepJson>,
+}
+
+/// One of its steps.
+#[derive(Serialize)]
+struct StepJson {
+    kind: &'static str,
+    text: String,
+    station: Option<String>,
+    /// `advance` or `return`; of a selector `manual` or `auto`.
+    button: Option<&'static str>,
+    /// Of the mode.
+    command: Option<&'static str>,
+    moves: Vec<MotionJson>,
+    /// The mode after it.
+    mode: &'static str,
+    /// By operation, the number of its marked place after it, 1 to 6.
+    places: Option<BTreeMap<String, u8>>,
+    at_home: Option<bool>,
+    /// The arguments of `linewright` that do it; null where no command does.
+    arguments: Option<Vec<String>>,
+}
+
+#[derive(Serialize)]
+struct MotionJson {
+    operation: String,
+    undoing: bool,
+    axis: String,
+    to: f64,
+    /// The switch that it waits for.
+    until: String,
+    seconds: f64,
+}
+
+impl MotionJson {
+    fn of(line: &Line, motion: &PlannedMotion) -> Self {
+        let station = line.station(motion.station);
+        let operation = line.operation((motion.station, motion.place.op));
+        let undoing = motion.place.block == Block::Recovery;
+        let signals = match &operation.module {
+            OperationModule::Reversible { recovery, .. } if undoing => *recovery,
+            OperationModule::Reversible { .. } | OperationModule::Irreversible { .. } => operation.normal,
+        };
+        MotionJson {
+            operation: operation.name.clone(),
+            undoing,
+            axis: station.axes[operation.motion.axis.index()].name.clone(),
+            to: if undoing { operation.motion.from } else { operation.motion.to },
+            until: station.inputs[signals.complete.index()].clone(),
+            seconds: motion.time.as_secs_f64(),
+        }
+    }
+}
+
+impl StepJson {
+    fn of(line: &Line, path: &str, step: &RecoveryStep) -> Self {
+        let (kind, button, command) = match &step.action {
+            RecoveryAction::First(Need::Answer(_)) => ("answer", None, None),
+            RecoveryAction::First(_) => ("first", None, None),
+            RecoveryAction::Command(command) => ("command", None, Some(command.name())),
+            RecoveryAction::Press(_, button) => ("press", Some(button.name()), None),
+            RecoveryAction::Selector(_, manual) => ("selector", Some(if *manual { "manual" } else { "auto" }), None),
+            RecoveryAction::Rejoin { .. } => ("rejoin", None, None),
+        };
+        let path = |word: String| if word == "LINE" { path.to_owned() } else { word };
+        let places = |after: &linewright_recovery::StationAfter| {
+            let name = |place: &linewright_line::net::StationPlace| {
+                (line.operation((after.station, place.op)).name.clone(), place.number())
+            };
+            after.places.iter().map(name).collect()
+        };
+        StepJson {
+            kind,
+            text: step.text(line),
+            station: step.action.station().map(|id| line.station(id).name.clone()),
+            button,
+            command,
+            moves: step.moves.iter().map(|motion| MotionJson::of(line, motion)).collect(),
+            mode: step.mode.name(),
+            places: step.after.as_ref().map(places),
+            at_home: step.after.as_ref().map(|after| after.at_home),
+            arguments: step.arguments(line).map(|words| words.into_iter().map(path).collect()),
+        }
+    }
+}
+
+impl RecoveryJson {
+    /// The plan for a line in the directory `path`; none where its coordinator is not heard.
+    pub fn of(client: &OperatorClient, path: &str, plan: Option<&RecoveryPlan>) -> Self {
+        let line = client.line();
+        let end = |plan: &RecoveryPlan| match plan.end {
+            RecoveryEnd::Auto => "auto",
+            RecoveryEnd::LookAgain => "look again",
+            RecoveryEnd::NoWay { .. } | RecoveryEnd::Misfit(_) => "no way",
+        };
+        RecoveryJson {
+            line: line.name.clone(),
+            mode: client.coordinator().map(ModeJson::of),
+            not_heard: client.unheard().map(str::to_owned).collect(),
+            end: plan.map(end),
+            remarks: plan.map(|plan| plan.end_text(line)).unwrap_or_default(),
+            shortest: plan.is_some_and(|plan| plan.is_shortest),
+            steps: plan
+                .map(|plan| plan.steps.iter().map(|step| StepJson::of(line, path, step)).collect())
+                .unwrap_or_default(),
+        }
+    }
+}

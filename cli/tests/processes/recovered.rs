@@ -1,0 +1,59 @@
+//! A station killed half-way, and the plan of `linewright recover` typed as it stands, until the line is in auto.
+//!
+//! ```text
+//!   mill_1 ── feed ──✝ ── back, incomplete ── recover --json: manual · advance · auto ── each typed ──▶ auto
+//! ```
+
+use linewright_msgs::StationState;
+use serde_json::Value;
+
+use crate::support::pause;
+use crate::support::rig::{Rig, line};
+
+/// The plan, which leads to auto: else the command fails.
+fn plan(rig: &Rig) -> Value {
+    let said = rig.said(&["recover"], &["--once", "--json"]).expect("a plan that leads to auto");
+    serde_json::from_str(&said).unwrap_or_else(|error| panic!("{error}: {said}"))
+}
+
+#[test]
+fn what_recover_names_is_typed_until_the_line_is_in_auto() {
+    let mut rig = Rig::new(&line(2.0));
+    let operator = rig.in_stand_by();
+    operator.order("auto", StationState::MODE_AUTO);
+    rig.eye.wait("the mill feeds", |seen| seen.output("mill_1", "feed"));
+    operator.wait("and says so", |heard| heard.station("mill_1").places[2] == StationState::PLACE_OPERATING);
+    let before = operator.station("mill_1");
+    rig.kill(&["--station", "mill_1"]);
+    operator.wait("it comes back", |heard| heard.station("mill_1").boot_id != before.boot_id);
+    operator.wait_until_connected();
+    operator
+        .wait("everything stands", |heard| heard.all(|state| state.stopped && state.mode != StationState::MODE_AUTO));
+    pause(700);
+    let first = plan(&rig);
+    assert_eq!((&first["end"], first["shortest"].as_bool()), (&Value::from("auto"), Some(true)), "{first}");
+    let steps = |plan: &Value| plan["steps"].as_array().expect("a list").clone();
+    let kinds: Vec<Value> = steps(&first).iter().map(|step| step["kind"].clone()).collect();
+    assert_eq!(kinds, ["command", "press", "command"], "{first}");
+    assert_eq!(first["steps"][1]["station"], "mill_1", "{first}");
+    assert_eq!(first["steps"][1]["moves"][0]["operation"], "feed main slide", "{first}");
+    let text = rig.said(&["recover"], &["--once"]).expect("it leads to auto");
+    assert!(text.contains("1. command manual") && text.contains("mill_1: hold "), "{text}");
+    let mut now = first;
+    for _ in 0..10 {
+        let Some(step) = steps(&now).first().cloned() else { break };
+        // Nothing is typed while stations still acknowledge a mode.
+        if let Some(words) = step["arguments"].as_array() {
+            let words: Vec<&str> = words.iter().filter_map(Value::as_str).collect();
+            let said = rig.said(&words[..1], &words[2..]);
+            assert!(said.is_ok(), "{words:?}: {said:?}");
+        }
+        pause(500);
+        now = plan(&rig);
+    }
+    assert_eq!(now["mode"]["mode"], "auto", "{now}");
+    assert_eq!(steps(&now).len(), 0, "{now}");
+    operator.cycles(1);
+    operator.go_home();
+    rig.ends_well(1);
+}

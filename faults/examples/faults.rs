@@ -1,0 +1,127 @@
+//! `cargo xtask faults`: plays seeds, and prints the story of each that fails.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use linewright_faults::{FaultPlan, Mutant, PlayedSeed, play, play_plan, shrink};
+
+/// Entries of a story that are printed.
+const STORY: usize = 60;
+
+#[derive(Default)]
+struct FaultArguments {
+    seeds: u64,
+    from: u64,
+    shard: (u64, u64),
+    shrinks: bool,
+    mutants: bool,
+    mutant: Option<Mutant>,
+}
+
+fn arguments() -> Option<FaultArguments> {
+    let mut found = FaultArguments { seeds: 1000, shard: (0, 1), ..FaultArguments::default() };
+    let mut args = std::env::args().skip(1);
+    while let Some(arg) = args.next() {
+        match arg.as_str() {
+            "--seeds" => found.seeds = args.next()?.parse().ok()?,
+            "--from" => found.from = args.next()?.parse().ok()?,
+            "--shard" => {
+                let text = args.next()?;
+                let (at, of) = text.split_once('/')?;
+                found.shard = (at.parse().ok()?, of.parse().ok().filter(|of| *of > 0)?);
+            }
+            "--shrink" => found.shrinks = true,
+            "--mutants" => found.mutants = true,
+            "--mutant" => {
+                let name = args.next()?;
+                found.mutant = Some(Mutant::ALL.into_iter().find(|mutant| format!("{mutant:?}") == name)?);
+            }
+            _ => return None,
+        }
+    }
+    Some(found)
+}
+
+fn main() -> ExitCode {
+    let Some(arguments) = arguments() else {
+        eprintln!("options: [--seeds N] [--from S] [--shard I/N] [--shrink] [--mutants | --mutant NAME]");
+        return ExitCode::from(2);
+    };
+    let good = if arguments.mutants { mutants(&arguments) } else { seeds(&arguments) };
+    if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn numbers(arguments: &FaultArguments) -> impl Iterator<Item = u64> + use<> {
+    let (at, of) = arguments.shard;
+    (arguments.from..arguments.from + arguments.seeds).filter(move |seed| seed % of == at % of)
+}
+
+fn seeds(arguments: &FaultArguments) -> bool {
+    let start = Instant::now();
+    let (mut count, mut failed, mut left, mut events, mut time) = (0_u64, 0_u64, 0_u64, 0, 0.0);
+    for seed in numbers(arguments) {
+        let played = play(seed, arguments.mutant);
+        count += 1;
+        left += u64::from(played.is_left_standing);
+        events += played.events;
+        time += played.end.as_secs_f64();
+        // Every hundredth once more: a seed that is not the same twice explains nothing.
+        if seed % 100 == 0 && play(seed, arguments.mutant).hash != played.hash {
+            println!("seed {seed}: not the same run twice");
+            failed += 1;
+        }
+        if played.finding.is_some() {
+            failed += 1;
+            let mut plan = FaultPlan::of(seed);
+            let played = if arguments.shrinks {
+                shrink(&mut plan, arguments.mutant);
+                play_plan(&plan, arguments.mutant)
+            } else {
+                played
+            };
+            tell(seed, &plan, &played);
+        }
+    }
+    let took = start.elapsed().as_secs_f64();
+    println!(
+        "{count} seeds, {failed} with findings, {left} generated lines left standing; {events} events in {time:.0} s of the lines' time; {took:.1} s, {:.1} seeds per second",
+        count as f64 / took
+    );
+    failed == 0
+}
+
+fn tell(seed: u64, plan: &FaultPlan, played: &PlayedSeed) {
+    println!("\nseed {seed}: {}", plan.line.title);
+    let skipped = played.story.len().saturating_sub(STORY);
+    if skipped > 0 {
+        println!("   … {skipped} before");
+    }
+    for (at, text) in played.story.iter().skip(skipped) {
+        println!("{:>10.4} s  {text}", at.as_secs_f64());
+    }
+    if let Some(finding) = &played.finding {
+        println!("{:>10.4} s  FOUND {}", finding.at.as_secs_f64(), finding.text);
+    }
+}
+
+/// Gives whether each mutant was found.
+fn mutants(arguments: &FaultArguments) -> bool {
+    let mut all = true;
+    for mutant in Mutant::ALL {
+        let found = numbers(arguments).zip(1_u64..).find_map(|(seed, count)| {
+            // Without the mutant it must pass, or it says nothing.
+            let finding = play(seed, Some(mutant)).finding.filter(|_| play(seed, None).finding.is_none())?;
+            Some((seed, count, finding))
+        });
+        match found {
+            Some((seed, count, finding)) => {
+                println!("{mutant:?}: found after {count} seeds (seed {seed}): {}", finding.text);
+            }
+            None => {
+                println!("{mutant:?}: NOT FOUND in {} seeds", numbers(arguments).count());
+                all = false;
+            }
+        }
+    }
+    all
+}

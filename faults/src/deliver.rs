@@ -1,0 +1,141 @@
+//! Messages as they arrive, and hands that hold buttons.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::ModeCommand;
+use linewright_line::StationId;
+use linewright_line::net::ControlMode;
+use linewright_station_logic::PanelCommand;
+
+use crate::message::Message;
+use crate::world::{Event, World};
+
+/// Messages that may wait for a process that stands; those of topics that are repeated are replaced sooner.
+const WAITING_MAX: usize = 200;
+/// Number of repetitions of a release.
+const RELEASES: u8 = 5;
+
+impl World {
+    pub(crate) fn deliver(&mut self, to: usize, life: u64, message: Message) {
+        let stations = self.stations.len();
+        let process = self.process(to);
+        if !process.is_up || process.life != life {
+            return;
+        }
+        let runs = process.runs();
+        let is_stop = matches!(&message, Message::Order { order, .. } if order.mode == ControlMode::EStop);
+        if process.inbox.len() < WAITING_MAX || message.topic().is_none() || is_stop {
+            process.inbox.push_back((message.clone(), runs));
+        }
+        if !runs {
+            return;
+        }
+        self.arrives(to, &message);
+        if to < stations {
+            if is_stop {
+                self.interrupt_station(to);
+            }
+        } else if self.is_awaiting(to - stations) {
+            self.arrives_while_writing(to - stations, &message);
+        }
+        self.run_node(to);
+    }
+
+    /// A process that runs has received a message, whatever it does at the moment.
+    pub(crate) fn arrives(&mut self, to: usize, message: &Message) {
+        let timing = self.line.timing;
+        let soon = Duration::from_millis(20);
+        match message {
+            Message::Order { order, .. } if to < self.stations.len() => {
+                let in_stop = self.mode() == Some(ControlMode::EStop);
+                if let Some(stop) = self.observer.ordered(self.now, to, order, in_stop) {
+                    let behind = self.is_behind_gateway(to);
+                    let bound = if behind { 2 * timing.stale + timing.heartbeat_timeout } else { Duration::ZERO };
+                    self.after(bound + soon, Event::LooksForOff { station: to, stop });
+                }
+            }
+            Message::Command(command) if to >= self.stations.len() => {
+                self.observer.commanded(to, *command);
+                if *command == ModeCommand::Manual {
+                    self.manual_is_wanted();
+                }
+                if *command == ModeCommand::EStop && to == self.stations.len() {
+                    let stop = self.observer.stop_number();
+                    for station in self.behind_gateway() {
+                        self.after(soon, Event::LooksForOff { station, stop });
+                    }
+                }
+            }
+            Message::Outputs { station, .. } if to == self.stations.len() => {
+                self.observer.image_arrived(self.now, station.index());
+            }
+            Message::Panel(PanelCommand::Selector(true)) => self.manual_is_wanted(),
+            _ => {}
+        }
+    }
+
+    fn manual_is_wanted(&mut self) {
+        let epoch = self.coordinators[0].shell.as_ref().map_or(0, |shell| shell.coordinator().epoch());
+        self.observer.manual_is_wanted(epoch);
+    }
+
+    pub(crate) fn press(&mut self, station: usize, advance: bool, down: bool) {
+        if down {
+            self.hands.panel.insert((station, advance), None);
+        } else if self.hands.panel.contains_key(&(station, advance)) {
+            self.hands.panel.insert((station, advance), Some(RELEASES));
+        }
+        self.say_panel(station, advance, down);
+    }
+
+    fn say_panel(&mut self, station: usize, advance: bool, down: bool) {
+        let command = if advance { PanelCommand::Advance(down) } else { PanelCommand::Retract(down) };
+        self.send(self.operator_node(), station, Message::Panel(command));
+    }
+
+    pub(crate) fn hold_buttons(&mut self, held: u32) {
+        (self.hands.buttons, self.hands.releases) = (held, RELEASES);
+        self.send(self.operator_node(), self.coordinator_node(), Message::Buttons(held));
+    }
+
+    /// Held buttons are sent again, and recent releases.
+    pub(crate) fn hands_again(&mut self) {
+        let held: Vec<((usize, bool), Option<u8>)> = self.hands.panel.iter().map(|(key, left)| (*key, *left)).collect();
+        for ((station, advance), left) in held {
+            self.say_panel(station, advance, left.is_none());
+        }
+        self.hands.panel.retain(|_, left| {
+            *left = left.map(|left| left - 1);
+            *left != Some(0)
+        });
+        if self.hands.buttons != 0 || self.hands.releases > 0 {
+            self.hands.releases = self.hands.releases.saturating_sub(1);
+            let held = self.hands.buttons;
+            self.send(self.operator_node(), self.coordinator_node(), Message::Buttons(held));
+        }
+        self.renew();
+        if self.coordinators[0].process.runs() {
+            let reached: Vec<usize> =
+                self.behind_gateway().into_iter().filter(|&at| self.io[at].unreached.is_none()).collect();
+            for at in reached {
+                self.observer.look_at_age(&self.line, &self.plant, self.now, at);
+            }
+        }
+        self.after(self.line.timing.refresh, Event::Hands);
+    }
+
+    pub(crate) fn say_selector(&mut self, station: usize, manual: bool) {
+        self.send(self.operator_node(), station, Message::Panel(PanelCommand::Selector(manual)));
+    }
+
+    /// A command, to every coordinator that is there.
+    pub(crate) fn say_command(&mut self, command: ModeCommand) {
+        for node in [self.coordinator_node(), self.coordinator_node() + 1] {
+            self.send(self.operator_node(), node, Message::Command(command));
+        }
+    }
+
+    pub(crate) fn say_rejoin(&mut self, station: usize, place: linewright_station_logic::RejoinAt) {
+        self.send(self.operator_node(), StationId::at(station).index(), Message::Rejoin(place));
+    }
+}

@@ -1,0 +1,283 @@
+//! Faults of a plan: how each begins and ends.
+
+use std::time::Duration;
+
+use linewright_line::{Owner, StationId};
+use linewright_station_logic::ModeOrder;
+use linewright_station_shell::EPOCH_JUMP_MAX;
+
+use crate::disk::DiskState;
+use crate::message::Message;
+use crate::network::Weather;
+use crate::plan::{FaultEvent, ForgedEpoch};
+use crate::world::{Event, World};
+
+/// Nothing comes back sooner than this: a process takes longer to start.
+const START: Duration = Duration::from_millis(20);
+
+impl World {
+    pub(crate) fn begin_fault(&mut self, at: usize) {
+        let fault = self.plan[at];
+        let (now, stations) = (self.now, self.stations.len());
+        let text = self.text_of(&fault.event, fault.lasts);
+        self.note(text);
+        let mut lasts = fault.lasts;
+        match fault.event {
+            FaultEvent::Kill { node, after, .. } => {
+                lasts = lasts.max(START);
+                if after == 0 || !self.process(node).is_up {
+                    self.kill(node);
+                } else {
+                    self.process(node).dies_after = Some(after);
+                }
+            }
+            FaultEvent::KillAll => {
+                lasts = lasts.max(START);
+                (0..=stations).for_each(|node| self.kill(node));
+            }
+            FaultEvent::PowerCut(node) => {
+                lasts = lasts.max(START);
+                self.kill(node);
+                let rng = &mut self.rng;
+                match self.stations.get_mut(node) {
+                    Some(station) => station.disk.power_cut(rng),
+                    None => self.coordinators[0].disk.power_cut(rng),
+                }
+                if node == stations {
+                    let keeps = self.coordinators[0].disk.newest().is_some_and(|(record, _)| record.estop);
+                    self.observer.disk_keeps(keeps);
+                }
+            }
+            FaultEvent::Stall { node, suspends } => {
+                let process = self.process(node);
+                process.stalls += 1;
+                if suspends {
+                    process.suspend(now);
+                }
+                for owner in self.managed(node) {
+                    self.io[owner].lose(now, &self.plant);
+                    self.after_plant(owner);
+                }
+            }
+            FaultEvent::Disk(node, state) => self.set_disk(node, state),
+            FaultEvent::Cut { from, to, .. } => self.network.cut(from, to),
+            FaultEvent::Network(weather) => self.network.weather = weather,
+            FaultEvent::ForgedOrder { station, mode, epoch, is_followed } => {
+                self.forge_order(station, mode, epoch, is_followed);
+            }
+            FaultEvent::ForgedState { station, to, boot_id, sequence, epoch } => {
+                self.forge_state((station, to), (boot_id, sequence, epoch));
+            }
+            FaultEvent::Reboot(owner) => {
+                self.io[owner].reboot(now, &mut self.plant);
+                self.look_at_devices(owner);
+            }
+            FaultEvent::BusOff(owner) => {
+                self.io[owner].lose(now, &self.plant);
+                self.after_plant(owner);
+            }
+            FaultEvent::Motion(station, op, normal, fault) => {
+                if normal {
+                    self.plant.inject(now, station, op, Some(fault));
+                } else {
+                    self.plant.inject_recovery(now, station, op, Some(fault));
+                }
+                self.look_at_devices(station.index());
+            }
+            FaultEvent::Rival => self.start(stations + 1, false),
+            FaultEvent::Command(command) => self.say_command(command),
+            FaultEvent::Press(station, advance) => self.press(station, advance, true),
+            FaultEvent::Buttons(held) => self.hold_buttons(held),
+            FaultEvent::Selector(station) => self.say_selector(station, true),
+        }
+        self.active[at] = true;
+        self.after(lasts, Event::FaultEnds(at));
+    }
+
+    pub(crate) fn end_fault(&mut self, at: usize) {
+        if !std::mem::take(&mut self.active[at]) {
+            return;
+        }
+        let fault = self.plan[at];
+        let now = self.now;
+        match fault.event {
+            FaultEvent::Kill { node, remembers, .. } => {
+                if self.process(node).is_up {
+                    self.process(node).dies_after = None;
+                } else {
+                    self.start(node, remembers);
+                }
+            }
+            FaultEvent::KillAll => (0..=self.stations.len()).for_each(|node| self.start(node, true)),
+            FaultEvent::PowerCut(node) => self.start(node, true),
+            FaultEvent::Stall { node, .. } => self.end_stall(node),
+            FaultEvent::Disk(node, _) => self.set_disk(node, DiskState::Good),
+            FaultEvent::Cut { from, to, late } => {
+                for message in self.network.join(from, to) {
+                    if late {
+                        self.send(from, to, message);
+                    }
+                }
+            }
+            FaultEvent::Network(_) => self.network.weather = Weather::GOOD,
+            FaultEvent::BusOff(owner) => {
+                self.io[owner].find(now, &mut self.plant);
+                self.look_at_devices(owner);
+            }
+            FaultEvent::Motion(station, op, normal, _) => {
+                if normal {
+                    self.plant.inject(now, station, op, None);
+                } else {
+                    self.plant.inject_recovery(now, station, op, None);
+                }
+                self.look_at_devices(station.index());
+            }
+            FaultEvent::Rival => self.kill(self.coordinator_node() + 1),
+            FaultEvent::Press(station, advance) => self.press(station, advance, false),
+            FaultEvent::Buttons(_) => self.hold_buttons(0),
+            FaultEvent::Selector(station) => self.say_selector(station, false),
+            FaultEvent::Command(_)
+            | FaultEvent::Reboot(_)
+            | FaultEvent::ForgedOrder { .. }
+            | FaultEvent::ForgedState { .. } => {}
+        }
+    }
+
+    fn end_stall(&mut self, node: usize) {
+        let now = self.now;
+        let process = self.process(node);
+        process.stalls -= 1;
+        let runs = process.stalls == 0;
+        if runs {
+            process.resume(now);
+        }
+        for owner in self.managed(node) {
+            self.io[owner].find(now, &mut self.plant);
+            self.after_plant(owner);
+        }
+        if runs {
+            self.run_node(node);
+        }
+    }
+
+    fn set_disk(&mut self, node: usize, state: DiskState) {
+        match self.stations.get_mut(node) {
+            Some(station) => station.disk.state = state,
+            None => self.coordinators[0].disk.state = state,
+        }
+    }
+
+    fn forge_order(
+        &mut self,
+        station: usize,
+        mode: linewright_line::net::ControlMode,
+        epoch: ForgedEpoch,
+        is_followed: bool,
+    ) {
+        let Some(controller) = self.stations[station].shell.as_ref().map(|shell| shell.controller()) else { return };
+        let (followed, newest) = (controller.followed(), controller.mode_epoch());
+        // A stranger that takes the very life, epoch and number of the coordinator cannot be told from it.
+        let epoch = match epoch {
+            ForgedEpoch::Zero => 0,
+            ForgedEpoch::Next if is_followed => newest.saturating_add(EPOCH_JUMP_MAX).saturating_add(1),
+            ForgedEpoch::Next => newest.saturating_add(1),
+            ForgedEpoch::Last => u64::MAX,
+        };
+        if newest == 0 {
+            // A station that has followed nobody follows whatever comes first.
+            return;
+        }
+        let boot_id = if is_followed { followed } else { 0xBAD };
+        let order = ModeOrder::of(boot_id, epoch, mode, self.line.timing.lease);
+        self.send(self.operator_node(), station, Message::Order { sequence: u64::MAX, order });
+    }
+
+    fn forge_state(&mut self, (station, to): (usize, usize), (boot_id, sequence, epoch): (bool, bool, bool)) {
+        let Some(shell) = self.stations[station].shell.as_ref().filter(|_| station != to) else { return };
+        let controller = shell.controller();
+        let mut report = controller.report();
+        let follows = controller.followed();
+        if boot_id {
+            report.boot_id = 0xBAD;
+        }
+        if epoch {
+            report.mode_epoch = u64::MAX;
+        }
+        let sequence = if sequence { u64::MAX } else { 0 };
+        let station = StationId::at(station);
+        let report = std::rc::Rc::new(report);
+        self.send(self.operator_node(), to, Message::State { station, sequence, follows, report });
+    }
+
+    /// An emergency stop has had the time to turn off what was on.
+    pub(crate) fn look_for_off(&mut self, station: usize, stop: u64) {
+        let timeout = self.line.timing.heartbeat_timeout;
+        let owner = Owner::Station(StationId::at(station));
+        let reads = if self.is_behind_gateway(station) { self.coordinator_node() } else { station };
+        let is_cut_off = self.io[station].unreached.is_some() || !self.process(reads).runs();
+        if is_cut_off && self.plant.outputs(owner) != 0 {
+            // Its devices turn off by themselves, after their time.
+            return self.after(timeout, Event::LooksForOff { station, stop });
+        }
+        self.plant.advance(self.now);
+        self.observer.has_to_be_off(&self.line, &self.plant, station, stop);
+    }
+
+    /// All faults end.
+    pub(crate) fn mend(&mut self) {
+        for at in 0..self.plan.len() {
+            self.end_fault(at);
+        }
+        let held: Vec<(usize, bool)> = self.hands.panel.keys().copied().collect();
+        held.into_iter().for_each(|(station, advance)| self.press(station, advance, false));
+        self.hold_buttons(0);
+    }
+
+    fn text_of(&self, event: &FaultEvent, lasts: Duration) -> String {
+        let (name, time) = (|node: usize| self.name(node), format!("{} ms", lasts.as_micros() as f64 / 1000.0));
+        let owner = |at: usize| if at < self.stations.len() { self.name(at) } else { "console" };
+        match *event {
+            FaultEvent::Kill { node, after, remembers } => {
+                let memory = if remembers { "" } else { ", started again without its journal" };
+                format!("{} is killed after {after} effects, for {time}{memory}", name(node))
+            }
+            FaultEvent::KillAll => format!("every process is killed, for {time}"),
+            FaultEvent::PowerCut(node) => format!("the host of {} loses its power for {time}", name(node)),
+            FaultEvent::Stall { node, suspends: true } => format!("the machine of {} sleeps for {time}", name(node)),
+            FaultEvent::Stall { node, .. } => format!("{} stands for {time}", name(node)),
+            FaultEvent::Disk(node, DiskState::Failing(takes)) => {
+                format!("the disk of {} fails after {takes:?} for {time}", name(node))
+            }
+            FaultEvent::Disk(node, state) => format!("the disk of {}: {state:?} for {time}", name(node)),
+            FaultEvent::Cut { from, to, late } => {
+                let late = if late { ", the last arrives late" } else { "" };
+                format!("nothing from {} reaches {} for {time}{late}", name(from), name(to))
+            }
+            FaultEvent::Network(weather) => format!("the network is bad for {time}: {weather:?}"),
+            FaultEvent::ForgedOrder { station, mode, epoch, is_followed } => {
+                let life = if is_followed { "its coordinator's life" } else { "another life" };
+                format!("a forged order to {}: {mode}, epoch {epoch:?}, {life}", name(station))
+            }
+            FaultEvent::ForgedState { station, to, boot_id, sequence, epoch } => {
+                let what = [(boot_id, "life"), (sequence, "sequence"), (epoch, "epoch")];
+                let what: Vec<&str> = what.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
+                format!("a forged state of {} to {}: another {}", name(station), name(to), what.join(", "))
+            }
+            FaultEvent::Reboot(at) => format!("the devices of {} restart", owner(at)),
+            FaultEvent::BusOff(at) => format!("the bus of {} is off for {time}", owner(at)),
+            FaultEvent::Motion(station, op, normal, fault) => {
+                let undoing = if normal { "" } else { "undoing " };
+                let operation = &self.line.operation((station, op)).name;
+                format!("{}: {undoing}{operation}: {fault:?} for {time}", name(station.index()))
+            }
+            FaultEvent::Rival => format!("a second coordinator for {time}"),
+            FaultEvent::Command(command) => format!("command {}", command.name()),
+            FaultEvent::Press(station, advance) => {
+                let way = if advance { "advance" } else { "return" };
+                format!("{way} of {} held for {time}", name(station))
+            }
+            FaultEvent::Buttons(held) => format!("buttons {held:#b} held for {time}"),
+            FaultEvent::Selector(station) => format!("selector of {} at manual for {time}", name(station)),
+        }
+    }
+}

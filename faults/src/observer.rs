@@ -1,0 +1,335 @@
+//! What must hold after every event, by what happened around the controllers: positions, orders that arrived, records that
+//! were written.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::ModeCommand;
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, OpId, OperationModule, Owner, StationId, Tick};
+use linewright_plant::Plant;
+use linewright_simulation::ConflictObserver;
+use linewright_station_logic::{ModeOrder, StationReport, StationSnapshot};
+
+use crate::run::Finding;
+
+/// An axis within this fraction of its stroke of where an operation ends is there; a switch is on within a thousandth.
+const TOLERANCE: f64 = 0.005;
+/// Time of a message and a step.
+const SLACK: Duration = Duration::from_millis(60);
+
+/// An emergency stop, from its first order until reset and manual have been given.
+#[derive(Clone, Copy, Debug)]
+struct StopEpisode {
+    number: u64,
+    is_reset: bool,
+}
+
+#[derive(Debug)]
+struct ObservedStation {
+    actuators: u128,
+    /// When an order to move, or to stand by, arrived last.
+    ordered: Option<Tick>,
+    /// Time that its records have taken since.
+    held_up: Duration,
+    /// The emergency stop has arrived at it, in this life or an earlier one.
+    is_stopped: bool,
+    /// Its process has it in memory.
+    carries: bool,
+    /// Its outputs arrived last at the coordinator, which runs its devices.
+    images: Tick,
+    /// Its last record.
+    record: Option<StationSnapshot>,
+}
+
+pub(crate) struct Observer {
+    conflicts: ConflictObserver,
+    stations: Vec<ObservedStation>,
+    stop: Option<StopEpisode>,
+    stops: u64,
+    /// The coordinator's process, and its disk, have the stop.
+    process_carries: bool,
+    disk_carries: bool,
+    /// Epoch in which the last stop was ended by people; the coordinator may order it for a moment longer.
+    ended: u64,
+    is_ending: bool,
+    pub(crate) finding: Option<Finding>,
+}
+
+impl Observer {
+    pub(crate) fn new(line: &Line, plant: &Plant) -> Self {
+        let actuators = |id: StationId| {
+            line.station(id).operations.iter().fold(0, |bits, operation| {
+                let back = match &operation.module {
+                    OperationModule::Reversible { recovery, .. } => recovery.actuator.bit(),
+                    OperationModule::Irreversible { .. } => 0,
+                };
+                bits | operation.normal.actuator.bit() | back
+            })
+        };
+        let station = |id| ObservedStation {
+            actuators: actuators(id),
+            ordered: None,
+            held_up: Duration::ZERO,
+            is_stopped: false,
+            carries: false,
+            images: Tick::ZERO,
+            record: None,
+        };
+        Observer {
+            conflicts: ConflictObserver::new(line, |_| plant),
+            stations: line.station_ids().map(station).collect(),
+            stop: None,
+            stops: 0,
+            process_carries: false,
+            disk_carries: false,
+            ended: 0,
+            is_ending: false,
+            finding: None,
+        }
+    }
+
+    pub(crate) fn find(&mut self, at: Tick, text: String) {
+        self.finding.get_or_insert(Finding { at, text });
+    }
+
+    /// No two states that exclude each other.
+    pub(crate) fn look(&mut self, line: &Line, plant: &Plant, station: usize) {
+        self.conflicts.look(line, |_| plant, station);
+        if let Some(seen) = self.conflicts.seen().first() {
+            let (at, text) = (seen.at, format!("conflict: {} ({})", line.conflicts[seen.conflict].why, seen.positions));
+            self.find(at, text);
+        }
+        if plant.alarms() > 0 {
+            self.find(plant.now(), "both directions of an axis are driven at once".to_owned());
+        }
+    }
+
+    /// A process ends. What it has acknowledged as written is on its disk.
+    pub(crate) fn ended(&mut self, node: usize) {
+        let coordinator = self.stations.len();
+        match self.stations.get_mut(node) {
+            Some(station) => (station.carries, station.ordered) = (false, None),
+            None if node == coordinator => self.process_carries = false,
+            None => {}
+        }
+        self.forget_stop();
+    }
+
+    /// The coordinator's disk has, or has not, kept the stop: after a loss of power, or of the journal.
+    pub(crate) fn disk_keeps(&mut self, is_kept: bool) {
+        self.disk_carries &= is_kept;
+        self.forget_stop();
+    }
+
+    /// A coordinator that has started has the stop of its record.
+    pub(crate) fn started(&mut self, node: usize) {
+        if node == self.stations.len() {
+            self.process_carries = self.disk_carries;
+            self.forget_stop();
+        }
+    }
+
+    /// A stop that no process and no disk has any more is forgotten.
+    fn forget_stop(&mut self) {
+        let is_carried = self.process_carries || self.disk_carries || self.stations.iter().any(|at| at.carries);
+        if !is_carried {
+            self.end_stop();
+        }
+    }
+
+    fn end_stop(&mut self) {
+        self.stop = None;
+        (self.process_carries, self.disk_carries) = (false, false);
+        self.stations.iter_mut().for_each(|at| (at.is_stopped, at.carries) = (false, false));
+    }
+
+    pub(crate) fn stop_is_recorded(&mut self) {
+        self.disk_carries |= self.stop.is_some();
+    }
+
+    pub(crate) fn stop_number(&self) -> u64 {
+        self.stops
+    }
+
+    fn begin_stop(&mut self) {
+        if self.stop.is_none_or(|stop| stop.is_reset) {
+            self.stops += 1;
+            self.stop = Some(StopEpisode { number: self.stops, is_reset: false });
+        }
+    }
+
+    /// A command has been taken by a coordinator.
+    pub(crate) fn commanded(&mut self, node: usize, command: ModeCommand) {
+        match (command, &mut self.stop) {
+            (ModeCommand::EStop, _) => {
+                self.is_ending = false;
+                self.begin_stop();
+                self.process_carries |= node == self.stations.len();
+            }
+            (ModeCommand::Reset, Some(stop)) => stop.is_reset = true,
+            _ => {}
+        }
+    }
+
+    /// After reset, manual by command or at a selector ends the stop, from the present epoch on.
+    pub(crate) fn manual_is_wanted(&mut self, epoch: u64) {
+        if self.stop.is_some_and(|stop| stop.is_reset) {
+            (self.ended, self.is_ending) = (epoch, true);
+            self.end_stop();
+        }
+    }
+
+    /// A record of a station took so long. What it decided within its lease is put out after that: a motion that is in its
+    /// record is under way, and is ended in stand-by.
+    pub(crate) fn held_up(&mut self, at: usize, time: Duration) {
+        self.stations[at].held_up += time;
+    }
+
+    /// A station takes an order; `in_stop`: the line's coordinator still orders the stop. Gives the number of the emergency stop whose outputs have to be off soon.
+    pub(crate) fn ordered(&mut self, now: Tick, at: usize, order: &ModeOrder, in_stop: bool) -> Option<u64> {
+        self.is_ending &= in_stop;
+        if order.mode != ControlMode::EStop {
+            (self.stations[at].ordered, self.stations[at].held_up) = (Some(now), Duration::ZERO);
+            return None;
+        }
+        if self.stop.is_none() && (self.is_ending || order.epoch <= self.ended) {
+            return None;
+        }
+        if self.stop.is_none() {
+            self.begin_stop();
+        }
+        let is_new = !self.stations[at].is_stopped;
+        (self.stations[at].is_stopped, self.stations[at].carries) = (true, true);
+        self.stop.filter(|_| is_new).map(|stop| stop.number)
+    }
+
+    /// Every motion is off by now, if that stop still lasts.
+    pub(crate) fn has_to_be_off(&mut self, line: &Line, plant: &Plant, at: usize, stop: u64) {
+        let bits = plant.outputs(Owner::Station(StationId::at(at))) & self.stations[at].actuators;
+        if bits != 0 && self.stop.is_some_and(|now| now.number == stop && !now.is_reset) {
+            let name = &line.stations[at].name;
+            self.find(plant.now(), format!("{name}: a motion is driven after an emergency stop ({bits:#x})"));
+        }
+    }
+
+    /// Outputs of a station behind the gateway have arrived.
+    pub(crate) fn image_arrived(&mut self, now: Tick, at: usize) {
+        self.stations[at].images = now;
+    }
+
+    /// What a station behind the gateway has not repeated for long is off.
+    pub(crate) fn look_at_age(&mut self, line: &Line, plant: &Plant, now: Tick, at: usize) {
+        let bits = plant.outputs(Owner::Station(StationId::at(at))) & self.stations[at].actuators;
+        if bits != 0 && now > self.stations[at].images + 2 * line.timing.stale + SLACK {
+            let name = &line.stations[at].name;
+            self.find(
+                now,
+                format!("{name}: a motion is driven though its outputs have not arrived for long ({bits:#x})"),
+            );
+        }
+    }
+
+    /// A station puts out an image in which some outputs are on that were not.
+    pub(crate) fn driven(
+        &mut self,
+        line: &Line,
+        (now, at): (Tick, usize),
+        rising: u128,
+        record: impl FnOnce() -> (StationSnapshot, Option<StationSnapshot>),
+    ) {
+        let station = &self.stations[at];
+        if rising & station.actuators == 0 {
+            return;
+        }
+        let name = &line.stations[at].name;
+        if station.is_stopped && self.stop.is_some() {
+            return self.find(now, format!("{name}: a motion starts in the emergency stop"));
+        }
+        let until = line.timing.lease + line.timing.refresh + SLACK + station.held_up;
+        if station.ordered.is_none_or(|ordered| now > ordered + until) {
+            return self.find(now, format!("{name}: a motion starts without a mode order, or after its lease"));
+        }
+        let (state, disk) = record();
+        if disk.as_ref() != Some(&state) {
+            self.find(now, format!("{name}: a motion starts that its record does not have"));
+        }
+    }
+
+    /// A station sends its state: its record has it already.
+    pub(crate) fn told(
+        &mut self,
+        line: &Line,
+        (now, at): (Tick, usize),
+        report: &StationReport,
+        state: &StationSnapshot,
+        disk: Option<&StationSnapshot>,
+    ) {
+        // What it began with is as good as a record: nothing has happened since.
+        let is_first = disk.is_none() && report.generation == 0 && report.done.iter().all(|&done| done == 0);
+        let has = |disk: &StationSnapshot| {
+            (&disk.done, &disk.started, disk.cycle, disk.next_request)
+                == (&state.done, &state.started, state.cycle, state.next_request)
+        };
+        let is_there = disk.map_or(is_first, has);
+        if !is_there {
+            let name = &line.stations[at].name;
+            self.find(
+                now,
+                format!("{name}: its state is sent before its record is written, or is not what was written"),
+            );
+        }
+    }
+
+    /// A station is about to write a record. `of` gives what another station has now.
+    pub(crate) fn counted(
+        &mut self,
+        line: &Line,
+        plant: &Plant,
+        (now, at, mode): (Tick, usize, ControlMode),
+        record: StationSnapshot,
+        of: impl Fn(usize) -> Option<StationSnapshot>,
+    ) {
+        let id = StationId::at(at);
+        let station = line.station(id);
+        let before = self.stations[at].record.take().filter(|before| before.generation == record.generation);
+        if let (Some(before), ControlMode::Auto) = (&before, mode) {
+            for (op, operation) in station.operations.iter().enumerate() {
+                let motion = &operation.motion;
+                let stroke = (motion.to - motion.from).abs();
+                if record.done[op] == before.done[op] + 1 && stroke > 0.0 {
+                    let position = plant.position(id, motion.axis);
+                    if (position - motion.to).abs() > TOLERANCE * stroke {
+                        let (name, op) = (&station.name, &operation.name);
+                        self.find(now, format!("{name}: {op} is counted at {position:.2}, not at {:.2}", motion.to));
+                    }
+                }
+                if record.started[op] > before.started[op] {
+                    self.started_by_the_chart(line, now, (id, OpId::at(op)), &record, &of);
+                }
+            }
+        }
+        self.stations[at].record = Some(record);
+    }
+
+    /// In auto an operation starts only when what it waits for is done, in the counts of the other station itself.
+    fn started_by_the_chart(
+        &mut self,
+        line: &Line,
+        now: Tick,
+        (id, op): (StationId, OpId),
+        record: &StationSnapshot,
+        of: &impl Fn(usize) -> Option<StationSnapshot>,
+    ) {
+        for arrow in line.arrows.iter().filter(|arrow| arrow.auto && arrow.to == (id, op)) {
+            let Some(other) = of(arrow.from.0.index()) else { continue };
+            let (done, started) = (other.done[arrow.from.1.index()], record.started[op.index()]);
+            if other.generation == record.generation && done + (arrow.lag as i32) < started {
+                let (name, what) = (&line.station(id).name, &line.operation((id, op)).name);
+                let (from, waits) = (&line.station(arrow.from.0).name, &line.operation(arrow.from).name);
+                let text =
+                    format!("{name}: {what} starts in cycle {started}, and {from} has done {waits} {done} times");
+                self.find(now, text);
+            }
+        }
+    }
+}

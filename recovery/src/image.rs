@@ -1,0 +1,84 @@
+//! Input images of a station whose motions go as they should: the switches of its axes, and nothing that fails.
+
+use std::time::Duration;
+
+use linewright_line::net::{Block, StationPlace};
+use linewright_line::{Device, Line, MotionSignals, OpId, OperationModule, Owner, Station, StationId};
+
+/// Coordinates nearer than this are one place.
+const SAME_PLACE: f64 = 1e-6;
+
+/// The signals of a motion, and its time without faults.
+pub(crate) fn motion(station: &Station, place: StationPlace) -> (MotionSignals, Duration) {
+    let operation = &station.operations[place.op.index()];
+    match (place.block, &operation.module) {
+        (Block::Recovery, OperationModule::Reversible { recovery, recovery_duration, .. }) => {
+            (*recovery, *recovery_duration)
+        }
+        (Block::Normal | Block::Recovery, _) => (operation.normal, operation.duration),
+    }
+}
+
+fn goes(station: &Station, op: OpId) -> bool {
+    let motion = station.operations[op.index()].motion;
+    station.index_of(op).is_some() || (motion.from - motion.to).abs() >= SAME_PLACE
+}
+
+/// Where each motion of an operation's axis ends, with its completion input.
+fn ends(station: &Station, of: OpId) -> impl Iterator<Item = (f64, u128)> + '_ {
+    let axis = station.operations[of.index()].motion.axis;
+    let ops = station.op_ids().filter(move |&op| goes(station, op));
+    ops.filter(move |op| station.operations[op.index()].motion.axis == axis).flat_map(move |op| {
+        let operation = &station.operations[op.index()];
+        let back = match &operation.module {
+            OperationModule::Reversible { recovery, .. } => Some((operation.motion.from, recovery.complete.bit())),
+            OperationModule::Irreversible { .. } => None,
+        };
+        std::iter::once((operation.motion.to, operation.normal.complete.bit())).chain(back)
+    })
+}
+
+/// The image while these motions are under way: their axes are at no switch, and no fault signal of theirs is on.
+pub(crate) fn under_way(station: &Station, image: u128, places: &[StationPlace]) -> u128 {
+    places.iter().fold(image, |image, &place| {
+        let (signals, _) = motion(station, place);
+        let own = signals.complete.bit() | signals.fault.map_or(0, |fault| fault.bit());
+        let all =
+            if goes(station, place.op) { ends(station, place.op).fold(0, |bits, (_, end)| bits | end) } else { 0 };
+        image & !(own | all)
+    })
+}
+
+/// The image when they have arrived.
+pub(crate) fn arrived(line: &Line, id: StationId, image: u128, places: &[StationPlace]) -> u128 {
+    let station = line.station(id);
+    places.iter().fold(under_way(station, image, places), |image, &place| {
+        let (signals, _) = motion(station, place);
+        let way = station.operations[place.op.index()].motion;
+        let at = if place.block == Block::Normal { way.to } else { way.from };
+        let here = ends(station, place.op).filter(|(end, _)| (end - at).abs() < SAME_PLACE);
+        let here = if goes(station, place.op) { here.fold(0, |bits, (_, end)| bits | end) } else { 0 };
+        let image = image | signals.complete.bit() | here;
+        if station.index_of(place.op).is_some() { at_next_place(line, id, image) } else { image }
+    })
+}
+
+/// A drive that numbers the places of an endless axis says the next one.
+fn at_next_place(line: &Line, id: StationId, image: u128) -> u128 {
+    let drives = line.devices_of(Owner::Station(id)).filter_map(Device::drive);
+    drives.filter_map(|drive| drive.index.as_ref()).fold(image, |image, index| {
+        let next = match index.reported(image) {
+            // A drive that is being homed stands at its first place then.
+            0 => 1,
+            place => index.next(place),
+        };
+        (image & !index.report(u16::MAX)) | index.report(next)
+    })
+}
+
+/// The image with an axis back on a switch, and on no other.
+pub(crate) fn put_onto(station: &Station, image: u128, switch: u128) -> u128 {
+    let ops = station.op_ids().filter(|&op| goes(station, op));
+    let same = ops.filter(|&op| ends(station, op).any(|(_, end)| end == switch));
+    same.fold(image, |image, op| image & !ends(station, op).fold(0, |bits, (_, end)| bits | end)) | switch
+}

@@ -1,0 +1,35 @@
+//! From any situation of a line, the shortest list of operator actions back to auto.
+//!
+//! A [`LineSituation`] is what a console sees: the mode, and each station's report. [`plan`] builds the real controllers and the
+//! real mode decision from it, as after a restart with memory, and plays them: each press of a panel, each confirmation and each
+//! command is a call of theirs. What a controller refuses is no step of a plan, so agreements, conflicts, interlocks and
+//! irreversible operations are obeyed without being described again.
+//!
+//! One thing is assumed: a motion that starts while its button is held arrives. What no command can do (a device that is lost, a
+//! fault signal, a released button) stands in the list as something to be done first.
+//!
+//! # Search
+//! The mode's commands are tried in order of their number ([`desk`]). Where auto cannot be reached by commands alone, the
+//! stations are moved in manual ([`search`]): shortest by number of presses, then by time of motion. Only stations that keep auto
+//! from being accepted are moved at first. Another one is added where a press is refused that reads its state, and where a way
+//! through that could still be shorter. A lower bound for each station ([`distance`]) is its own way without the others.
+//! [`TRIED_MAX`] bounds the search; beyond it any plan is taken, and says that it may not be the shortest.
+
+mod desk;
+mod distance;
+mod image;
+mod plan;
+mod read;
+mod restore;
+mod search;
+mod situation;
+mod step;
+mod texts;
+mod units;
+
+pub use plan::{RecoveryEnd, RecoveryPlan, plan};
+pub use read::ModeRead;
+pub use restore::RestoreMisfit;
+pub use search::{TRIED_FOR_ANY_MAX, TRIED_MAX};
+pub use situation::{ConsoleSituation, LineSituation, StandingAlarm};
+pub use step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};

@@ -1,0 +1,265 @@
+//! The plan: what has to be done first, the commands, the presses in manual between them.
+
+use std::rc::Rc;
+
+use linewright_coordinator_logic::ModeCommand;
+use linewright_line::net::ControlMode;
+use linewright_line::{InputId, Line, MotionSignals, OpId, OperationModule, Station, StationId};
+use linewright_station_logic::{ModeOrder, StationReport};
+
+use crate::desk::Desk;
+use crate::image;
+use crate::restore::{RestoreMisfit, unit};
+use crate::search::{Move, Search};
+use crate::situation::{ConsoleSituation, LineSituation};
+use crate::step::{Need, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
+use crate::units::{PlayedLine, PlayedStations};
+
+/// What a plan leads to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RecoveryEnd {
+    /// Auto is in force after its last step; it is now, where there is none.
+    Auto,
+    /// After its steps, what is known then shows how to go on.
+    LookAgain,
+    /// No actions lead to auto: what each station waits for in manual.
+    NoWay {
+        reasons: Vec<(StationId, Vec<String>)>,
+        /// Every state that presses and confirmations lead to was looked at.
+        is_certain: bool,
+    },
+    /// A report does not fit the description.
+    Misfit(RestoreMisfit),
+}
+
+/// A list of operator actions.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecoveryPlan {
+    pub steps: Vec<RecoveryStep>,
+    pub end: RecoveryEnd,
+    /// No other list has fewer presses, or as few with less time of motion.
+    pub is_shortest: bool,
+    /// States from which all presses were tried.
+    pub expanded: usize,
+}
+
+impl RecoveryPlan {
+    fn ends(steps: Vec<RecoveryStep>, end: RecoveryEnd) -> Self {
+        RecoveryPlan { steps, end, is_shortest: true, expanded: 0 }
+    }
+
+    /// Presses of panels and confirmations in it.
+    pub fn presses(&self) -> usize {
+        let is_press =
+            |step: &&RecoveryStep| matches!(step.action, RecoveryAction::Press(..) | RecoveryAction::Rejoin { .. });
+        self.steps.iter().filter(is_press).count()
+    }
+}
+
+/// The shortest list of actions from a situation to auto.
+pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
+    if situation.mode == ControlMode::Auto && situation.enabled {
+        return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Auto);
+    }
+    let first = |need| RecoveryStep {
+        action: RecoveryAction::First(need),
+        moves: Vec::new(),
+        mode: situation.mode,
+        after: None,
+    };
+    let mut steps: Vec<RecoveryStep> = before_all(line, situation).into_iter().map(first).collect();
+    let heard: Option<Vec<StationReport>> = situation.stations.iter().cloned().collect();
+    let Some(mut reports) = heard.filter(|reports| reports.len() == line.stations.len()) else {
+        return RecoveryPlan::ends(steps, RecoveryEnd::LookAgain);
+    };
+    if situation.mode == ControlMode::Auto {
+        steps.push(first(Need::Acknowledged));
+        return RecoveryPlan::ends(steps, RecoveryEnd::Auto);
+    }
+    for (id, report) in line.station_ids().zip(&mut reports) {
+        let faults = fault_signals(line.station(id), report);
+        for input in faults {
+            steps.push(first(Need::FaultSignal(id, input)));
+            report.measured &= !input.bit();
+        }
+    }
+    // Each axis that has to be put back by hand is one more round.
+    let mut by_hand = Vec::new();
+    loop {
+        let units: Result<PlayedStations, RestoreMisfit> =
+            line.station_ids().zip(&reports).map(|(id, report)| unit(line, id, report).map(Rc::new)).collect();
+        let units = match units {
+            Ok(units) => units,
+            Err(misfit) => return RecoveryPlan::ends(steps, RecoveryEnd::Misfit(misfit)),
+        };
+        let lost: Vec<(StationId, OpId, InputId)> = line
+            .station_ids()
+            .zip(&units)
+            .filter_map(|(id, unit)| unit.controller.position_lost().map(|(op, input)| (id, op, input)))
+            .filter(|&(id, op, _)| line.station(id).index_of(op).is_none())
+            .collect();
+        let mut found = by_commands_and_presses(line, situation, units);
+        let is_open = matches!(found.end, RecoveryEnd::NoWay { .. });
+        if is_open
+            && let Some(&(station, op, input)) = lost.first()
+            && by_hand.len() < line.stations.len() * 4
+        {
+            by_hand.push(first(Need::Axis { station, op, input }));
+            let report = &mut reports[station.index()];
+            report.measured = image::put_onto(line.station(station), report.measured, input.bit());
+            report.position_lost = (lost.iter().filter(|lost| lost.0 == station).count() > 1).then_some((op, input));
+            continue;
+        }
+        steps.append(&mut by_hand);
+        // Answered when what they ask for is done, and a resource is led to a rest by then.
+        let alarms = situation.alarms.iter().map(|alarm| first(Need::Answer(alarm.clone())));
+        let last = found.steps.len() - usize::from(found.end == RecoveryEnd::Auto && !found.steps.is_empty());
+        found.steps.splice(last..last, alarms);
+        steps.append(&mut found.steps);
+        return RecoveryPlan { steps, ..found };
+    }
+}
+
+/// What has to be before anything else, and no command does.
+fn before_all(line: &Line, situation: &LineSituation) -> Vec<Need> {
+    let mut needs: Vec<Need> = situation.obstacles.iter().cloned().map(Need::Other).collect();
+    match situation.console {
+        ConsoleSituation::Heard => {}
+        ConsoleSituation::ButtonPressed if situation.mode == ControlMode::EStop && !situation.is_reset => {
+            needs.push(Need::Button);
+        }
+        ConsoleSituation::ButtonPressed => {}
+        ConsoleSituation::Lost => needs.push(Need::Console),
+    }
+    let stations = || line.station_ids().zip(&situation.stations);
+    needs.extend(stations().filter(|(_, report)| report.is_none()).map(|(id, _)| Need::Heard(id)));
+    let heard = || stations().filter_map(|(id, report)| Some((id, report.as_ref()?)));
+    needs.extend(heard().filter(|(_, report)| !report.devices_valid).map(|(id, _)| Need::Devices(id)));
+    needs.extend(heard().filter(|(_, report)| !report.stopped).map(|(id, _)| Need::Standstill(id)));
+    needs
+}
+
+/// The fault signals that are on, of the operations that were stopped.
+fn fault_signals(station: &Station, report: &StationReport) -> Vec<InputId> {
+    let mut on = Vec::new();
+    for &(op, _) in &report.incomplete {
+        let Some(operation) = station.operations.get(op.index()) else { continue };
+        let back = match &operation.module {
+            OperationModule::Reversible { recovery, .. } => Some(*recovery),
+            OperationModule::Irreversible { .. } => None,
+        };
+        let faults = std::iter::once(operation.normal).chain(back).filter_map(|signals: MotionSignals| signals.fault);
+        for fault in faults.filter(|fault| report.devices_valid && report.measured & fault.bit() != 0) {
+            if !on.contains(&fault) {
+                on.push(fault);
+            }
+        }
+    }
+    on
+}
+
+fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: PlayedStations) -> RecoveryPlan {
+    let floor = PlayedLine::new(line, &units);
+    let mut units = units;
+    floor.meet(&mut units);
+    let desk = Desk::new(&floor, situation, units);
+    let mut steps = Vec::new();
+    if let Some(way) = desk.way_to(&floor, ControlMode::Auto) {
+        steps.extend(way.iter().map(|(command, desk)| commanded(*command, desk)));
+        return RecoveryPlan::ends(steps, RecoveryEnd::Auto);
+    }
+    let Some(way) = desk.way_to(&floor, ControlMode::Manual) else {
+        return RecoveryPlan::ends(steps, no_way(line, &desk.units, true));
+    };
+    steps.extend(way.iter().map(|(command, desk)| commanded(*command, desk)));
+    let mut desk = way.into_iter().last().map_or(desk, |(_, desk)| desk);
+    let by_selectors = desk.units.iter().any(|unit| unit.report.selector_manual);
+    for at in 0..desk.units.len() {
+        let epoch = desk.units[at].report.mode_epoch;
+        let order = ModeOrder { manual_all: true, ..ModeOrder::of(1, epoch, ControlMode::Manual, ModeOrder::FOR_GOOD) };
+        floor.order(&mut desk.units, at, order);
+    }
+    let to_auto = |units: &PlayedStations| {
+        let mut desk = desk.clone();
+        desk.units.clone_from(units);
+        desk.settle(&floor);
+        let at_manual = |unit: &usize| units[*unit].report.selector_manual;
+        for station in (0..units.len()).filter(at_manual) {
+            desk.turn_selector(&floor, StationId::at(station), false);
+        }
+        desk.way_to(&floor, ControlMode::Auto)
+    };
+    let accepted = |units: &PlayedStations| to_auto(units).is_some();
+    let found = match Search::new(&floor, &situation.left_out, &accepted).run(&desk.units) {
+        Ok(found) => found,
+        Err(failed) => {
+            let end = no_way(line, &desk.units, failed.is_certain);
+            return RecoveryPlan { expanded: failed.expanded, ..RecoveryPlan::ends(steps, end) };
+        }
+    };
+    let last = found.moves.last().map_or_else(|| desk.units.clone(), |last| last.after.clone());
+    steps.extend(pressed(line, &desk.units, &found.moves, by_selectors));
+    let mut turned: Vec<StationId> =
+        line.station_ids().filter(|id| desk.units[id.index()].report.selector_manual).collect();
+    turned.extend(steps.iter().filter_map(|step| match step.action {
+        RecoveryAction::Selector(station, true) => Some(station),
+        _ => None,
+    }));
+    for (at, &station) in turned.iter().enumerate() {
+        let mode = if at + 1 == turned.len() { ControlMode::StandBy } else { ControlMode::Manual };
+        steps.push(RecoveryStep {
+            action: RecoveryAction::Selector(station, false),
+            moves: Vec::new(),
+            mode,
+            after: None,
+        });
+    }
+    for (command, desk) in to_auto(&last).into_iter().flatten() {
+        steps.push(commanded(command, &desk));
+    }
+    RecoveryPlan { steps, end: RecoveryEnd::Auto, is_shortest: found.is_shortest, expanded: found.expanded }
+}
+
+fn commanded(command: ModeCommand, after: &Desk) -> RecoveryStep {
+    RecoveryStep { action: RecoveryAction::Command(command), moves: Vec::new(), mode: after.mode(), after: None }
+}
+
+/// The moves as steps. Where selectors have led to manual, the others' panels may need theirs too.
+fn pressed(line: &Line, before: &PlayedStations, moves: &[Move], by_selectors: bool) -> Vec<RecoveryStep> {
+    let mut steps = Vec::new();
+    let mut live: Vec<bool> = before.iter().map(|unit| !by_selectors || unit.report.selector_manual).collect();
+    for made in moves {
+        let Some(station) = made.action.station() else { continue };
+        let is_press = matches!(made.action, RecoveryAction::Press(..));
+        if is_press && !std::mem::replace(&mut live[station.index()], true) {
+            let action = RecoveryAction::Selector(station, true);
+            steps.push(RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: None });
+        }
+        let described = line.station(station);
+        let motion = |&place| PlannedMotion { station, place, time: image::motion(described, place).1 };
+        let unit = &made.after[station.index()];
+        let after = StationAfter {
+            station,
+            places: unit.controller.marking().collect(),
+            at_home: unit.report.at_home,
+            is_in_order: unit.is_in_order(described.is_task_driven()),
+        };
+        steps.push(RecoveryStep {
+            action: made.action.clone(),
+            moves: made.motions.iter().map(motion).collect(),
+            mode: ControlMode::Manual,
+            after: Some(after),
+        });
+    }
+    steps
+}
+
+fn no_way(line: &Line, units: &PlayedStations, is_certain: bool) -> RecoveryEnd {
+    let waits = |(id, unit): (StationId, &Rc<crate::units::PlayedStation>)| {
+        let reasons = unit.controller.blocked_by(line, crate::units::NOW);
+        let is_in_order = unit.is_in_order(line.station(id).is_task_driven());
+        // Without counts in common, what is not at home is in the way too.
+        (!is_in_order || !unit.report.at_home).then_some((id, reasons))
+    };
+    RecoveryEnd::NoWay { reasons: line.station_ids().zip(units).filter_map(waits).collect(), is_certain }
+}

@@ -1,0 +1,95 @@
+//! The mode's text read back, by what a plan needs of it.
+//!
+//! The state of the line has the mode as a number and everything that keeps it as a text. These are the few parts of the text
+//! that a plan depends on. A test writes them as the coordinator does, and reads them.
+
+use linewright_coordinator_logic::ModeRefusal;
+use linewright_line::{Line, StationId};
+
+const NOT_RESET: &str = ", not reset;";
+const PRESSED: &str = " of the console pressed)";
+const LEFT_OUT: &str = ", without ";
+const SECOND_COORDINATOR: &str = "second coordinator active";
+
+/// What the text of the mode says.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ModeRead {
+    /// The emergency stop has been reset, or there is none.
+    pub is_reset: bool,
+    /// The emergency stop was given by the console's button.
+    pub by_button: bool,
+    /// The console's devices are not operational, or were not received yet.
+    pub without_console: bool,
+    pub restarted: Vec<StationId>,
+    /// Stations that are left out of the mode decision.
+    pub left_out: Vec<StationId>,
+    /// A second coordinator or a journal that cannot be written, in words.
+    pub obstacles: Vec<String>,
+}
+
+impl ModeRead {
+    /// Reads a text that the coordinator has written for this line.
+    pub fn of(line: &Line, text: &str) -> Self {
+        // A station's name may be the end of another one's.
+        let says = |reason: &ModeRefusal| {
+            let before = |(at, _): (usize, &str)| text[..at].chars().next_back();
+            text.match_indices(&reason.text(line)).map(before).any(|letter| matches!(letter, None | Some(' ' | '(')))
+        };
+        let (_, without) = text.split_once(LEFT_OUT).unwrap_or_default();
+        let names = without.split([',', ':']).map(str::trim).map_while(|name| line.station_named(name));
+        let mut obstacles: Vec<String> =
+            text.split("; ").filter_map(|part| part.find(SECOND_COORDINATOR).map(|at| part[at..].to_owned())).collect();
+        let journal = ModeRefusal::JournalLost;
+        obstacles.extend(says(&journal).then(|| journal.text(line)));
+        ModeRead {
+            is_reset: !text.contains(NOT_RESET),
+            by_button: text.contains(PRESSED),
+            without_console: says(&ModeRefusal::ConsoleLost) || says(&ModeRefusal::ConsoleNeverHeard),
+            restarted: line.station_ids().filter(|&id| says(&ModeRefusal::Restarted(id))).collect(),
+            left_out: names.collect(),
+            obstacles,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_coordinator_logic::{EStopCause, ModeText};
+    use linewright_line::net::ControlMode;
+    use linewright_line::{InputId, TransferLine};
+
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let names: Vec<&str> = line.stations.iter().map(|station| station.name.as_str()).collect();
+        let read = |mode, text: &ModeText<'_>| ModeRead::of(&line, &text.text(mode));
+        assert_eq!(
+            read(ControlMode::StandBy, &ModeText::default()),
+            ModeRead { is_reset: true, ..ModeRead::default() }
+        );
+        let reasons = [
+            ModeRefusal::NotHeard(StationId(0)),
+            ModeRefusal::Restarted(StationId(2)),
+            ModeRefusal::JournalLost,
+            ModeRefusal::OtherCoordinator(7),
+            ModeRefusal::ConsoleNeverHeard,
+        ];
+        let text = ModeText {
+            stop: Some(EStopCause::Pressed(InputId(0)).text(&line)),
+            stopped_at: "2026-11-23",
+            without: vec![names[1], names[2]],
+            stopped: vec![names[0]],
+            troubles: reasons.iter().map(|reason| reason.text(&line)).collect(),
+            ..ModeText::default()
+        };
+        let found = read(ControlMode::EStop, &text);
+        assert!(!found.is_reset && found.by_button && found.without_console, "{found:?}");
+        assert_eq!(found.restarted, [StationId(2)]);
+        assert_eq!(found.left_out, [StationId(1), StationId(2)]);
+        assert_eq!(found.obstacles.len(), 2, "{found:?}");
+        assert!(found.obstacles[0].contains("boot id 7"), "{found:?}");
+        assert!(read(ControlMode::EStop, &ModeText { stop: None, ..text }).is_reset);
+    }
+}

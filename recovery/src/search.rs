@@ -1,0 +1,308 @@
+//! The shortest presses in manual after which auto is accepted.
+//!
+//! Best first, by what was done and the least that is left. The stations that are moved are a set, which grows where it has to:
+//! to all that a refused press reads, if a way through it could still be shorter than the one that was found.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeSet, BinaryHeap};
+use std::rc::Rc;
+use std::time::Duration;
+
+use linewright_line::net::StationPlace;
+use linewright_line::{Line, OpId, StationId};
+use linewright_station_logic::RejoinAt;
+use rustc_hash::FxHashMap;
+
+use crate::distance::{Aim, Cost, Distances};
+use crate::step::{PanelButton, RecoveryAction};
+use crate::units::{PlayedLine, PlayedStations};
+
+/// Presses that are tried, at most, before any plan is taken instead of the shortest.
+pub const TRIED_MAX: usize = 8_000;
+/// The same of the search for any plan.
+pub const TRIED_FOR_ANY_MAX: usize = 16_000;
+/// In the search for any plan what is left counts for so many times what was done.
+const GREED: u32 = 8;
+
+/// An action with its effect.
+#[derive(Clone)]
+pub(crate) struct Move {
+    pub action: RecoveryAction,
+    pub motions: Vec<StationPlace>,
+    pub time: Duration,
+    pub after: PlayedStations,
+}
+
+/// Result of a search.
+pub(crate) struct FoundMoves {
+    pub moves: Vec<Move>,
+    pub is_shortest: bool,
+    pub expanded: usize,
+}
+
+/// A search failed.
+pub(crate) struct NotFound {
+    pub expanded: usize,
+    /// Every state that can be reached was looked at.
+    pub is_certain: bool,
+}
+
+struct SearchNode {
+    units: PlayedStations,
+    done: Cost,
+    /// The node before, and the action that led here.
+    from: Option<(usize, RecoveryAction, Vec<StationPlace>, Duration)>,
+}
+
+pub(crate) struct Search<'f, 'l> {
+    floor: &'f PlayedLine<'l>,
+    distances: Distances<'l>,
+    compares: Vec<bool>,
+    left_out: &'f [StationId],
+    accepted: &'f dyn Fn(&PlayedStations) -> bool,
+}
+
+enum Outcome {
+    Goal(usize),
+    Exhausted,
+    Limit,
+}
+
+impl<'f, 'l> Search<'f, 'l> {
+    /// `accepted`: the mode decision takes auto from there.
+    pub fn new(
+        floor: &'f PlayedLine<'l>,
+        left_out: &'f [StationId],
+        accepted: &'f dyn Fn(&PlayedStations) -> bool,
+    ) -> Self {
+        let line: &'l Line = floor.line;
+        let compares = |id| line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
+        let compares = line.station_ids().map(compares).collect();
+        Search { floor, distances: Distances::new(line), compares, left_out, accepted }
+    }
+
+    fn is_task_driven(&self, station: usize) -> bool {
+        self.floor.line.stations[station].is_task_driven()
+    }
+
+    /// What every station is to be led to: home, unless their counts can be compared.
+    fn aim(&self, units: &PlayedStations) -> Aim {
+        let mut generations = units.iter().zip(&self.compares).filter(|(_, c)| **c).map(|(u, _)| u.report.generation);
+        match generations.next() {
+            None => Aim::InOrder,
+            Some(first) if first != 0 && generations.all(|other| other == first) => Aim::InOrder,
+            Some(_) => Aim::Home,
+        }
+    }
+
+    fn is_placed(&self, units: &PlayedStations, station: usize, aim: Aim) -> bool {
+        let unit = &units[station];
+        let is_in_order = unit.is_in_order(self.is_task_driven(station));
+        self.left_out.contains(&StationId::at(station)) || is_in_order && (aim == Aim::InOrder || unit.report.at_home)
+    }
+
+    fn is_goal(&self, units: &PlayedStations) -> bool {
+        let aim = self.aim(units);
+        (0..units.len()).all(|station| self.is_placed(units, station, aim)) && (self.accepted)(units)
+    }
+
+    fn left(&self, units: &PlayedStations) -> Cost {
+        let aim = self.aim(units);
+        let all = (0..units.len()).filter(|&station| !self.is_placed(units, station, aim));
+        all.fold((0, Duration::ZERO), |(presses, time), station| {
+            let (more, longer) = self.distances.least(station, &units[station], aim);
+            (presses + more, time + longer)
+        })
+    }
+
+    /// The shortest moves from here.
+    pub fn run(&self, start: &PlayedStations) -> Result<FoundMoves, NotFound> {
+        let aim = self.aim(start);
+        let lost = |station: usize| start[station].report.position_lost.is_some();
+        // Once a position is confirmed by a person, counts are founded anew at home.
+        let first_aim = if (0..start.len()).any(lost) { Aim::Home } else { aim };
+        let mut moved: BTreeSet<usize> =
+            (0..start.len()).filter(|&station| !self.is_placed(start, station, aim)).collect();
+        let mut expanded = 0;
+        loop {
+            let mut best = BestFirst::new(self, start, 1);
+            let limit = (TRIED_MAX / (2 * moved.len().max(1))).saturating_sub(expanded);
+            let outcome = best.run(&moved, limit);
+            expanded += best.expanded;
+            let bound = match outcome {
+                Outcome::Goal(at) => best.nodes[at].done.0,
+                Outcome::Exhausted => u32::MAX,
+                Outcome::Limit => return self.any(start, &moved, &best.blocked, expanded),
+            };
+            // What stands away from home may have to come home after a confirmation.
+            let away = (0..start.len()).filter(|&s| bound > 1 && !self.is_placed(start, s, first_aim));
+            let blockers = best.blocked.iter().filter(|&(_, &least)| least + 1 < bound).map(|(&station, _)| station);
+            let more: Vec<usize> = away.chain(blockers).filter(|station| !moved.contains(station)).collect();
+            match outcome {
+                Outcome::Goal(at) if more.is_empty() => {
+                    return Ok(FoundMoves { moves: best.moves_to(at), is_shortest: true, expanded });
+                }
+                _ if more.is_empty() => return Err(NotFound { expanded, is_certain: true }),
+                _ => moved.extend(more),
+            }
+        }
+    }
+
+    /// Any moves, the stations that were in the way included.
+    fn any(
+        &self,
+        start: &PlayedStations,
+        moved: &BTreeSet<usize>,
+        blocked: &FxHashMap<usize, u32>,
+        expanded: usize,
+    ) -> Result<FoundMoves, NotFound> {
+        let all = moved.iter().chain(blocked.keys()).copied().collect();
+        let mut total = expanded;
+        for set in [moved, &all] {
+            let mut best = BestFirst::new(self, start, GREED);
+            let outcome = best.run(set, TRIED_FOR_ANY_MAX / (4 * set.len().max(1)));
+            total += best.expanded;
+            if let Outcome::Goal(at) = outcome {
+                return Ok(FoundMoves { moves: best.moves_to(at), is_shortest: false, expanded: total });
+            }
+        }
+        Err(NotFound { expanded: total, is_certain: false })
+    }
+
+    /// Every action of a station that has an effect.
+    fn actions(&self, units: &PlayedStations, station: usize) -> Vec<Move> {
+        let id = StationId::at(station);
+        let mut moves = Vec::new();
+        for button in [PanelButton::Advance, PanelButton::Return] {
+            if let Some(pressed) = self.floor.press(units, station, button) {
+                let action = RecoveryAction::Press(id, button);
+                moves.push(Move { action, motions: pressed.motions, time: pressed.time, after: pressed.units });
+            }
+        }
+        let report = &units[station].report;
+        let is_unknown = report.generation == 0 && !report.incomplete.is_empty() && !self.is_task_driven(station);
+        if report.position_lost.is_some() || is_unknown {
+            moves.extend(self.confirmations(units, station));
+        }
+        moves
+    }
+
+    /// A person confirms where it stands: by its switches, or the operations in which it may have been stopped.
+    fn confirmations(&self, units: &PlayedStations, station: usize) -> Vec<Move> {
+        let id = StationId::at(station);
+        let still = |action, after| Move { action, motions: Vec::new(), time: Duration::ZERO, after };
+        if let Some(after) = self.floor.rejoin(units, station, RejoinAt::Measured) {
+            let action = RecoveryAction::Rejoin { station: id, at: RejoinAt::Measured, or_within: Vec::new() };
+            return vec![still(action, after)];
+        }
+        let within = |op: OpId| Some((op, self.floor.rejoin(units, station, RejoinAt::Within(op))?));
+        let fitting: Vec<(OpId, PlayedStations)> = self.floor.line.station(id).op_ids().filter_map(within).collect();
+        let others = |of: OpId| fitting.iter().map(|&(op, _)| op).filter(|&op| op != of).collect();
+        let at = |op: OpId| RecoveryAction::Rejoin { station: id, at: RejoinAt::Within(op), or_within: others(op) };
+        fitting.iter().map(|(op, after)| still(at(*op), after.clone())).collect()
+    }
+}
+
+struct BestFirst<'s, 'f, 'l> {
+    search: &'s Search<'f, 'l>,
+    greed: u32,
+    nodes: Vec<SearchNode>,
+    costs: FxHashMap<Box<[u64]>, Cost>,
+    /// Least estimate, then the furthest, then the newest.
+    open: BinaryHeap<Reverse<(Cost, Reverse<u32>, Reverse<usize>)>>,
+    expanded: usize,
+    /// Stations that a refused press reads, with the least estimate of a state in which one was.
+    blocked: FxHashMap<usize, u32>,
+}
+
+impl<'s, 'f, 'l> BestFirst<'s, 'f, 'l> {
+    fn new(search: &'s Search<'f, 'l>, start: &PlayedStations, greed: u32) -> Self {
+        let mut best = BestFirst {
+            search,
+            greed,
+            nodes: Vec::new(),
+            costs: FxHashMap::default(),
+            open: BinaryHeap::new(),
+            expanded: 0,
+            blocked: FxHashMap::default(),
+        };
+        best.enter(SearchNode { units: start.clone(), done: (0, Duration::ZERO), from: None });
+        best
+    }
+
+    fn estimate(&self, units: &PlayedStations, done: Cost) -> Cost {
+        let (presses, time) = self.search.left(units);
+        (done.0 + presses * self.greed, done.1 + time * self.greed)
+    }
+
+    fn enter(&mut self, node: SearchNode) {
+        let key: Box<[u64]> = node.units.iter().map(|unit| unit.key).collect();
+        if self.costs.get(&key).is_some_and(|&known| known <= node.done) {
+            return;
+        }
+        self.costs.insert(key, node.done);
+        let estimate = self.estimate(&node.units, node.done);
+        self.open.push(Reverse((estimate, Reverse(node.done.0), Reverse(self.nodes.len()))));
+        self.nodes.push(node);
+    }
+
+    fn run(&mut self, moved: &BTreeSet<usize>, limit: usize) -> Outcome {
+        while let Some(Reverse((estimate, _, Reverse(at)))) = self.open.pop() {
+            let units = self.nodes[at].units.clone();
+            let done = self.nodes[at].done;
+            let key: Box<[u64]> = units.iter().map(|unit| unit.key).collect();
+            if self.costs.get(&key).is_some_and(|&known| known < done) {
+                continue;
+            }
+            if self.search.is_goal(&units) {
+                return Outcome::Goal(at);
+            }
+            if self.expanded >= limit {
+                return Outcome::Limit;
+            }
+            self.expanded += 1;
+            for &station in moved {
+                self.expand(at, &units, done, station, estimate.0, moved);
+            }
+        }
+        Outcome::Exhausted
+    }
+
+    fn expand(
+        &mut self,
+        at: usize,
+        units: &PlayedStations,
+        done: Cost,
+        station: usize,
+        estimate: u32,
+        moved: &BTreeSet<usize>,
+    ) {
+        let moves = self.search.actions(units, station);
+        let presses = moves.iter().filter(|m| matches!(m.action, RecoveryAction::Press(..))).count();
+        if presses < 2 {
+            let peers = units[station].controller.peers().iter().map(|peer| peer.index());
+            for peer in peers.filter(|peer| !moved.contains(peer)) {
+                let least = self.blocked.entry(peer).or_insert(estimate);
+                *least = estimate.min(*least);
+            }
+        }
+        for Move { action, motions, time, after } in moves {
+            let changed = after.iter().zip(units).any(|(a, b)| !Rc::ptr_eq(a, b) && a.key != b.key);
+            if changed {
+                let from = Some((at, action, motions, time));
+                self.enter(SearchNode { units: after, done: (done.0 + 1, done.1 + time), from });
+            }
+        }
+    }
+
+    fn moves_to(&self, mut at: usize) -> Vec<Move> {
+        let mut moves = Vec::new();
+        while let Some((from, action, motions, time)) = &self.nodes[at].from {
+            let after = self.nodes[at].units.clone();
+            moves.push(Move { action: action.clone(), motions: motions.clone(), time: *time, after });
+            at = *from;
+        }
+        moves.reverse();
+        moves
+    }
+}

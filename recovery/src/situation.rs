@@ -1,0 +1,93 @@
+//! What is known of a line when a plan is made.
+
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId};
+use linewright_station_logic::StationReport;
+
+use crate::read::ModeRead;
+
+/// State of the console's devices, as far as the mode's text says it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ConsoleSituation {
+    #[default]
+    Heard,
+    /// The emergency stop was given by its button, which may be pressed still.
+    ButtonPressed,
+    /// Its devices are not operational, or were never heard.
+    Lost,
+}
+
+/// An alarm of a cell that waits for its answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StandingAlarm {
+    pub id: u64,
+    /// What has happened, and what to do.
+    pub text: String,
+    /// What can be answered, when it is done.
+    pub answers: Vec<String>,
+}
+
+/// A situation of a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LineSituation {
+    pub mode: ControlMode,
+    /// Every station has acknowledged it.
+    pub enabled: bool,
+    /// The emergency stop has been reset.
+    pub is_reset: bool,
+    pub console: ConsoleSituation,
+    /// Stations that were restarted and have not been looked at since.
+    pub restarted: Vec<StationId>,
+    /// Task-driven stations that the mode does not depend on: an alarm of their cell asks about them, or they are out of service.
+    pub left_out: Vec<StationId>,
+    pub alarms: Vec<StandingAlarm>,
+    /// What else keeps every mode from being given, in words: a second coordinator, a journal that cannot be written.
+    pub obstacles: Vec<String>,
+    /// By station; none where it is not heard.
+    pub stations: Vec<Option<StationReport>>,
+}
+
+impl LineSituation {
+    /// A situation in which nothing is amiss but what the stations report.
+    pub fn of(line: &Line, mode: ControlMode, stations: Vec<Option<StationReport>>) -> Self {
+        debug_assert_eq!(stations.len(), line.stations.len());
+        LineSituation {
+            mode,
+            enabled: true,
+            is_reset: false,
+            console: ConsoleSituation::Heard,
+            restarted: Vec::new(),
+            left_out: Vec::new(),
+            alarms: Vec::new(),
+            obstacles: Vec::new(),
+            stations,
+        }
+    }
+
+    /// A situation as the state of the line and those of the stations show it: the mode, whether every station has
+    /// acknowledged it, and its text.
+    pub fn read(
+        line: &Line,
+        mode: ControlMode,
+        enabled: bool,
+        text: &str,
+        stations: Vec<Option<StationReport>>,
+    ) -> Self {
+        let read = ModeRead::of(line, text);
+        let console = match (read.without_console, read.by_button) {
+            (true, _) => ConsoleSituation::Lost,
+            (false, true) => ConsoleSituation::ButtonPressed,
+            (false, false) => ConsoleSituation::Heard,
+        };
+        let ModeRead { is_reset, restarted, left_out, obstacles, .. } = read;
+        LineSituation {
+            enabled,
+            is_reset,
+            console,
+            restarted,
+            left_out,
+            obstacles,
+            ..LineSituation::of(line, mode, stations)
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! The steps of a plan.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::ModeCommand;
+use linewright_line::net::{ControlMode, StationPlace};
+use linewright_line::{InputId, OpId, StationId};
+use linewright_station_logic::RejoinAt;
+
+use crate::situation::StandingAlarm;
+
+/// The buttons of a station's panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PanelButton {
+    Advance,
+    Return,
+}
+
+/// What has to be done, or to become so, before the next step: no command does it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// A station is to be heard again.
+    Heard(StationId),
+    /// The I/O devices of a station are to be operational.
+    Devices(StationId),
+    /// The devices of the console are to be operational.
+    Console,
+    /// The emergency stop button is to be released.
+    Button,
+    /// A motion under way is to end.
+    Standstill(StationId),
+    /// A fault signal is to go off: its cause is to be removed.
+    FaultSignal(StationId, InputId),
+    /// An axis is to be brought back onto this switch by hand, its drive off.
+    Axis {
+        station: StationId,
+        /// The operation at whose place it is missed.
+        op: OpId,
+        input: InputId,
+    },
+    /// Every station is to acknowledge the mode.
+    Acknowledged,
+    /// An alarm of the cell is to be answered, when what it asks for is done.
+    Answer(StandingAlarm),
+    /// In the coordinator's words.
+    Other(String),
+}
+
+/// One action of an operator.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RecoveryAction {
+    First(Need),
+    Command(ModeCommand),
+    /// Held until the motion has arrived, then released.
+    Press(StationId, PanelButton),
+    /// A station's selector: true is manual.
+    Selector(StationId, bool),
+    /// A person looks and confirms where the station stands.
+    Rejoin {
+        station: StationId,
+        at: RejoinAt,
+        /// Operations that its switches fit as well: which it is, the person sees.
+        or_within: Vec<OpId>,
+    },
+}
+
+/// A motion that a step makes, with the time it takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlannedMotion {
+    pub station: StationId,
+    /// The operating place: the operation, and whether it is done or undone.
+    pub place: StationPlace,
+    pub time: Duration,
+}
+
+/// A station as it stands after a step.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StationAfter {
+    pub station: StationId,
+    pub places: Vec<StationPlace>,
+    pub at_home: bool,
+    /// Nothing of it is incomplete, it is on no recovery path, and its position is not lost.
+    pub is_in_order: bool,
+}
+
+/// A step of a plan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecoveryStep {
+    pub action: RecoveryAction,
+    /// What moves by it; empty where nothing does.
+    pub moves: Vec<PlannedMotion>,
+    /// The mode after it.
+    pub mode: ControlMode,
+    /// The station after it, where it is about one.
+    pub after: Option<StationAfter>,
+}
+
+impl RecoveryAction {
+    /// The station that it is about.
+    pub fn station(&self) -> Option<StationId> {
+        match self {
+            RecoveryAction::First(need) => need.station(),
+            RecoveryAction::Command(_) => None,
+            RecoveryAction::Press(station, _) | RecoveryAction::Selector(station, _) => Some(*station),
+            RecoveryAction::Rejoin { station, .. } => Some(*station),
+        }
+    }
+}
+
+impl Need {
+    /// The station that it is about.
+    pub fn station(&self) -> Option<StationId> {
+        match self {
+            Need::Heard(station) | Need::Devices(station) | Need::Standstill(station) => Some(*station),
+            Need::FaultSignal(station, _) | Need::Axis { station, .. } => Some(*station),
+            Need::Console | Need::Button | Need::Acknowledged | Need::Answer(_) | Need::Other(_) => None,
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Plans in words, for operators: what to do, where, what moves; one line for each step.
+
+use linewright_line::net::{Block, StationPlace};
+use linewright_line::{Line, OpId, Owner, StationId};
+use linewright_station_logic::RejoinAt;
+
+use crate::image;
+use crate::plan::{RecoveryEnd, RecoveryPlan};
+use crate::step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep};
+
+impl PanelButton {
+    /// The button as panels and `linewright press` name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            PanelButton::Advance => "advance",
+            PanelButton::Return => "return",
+        }
+    }
+}
+
+impl Need {
+    /// What is to be done, without the station.
+    fn text(&self, line: &Line) -> String {
+        match self {
+            Need::Heard(_) => "no state received: start it again, or look at its host and network".to_owned(),
+            Need::Devices(_) => "I/O devices lost: bring them back; see `linewright can status`".to_owned(),
+            Need::Console => "console: bring its I/O devices back".to_owned(),
+            Need::Button => "release the emergency stop button at the console".to_owned(),
+            Need::Standstill(_) => "wait until it stands".to_owned(),
+            Need::FaultSignal(station, input) => {
+                format!("fault signal {} on: remove its cause", line.input_text(Owner::Station(*station), *input))
+            }
+            Need::Axis { station, op, input } => {
+                let axis = &line.station(*station).axes[line.operation((*station, *op)).motion.axis.index()].name;
+                let of = axis_of(line, *station, *input).unwrap_or(axis);
+                let input = line.input_text(Owner::Station(*station), *input);
+                format!("bring `{of}` by hand, with its drive off, onto {input}")
+            }
+            Need::Acknowledged => "wait until every station has acknowledged the mode".to_owned(),
+            Need::Answer(alarm) => {
+                format!("alarm {}: {} Then answer {}", alarm.id, alarm.text, alarm.answers.join(" or "))
+            }
+            Need::Other(text) => text.clone(),
+        }
+    }
+}
+
+/// The axis that a switch measures.
+fn axis_of(line: &Line, station: StationId, input: linewright_line::InputId) -> Option<&str> {
+    let described = line.station(station);
+    let ends_at = |op: &OpId| {
+        let places = [StationPlace::operating(*op), StationPlace::undoing(*op)];
+        places.iter().any(|&place| image::motion(described, place).0.complete == input)
+    };
+    let op = described.op_ids().find(ends_at)?;
+    Some(&described.axes[described.operations[op.index()].motion.axis.index()].name)
+}
+
+fn place_text(line: &Line, station: StationId, place: StationPlace) -> String {
+    let name = &line.operation((station, place.op)).name;
+    match place.number() {
+        1 => format!("{name} under way"),
+        2 => format!("{name} incomplete"),
+        3 => format!("{name} done"),
+        4 => format!("undoing {name}"),
+        5 => format!("undoing {name} incomplete"),
+        _ => format!("{name} undone"),
+    }
+}
+
+impl PlannedMotion {
+    /// The motion, e.g. `advance clamp` to LS_closed; clamp to 40.
+    pub fn text(&self, line: &Line) -> String {
+        let station = line.station(self.station);
+        let (name, undoing) =
+            (&line.operation((self.station, self.place.op)).name, self.place.block == Block::Recovery);
+        let way = station.operations[self.place.op.index()].motion;
+        let (signals, _) = image::motion(station, self.place);
+        let axis = &station.axes[way.axis.index()].name;
+        let to = if undoing { way.from } else { way.to };
+        let until = &station.inputs[signals.complete.index()];
+        let verb = if undoing { "undone" } else { "done" };
+        format!("`{name}` is {verb}: {axis} to {to}, {until} on, {:.1} s", self.time.as_secs_f64())
+    }
+}
+
+impl RecoveryStep {
+    /// The step in one line.
+    pub fn text(&self, line: &Line) -> String {
+        let name = |id: StationId| line.station(id).name.as_str();
+        match &self.action {
+            RecoveryAction::First(need) => match need.station() {
+                Some(station) => format!("{}: {}", name(station), need.text(line)),
+                None => need.text(line),
+            },
+            RecoveryAction::Command(command) => format!("command {}", command.name()),
+            RecoveryAction::Selector(station, manual) => {
+                format!("{}: selector to {}", name(*station), if *manual { "manual" } else { "auto" })
+            }
+            RecoveryAction::Press(station, button) if self.moves.is_empty() => {
+                let places = self.after.iter().flat_map(|after| &after.places);
+                let places: Vec<String> = places.map(|&place| place_text(line, *station, place)).collect();
+                format!("{}: press {}: nothing moves, {}", name(*station), button.name(), places.join(" and "))
+            }
+            RecoveryAction::Press(station, button) => {
+                let moves: Vec<String> = self.moves.iter().map(|motion| motion.text(line)).collect();
+                format!("{}: hold {} until {}", name(*station), button.name(), moves.join(" and "))
+            }
+            RecoveryAction::Rejoin { station, at, or_within } => {
+                let op = |op: OpId| format!("`{}`", line.operation((*station, op)).name);
+                let stands = match (at, &self.after) {
+                    (RejoinAt::Within(within), _) => {
+                        let all: Vec<String> =
+                            std::iter::once(*within).chain(or_within.iter().copied()).map(op).collect();
+                        format!("look where it stands, then rejoin --within {}", all.join(" or "))
+                    }
+                    (RejoinAt::Measured, Some(after)) => {
+                        let places = after.places.iter().map(|&place| place_text(line, *station, place));
+                        let places = places.collect::<Vec<_>>().join(" and ");
+                        format!("look, and if it stands so ({places}): rejoin")
+                    }
+                    (RejoinAt::Measured | RejoinAt::Rest(_), _) => "look where it stands, then rejoin".to_owned(),
+                };
+                format!("{}: {stands}", name(*station))
+            }
+        }
+    }
+
+    /// What the `linewright` command has for it, behind the name of the line; none for what no command does.
+    pub fn arguments(&self, line: &Line) -> Option<Vec<String>> {
+        let name = |id: StationId| line.station(id).name.clone();
+        let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
+        Some(match &self.action {
+            RecoveryAction::First(_) => return None,
+            RecoveryAction::Command(command) => words(&["mode", "LINE", command.name()]),
+            RecoveryAction::Press(station, button) => {
+                // Half as long again as the motion takes by the description, for what messages take.
+                let time: f64 = self.moves.iter().map(|m| m.time.as_secs_f64()).fold(0.0, f64::max) * 1.5 + 0.5;
+                words(&["press", "LINE", button.name(), "--station", &name(*station), "--for", &format!("{time:.1}")])
+            }
+            RecoveryAction::Selector(station, manual) => {
+                words(&["press", "LINE", if *manual { "manual" } else { "auto" }, "--station", &name(*station)])
+            }
+            RecoveryAction::Rejoin { station, at, .. } => match at {
+                RejoinAt::Measured => words(&["rejoin", "LINE", &name(*station)]),
+                RejoinAt::Within(op) => {
+                    let op = &line.operation((*station, *op)).name;
+                    words(&["rejoin", "LINE", &name(*station), "--within", op])
+                }
+                RejoinAt::Rest(rest) => {
+                    let rest = &line.station(*station).rests[rest.index()].name;
+                    words(&["rejoin", "LINE", &name(*station), "--rest", rest])
+                }
+            },
+        })
+    }
+}
+
+impl RecoveryPlan {
+    /// What follows its steps, where they do not lead to auto.
+    pub fn end_text(&self, line: &Line) -> Vec<String> {
+        match &self.end {
+            RecoveryEnd::Auto => Vec::new(),
+            RecoveryEnd::LookAgain => vec!["what follows shows when every station is heard".to_owned()],
+            RecoveryEnd::Misfit(misfit) => {
+                let name = &line.station(misfit.0).name;
+                vec![format!("{name}: its report does not fit this description; give the one that it runs with")]
+            }
+            RecoveryEnd::NoWay { reasons, is_certain } => {
+                let head = match is_certain {
+                    true => {
+                        "no presses lead to auto from here; look at the machine, and free by hand what is in the way"
+                    }
+                    false => {
+                        "no way to auto was found within the bounds of the search; lead the stations home in manual"
+                    }
+                };
+                let waits = |(id, reasons): &(StationId, Vec<String>)| {
+                    format!("{} waits for {}", line.station(*id).name, reasons.join("; "))
+                };
+                std::iter::once(head.to_owned()).chain(reasons.iter().map(waits)).collect()
+            }
+        }
+    }
+}

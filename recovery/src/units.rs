@@ -1,0 +1,187 @@
+//! The stations of a line as they are played: real controllers that exchange their reports at once, while time stands still.
+
+use std::hash::{Hash, Hasher};
+use std::rc::Rc;
+use std::time::Duration;
+
+use linewright_line::net::StationPlace;
+use linewright_line::{Line, StationId, Tick};
+use linewright_station_logic::{
+    Controller, Handled, ModeOrder, NO_DELAY, PanelCommand, RejoinAt, StationInput, StationOutbox, StationReport,
+};
+
+use crate::image;
+use crate::step::PanelButton;
+
+/// The moment at which everything happens: nothing expires.
+pub(crate) const NOW: Tick = Tick::from_millis(1);
+/// Steps of one controller on one input, and rounds of reports: more would be a loop.
+const ROUNDS_MAX: usize = 10_000;
+
+/// A station.
+#[derive(Clone)]
+pub(crate) struct PlayedStation {
+    pub controller: Controller,
+    pub report: StationReport,
+    /// Whatever tells its states apart in a search.
+    pub key: u64,
+}
+
+impl PlayedStation {
+    pub fn new(controller: Controller) -> Self {
+        let mut unit = PlayedStation { report: controller.report(), controller, key: 0 };
+        unit.note();
+        unit
+    }
+
+    fn note(&mut self) {
+        self.controller.report_into(&mut self.report);
+        let of = &self.report;
+        let mut hasher = rustc_hash::FxHasher::default();
+        (&of.places, &of.done, &of.started, of.cycle, of.generation, of.measured).hash(&mut hasher);
+        (of.recovering_home, of.position_lost.is_some(), of.selector_manual, of.mode.map(|m| m as u8))
+            .hash(&mut hasher);
+        self.key = hasher.finish();
+    }
+
+    /// Takes an input and plays until nothing follows; whether the report has changed.
+    pub fn take(&mut self, input: StationInput<'_>) -> (Handled, bool) {
+        let is_image = matches!(input, StationInput::Inputs { .. });
+        let handled = self.controller.handle(NOW, input);
+        let changed = self.play();
+        // Not every switch is news to others.
+        if changed || is_image {
+            self.note();
+        }
+        (handled, changed)
+    }
+
+    fn play(&mut self) -> bool {
+        let mut out = StationOutbox::default();
+        let mut changed = false;
+        for _ in 0..ROUNDS_MAX {
+            self.controller.step(NOW, &mut out);
+            if !out.changed {
+                break;
+            }
+            changed = true;
+        }
+        changed
+    }
+
+    /// What moves.
+    pub fn motions(&self) -> Vec<StationPlace> {
+        self.controller.marking().filter(|place| place.is_operating()).collect()
+    }
+
+    /// Whether nothing of it speaks against motion in auto.
+    pub fn is_in_order(&self, is_task_driven: bool) -> bool {
+        let of = &self.report;
+        let whole = of.incomplete.is_empty() && !of.recovering_home && of.position_lost.is_none();
+        whole && (!is_task_driven || of.at_home)
+    }
+}
+
+/// All stations. A copy shares those that are not changed.
+pub(crate) type PlayedStations = Vec<Rc<PlayedStation>>;
+
+/// A press that moves something.
+pub(crate) struct Pressed {
+    pub units: PlayedStations,
+    pub motions: Vec<StationPlace>,
+    pub time: Duration,
+}
+
+/// A line, with the readers of each station's reports.
+pub(crate) struct PlayedLine<'l> {
+    pub line: &'l Line,
+    readers: Vec<Vec<usize>>,
+}
+
+impl<'l> PlayedLine<'l> {
+    pub fn new(line: &'l Line, units: &PlayedStations) -> Self {
+        let mut readers = vec![Vec::new(); units.len()];
+        for (reader, unit) in units.iter().enumerate() {
+            unit.controller.peers().iter().for_each(|peer| readers[peer.index()].push(reader));
+        }
+        PlayedLine { line, readers }
+    }
+
+    /// Every station receives every report.
+    pub fn meet(&self, units: &mut PlayedStations) {
+        self.spread(units, (0..units.len()).collect());
+    }
+
+    /// The reports of these stations go to their readers, and what follows.
+    fn spread(&self, units: &mut PlayedStations, mut from: Vec<usize>) {
+        for _ in 0..ROUNDS_MAX {
+            let Some(writer) = from.pop() else { return };
+            let sent = Rc::clone(&units[writer]);
+            for &reader in &self.readers[writer] {
+                let input = StationInput::View(StationId::at(writer), &sent.report);
+                let (_, changed) = Rc::make_mut(&mut units[reader]).take(input);
+                if changed && !from.contains(&reader) {
+                    from.push(reader);
+                }
+            }
+        }
+    }
+
+    /// A station takes an input; whatever follows at all of them follows.
+    pub fn give(&self, units: &mut PlayedStations, station: usize, input: StationInput<'_>) -> Handled {
+        let (handled, changed) = Rc::make_mut(&mut units[station]).take(input);
+        if changed {
+            self.spread(units, vec![station]);
+        }
+        handled
+    }
+
+    pub fn order(&self, units: &mut PlayedStations, station: usize, order: ModeOrder) {
+        self.give(units, station, StationInput::Order(order));
+    }
+
+    fn image(&self, units: &mut PlayedStations, station: usize, bits: u128) {
+        self.give(units, station, whole_image(bits));
+    }
+
+    /// Holds a panel button until what it starts has arrived. None where it starts nothing that arrives.
+    pub fn press(&self, before: &PlayedStations, station: usize, button: PanelButton) -> Option<Pressed> {
+        let mut units = before.clone();
+        let command = |held| match button {
+            PanelButton::Advance => PanelCommand::Advance(held),
+            PanelButton::Return => PanelCommand::Retract(held),
+        };
+        self.give(&mut units, station, StationInput::Panel(command(true)));
+        let motions = units[station].motions();
+        if motions.is_empty() {
+            // What stands at its end already is done without a motion, as on a recovery path.
+            self.give(&mut units, station, StationInput::Panel(command(false)));
+            let is_counted = units[station].report.places != before[station].report.places;
+            return is_counted.then_some(Pressed { units, motions, time: Duration::ZERO });
+        }
+        let id = StationId::at(station);
+        let (described, bits) = (self.line.station(id), units[station].report.measured);
+        self.image(&mut units, station, image::under_way(described, bits, &motions));
+        self.image(&mut units, station, image::arrived(self.line, id, bits, &motions));
+        self.give(&mut units, station, StationInput::Panel(command(false)));
+        let unit = &units[station];
+        let has_stopped =
+            |place: &StationPlace| unit.controller.marking().any(|at| at == place.stopped() || at == *place);
+        if motions.iter().any(has_stopped) {
+            return None;
+        }
+        let time = motions.iter().map(|&place| image::motion(described, place).1).max().unwrap_or_default();
+        Some(Pressed { units, motions, time })
+    }
+
+    /// A person confirms where a station stands. None where its switches contradict, or its position is known.
+    pub fn rejoin(&self, before: &PlayedStations, station: usize, at: RejoinAt) -> Option<PlayedStations> {
+        let mut units = before.clone();
+        self.give(&mut units, station, StationInput::Rejoin(at)).is_taken().then_some(units)
+    }
+}
+
+/// An image that the devices vouch for.
+pub(crate) const fn whole_image(bits: u128) -> StationInput<'static> {
+    StationInput::Inputs { bits, valid: true, until: Tick::NEVER, under: NO_DELAY }
+}

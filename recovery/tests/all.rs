@@ -1,0 +1,6 @@
+//! Plans back to auto.
+
+mod brute_force;
+mod operator;
+mod random_plays;
+mod situations;

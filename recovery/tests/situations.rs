@@ -1,0 +1,169 @@
+//! Situations of the shipped line, each with its plan.
+
+use std::time::Duration;
+
+use linewright_coordinator_logic::ModeCommand;
+use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId};
+use linewright_plant::MotionFault;
+use linewright_recovery::{Need, RecoveryAction, RecoveryEnd, plan};
+use linewright_simulation::{LineSim, MotionSelection, NodeProcess, OperatorAction};
+use linewright_testkit::built::transfer_line;
+
+use crate::operator::{command, in_auto, recover, run_for, situation, switched_on, works_on};
+
+fn op(line: &Line, station: usize, name: &str) -> (StationId, linewright_line::OpId) {
+    (StationId::at(station), line.stations[station].operation_named(name).expect("it has it"))
+}
+
+fn act(sim: &mut LineSim, action: OperatorAction) {
+    sim.act(action).expect("it is done");
+}
+
+fn texts(sim: &LineSim) -> Vec<String> {
+    plan(sim.line(), &situation(sim)).steps.iter().map(|step| step.text(sim.line())).collect()
+}
+
+/// The line in auto, with an operation that jams in the first cycle, and works again after its watchdog.
+fn after_a_jam(station: usize, name: &str) -> LineSim {
+    let line = transfer_line();
+    let mut sim = in_auto(&line, 1, Duration::ZERO);
+    let op = op(&line, station, name);
+    act(&mut sim, OperatorAction::Fail(op, MotionSelection::Normal, Some(MotionFault::Stick)));
+    while sim.mode() == ControlMode::Auto {
+        run_for(&mut sim, Duration::from_millis(100));
+    }
+    act(&mut sim, OperatorAction::Fail(op, MotionSelection::Normal, None));
+    run_for(&mut sim, Duration::from_secs(10));
+    sim
+}
+
+#[test]
+fn a_line_at_home_is_started_by_two_commands() {
+    let sim = switched_on(&transfer_line(), 1);
+    assert_eq!(texts(&sim), ["command start", "command auto"]);
+}
+
+#[test]
+fn in_auto_there_is_nothing_to_do() {
+    let sim = in_auto(&transfer_line(), 1, Duration::from_secs(1));
+    let plan = plan(sim.line(), &situation(&sim));
+    assert_eq!((plan.steps.len(), plan.end), (0, RecoveryEnd::Auto));
+}
+
+#[test]
+fn an_operation_that_jammed_is_led_in_manual_to_the_end_that_is_sooner_reached() {
+    let mut sim = after_a_jam(0, "advance transfer");
+    assert_eq!(
+        texts(&sim),
+        [
+            "command manual",
+            "transfer: hold return until `advance transfer` is undone: horizontal to 0, LS_horizontal_0 on, 0.5 s",
+            "command auto",
+        ]
+    );
+    recover(&mut sim);
+    works_on(&mut sim);
+}
+
+#[test]
+fn an_irreversible_operation_that_was_stopped_is_led_on_and_not_undone() {
+    let mut sim = after_a_jam(2, "feed main slide");
+    let plan = recover(&mut sim);
+    assert_eq!(plan.presses(), 1);
+    works_on(&mut sim);
+}
+
+#[test]
+fn after_an_emergency_stop_reset_and_manual_come_first() {
+    let mut sim = in_auto(&transfer_line(), 1, Duration::from_millis(1500));
+    command(&mut sim, ModeCommand::EStop);
+    let all = texts(&sim);
+    assert_eq!(all[..2], ["command reset", "command manual"]);
+    assert_eq!(all.last().map(String::as_str), Some("command auto"));
+    let plan = recover(&mut sim);
+    assert!(plan.is_shortest);
+    works_on(&mut sim);
+}
+
+#[test]
+fn after_a_reset_it_is_not_given_again() {
+    let mut sim = in_auto(&transfer_line(), 1, Duration::from_millis(1500));
+    command(&mut sim, ModeCommand::EStop);
+    command(&mut sim, ModeCommand::Reset);
+    assert_eq!(texts(&sim)[0], "command manual");
+}
+
+#[test]
+fn a_station_that_is_not_heard_comes_first_and_then_the_plan_is_made_anew() {
+    let mut sim = in_auto(&transfer_line(), 1, Duration::from_millis(1500));
+    act(&mut sim, OperatorAction::Kill(NodeProcess::Station(StationId(1))));
+    run_for(&mut sim, Duration::from_secs(5));
+    let now = plan(sim.line(), &situation(&sim));
+    assert_eq!(
+        now.steps.iter().map(|step| &step.action).collect::<Vec<_>>(),
+        [&RecoveryAction::First(Need::Heard(StationId(1)))]
+    );
+    assert_eq!(now.end, RecoveryEnd::LookAgain);
+    act(&mut sim, OperatorAction::Restart(NodeProcess::Station(StationId(1))));
+    run_for(&mut sim, Duration::from_secs(2));
+    recover(&mut sim);
+    works_on(&mut sim);
+}
+
+#[test]
+fn a_station_that_was_restarted_between_two_motions_needs_a_start_alone() {
+    let mut sim = after_a_jam(0, "advance transfer");
+    recover(&mut sim);
+    // The clamp waits for the bar, which moves.
+    run_for(&mut sim, Duration::from_millis(200));
+    let clamp = StationId(1);
+    let moving = |sim: &LineSim| sim.controller(clamp).is_some_and(|c| !c.report().stopped);
+    while moving(&sim) {
+        run_for(&mut sim, Duration::from_millis(50));
+    }
+    act(&mut sim, OperatorAction::Kill(NodeProcess::Station(clamp)));
+    run_for(&mut sim, Duration::from_millis(100));
+    act(&mut sim, OperatorAction::Restart(NodeProcess::Station(clamp)));
+    run_for(&mut sim, Duration::from_secs(5));
+    assert_eq!(texts(&sim), ["command start", "command auto"]);
+    recover(&mut sim);
+    works_on(&mut sim);
+}
+
+#[test]
+fn a_lost_memory_away_from_home_leads_all_home() {
+    for long in [900, 2_300, 4_100] {
+        let mut sim = in_auto(&transfer_line(), 1, Duration::from_millis(long));
+        act(&mut sim, OperatorAction::Kill(NodeProcess::Station(StationId(1))));
+        run_for(&mut sim, Duration::from_secs(3));
+        act(&mut sim, OperatorAction::RestartEmpty(NodeProcess::Station(StationId(1))));
+        run_for(&mut sim, Duration::from_secs(2));
+        recover(&mut sim);
+        works_on(&mut sim);
+    }
+}
+
+#[test]
+fn selectors_that_stand_at_manual_are_turned_back() {
+    let mut sim = after_a_jam(0, "advance transfer");
+    act(&mut sim, OperatorAction::Selector(StationId(1), true));
+    run_for(&mut sim, Duration::from_secs(1));
+    let all = texts(&sim);
+    assert_eq!(all[0], "transfer: selector to manual");
+    assert_eq!(all[2..], ["clamp_1: selector to auto", "transfer: selector to auto", "command auto"]);
+    recover(&mut sim);
+    works_on(&mut sim);
+}
+
+#[test]
+fn a_lost_device_and_a_fault_signal_are_named_first() {
+    let mut sim = after_a_jam(0, "advance transfer");
+    let mut seen = situation(&sim);
+    let report = seen.stations[1].as_mut().expect("it is heard");
+    report.devices_valid = false;
+    let plan = plan(sim.line(), &seen);
+    assert_eq!(plan.steps[0].action, RecoveryAction::First(Need::Devices(StationId(1))));
+    assert_eq!(plan.end, RecoveryEnd::Auto);
+    recover(&mut sim);
+}
