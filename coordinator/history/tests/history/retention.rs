@@ -68,8 +68,9 @@ fn of_a_cell_the_oldest_records_are_removed_and_not_taken_from_the_log_again() {
     let half = last.since(Tick::ZERO) / 2;
     // One that keeps everything from then on does not bring them back.
     for retention in [Some(half), Some(half), None] {
-        let history = History::open(&path, &of.about).expect("it opens").keeping(retention);
-        let mut recorder = HistoryFeed::start(history, Box::new(log.clone()), of.log.len() as u64);
+        let (file, about) = (path.clone(), of.about.clone());
+        let open = move || Ok(History::open(&file, &about)?.keeping(retention));
+        let mut recorder = HistoryFeed::of_log(open, Box::new(log.clone()), of.log.len() as u64);
         // Its note has the thread remove.
         recorder.note(last, Note::Observed {});
         recorder.close().expect("it is written");
