@@ -243,8 +243,7 @@ impl Coordination {
 
     fn reply(&mut self, now: Tick, station: StationId, key: OrderKey, reply: TaskReply, out: &mut PlayerOutbox) {
         // Of orders that are over, or another station's, nothing need be known.
-        let known = self.state.order(key).filter(|(_, order)| order.station == station);
-        let Some((firing, order)) = known else { return };
+        let Some((firing, order)) = self.state.order(key).filter(|(_, order)| order.station == station) else { return };
         let has_failed = firing.phase != ActivityPhase::Running;
         let fact = match (reply, order.state) {
             (TaskReply::Running, OrderProgress::Written) => RecordKind::Acknowledged { key },
