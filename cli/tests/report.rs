@@ -176,7 +176,7 @@ fn what_cannot_be_reported_is_said_clearly() {
         assert_eq!(output.status.code(), Some(1), "{output:?}");
         unbroken(&output)
     };
-    assert!(refused(&file(&scratch, "none.db")).contains("No such file"));
+    assert!(refused(&file(&scratch, "none.db")).contains("give the state directory of a run"));
     assert!(refused(&cell.join("cell.toml")).contains("is no database of a cell"));
     assert!(refused(&cell).contains("has neither cell.db nor line.db"));
     let for_lines = report(&db, &["--cycle", "3"]);

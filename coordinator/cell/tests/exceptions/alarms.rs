@@ -122,6 +122,9 @@ fn why_of_a_resource_in_service_names_what_its_station_has_and_what_has_failed()
 #[test]
 fn a_word_that_may_not_be_tried_again_decides_anew() {
     let mut bench = Bench::new(&workcell().replace("retries = 2", "retries = 1\ndown = [\"to\"]"), &[1, 0]);
+    // What is decided anew goes to M1 again.
+    let m2 = bench.resource("M2");
+    bench.say(PlayerInput::Resource { resource: m2, up: false });
     let first = bench.load_fails();
     let ruling = |bench: &Bench| {
         let rulings = bench.sim.coordination.rulings(bench.alarm().id);

@@ -263,9 +263,9 @@ fn what_a_button_does_not_do_within_a_sequence_is_named() {
     robot.mode(ControlMode::Hand);
     robot.press("PB_load");
     robot.release();
-    robot.press("PB_load");
-    robot.arrive();
-    robot.release();
+    robot.mode(ControlMode::Manual);
+    robot.through(Advance(true));
+    robot.mode(ControlMode::Hand);
     assert_eq!(robot.doing(), "to the store (done)");
     robot.press("PB_back");
     assert_eq!((robot.doing().as_str(), robot.outputs), ("to the store (done)", 0), "t4 is the last operation's alone");
