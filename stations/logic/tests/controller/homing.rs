@@ -14,6 +14,9 @@ const STATIONS: [usize; 2] = [TABLE, PRESS];
 const GENERATION: u64 = 5;
 const REFRESH: Duration = Duration::from_millis(20);
 
+/// Something that happens to the bench, with its name.
+type Change = (&'static str, fn(&mut Bench));
+
 /// Two real controllers that receive each other's reports; a test is their mechanisms.
 struct Bench {
     line: Line,
@@ -209,8 +212,7 @@ fn homed_at_another_place_than_it_stood_at_it_is_in_doubt_and_a_person_confirms(
 
 #[test]
 fn a_homing_does_not_begin_while_the_press_is_in_its_way_or_not_known() {
-    type Hindrance = (&'static str, fn(&mut Bench));
-    let hindrances: [Hindrance; 6] = [
+    let hindrances: [Change; 6] = [
         ("not measured up", |bench| bench.see(PRESS, &[])),
         ("not received", |bench| bench.is_cut = true),
         ("without its devices", |bench| bench.forged = Some(|report| report.devices_valid = false)),
@@ -260,7 +262,7 @@ fn a_homing_does_not_begin_before_every_older_view_of_the_table_has_run_out() {
 
 #[test]
 fn a_homing_is_ended_by_its_drives_fault_by_another_mode_and_by_return() {
-    let ends: [(&str, fn(&mut Bench)); 4] = [
+    let ends: [Change; 4] = [
         ("fault", |bench| bench.see(TABLE, &["drive_fault"])),
         ("emergency stop", |bench| bench.mode(ControlMode::EStop)),
         ("stand-by", |bench| bench.mode(ControlMode::StandBy)),
