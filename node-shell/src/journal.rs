@@ -70,6 +70,7 @@ impl Journal {
         let mut newest: Option<(u64, Vec<u8>)> = None;
         for slot in 0..2 {
             let mut bytes = vec![0; SLOT_BYTES];
+            // A slot that the disk does not give back may have the newest record, an emergency stop: the other is not enough.
             let length = read_up_to(&file, &mut bytes, slot * SLOT_BYTES as u64).map_err(failed)?;
             if let Some((number, record)) = decode(&bytes[..length])
                 && newest.as_ref().is_none_or(|(other, _)| number > *other)
@@ -104,24 +105,28 @@ impl Journal {
     /// Replaces the record.
     ///
     /// # Errors
-    /// When the record is larger than a slot or cannot be written; the record before it is then still there.
+    /// When the record is larger than a slot or cannot be written; the last one that was written is then still there, however often
+    /// it is tried.
     pub fn write(&mut self, record: &[u8]) -> Result<(), JournalError> {
         let most = SLOT_BYTES - HEAD_BYTES;
         if record.len() > most {
             return Err(JournalError::TooLarge { path: self.path.clone(), bytes: record.len(), most });
         }
-        self.number += 1;
+        // A record that failed is written again to the same slot: the other one has the record before it, whole.
+        let number = self.number + 1;
         self.buffer.clear();
         self.buffer.extend_from_slice(&MAGIC.to_le_bytes());
-        self.buffer.extend_from_slice(&self.number.to_le_bytes());
+        self.buffer.extend_from_slice(&number.to_le_bytes());
         self.buffer.extend_from_slice(&(record.len() as u32).to_le_bytes());
-        self.buffer.extend_from_slice(&checksum(self.number, record).to_le_bytes());
+        self.buffer.extend_from_slice(&checksum(number, record).to_le_bytes());
         self.buffer.extend_from_slice(record);
-        let offset = (self.number % 2) * SLOT_BYTES as u64;
+        let offset = (number % 2) * SLOT_BYTES as u64;
         self.file
             .write_all_at(&self.buffer, offset)
             .and_then(|()| if self.is_synced { self.file.sync_data() } else { Ok(()) })
-            .map_err(|error| JournalError::File { path: self.path.clone(), error })
+            .map_err(|error| JournalError::File { path: self.path.clone(), error })?;
+        self.number = number;
+        Ok(())
     }
 }
 
@@ -201,6 +206,27 @@ mod tests {
         journal.write(b"third").expect("writes");
         journal.file.write_all_at(b"?", SLOT_BYTES as u64 + HEAD_BYTES as u64 + 2).expect("spoils");
         assert_eq!(Journal::open(&path).expect("opens").1, Some(b"second".to_vec()));
+        std::fs::remove_file(&path).expect("removes");
+    }
+
+    #[test]
+    fn writes_that_fail_again_and_again_leave_the_last_record() {
+        let path = scratch("again");
+        let (mut journal, _) = Journal::open(&path).expect("opens");
+        journal.write(b"first").expect("writes");
+        journal.write(b"second").expect("writes");
+        let (whole, read_only) = (journal.file, File::open(&path).expect("opens"));
+        journal.file = read_only;
+        for _ in 0..3 {
+            journal.write(b"third").expect_err("it is not open for writing");
+        }
+        // What a failed write may have left: half a record where the next one goes.
+        let next = ((journal.number + 1) % 2) * SLOT_BYTES as u64;
+        whole.write_all_at(b"?", next + HEAD_BYTES as u64 + 2).expect("spoils");
+        assert_eq!(Journal::open(&path).expect("opens").1, Some(b"second".to_vec()));
+        journal.file = whole;
+        journal.write(b"fourth").expect("writes");
+        assert_eq!(Journal::open(&path).expect("opens").1, Some(b"fourth".to_vec()));
         std::fs::remove_file(&path).expect("removes");
     }
 

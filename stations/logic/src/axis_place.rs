@@ -52,6 +52,11 @@ impl NumberedPlaces {
         NumberedPlaces { op, numbers: numbers.clone(), is_homed, while_turning, others }
     }
 
+    /// Whether the drive is homed: until then it measures nothing.
+    pub fn is_homed(&self) -> bool {
+        self.is_homed
+    }
+
     pub fn mark_freeing(&self, places: &mut [PlaceTable]) {
         places.iter_mut().for_each(|table| table.frees = table.complete & self.while_turning != 0);
     }

@@ -8,7 +8,8 @@
 //! * The station stands at a rest, its other axes measured where they are while the axis turns.
 //! * Of each conflict that a turning axis has a part in the other station is measured outside (see `interlock`); it is received,
 //!   stands, has its position, and stands outside by its marking. So neither barrier is left out.
-//! * Arrows from stations without such a conflict hold as for the index: what else they keep apart is not known.
+//! * Arrows from stations without such a conflict hold as for the index: what else they keep apart is not known. Where counts are
+//!   not compared, since generations differ, such a station stands.
 //! * The drive has said nothing for so long that no station has a view of the time before, and what one may have started by
 //!   such a view is received.
 //!
@@ -137,8 +138,20 @@ impl Controller {
             self.program.causes[usize::from(step)].iter().filter(|arrow| arrow.modes[ControlMode::Manual as usize]);
         let cycle = self.cycle_of_start(step);
         let mut others = arrows.filter(|arrow| !keeps_apart(arrow.peer));
-        if let Some(arrow) = others.find(|arrow| !self.views.holds(arrow, ControlMode::Manual, cycle, self.now)) {
-            return Some(HomingNeed::Arrow(arrow));
+        let is_unsure = |peer: usize| {
+            let is_measured_only = self.views.positions_stand_in(peer, ControlMode::Manual, self.now);
+            is_measured_only && !self.views.stands(peer, self.now)
+        };
+        let hinders = |arrow: &&IncomingArrow| {
+            let holds = self.views.holds(arrow, ControlMode::Manual, cycle, self.now);
+            !holds || is_unsure(usize::from(arrow.peer))
+        };
+        if let Some(arrow) = others.find(hinders) {
+            let peer = usize::from(arrow.peer);
+            return Some(match is_unsure(peer) {
+                true => HomingNeed::Standstill(self.views.peers[peer].station),
+                false => HomingNeed::Arrow(arrow),
+            });
         }
         let silence = self.homing.silent_since.map(|since| self.now.since(since));
         let is_over = self.program.peers.is_empty() || silence.is_some_and(|silence| silence >= self.stale * SILENCES);

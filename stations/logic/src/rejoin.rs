@@ -51,7 +51,7 @@ impl Controller {
     /// # Errors
     /// Where the switches contradict or leave a doubt, or anything moves; nothing has changed.
     pub(crate) fn rejoin(&mut self, at: RejoinAt) -> Result<(), Ignored> {
-        if self.tokens().iter().any(|token| self.place(token).is_operating()) {
+        if self.homing.is_driven || self.tokens().iter().any(|token| self.place(token).is_operating()) {
             return Err(Ignored::Moving);
         }
         if !self.is_to_be_confirmed() {
@@ -67,8 +67,11 @@ impl Controller {
         self.marking.path = None;
         self.marking.doubtful = None;
         self.marking.stuck = None;
-        // Where it stands now is what the person has confirmed.
-        self.marking.axis_place = 0;
+        // Where it stands now is what the person has confirmed. A drive that is not homed does not say where that is, and its
+        // homing turns the axis: the place where it ends is compared with the one that is known.
+        if self.unreferenced() == 0 {
+            self.marking.axis_place = 0;
+        }
         self.refresh_path();
         self.agreement.pending = None;
         (self.marking.unconfirmed, self.marking.placed) = (false, true);

@@ -5,6 +5,7 @@
 
 use linewright_line::net::Block;
 
+use crate::axis_place::NumberedPlaces;
 use crate::controller::Controller;
 use crate::event::StopCause;
 use crate::program::CompileError;
@@ -33,6 +34,10 @@ impl Controller {
         self.marking.path = snapshot.path;
         self.marking.doubtful = snapshot.doubtful;
         self.marking.axis_place = snapshot.place;
+        // Without a place to compare with, a homing would be believed wherever it ends: counts begin anew with all at home.
+        if snapshot.place == 0 && self.program.places_of_axis.as_ref().is_some_and(NumberedPlaces::is_homed) {
+            self.views.generation = 0;
+        }
         self.agreement.next_request = snapshot.next_request;
         if let (Some(orders), Some(kept)) = (&mut self.orders, snapshot.order) {
             **orders = OrderSlot::restored(kept);

@@ -5,7 +5,8 @@ use std::time::Duration;
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId, Tick, parse};
 use linewright_station_logic::{
-    Controller, Founding, ModeOrder, NO_DELAY, PanelCommand, Restore, StationInput, StationOutbox, StationReport,
+    Controller, Founding, Handled, Ignored, ModeOrder, NO_DELAY, PanelCommand, Restore, StationInput, StationOutbox,
+    StationReport, StationSnapshot,
 };
 
 const TABLE: usize = 0;
@@ -299,4 +300,43 @@ fn nothing_else_moves_while_the_table_is_homed() {
         bench.held[PRESS] = None;
         bench.wait_ms(60);
     }
+}
+
+/// A person has looked before the table turned. The place where the homing ends is compared all the same.
+#[test]
+fn a_position_that_was_confirmed_before_the_homing_is_compared_with_where_it_ends() {
+    let mut bench = Bench::clear();
+    let index = bench.line.stations[TABLE].operation_named("index").expect("it turns");
+    assert!(bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(Some(index).into())).is_taken());
+    bench.wait_ms(60);
+    bench.press(TABLE, PanelCommand::Advance);
+    assert_eq!(bench.outputs(TABLE), ["turn"]);
+    bench.see(TABLE, &["in_place", "place_4"]);
+    assert_eq!(bench.outputs(TABLE), Vec::<&str>::new());
+    let fault = bench.controllers[TABLE].fault_text(&bench.line);
+    assert!(fault.contains("last known at place 2"), "{fault}");
+}
+
+#[test]
+fn nothing_is_confirmed_while_the_table_is_homed() {
+    let mut bench = Bench::clear();
+    bench.press(TABLE, PanelCommand::Advance);
+    assert_eq!(bench.outputs(TABLE), ["turn"]);
+    let handled = bench.controllers[TABLE].handle(bench.now, StationInput::Rejoin(None.into()));
+    assert_eq!(handled, Handled::Ignored(Ignored::Moving));
+    bench.wait_ms(60);
+    assert_eq!(bench.outputs(TABLE), ["turn"]);
+}
+
+#[test]
+fn a_record_without_a_place_is_of_no_generation() {
+    let bench = Bench::clear();
+    let snapshot = bench.controllers[TABLE].snapshot();
+    assert_eq!(snapshot.generation, GENERATION);
+    let generation = |kept| {
+        let restored = Controller::new(&bench.line, StationId::at(TABLE), 2, Restore::From(kept)).expect("it fits");
+        restored.snapshot().generation
+    };
+    assert_eq!(generation(snapshot.clone()), GENERATION);
+    assert_eq!(generation(StationSnapshot { place: 0, ..snapshot }), 0);
 }
