@@ -158,7 +158,11 @@ impl RolloutScheduler {
         let (budget, took) = (making.left / 2, making.took.max(1));
         // As many questions as firings at most; for each a few futures that become shorter and shorter.
         let each = budget / took;
-        let mut look = LookAhead::with(making.situation.basis.clone(), desk.clone(), making.situation.until.since(making.situation.now));
+        let mut look = LookAhead::with(
+            making.situation.basis.clone(),
+            desk.clone(),
+            making.situation.until.since(making.situation.now),
+        );
         look.effort = each;
         if each < 2 * took {
             // Not even two whole futures: shorter ones.

@@ -241,9 +241,8 @@ impl ScheduleFollower {
 
     fn decide_beside(&mut self, question: &Question<'_>) -> DispatchDecision {
         let now = question.now;
-        let is_half_over = |schedule: &Schedule| {
-            !self.look.horizon.is_zero() && now.since(schedule.made) >= self.look.horizon / 2
-        };
+        let is_half_over =
+            |schedule: &Schedule| !self.look.horizon.is_zero() && now.since(schedule.made) >= self.look.horizon / 2;
         let ahead = self.schedule.as_ref().is_some_and(is_half_over).then_some(RevisionReason::Ahead);
         let why = self.deviation(now).or(ahead);
         let has_strayed = self.schedule.as_ref().is_some_and(|schedule| schedule.strays().next().is_some());
@@ -258,7 +257,8 @@ impl ScheduleFollower {
         let mut answer = self.look.desk.decide(question);
         match deadline {
             Some(deadline) if is_followed => {
-                let by_plan = |held: &HoldReason| matches!(held, HoldReason::PlannedOtherwise(_) | HoldReason::NotYet(_));
+                let by_plan =
+                    |held: &HoldReason| matches!(held, HoldReason::PlannedOtherwise(_) | HoldReason::NotYet(_));
                 for held in answer.held.iter_mut().filter(|held| by_plan(&held.reason)) {
                     held.until = Some(held.until.map_or(deadline, |until| until.min(deadline)));
                 }

@@ -83,10 +83,9 @@ impl RevisionReason {
     /// Whether it is the schedule's progress, and no record.
     pub(super) fn is_deviation(self) -> bool {
         match self {
-            RevisionReason::Late { .. }
-            | RevisionReason::Over
-            | RevisionReason::Stray(..)
-            | RevisionReason::Ahead => true,
+            RevisionReason::Late { .. } | RevisionReason::Over | RevisionReason::Stray(..) | RevisionReason::Ahead => {
+                true
+            }
             RevisionReason::First
             | RevisionReason::Orders
             | RevisionReason::Failed(_)

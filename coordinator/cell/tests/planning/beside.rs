@@ -4,14 +4,12 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use linewright_coordinator_cell::compile::{dispatcher, follower_beside, schedule_follower};
+use linewright_coordinator_cell::dispatch::DispatchRule;
 use linewright_coordinator_cell::production::DispatchConfiguration;
 use linewright_coordinator_cell::schedule::{
     PlanningRequest, RevisionReason, RolloutScheduler, Schedule, Scheduler, WITHIN,
 };
-use linewright_coordinator_cell::dispatch::DispatchRule;
-use linewright_coordinator_cell::{
-    HoldReason, PartId, PlayerInput, ProductionCommand, Record, RecordKind, ResourceId,
-};
+use linewright_coordinator_cell::{HoldReason, PartId, PlayerInput, ProductionCommand, Record, RecordKind, ResourceId};
 use linewright_line::Tick;
 use linewright_random::Random;
 use linewright_simulation::cell::{CellSim, CellSimOptions, SimulatedOperator, SimulatedPlanner, StationSpeed};
@@ -132,7 +130,8 @@ fn a_schedule_is_followed_as_soon_as_it_comes() {
             // Nothing has happened meanwhile, so everything starts as planned.
             assert_eq!(whys.len(), 1, "{delay}: {whys:?}");
             let as_planned = |bar: &&linewright_coordinator_cell::schedule::PlanActualBar| {
-                bar.actual.is_none_or(|(began, _)| began <= copied || bar.planned.is_some_and(|(from, _)| from == began))
+                bar.actual
+                    .is_none_or(|(began, _)| began <= copied || bar.planned.is_some_and(|(from, _)| from == began))
             };
             assert!(bars.iter().all(|bar| as_planned(&bar)), "{delay}: {bars:?}");
             assert!(holds(&sim.log).any(|(_, why)| is_by_plan(why)), "{delay}: it waits for a window");

@@ -13,7 +13,7 @@ use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::time::Duration;
 
 use linewright_coordinator_cell::schedule::{PlanningRequest, Schedule, ScheduleFollower, Scheduler, WITHIN};
-use linewright_coordinator_cell::{Coordination, PlayerInput, PlayerOutbox, PlayerState};
+use linewright_coordinator_cell::{Coordination, Dispatcher, PlayerState};
 use linewright_line::Tick;
 use tokio::sync::mpsc as news;
 
@@ -59,15 +59,9 @@ impl CellPlanning {
         &self.follower
     }
 
-    /// A step of the cell, which waits for no planner.
-    pub fn step(
-        &mut self,
-        now: Tick,
-        inputs: &[PlayerInput<'_>],
-        coordination: &mut Coordination,
-        out: &mut PlayerOutbox,
-    ) {
-        coordination.step(now, inputs, &mut self.follower, out);
+    /// The dispatcher of a step. It waits for no planner.
+    pub fn dispatcher(&mut self) -> &mut dyn Dispatcher {
+        &mut self.follower
     }
 
     /// Passes a request to the planner, if one is due. After a step, when its orders are sent: a copy of the cell takes its time.

@@ -351,7 +351,7 @@ impl CellLoop {
             let mut inputs = vec![PlayerInput::Starts(may_start)];
             inputs.extend(told.iter().map(PlayerMessage::input));
             let mut out = PlayerOutbox::default();
-            self.planning.step(now, &inputs, &mut self.coordination, &mut out);
+            self.coordination.step(now, &inputs, self.planning.dispatcher(), &mut out);
             // Like the line's, a station's emergency stop is in force before it is written down.
             self.tell_apart(true);
             if self.log.as_mut().is_none_or(|log| log.write(now, &mut out)) {
