@@ -5,7 +5,7 @@
 //! ones; every way of planning has the same ones. Virtual times: the machine does not matter.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
@@ -115,12 +115,44 @@ fn orders(products: &[&str], count: u64, every: u64) -> Vec<ProductionOrderReque
     (0..count).map(order).collect()
 }
 
+/// Time of the copy of a cell for its planner, with so many orders that are over, or in work.
+fn copy(cell: &Played, products: &[&str], count: u64) -> Duration {
+    let orders_of = cell.table.modes().flat_map(|mode| &cell.table.activity(mode).orders);
+    let stations = orders_of.map(|order| order.station.index() + 1).max().unwrap_or(0);
+    let mut sim = CellSim::new(cell.table.clone(), stations, CellSimOptions::default());
+    let orders: Vec<_> = orders(products, count, 60);
+    let mut follower = follower_beside(&cell.cell, &cell.made, sim.state());
+    sim.say(&mut follower, &[PlayerInput::Production(0, ProductionCommand::Submit(&orders))]);
+    while sim.state().left() + 5 < count {
+        let next = sim.now + Duration::from_secs(10);
+        sim.run_on(&mut follower, next);
+        sim.now = sim.now.max(next);
+    }
+    let mut times: Vec<Duration> = (0..101)
+        .map(|_| {
+            follower.restored();
+            let begin = Instant::now();
+            let request = follower.take_request(sim.now, sim.state());
+            let took = begin.elapsed();
+            assert!(request.is_some(), "it is due");
+            follower.planner_lost();
+            took
+        })
+        .collect();
+    times.sort_unstable();
+    times[50]
+}
+
 fn main() {
     let seeds: u64 = std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(10);
     let cells = [
         ("workcell-c1", Played::new(C1), orders(&["A", "B"], 16, 60)),
         ("assembly-cell", Played::new(ASSEMBLY), orders(&["1", "2", "3"], 16, 8)),
     ];
+    for ((name, cell, _), products) in cells.iter().zip([&["A", "B"][..], &["1", "2", "3"]]) {
+        let [few, many] = [8, 500].map(|count| copy(cell, products, count).as_secs_f64() * 1e6);
+        println!("{name}: copy for the planner with 8 orders {few:.0} µs, with 500 {many:.0} µs (median)");
+    }
     println!("16 parts, mean of {seeds} seeds; s; late: sum over all orders");
     for (name, cell, orders) in &cells {
         for spread in [0.0, 0.3] {
