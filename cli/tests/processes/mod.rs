@@ -9,6 +9,7 @@
 
 mod auto_cycles;
 mod beside;
+mod cell_thread;
 mod cells;
 mod described;
 mod devices;

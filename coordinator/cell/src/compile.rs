@@ -229,11 +229,19 @@ fn stores(cell: &Cell, net: &CellNet, long: &Unfolding) -> Vec<StorePositions> {
 }
 
 /// The dispatcher of a description, with production orders, looking ahead, and a schedule if that is among its rules. It
-/// begins with the state of the cell, and takes all records from then on.
+/// begins with the state of the cell, and takes all records from then on. It plans at once, within decisions.
 pub fn schedule_follower(cell: &Cell, made: &CompiledCell, state: &PlayerState) -> ScheduleFollower {
+    ScheduleFollower::new(look_ahead(cell, made, state), Box::new(RolloutScheduler::default()))
+}
+
+/// The same with a planner beside the decisions.
+pub fn follower_beside(cell: &Cell, made: &CompiledCell, state: &PlayerState) -> ScheduleFollower {
+    ScheduleFollower::beside(look_ahead(cell, made, state))
+}
+
+fn look_ahead(cell: &Cell, made: &CompiledCell, state: &PlayerState) -> LookAhead {
     let desk = DispatchConfiguration::new(dispatcher(cell, &made.table), state.production().clone());
-    let look = LookAhead::new(&made.table, desk, cell.dispatch.look_ahead);
-    ScheduleFollower::new(look, Box::new(RolloutScheduler::default()))
+    LookAhead::new(&made.table, desk, cell.dispatch.look_ahead)
 }
 
 /// The same without production orders: all parts that wait outside are to be made.

@@ -148,6 +148,7 @@ fn revisions() -> Vec<RevisionReason> {
         RevisionReason::Late { .. } =>
             RevisionReason::Late { mode: MODE, part: Some(PART), by: Duration::from_millis(1500) };
         RevisionReason::Over => RevisionReason::Over;
+        RevisionReason::Ahead => RevisionReason::Ahead;
         RevisionReason::Stray(..) => RevisionReason::Stray(MODE, Some(PART));
     })
 }

@@ -173,7 +173,8 @@ impl CoordinatorLoop {
         let for_line = state_dir.as_deref().filter(|_| cell.is_none());
         let history = for_line.map(|dir| LineHistory::begin(dir, &line, clock.now(), retention));
         let cell = cell.map(|cell| CellNodeOptions { cell, line: line.clone(), state_dir, retention, boot_id });
-        let cell = cell.map(|options| CellThread::open(options, &mut node)).transpose()?;
+        let last = buses.last_orders();
+        let cell = cell.map(|options| CellThread::open(options, &mut node, last)).transpose()?;
         Ok(CoordinatorLoop {
             shell: CoordinatorShell::new(&line, boot_id, record.unwrap_or_default()),
             effects: Vec::new(),

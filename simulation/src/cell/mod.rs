@@ -8,6 +8,7 @@
 //! ```
 //!
 //! [`CellSim`] plays it, from a seed; [`SimulatedStation`] stands for a task-driven station, without axes and sensors;
+//! [`SimulatedPlanner`] plans beside the decisions and takes its time;
 //! or [`ShopFloor`] has the real ones, with mechanisms and parts; [`RecordStore`] keeps records. With pretended stations
 //! [`PartTruth`] has the true places of parts, which [`SimulatedOperator`] sees. The coordinator can be killed at each of its
 //! steps, of which every record and every message is one. The caller sets what stations do, and what happens to them, between
@@ -20,6 +21,7 @@ mod distribution;
 mod estimate;
 mod floor;
 mod operator;
+mod planner;
 mod scenario;
 mod sim;
 mod station;
@@ -32,6 +34,7 @@ pub use distribution::Distribution;
 pub use estimate::Estimate;
 pub use floor::{ShopFloor, Work};
 pub use operator::SimulatedOperator;
+pub use planner::SimulatedPlanner;
 pub use scenario::{
     BreakdownPattern, CellScenario, FailureClock, OrderArrivals, PRECISION_PERCENT, REPLICATIONS_MAX, ScriptedFault,
     StationFault,

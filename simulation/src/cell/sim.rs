@@ -217,8 +217,14 @@ impl CellSim {
         ends.chain(arrives).chain(deadline).chain(floor).min()
     }
 
-    fn goes_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) -> bool {
-        let next = self.next_event().map_or(self.publish, |next| next.min(self.publish));
+    /// Time of the next event, or of stations' reports.
+    pub(super) fn next_moment(&self) -> Tick {
+        self.next_event().map_or(self.publish, |next| next.min(self.publish))
+    }
+
+    /// The next moment; false if that is after a time.
+    pub(super) fn goes_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) -> bool {
+        let next = self.next_moment();
         if next > until {
             return false;
         }
@@ -247,7 +253,8 @@ impl CellSim {
         newest.clone().next().filter(|_| newest.count() == SPINS_MAX)
     }
 
-    fn is_over(&self) -> bool {
+    /// Whether nothing happens any more.
+    pub(super) fn is_over(&self) -> bool {
         if self.spins().is_some() {
             return true;
         }

@@ -21,7 +21,7 @@ use super::search::{Best, ScheduleSearch};
 use super::slots::Schedule;
 use super::{PlanningSituation, Scheduler};
 
-/// Default number of firings simulated for a schedule. The cell waits meanwhile.
+/// Default number of firings simulated for a schedule.
 pub const EFFORT: usize = 20_000;
 
 /// Everything is looked through only if cells and modes, times firings, are at most so many: a node of the search is a copy
@@ -59,9 +59,9 @@ struct ScheduleSearchState<'a> {
 
 impl ScheduleSearchState<'_> {
     fn tries(&mut self, mut policy: impl RolloutPolicy, most: usize) {
-        let PlanningSituation { now, state, basis, .. } = *self.situation;
+        let PlanningSituation { now, until, state, basis, .. } = *self.situation;
         let mut simulation = ForwardSimulation::new(state, basis.table(), now);
-        let ending = simulation.play(&mut policy, Tick::NEVER, most);
+        let ending = simulation.play(&mut policy, until, most);
         self.took = simulation.firings();
         self.left = self.left.saturating_sub(self.took);
         let score = Score::of(&simulation, policy.desk(), basis, ending);
@@ -89,7 +89,7 @@ fn free(desk: &DispatchConfiguration) -> DispatchConfiguration {
 
 impl Scheduler for RolloutScheduler {
     fn plan(&mut self, situation: &PlanningSituation<'_>) -> Schedule {
-        let PlanningSituation { now, state, desk, basis, previous } = *situation;
+        let PlanningSituation { now, until, state, desk, basis, previous } = *situation;
         let desk = free(desk);
         let mut making = ScheduleSearchState { situation, best: None, left: self.effort, took: 0 };
         if let Some(previous) = previous {
@@ -120,7 +120,8 @@ impl Scheduler for RolloutScheduler {
         }
         let size = (basis.table().cell_count() + basis.table().mode_count()).saturating_mul(making.took);
         let mut proved = false;
-        if self.exact && size <= SMALL {
+        // What is looked through is looked through to the end.
+        if self.exact && size <= SMALL && until == Tick::NEVER {
             let search = ScheduleSearch::new(basis.clone(), making.best.take(), making.left / 2);
             making.left /= 2;
             (making.best, proved) = search.run(ForwardSimulation::new(state, basis.table(), now), desk.clone());
@@ -157,7 +158,11 @@ impl RolloutScheduler {
         let (budget, took) = (making.left / 2, making.took.max(1));
         // As many questions as firings at most; for each a few futures that become shorter and shorter.
         let each = budget / took;
-        let mut look = LookAhead::with(making.situation.basis.clone(), desk.clone(), Duration::MAX);
+        let mut look = LookAhead::with(
+            making.situation.basis.clone(),
+            desk.clone(),
+            making.situation.until.since(making.situation.now),
+        );
         look.effort = each;
         if each < 2 * took {
             // Not even two whole futures: shorter ones.

@@ -5,12 +5,14 @@
 //!   `schedule` follows the windows.
 //! - [`Scheduler`]: makes one. [`RolloutScheduler`] compares forward simulations: by rules, by looking ahead, and, where the
 //!   cell is small, through all that can be decided, until nothing better can exist.
-//! - [`ScheduleFollower`]: the dispatcher that has schedules made, follows them, and has them revised.
+//! - [`ScheduleFollower`]: the dispatcher that has schedules made, follows them, and has them revised: at once, within the
+//!   decision, in virtual time; or beside the decisions, which then never wait ([`PlanningRequest`]).
 //! - [`PlanActualBar`]: plan against actual, for a Gantt chart.
 //!
 //! A schedule is made by playing the table that is run, so it never plans what the net forbids; and it is only ever advice:
 //! the dispatcher requests it, the player checks the dispatcher's answer.
 
+mod beside;
 mod builtin;
 mod randomised_rollouts;
 mod schedule_follower;
@@ -18,6 +20,7 @@ mod search;
 mod slots;
 mod timetable;
 
+pub use beside::{PlanningRequest, WITHIN};
 pub use builtin::RolloutScheduler;
 pub use schedule_follower::{Revision, ScheduleFollower};
 pub use slots::{PlanActualBar, Schedule, ScheduleSlot};
@@ -33,6 +36,8 @@ use super::state::PlayerState;
 #[derive(Clone, Copy, Debug)]
 pub struct PlanningSituation<'a> {
     pub now: Tick,
+    /// Time up to which it is planned; [`Tick::NEVER`] for everything.
+    pub until: Tick,
     /// The cell.
     pub state: &'a PlayerState,
     /// Rules and production orders.

@@ -5,7 +5,7 @@
 //! nothing else in the schedule (its free float). The first promise stays with a slot through all revisions, so that plan
 //! and actual can be compared.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::time::Duration;
 
 use linewright_line::Tick;
@@ -291,14 +291,26 @@ impl Schedule {
 
     /// Plan against actual, in the order of the plan.
     pub fn bars(&self) -> impl Iterator<Item = PlanActualBar> + '_ {
-        self.slots.iter().map(|slot| PlanActualBar {
+        self.slots.iter().map(|slot| self.bar(slot))
+    }
+
+    /// Plan against actual of all that was over when another schedule was made, which is the next one.
+    pub(super) fn over_before(&self, next: &Schedule) -> impl Iterator<Item = PlanActualBar> + '_ {
+        let known: BTreeSet<FiringId> = next.slots.iter().filter_map(|slot| slot.firing).collect();
+        let is_over = |slot: &&ScheduleSlot| slot.failed || slot.ended.is_some();
+        let is_left = move |slot: &&ScheduleSlot| slot.firing.is_none_or(|firing| !known.contains(&firing));
+        self.slots.iter().filter(is_over).filter(is_left).map(|slot| self.bar(slot))
+    }
+
+    fn bar(&self, slot: &ScheduleSlot) -> PlanActualBar {
+        PlanActualBar {
             mode: slot.mode,
             part: self.part_of(slot),
             promised: slot.promised,
             planned: slot.promised.map(|_| (slot.from, slot.to)),
             actual: slot.began.map(|began| (began, slot.ended)),
             failed: slot.failed,
-        })
+        }
     }
 }
 

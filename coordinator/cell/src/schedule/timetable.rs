@@ -9,7 +9,9 @@ use std::time::Duration;
 use linewright_line::Tick;
 
 use super::super::dispatch::{PartPriorities, Timetable, Window};
+use super::super::exception::ExceptionStep;
 use super::super::ids::{FiringId, ModeId, PartId, ResourceId};
+use super::super::record::{Record, RecordKind};
 use super::super::state::{PartPlace, PlayerState};
 use super::slots::{Schedule, ScheduleSlot};
 
@@ -38,6 +40,59 @@ pub enum RevisionReason {
     Over,
     /// Something else has started than was planned.
     Stray(ModeId, Option<PartId>),
+    /// Half of the time looked ahead has passed.
+    Ahead,
+}
+
+impl RevisionReason {
+    /// The reason that a record is; none if what it says can be as planned.
+    pub(super) fn of(record: &Record) -> Option<Self> {
+        match &record.fact {
+            RecordKind::Raised { firing, cause: _ } => Some(RevisionReason::Failed(*firing)),
+            RecordKind::Production { change: _ } => Some(RevisionReason::Orders),
+            RecordKind::Exception(ExceptionStep::Down { resource, .. }) => Some(RevisionReason::Down(*resource)),
+            RecordKind::Exception(
+                ExceptionStep::Up { .. } | ExceptionStep::Closed { .. } | ExceptionStep::Missing { .. },
+            ) => Some(RevisionReason::Restored),
+            RecordKind::Exception(
+                ExceptionStep::Secured { .. }
+                | ExceptionStep::Alarmed { .. }
+                | ExceptionStep::Answered { .. }
+                | ExceptionStep::Carried { .. }
+                | ExceptionStep::Mismatch { .. }
+                | ExceptionStep::Stopped { .. }
+                | ExceptionStep::Reset { .. },
+            )
+            | RecordKind::Epoch { .. }
+            | RecordKind::Memory { .. }
+            | RecordKind::Decided { .. }
+            | RecordKind::Started { .. }
+            | RecordKind::Acknowledged { .. }
+            | RecordKind::OrderEnded { .. }
+            | RecordKind::OrderFailed { .. }
+            | RecordKind::Ended { .. }
+            | RecordKind::Fired { .. } => None,
+        }
+    }
+
+    /// Whether the schedule counts on something that is not there any more.
+    pub(super) fn is_failure(self) -> bool {
+        matches!(self, RevisionReason::Failed(_) | RevisionReason::Down(_))
+    }
+
+    /// Whether it is the schedule's progress, and no record.
+    pub(super) fn is_deviation(self) -> bool {
+        match self {
+            RevisionReason::Late { .. } | RevisionReason::Over | RevisionReason::Stray(..) | RevisionReason::Ahead => {
+                true
+            }
+            RevisionReason::First
+            | RevisionReason::Orders
+            | RevisionReason::Failed(_)
+            | RevisionReason::Down(_)
+            | RevisionReason::Restored => false,
+        }
+    }
 }
 
 impl Schedule {

@@ -192,6 +192,7 @@ impl RevisionReason {
                 };
                 format!("{} later than tolerated, by {by}", named(table, *mode, *part))
             }
+            RevisionReason::Ahead => "half of the time looked ahead has passed".to_owned(),
             RevisionReason::Over => "all scheduled activities started".to_owned(),
             RevisionReason::Stray(mode, part) => format!("{} started unscheduled", named(table, *mode, *part)),
         }

@@ -2,6 +2,7 @@
 //! nothing with them.
 
 mod ahead;
+mod beside;
 mod oracle;
 mod orders;
 mod replan;

@@ -105,7 +105,8 @@ fn orders(counts: &[u32]) -> Vec<(&'static str, u32, Option<u64>)> {
 fn planned(made: &Made, desk: &DispatchConfiguration, scheduler: &mut dyn Scheduler) -> Schedule {
     let basis = SimulationBasis::new(&made.table);
     let state = PlayerState::new(made.table.clone());
-    scheduler.plan(&PlanningSituation { now: Tick::ZERO, state: &state, desk, basis: &basis, previous: None })
+    let (now, until) = (Tick::ZERO, Tick::NEVER);
+    scheduler.plan(&PlanningSituation { now, until, state: &state, desk, basis: &basis, previous: None })
 }
 
 fn desk(made: &Made, production: Production) -> DispatchConfiguration {

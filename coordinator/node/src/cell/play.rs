@@ -1,8 +1,9 @@
 //! The loop of a cell: messages received go to the token player; its output is written down, sent, and published.
 //!
-//! It has a thread of its own, because it waits: for the disk before every order, and for the dispatcher while it computes
-//! a decision. The rest of the coordinator (the mode, the console, the gateway to the devices) must not wait for either,
-//! and gives this one nothing but whether activities may start. Should this one end, the coordinator ends with it.
+//! It has a thread of its own, because it waits for the disk before every order. The rest of the coordinator (the mode, the
+//! console, the gateway to the devices) must not wait for that, and gives this one nothing but whether activities may start.
+//! No decision waits for a schedule: those are made on another thread ([`super::planning`]). Should this thread end, the
+//! coordinator ends with it; should it stand still, its watchdog ends the process with outputs off.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,17 +11,17 @@ use std::time::{Duration, SystemTime};
 
 use linewright_cell::Cell;
 use linewright_cell::net::Supply;
-use linewright_coordinator_cell::compile::{OrderTiming, Unplayable, compile_cell, schedule_follower};
+use linewright_coordinator_cell::compile::{OrderTiming, Unplayable, compile_cell, follower_beside};
 use linewright_coordinator_cell::dispatch::{Reasons, ShortestRoutes};
 use linewright_coordinator_cell::exception::{RecoveryPolicy, StationUnavailable};
-use linewright_coordinator_cell::schedule::{PlanActualBar, ScheduleFollower};
+use linewright_coordinator_cell::schedule::{PlanActualBar, RolloutScheduler};
 use linewright_coordinator_cell::{
     CellEvent, CellMessage, Coordination, OldEpoch, PlayerInput, PlayerOutbox, RecordKind,
 };
 use linewright_history::Note;
 use linewright_line::{InputId, Line, Tick};
 use linewright_msgs::{CellState, WhyNotResponse};
-use linewright_node_shell::{Forward, RosNode, TopicError, stamp};
+use linewright_node_shell::{Forward, RosNode, TopicError, Watchdog, stamp};
 use linewright_station_shell::NewestBySequence;
 use thiserror::Error;
 use tokio::sync::{mpsc, oneshot, watch};
@@ -29,6 +30,7 @@ use super::history::{HistoryFeeder, begin};
 use super::keeping::CellLogKeeper;
 use super::log::{CellLogError, known};
 use super::pending_replies::PendingReplies;
+use super::planning::CellPlanning;
 use super::requests::PlayerMessage;
 use super::topics::{CellInbound, CellPublishers, open};
 use super::why::why;
@@ -94,11 +96,16 @@ const TELL_AT_MOST_EVERY: Duration = Duration::from_millis(100);
 const LOST_AFTER: u32 = 20;
 
 impl CellThread {
-    /// Opens everything and begins. Must be called inside a tokio runtime.
+    /// Opens everything and begins. Must be called inside a tokio runtime. `last_orders` switches outputs off, before a
+    /// process ends whose cell stands still.
     ///
     /// # Errors
     /// When it cannot begin.
-    pub fn open(options: CellNodeOptions, node: &mut RosNode) -> Result<Self, CellError> {
+    pub fn open(
+        options: CellNodeOptions,
+        node: &mut RosNode,
+        last_orders: impl FnOnce() + Send + 'static,
+    ) -> Result<Self, CellError> {
         let (says, from, tasks) = open(node, &options.line)?;
         let (say, situation) = watch::channel(LineSituation::new(options.line.stations.len()));
         let (tell_apart, apart) = watch::channel(IsolatedStations::default());
@@ -106,10 +113,12 @@ impl CellThread {
         // Before any station is received: a station that is stopped is no emergency stop of the line.
         player.tell_apart(false);
         let (end, ended) = oneshot::channel();
+        let watchdog = Watchdog::start("the cell's thread", Watchdog::LIMIT);
+        watchdog.before_the_end(last_orders);
         let play = move || {
             let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
             let outcome = match runtime {
-                Ok(runtime) => runtime.block_on(player.play()),
+                Ok(runtime) => runtime.block_on(player.play(&watchdog)),
                 Err(error) => Err(CellError::Thread(error.to_string())),
             };
             if let Err(error) = outcome {
@@ -163,7 +172,7 @@ pub(super) struct CellLoop {
     ways: ShortestRoutes,
     reasons: Reasons,
     pub(super) coordination: Coordination,
-    follower: ScheduleFollower,
+    planning: CellPlanning,
     pub(super) log: Option<CellLogKeeper>,
     /// The database beside the log; none where there is no log.
     chronicle: Option<HistoryFeeder>,
@@ -206,7 +215,7 @@ impl CellLoop {
         let (state, mut log) = known(state_dir.as_deref(), &cell.name, &table)?;
         let kept = log.as_ref().and(state_dir.as_deref());
         let mut chronicle = kept.map(|dir| begin(dir, (&cell, &line, &made), &state, retention));
-        let follower = schedule_follower(&cell, &made, &state);
+        let follower = follower_beside(&cell, &made, &state);
         let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         // A clock that was set back does not stop what is timed: time goes on from the newest record.
         let origin = (Tick::ZERO + wall).max(state.now());
@@ -224,7 +233,7 @@ impl CellLoop {
             ways: ShortestRoutes::new(&table),
             reasons: Reasons::default(),
             coordination,
-            follower,
+            planning: CellPlanning::new(follower, || Box::new(RolloutScheduler::default())),
             log: log.map(|log| CellLogKeeper::new(log, origin)),
             chronicle,
             noted: LineSituation::new(line.stations.len()),
@@ -250,8 +259,10 @@ impl CellLoop {
         self.origin + self.began.elapsed()
     }
 
-    async fn play(&mut self) -> Result<(), CellError> {
+    async fn play(&mut self, watchdog: &Watchdog) -> Result<(), CellError> {
         loop {
+            // At least as often as the state is published.
+            watchdog.feed();
             self.act()?;
             let wake = self.began + self.deadline().since(self.origin);
             tokio::select! {
@@ -263,6 +274,10 @@ impl CellLoop {
                     if changed.is_err() {
                         return Ok(());
                     }
+                }
+                news = self.planning.news() => {
+                    let now = self.now();
+                    self.planning.take(now, news, &mut self.coordination);
                 }
                 () = tokio::time::sleep_until(wake) => {}
             }
@@ -336,12 +351,13 @@ impl CellLoop {
             let mut inputs = vec![PlayerInput::Starts(may_start)];
             inputs.extend(told.iter().map(PlayerMessage::input));
             let mut out = PlayerOutbox::default();
-            self.coordination.step(now, &inputs, &mut self.follower, &mut out);
+            self.coordination.step(now, &inputs, self.planning.dispatcher(), &mut out);
             // Like the line's, a station's emergency stop is in force before it is written down.
             self.tell_apart(true);
             if self.log.as_mut().is_none_or(|log| log.write(now, &mut out)) {
                 self.perform(now, out)?;
             }
+            self.planning.request(now, self.coordination.state());
         }
         self.changed |= self.message.starting != may_start;
         self.tell(may_start);
@@ -357,15 +373,15 @@ impl CellLoop {
 
     /// Sends and publishes what follows from a step that is written down.
     fn perform(&mut self, now: Tick, mut out: PlayerOutbox) -> Result<(), CellError> {
-        self.note(now, &out);
-        self.changed |= !out.records.is_empty();
-        out.records.iter().for_each(|record| self.reasons.note(record));
         for send in &out.sends {
             match send {
                 CellMessage::Order(order) => self.says.order(order),
                 CellMessage::Secure { station, key, stop } => self.says.secure(*station, *key, *stop),
             }
         }
+        self.note(now, &out);
+        self.changed |= !out.records.is_empty();
+        out.records.iter().for_each(|record| self.reasons.note(record));
         self.people.reply(&self.line, self.coordination.state(), &mut out);
         self.tell_apart(false);
         out.events.into_iter().try_for_each(|event| self.event(event))
@@ -399,7 +415,7 @@ impl CellLoop {
             let is_its = |bar: &PlanActualBar| {
                 (bar.mode, bar.part, bar.actual.map(|(began, _)| began)) == (mode, part, Some(record.at))
             };
-            if let Some((from, to)) = self.follower.bars().find(is_its).and_then(|bar| bar.promised) {
+            if let Some((from, to)) = self.planning.follower().bars().find(is_its).and_then(|bar| bar.promised) {
                 chronicle.note(record.at, Note::Planned { firing, from, to });
             }
         }
