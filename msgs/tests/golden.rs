@@ -87,9 +87,9 @@ fn version_2() {
     holds("v2", samples::secure_order());
 }
 
-/// Mode orders found generations, and name stations that are in emergency stop by themselves. No node was released that used
-/// an earlier version.
+/// Mode orders found generations, name stations that are in emergency stop by themselves, and carry resume. No node was
+/// released that used an earlier version.
 #[test]
-fn version_3() {
-    holds("v3", samples::mode_order());
+fn version_4() {
+    holds("v4", samples::mode_order());
 }

@@ -209,6 +209,7 @@ pub fn order_from_message(message: &ModeOrder, (own, name): (StationId, &str)) -
         master_stop: message.master_stop.then_some(message.stop_round),
         manual_all: message.manual_all,
         buttons: message.buttons,
+        resume: message.resume,
         lease: Duration::from_millis(message.lease_ms.into()),
         found: life.map(|boot_id| Founding { generation: message.found_generation, boot_id }),
     })

@@ -96,6 +96,7 @@ pub fn mode_order() -> ModeOrder {
         stop_round: -2,
         manual_all: true,
         buttons: 0x8000_0001,
+        resume: true,
         lease_ms: 500,
         found_generation: 9,
         found_lives: vec![3, 4],
