@@ -1,7 +1,7 @@
 //! By trying everything, no shorter list of presses exists than the plan's.
 //!
 //! Nothing of the search is used here: all controllers are copied in each state, all reports go to all, and every button of
-//! every panel is tried. The controllers are those of the simulation, from their own snapshots.
+//! every panel is tried, and resume. The controllers are those of the simulation, from their own snapshots.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::time::Duration;
@@ -80,10 +80,39 @@ impl LineCopy {
             next.give(station, StationInput::Panel(command(false)));
             return (next.key() != self.key()).then_some(next);
         }
+        next.arrive(station);
+        next.give(station, StationInput::Panel(command(false)));
+        let ended = next.controllers[station].marking().all(|place| !place.is_operating());
+        ended.then_some(next)
+    }
+
+    /// *Resume* held until nothing moves any more.
+    fn resumed(&self) -> Option<LineCopy> {
+        let mut next = self.clone();
+        let hold = |next: &mut LineCopy, resume| {
+            let manual = ModeOrder::of(1, 1, ControlMode::Manual, ModeOrder::FOR_GOOD);
+            for station in 0..next.controllers.len() {
+                next.give(station, StationInput::Order(ModeOrder { manual_all: true, resume, ..manual }));
+            }
+        };
+        hold(&mut next, true);
+        for _ in 0..next.controllers.len() * 4 {
+            for station in 0..next.controllers.len() {
+                next.arrive(station);
+            }
+        }
+        hold(&mut next, false);
+        let ended = next.controllers.iter().flat_map(Controller::marking).all(|place| !place.is_operating());
+        (ended && next.key() != self.key()).then_some(next)
+    }
+
+    /// Whatever moves at a station arrives.
+    fn arrive(&mut self, station: usize) {
+        let moving: Vec<StationPlace> = self.controllers[station].marking().filter(|p| p.is_operating()).collect();
         let described = &self.line.stations[station];
         let mut bits = self.controllers[station].report().measured;
         let mut arrived = 0;
-        for place in moving {
+        for place in &moving {
             let axis = described.operations[place.op.index()].motion.axis;
             for operation in described.operations.iter().filter(|operation| operation.motion.axis == axis) {
                 bits &= !operation.normal.complete.bit();
@@ -97,11 +126,10 @@ impl LineCopy {
                 _ => operation.normal.complete.bit(),
             };
         }
-        next.image(station, bits);
-        next.image(station, bits | arrived);
-        next.give(station, StationInput::Panel(command(false)));
-        let ended = next.controllers[station].marking().all(|place| !place.is_operating());
-        ended.then_some(next)
+        if !moving.is_empty() {
+            self.image(station, bits);
+            self.image(station, bits | arrived);
+        }
     }
 
     fn is_in_order(&self, at_home: bool) -> bool {
@@ -127,6 +155,10 @@ fn fewest(start: LineCopy, most: usize, at_home: bool) -> Option<usize> {
     while let Some((copy, presses)) = queue.pop_front() {
         if copy.is_in_order(at_home) {
             return Some(presses);
+        }
+        let resumed = (presses < most).then(|| copy.resumed()).flatten();
+        if let Some(next) = resumed.filter(|next| seen.insert(next.key())) {
+            queue.push_back((next, presses + 1));
         }
         for station in (0..copy.controllers.len()).filter(|_| presses < most) {
             for advance in [true, false] {
