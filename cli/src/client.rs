@@ -242,6 +242,11 @@ impl OperatorClient {
         self.node.publisher(&topic, qos::command()).map_err(|error| miette!("{error}"))
     }
 
+    /// A publisher for resume at this console.
+    pub fn resume(&mut self) -> miette::Result<Publisher<Flag>> {
+        self.node.publisher("resume", qos::command()).map_err(|error| miette!("{error}"))
+    }
+
     /// A publisher for a station's selector.
     pub fn panel_selector(&mut self, station: StationId) -> miette::Result<Publisher<Text>> {
         let topic = format!("{}/selector", self.line.station(station).name);

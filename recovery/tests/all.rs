@@ -3,4 +3,5 @@
 mod brute_force;
 mod operator;
 mod random_plays;
+mod resume;
 mod situations;

