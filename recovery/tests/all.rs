@@ -1,6 +1,7 @@
 //! Plans back to auto.
 
 mod brute_force;
+mod cells;
 mod operator;
 mod random_plays;
 mod resume;

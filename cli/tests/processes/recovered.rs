@@ -5,11 +5,15 @@
 //!   transfer and mill_1 ── coordinator ✝ ── both incomplete ── manual · resume · auto ── each typed ──▶ auto
 //! ```
 
-use linewright_msgs::StationState;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use linewright_msgs::{StationState, Text, Trigger, TriggerResponse};
+use linewright_node_shell::{Caller, Mapping, Participant, RosArgs, RosNode, Subscription, qos};
 use serde_json::Value;
 
-use crate::support::pause;
 use crate::support::rig::{Rig, line};
+use crate::support::{PATIENCE, pause};
 
 /// The plan, which leads to auto: else the command fails.
 fn plan(rig: &Rig) -> Value {
@@ -42,6 +46,59 @@ fn type_it(rig: &Rig, first: Value) -> Value {
     now
 }
 
+/// `linewright recover --publish`, and a console that reads it.
+struct Console {
+    publishes: Child,
+    runtime: tokio::runtime::Runtime,
+    plans: Subscription<Text>,
+    asks: Caller<Trigger>,
+    _node: RosNode,
+}
+
+impl Console {
+    fn of(rig: &Rig) -> Self {
+        let mut command = rig.command(&["recover"], &["--publish"]);
+        let publishes = command.stdin(Stdio::null()).stdout(Stdio::null()).spawn().expect("it starts");
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+        let entered = runtime.enter();
+        let args = RosArgs { domain_id: rig.domain(), ..RosArgs::default() };
+        let participant = Participant::open(&args).expect("a participant");
+        let mut node = participant.node("/transfer_line", "test_console").expect("a node");
+        let plans = node.subscription("recovery_plan", qos::latched_state()).expect("a topic");
+        let asks = node.caller::<Trigger>("recovery", Mapping::Enhanced).expect("a service");
+        drop(entered);
+        Console { publishes, runtime, plans, asks, _node: node }
+    }
+
+    /// The first plan of which this holds.
+    fn plan(&mut self, is_it: impl Fn(&Value) -> bool) -> Value {
+        let until = Instant::now() + PATIENCE;
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            let received = self.runtime.block_on(async { tokio::time::timeout(left, self.plans.recv()).await });
+            let (text, _) = received.expect("a plan in time").expect("the middleware works");
+            let plan: Value = serde_json::from_str(&text.data).expect("a JSON object");
+            if is_it(&plan) {
+                return plan;
+            }
+        }
+    }
+
+    fn ask(&mut self) -> TriggerResponse {
+        let ask = || self.runtime.block_on(self.asks.call(Default::default(), Duration::from_secs(1)));
+        // A request before the two have discovered each other gets no answer.
+        let mut answers = (0..20).filter_map(|_| ask().ok());
+        answers.next().expect("an answer")
+    }
+}
+
+impl Drop for Console {
+    fn drop(&mut self) {
+        let _ = self.publishes.kill();
+        let _ = self.publishes.wait();
+    }
+}
+
 #[test]
 fn what_recover_names_is_typed_until_the_line_is_in_auto() {
     let mut rig = Rig::new(&line(2.0));
@@ -61,10 +118,17 @@ fn what_recover_names_is_typed_until_the_line_is_in_auto() {
     assert_eq!(kinds(&first), ["command", "press", "command"], "{first}");
     assert_eq!(first["steps"][1]["station"], "mill_1", "{first}");
     assert_eq!(first["steps"][1]["moves"][0]["operation"], "feed main slide", "{first}");
+    let mut console = Console::of(&rig);
+    let published = console.plan(|plan| plan["end"] == "auto" && plan["not_heard"] == serde_json::json!([]));
+    assert_eq!(published["steps"], first["steps"], "{published}");
+    let answer = console.ask();
+    let answered: Value = serde_json::from_str(&answer.message).expect("a JSON object");
+    assert!(answer.success && answered["steps"] == first["steps"], "{answered}");
     let text = rig.said(&["recover"], &["--once"]).expect("it leads to auto");
     assert!(text.contains("1. command manual") && text.contains("mill_1: hold "), "{text}");
     let now = type_it(&rig, first);
     assert_eq!(now["mode"]["mode"], "auto", "{now}");
+    console.plan(|plan| plan["mode"]["mode"] == "auto" && steps(plan).is_empty());
     assert_eq!(steps(&now).len(), 0, "{now}");
     operator.cycles(1);
     operator.go_home();
