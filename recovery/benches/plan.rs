@@ -17,7 +17,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId};
 use linewright_plant::MotionFault;
 use linewright_proof::generate::{self, LineShape};
-use linewright_recovery::{LineSituation, plan};
+use linewright_recovery::{LineSituation, RecoveryEnd, plan};
 use linewright_simulation::{MotionSelection, NodeProcess, OperatorAction};
 use linewright_testkit::built::transfer_line;
 
@@ -53,7 +53,11 @@ fn once(name: &str, line: &Line, seen: &LineSituation) {
     let found = plan(line, seen);
     let took = begun.elapsed();
     let (presses, expanded) = (found.presses(), found.expanded);
-    println!("{name:22} {presses} presses, {expanded} states, {took:?}, {:?}, {:?}", found.is_shortest, found.end);
+    let is_found = found.end == RecoveryEnd::Auto;
+    println!(
+        "{name:22} {presses} presses, {expanded} states, {took:?}, shortest {}, found {is_found}",
+        found.is_shortest
+    );
 }
 
 fn row() -> Line {

@@ -48,6 +48,7 @@ pub fn station_state() -> StationState {
         measured: Bounded::new(vec![5, 0, 128]).expect("three fit"),
         measured_age_ms: 12,
         position_lost: true,
+        placed: true,
         incomplete: vec![1],
         operation: "drill".into(),
         fault: "drill: not down after 2 s".into(),
