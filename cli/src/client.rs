@@ -242,6 +242,16 @@ impl OperatorClient {
         self.node.publisher(&topic, qos::command()).map_err(|error| miette!("{error}"))
     }
 
+    /// A publisher for resume at this console.
+    pub fn resume(&mut self) -> miette::Result<Publisher<Flag>> {
+        self.node.publisher("resume", qos::command()).map_err(|error| miette!("{error}"))
+    }
+
+    /// The node, for topics and services of one subcommand alone.
+    pub fn node(&mut self) -> &mut RosNode {
+        &mut self.node
+    }
+
     /// A publisher for a station's selector.
     pub fn panel_selector(&mut self, station: StationId) -> miette::Result<Publisher<Text>> {
         let topic = format!("{}/selector", self.line.station(station).name);

@@ -4,6 +4,7 @@
 //! it refused, with exit code 1.
 
 mod rejoin;
+mod resume;
 mod standstill;
 
 use std::path::PathBuf;
@@ -99,7 +100,7 @@ const PANEL: [&str; 4] = ["advance", "return", "manual", "auto"];
 /// Hold buttons for a while.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Without --station, BUTTON is a hand-mode push button of the main console (PB_2). With it, BUTTON is advance or return, held, or manual or auto, which turns the station's selector."
+    after_help = "Without --station, BUTTON is a hand-mode push button of the main console (PB_2), or resume: in manual, while it is held, every operation that was stopped before its end goes on. With it, BUTTON is advance or return, held, or manual or auto, which turns the station's selector."
 )]
 pub struct PressArgs {
     /// The line's directory, or its description file.
@@ -126,6 +127,9 @@ pub async fn press(args: PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     }
     match &args.station {
         Some(station) => press_panel(&line, &args, station, ros).await,
+        None if args.buttons == [resume::RESUME] && !line.buttons.iter().any(|name| name == resume::RESUME) => {
+            resume::press(&line, &args, ros).await
+        }
         None => press_console(&line, &args, ros).await,
     }
 }

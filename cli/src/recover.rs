@@ -3,6 +3,7 @@
 //! The plan is made anew whenever the line has changed. What was the first step before and is none any more is shown as done.
 
 mod json;
+mod publish;
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -44,6 +45,9 @@ pub struct Args {
     /// Print the plan as one JSON object, and end.
     #[arg(long)]
     json: bool,
+    /// Publish the plan on `~/recovery_plan`, and answer requests for it, until Ctrl-C. For consoles.
+    #[arg(long, conflicts_with_all = ["once", "json"])]
+    publish: bool,
 }
 
 /// `linewright recover`
@@ -51,6 +55,9 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     let (line, is_cell) = load::line_or_cell(&args.line)?;
     let mut client = OperatorClient::open(&line, ros, "recover")?;
     let mut cell = is_cell.then(|| CellClient::open(&line, ros, "recover_cell")).transpose()?;
+    if args.publish {
+        return publish::run(&mut client, cell, &args.line.display().to_string()).await;
+    }
     let is_all = client.until_all_heard(HEARD_WITHIN).await?;
     if let Some(cell) = cell.as_mut().filter(|_| client.coordinator().is_some()) {
         cell.until_heard(HEARD_WITHIN).await?;

@@ -77,19 +77,19 @@ fn version_1() {
     holds("v1", samples::cycle_time());
 }
 
-/// A station reports which order it was to leave, its generation and its measured positions; images carry an epoch, and
+/// A station reports which order it was to leave; images carry an epoch, and
 /// orders can be stopped. No node was released that used the first version of these messages.
 #[test]
 fn version_2() {
     holds("v2", samples::order_state());
-    holds("v2", samples::station_state());
     holds("v2", samples::process_image());
     holds("v2", samples::secure_order());
 }
 
-/// Mode orders found generations, and name stations that are in emergency stop by themselves. No node was released that used
-/// an earlier version.
+/// A station reports its generation, its measured positions, and whether its place is known. Mode orders found generations, name stations that are in emergency stop by themselves, and carry resume. No node was
+/// released that used an earlier version.
 #[test]
-fn version_3() {
-    holds("v3", samples::mode_order());
+fn version_4() {
+    holds("v4", samples::mode_order());
+    holds("v4", samples::station_state());
 }

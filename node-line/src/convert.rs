@@ -65,6 +65,7 @@ pub fn report_to_message(line: &Line, controller: &Controller, now: linewright_l
     let age = report.measured_age + now.since(controller.stepped());
     message.measured_age_ms = u32::try_from(age.as_micros().div_ceil(1000)).unwrap_or(u32::MAX);
     message.position_lost = report.position_lost.is_some();
+    message.placed = report.placed;
     message.cycle = report.cycle;
     message.done = report.done;
     message.started = report.started;
@@ -135,6 +136,7 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
         measured_age: Duration::from_millis(message.measured_age_ms.into()),
         // Which of its switches is off is in its own fault text; here it matters only that one is.
         position_lost: message.position_lost.then_some((OpId(0), InputId(0))),
+        placed: message.placed,
         cycle: message.cycle,
         done: message.done.clone(),
         started: message.started.clone(),
@@ -209,6 +211,7 @@ pub fn order_from_message(message: &ModeOrder, (own, name): (StationId, &str)) -
         master_stop: message.master_stop.then_some(message.stop_round),
         manual_all: message.manual_all,
         buttons: message.buttons,
+        resume: message.resume,
         lease: Duration::from_millis(message.lease_ms.into()),
         found: life.map(|boot_id| Founding { generation: message.found_generation, boot_id }),
     })

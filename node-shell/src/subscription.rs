@@ -23,6 +23,15 @@ pub struct MessageSource {
     pub received_ns: Option<i64>,
 }
 
+impl MessageSource {
+    /// The publisher's identity as a number. Two publishers have the same one as seldom as two random numbers are equal.
+    pub fn publisher_id(&self) -> u64 {
+        // FNV-1a: every byte of the identity decides, whichever of them differ.
+        let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        self.publisher.iter().fold(0xcbf2_9ce4_8422_2325, mix)
+    }
+}
+
 /// The subscription is over.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{topic}: the middleware failed: {reason}")]

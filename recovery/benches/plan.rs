@@ -1,7 +1,9 @@
-//! Time of a plan: the shipped line, and a row of twenty stations.
+//! Time of a plan: the shipped line, both shipped cells, and a row of twenty stations.
 //!
 //! `cargo bench -p linewright-recovery --bench plan -- --once` prints what each comes to, with the time of one run.
 
+#[path = "../tests/cells.rs"]
+mod cells;
 // Not all of it is used here.
 #[allow(dead_code)]
 #[path = "../tests/operator.rs"]
@@ -15,7 +17,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, OpId, StationId};
 use linewright_plant::MotionFault;
 use linewright_proof::generate::{self, LineShape};
-use linewright_recovery::{LineSituation, plan};
+use linewright_recovery::{LineSituation, RecoveryEnd, plan};
 use linewright_simulation::{MotionSelection, NodeProcess, OperatorAction};
 use linewright_testkit::built::transfer_line;
 
@@ -35,17 +37,27 @@ fn main() {
     if std::env::args().any(|argument| argument == "--once") {
         for (name, line) in [("shipped", transfer_line()), ("row of 20", row())] {
             for case in CASES {
-                let seen = situation(&line, case);
-                let begun = Instant::now();
-                let found = plan(&line, &seen);
-                let took = begun.elapsed();
-                let (presses, expanded) = (found.presses(), found.expanded);
-                println!("{name:10} {case:?}: {presses} presses, {expanded} states, {took:?}, {:?}", found.is_shortest);
+                once(&format!("{name} {case:?}"), &line, &situation(&line, case));
             }
+        }
+        for (name, line) in cells::shipped() {
+            once(&format!("{name} HalfWay"), &line, &cells::half_way(&line));
         }
     } else {
         divan::main();
     }
+}
+
+fn once(name: &str, line: &Line, seen: &LineSituation) {
+    let begun = Instant::now();
+    let found = plan(line, seen);
+    let took = begun.elapsed();
+    let (presses, expanded) = (found.presses(), found.expanded);
+    let is_found = found.end == RecoveryEnd::Auto;
+    println!(
+        "{name:22} {presses} presses, {expanded} states, {took:?}, shortest {}, found {is_found}",
+        found.is_shortest
+    );
 }
 
 fn row() -> Line {
@@ -90,4 +102,11 @@ fn row_of_twenty(bencher: Bencher<'_, '_>, case: &Case) {
     let line = row();
     let seen = situation(&line, *case);
     bencher.bench(|| plan(&line, &seen));
+}
+
+#[divan::bench(args = [0, 1])]
+fn shipped_cell(bencher: Bencher<'_, '_>, which: usize) {
+    let (_, line) = &cells::shipped()[which];
+    let seen = cells::half_way(line);
+    bencher.bench(|| plan(line, &seen));
 }

@@ -135,6 +135,7 @@ impl Desk {
                 master_stop: grant.master_stop,
                 manual_all: grant.manual_all,
                 buttons: 0,
+                resume: false,
                 lease: ModeOrder::FOR_GOOD,
                 found: found.map(|(generation, boot_id)| Founding { generation, boot_id }),
             };

@@ -7,13 +7,12 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId};
-use linewright_station_logic::{Controller, ModeOrder, PanelCommand, Restore, Rules, StationInput};
+use linewright_station_logic::{Controller, PanelCommand, Restore, Rules, StationInput};
 use rustc_hash::FxHashMap;
 
 use crate::image;
-use crate::units::{PlayedStation, whole_image};
+use crate::units::{PlayedStation, in_manual, whole_image};
 
 const ALONE: Rules = Rules { arrows: false, positions: false, timely: false, generations: false, ..Rules::ALL };
 
@@ -110,8 +109,7 @@ impl<'l> Distances<'l> {
         let switch = self.line.operation((id, self.line.station(id).home)).normal.complete.bit();
         unit.take(whole_image(bits.unwrap_or_else(|| home() | switch)));
         let epoch = unit.report.mode_epoch + 1;
-        let order = ModeOrder { manual_all: true, ..ModeOrder::of(1, epoch, ControlMode::Manual, ModeOrder::FOR_GOOD) };
-        unit.take(StationInput::Order(order));
+        unit.take(StationInput::Order(in_manual(epoch)));
         unit
     }
 

@@ -10,7 +10,8 @@
 //!
 //! # Search
 //! The mode's commands are tried in order of their number (`desk`). Where auto cannot be reached by commands alone, the
-//! stations are moved in manual (`search`): shortest by number of presses, then by time of motion. Only stations that keep auto
+//! stations are moved in manual (`search`): shortest by number of presses, then by time of motion. *Resume* at the console, where
+//! it leads on several stations, is one press. Only stations that keep auto
 //! from being accepted are moved at first. Another one is added where a press is refused that reads its state, and where a way
 //! through that could still be shorter. A lower bound for each station (`distance`) is its own way without the others.
 //! [`TRIED_MAX`] bounds the search; beyond it any plan is taken, and says that it may not be the shortest.

@@ -3,9 +3,9 @@
 use std::rc::Rc;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::net::ControlMode;
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{InputId, Line, MotionSignals, OpId, OperationModule, Station, StationId};
-use linewright_station_logic::{ModeOrder, StationReport};
+use linewright_station_logic::StationReport;
 
 use crate::desk::Desk;
 use crate::image;
@@ -13,7 +13,7 @@ use crate::restore::{RestoreMisfit, unit};
 use crate::search::{Move, Search};
 use crate::situation::{ConsoleSituation, LineSituation};
 use crate::step::{Need, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
-use crate::units::{PlayedLine, PlayedStations};
+use crate::units::{PlayedLine, PlayedStations, in_manual};
 
 /// What a plan leads to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,10 +48,11 @@ impl RecoveryPlan {
         RecoveryPlan { steps, end, is_shortest: true, expanded: 0 }
     }
 
-    /// Presses of panels and confirmations in it.
+    /// Presses, of panels and of resume, and confirmations in it.
     pub fn presses(&self) -> usize {
-        let is_press =
-            |step: &&RecoveryStep| matches!(step.action, RecoveryAction::Press(..) | RecoveryAction::Rejoin { .. });
+        let is_press = |step: &&RecoveryStep| {
+            matches!(step.action, RecoveryAction::Press(..) | RecoveryAction::Resume | RecoveryAction::Rejoin { .. })
+        };
         self.steps.iter().filter(is_press).count()
     }
 }
@@ -176,8 +177,7 @@ fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: Played
     let by_selectors = desk.units.iter().any(|unit| unit.report.selector_manual);
     for at in 0..desk.units.len() {
         let epoch = desk.units[at].report.mode_epoch;
-        let order = ModeOrder { manual_all: true, ..ModeOrder::of(1, epoch, ControlMode::Manual, ModeOrder::FOR_GOOD) };
-        floor.order(&mut desk.units, at, order);
+        floor.order(&mut desk.units, at, in_manual(epoch));
     }
     let to_auto = |units: &PlayedStations| {
         let mut desk = desk.clone();
@@ -190,7 +190,9 @@ fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: Played
         desk.way_to(&floor, ControlMode::Auto)
     };
     let accepted = |units: &PlayedStations| to_auto(units).is_some();
-    let found = match Search::new(&floor, &situation.left_out, &accepted).run(&desk.units) {
+    // Where selectors have led to manual the panels are not the console's.
+    let search = Search::new(&floor, &situation.left_out, !by_selectors, &accepted);
+    let found = match search.run(&desk.units) {
         Ok(found) => found,
         Err(failed) => {
             let end = no_way(line, &desk.units, failed.is_certain);
@@ -228,15 +230,24 @@ fn commanded(command: ModeCommand, after: &Desk) -> RecoveryStep {
 fn pressed(line: &Line, before: &PlayedStations, moves: &[Move], by_selectors: bool) -> Vec<RecoveryStep> {
     let mut steps = Vec::new();
     let mut live: Vec<bool> = before.iter().map(|unit| !by_selectors || unit.report.selector_manual).collect();
+    let motion = |&(station, place): &(StationId, StationPlace)| PlannedMotion {
+        station,
+        place,
+        time: image::motion(line.station(station), place).1,
+    };
     for made in moves {
-        let Some(station) = made.action.station() else { continue };
+        let planned = made.motions.iter().map(motion).collect();
+        let Some(station) = made.action.station() else {
+            let mode = ControlMode::Manual;
+            steps.push(RecoveryStep { action: made.action.clone(), moves: planned, mode, after: None });
+            continue;
+        };
         let is_press = matches!(made.action, RecoveryAction::Press(..));
         if is_press && !std::mem::replace(&mut live[station.index()], true) {
             let action = RecoveryAction::Selector(station, true);
             steps.push(RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: None });
         }
         let described = line.station(station);
-        let motion = |&place| PlannedMotion { station, place, time: image::motion(described, place).1 };
         let unit = &made.after[station.index()];
         let after = StationAfter {
             station,
@@ -246,7 +257,7 @@ fn pressed(line: &Line, before: &PlayedStations, moves: &[Move], by_selectors: b
         };
         steps.push(RecoveryStep {
             action: made.action.clone(),
-            moves: made.motions.iter().map(motion).collect(),
+            moves: planned,
             mode: ControlMode::Manual,
             after: Some(after),
         });

@@ -45,7 +45,7 @@ pub(crate) fn unit(line: &Line, id: StationId, report: &StationReport) -> Result
     let snapshot = StationSnapshot {
         marking: marked.iter().copied().map(arrive).collect(),
         generation: report.generation,
-        placed: report.generation != 0 || report.at_home,
+        placed: report.placed,
         cycle: report.cycle,
         done,
         started,

@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 
 use crate::distance::{Aim, Cost, Distances};
 use crate::step::{PanelButton, RecoveryAction};
-use crate::units::{PlayedLine, PlayedStations};
+use crate::units::{PlayedLine, PlayedStations, Resumed};
 
 /// Presses that are tried, at most, before any plan is taken instead of the shortest.
 pub const TRIED_MAX: usize = 8_000;
@@ -28,7 +28,7 @@ const GREED: u32 = 8;
 #[derive(Clone)]
 pub(crate) struct Move {
     pub action: RecoveryAction,
-    pub motions: Vec<StationPlace>,
+    pub motions: Vec<(StationId, StationPlace)>,
     pub time: Duration,
     pub after: PlayedStations,
 }
@@ -51,7 +51,7 @@ struct SearchNode {
     units: PlayedStations,
     done: Cost,
     /// The node before, and the action that led here.
-    from: Option<(usize, RecoveryAction, Vec<StationPlace>, Duration)>,
+    from: Option<(usize, RecoveryAction, Vec<(StationId, StationPlace)>, Duration)>,
 }
 
 pub(crate) struct Search<'f, 'l> {
@@ -59,6 +59,8 @@ pub(crate) struct Search<'f, 'l> {
     distances: Distances<'l>,
     compares: Vec<bool>,
     left_out: &'f [StationId],
+    /// Resume takes effect.
+    resumes: bool,
     accepted: &'f dyn Fn(&PlayedStations) -> bool,
 }
 
@@ -73,12 +75,13 @@ impl<'f, 'l> Search<'f, 'l> {
     pub fn new(
         floor: &'f PlayedLine<'l>,
         left_out: &'f [StationId],
+        resumes: bool,
         accepted: &'f dyn Fn(&PlayedStations) -> bool,
     ) -> Self {
         let line: &'l Line = floor.line;
         let compares = |id| line.arrows.iter().any(|arrow| arrow.from.0 == id || arrow.to.0 == id);
         let compares = line.station_ids().map(compares).collect();
-        Search { floor, distances: Distances::new(line), compares, left_out, accepted }
+        Search { floor, distances: Distances::new(line), compares, left_out, resumes, accepted }
     }
 
     fn is_task_driven(&self, station: usize) -> bool {
@@ -106,13 +109,20 @@ impl<'f, 'l> Search<'f, 'l> {
         (0..units.len()).all(|station| self.is_placed(units, station, aim)) && (self.accepted)(units)
     }
 
+    /// The least that is left. One *resume* may stand for a press at each station that has something to be led on, or may have
+    /// after a confirmation; and for one of each, since nothing of it becomes incomplete again.
     fn left(&self, units: &PlayedStations) -> Cost {
         let aim = self.aim(units);
         let all = (0..units.len()).filter(|&station| !self.is_placed(units, station, aim));
-        all.fold((0, Duration::ZERO), |(presses, time), station| {
+        let (mut presses, mut time, mut shared) = (0, Duration::ZERO, 0);
+        for station in all {
             let (more, longer) = self.distances.least(station, &units[station], aim);
-            (presses + more, time + longer)
-        })
+            (presses, time) = (presses + more, time + longer);
+            let report = &units[station].report;
+            let may_be_resumed = !report.incomplete.is_empty() || report.position_lost.is_some();
+            shared += u32::from(self.resumes && may_be_resumed && more > 0);
+        }
+        (presses - shared.saturating_sub(1), time)
     }
 
     /// The shortest moves from here.
@@ -169,6 +179,11 @@ impl<'f, 'l> Search<'f, 'l> {
         Err(NotFound { expanded: total, is_certain: false })
     }
 
+    fn resumed(&self, units: &PlayedStations) -> Option<Move> {
+        let Resumed { units, motions, time } = self.floor.resume(units).filter(|_| self.resumes)?;
+        Some(Move { action: RecoveryAction::Resume, motions, time, after: units })
+    }
+
     /// Every action of a station that has an effect.
     fn actions(&self, units: &PlayedStations, station: usize) -> Vec<Move> {
         let id = StationId::at(station);
@@ -176,7 +191,8 @@ impl<'f, 'l> Search<'f, 'l> {
         for button in [PanelButton::Advance, PanelButton::Return] {
             if let Some(pressed) = self.floor.press(units, station, button) {
                 let action = RecoveryAction::Press(id, button);
-                moves.push(Move { action, motions: pressed.motions, time: pressed.time, after: pressed.units });
+                let motions = pressed.motions.into_iter().map(|place| (id, place)).collect();
+                moves.push(Move { action, motions, time: pressed.time, after: pressed.units });
             }
         }
         let report = &units[station].report;
@@ -266,6 +282,9 @@ impl<'s, 'f, 'l> BestFirst<'s, 'f, 'l> {
             for &station in moved {
                 self.expand(at, &units, done, station, estimate.0, moved);
             }
+            if let Some(resumed) = self.search.resumed(&units) {
+                self.go_on(at, &units, done, resumed);
+            }
         }
         Outcome::Exhausted
     }
@@ -288,12 +307,16 @@ impl<'s, 'f, 'l> BestFirst<'s, 'f, 'l> {
                 *least = estimate.min(*least);
             }
         }
-        for Move { action, motions, time, after } in moves {
-            let changed = after.iter().zip(units).any(|(a, b)| !Rc::ptr_eq(a, b) && a.key != b.key);
-            if changed {
-                let from = Some((at, action, motions, time));
-                self.enter(SearchNode { units: after, done: (done.0 + 1, done.1 + time), from });
-            }
+        for made in moves {
+            self.go_on(at, units, done, made);
+        }
+    }
+
+    fn go_on(&mut self, at: usize, units: &PlayedStations, done: Cost, Move { action, motions, time, after }: Move) {
+        let changed = after.iter().zip(units).any(|(a, b)| !Rc::ptr_eq(a, b) && a.key != b.key);
+        if changed {
+            let from = Some((at, action, motions, time));
+            self.enter(SearchNode { units: after, done: (done.0 + 1, done.1 + time), from });
         }
     }
 

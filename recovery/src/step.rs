@@ -53,6 +53,8 @@ pub enum RecoveryAction {
     Command(ModeCommand),
     /// Held until the motion has arrived, then released.
     Press(StationId, PanelButton),
+    /// Held at the console until what it leads on has arrived at every station, then released.
+    Resume,
     /// A station's selector: true is manual.
     Selector(StationId, bool),
     /// A person looks and confirms where the station stands.
@@ -100,7 +102,7 @@ impl RecoveryAction {
     pub fn station(&self) -> Option<StationId> {
         match self {
             RecoveryAction::First(need) => need.station(),
-            RecoveryAction::Command(_) => None,
+            RecoveryAction::Command(_) | RecoveryAction::Resume => None,
             RecoveryAction::Press(station, _) | RecoveryAction::Selector(station, _) => Some(*station),
             RecoveryAction::Rejoin { station, .. } => Some(*station),
         }

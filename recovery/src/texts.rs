@@ -106,6 +106,10 @@ impl RecoveryStep {
                 let moves: Vec<String> = self.moves.iter().map(|motion| motion.text(line)).collect();
                 format!("{}: hold {} until {}", name(*station), button.name(), moves.join(" and "))
             }
+            RecoveryAction::Resume => {
+                let moves = self.moves.iter().map(|motion| format!("{} {}", name(motion.station), motion.text(line)));
+                format!("hold resume at the console until {}", moves.collect::<Vec<_>>().join(" and "))
+            }
             RecoveryAction::Rejoin { station, at, or_within } => {
                 let op = |op: OpId| format!("`{}`", line.operation((*station, op)).name);
                 let stands = match (at, &self.after) {
@@ -137,6 +141,11 @@ impl RecoveryStep {
                 // Half as long again as the motion takes by the description, for what messages take.
                 let time: f64 = self.moves.iter().map(|m| m.time.as_secs_f64()).fold(0.0, f64::max) * 1.5 + 0.5;
                 words(&["press", "LINE", button.name(), "--station", &name(*station), "--for", &format!("{time:.1}")])
+            }
+            RecoveryAction::Resume => {
+                // They may have to wait for each other.
+                let time: f64 = self.moves.iter().map(|m| m.time.as_secs_f64()).sum::<f64>() * 1.5 + 0.5;
+                words(&["press", "LINE", "resume", "--for", &format!("{time:.1}")])
             }
             RecoveryAction::Selector(station, manual) => {
                 words(&["press", "LINE", if *manual { "manual" } else { "auto" }, "--station", &name(*station)])

@@ -4,7 +4,7 @@ use std::hash::{Hash, Hasher};
 use std::rc::Rc;
 use std::time::Duration;
 
-use linewright_line::net::StationPlace;
+use linewright_line::net::{ControlMode, StationPlace};
 use linewright_line::{Line, StationId, Tick};
 use linewright_station_logic::{
     Controller, Handled, ModeOrder, NO_DELAY, PanelCommand, RejoinAt, StationInput, StationOutbox, StationReport,
@@ -92,6 +92,14 @@ pub(crate) struct Pressed {
     pub time: Duration,
 }
 
+/// *Resume* held at the console, where it leads on more than one station.
+pub(crate) struct Resumed {
+    pub units: PlayedStations,
+    pub motions: Vec<(StationId, StationPlace)>,
+    /// Of all motions, one after the other.
+    pub time: Duration,
+}
+
 /// A line, with the readers of each station's reports.
 pub(crate) struct PlayedLine<'l> {
     pub line: &'l Line,
@@ -174,11 +182,51 @@ impl<'l> PlayedLine<'l> {
         Some(Pressed { units, motions, time })
     }
 
+    /// Holds *resume* until all that goes on by it has arrived. None where it leads on less than two stations: at one of them
+    /// the panel does as well. None, too, where something does not arrive.
+    pub fn resume(&self, before: &PlayedStations) -> Option<Resumed> {
+        if before.iter().filter(|unit| !unit.report.incomplete.is_empty()).count() < 2 {
+            return None;
+        }
+        let mut units = before.clone();
+        self.hold_resume(&mut units, true);
+        let (mut motions, mut time) = (Vec::new(), Duration::ZERO);
+        while let Some(station) = (0..units.len()).find(|&station| !units[station].motions().is_empty()) {
+            let id = StationId::at(station);
+            let (described, bits) = (self.line.station(id), units[station].report.measured);
+            let moves = units[station].motions();
+            self.image(&mut units, station, image::under_way(described, bits, &moves));
+            self.image(&mut units, station, image::arrived(self.line, id, bits, &moves));
+            // Each goes on once: no motion of these can be here again.
+            if !units[station].motions().is_empty() || !units[station].report.incomplete.is_empty() {
+                return None;
+            }
+            time += moves.iter().map(|&place| image::motion(described, place).1).max().unwrap_or_default();
+            motions.extend(moves.into_iter().map(|place| (id, place)));
+        }
+        self.hold_resume(&mut units, false);
+        let first = motions.first().map(|(id, _)| *id);
+        let is_more = motions.iter().any(|(id, _)| Some(*id) != first);
+        is_more.then_some(Resumed { units, motions, time })
+    }
+
+    fn hold_resume(&self, units: &mut PlayedStations, held: bool) {
+        for station in 0..units.len() {
+            let epoch = units[station].report.mode_epoch;
+            self.order(units, station, ModeOrder { resume: held, ..in_manual(epoch) });
+        }
+    }
+
     /// A person confirms where a station stands. None where its switches contradict, or its position is known.
     pub fn rejoin(&self, before: &PlayedStations, station: usize, at: RejoinAt) -> Option<PlayedStations> {
         let mut units = before.clone();
         self.give(&mut units, station, StationInput::Rejoin(at)).is_taken().then_some(units)
     }
+}
+
+/// The order of a commanded manual.
+pub(crate) fn in_manual(epoch: u64) -> ModeOrder {
+    ModeOrder { manual_all: true, ..ModeOrder::of(1, epoch, ControlMode::Manual, ModeOrder::FOR_GOOD) }
 }
 
 /// An image that the devices vouch for.

@@ -1,6 +1,8 @@
 //! Plans back to auto.
 
 mod brute_force;
+mod cells;
 mod operator;
 mod random_plays;
+mod resume;
 mod situations;

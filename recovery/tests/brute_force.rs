@@ -1,7 +1,7 @@
 //! By trying everything, no shorter list of presses exists than the plan's.
 //!
 //! Nothing of the search is used here: all controllers are copied in each state, all reports go to all, and every button of
-//! every panel is tried. The controllers are those of the simulation, from their own snapshots.
+//! every panel is tried, and resume. The controllers are those of the simulation, from their own snapshots.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::time::Duration;
@@ -19,16 +19,16 @@ use linewright_testkit::built::transfer_line;
 
 use crate::operator::{command, described, in_auto, run_for, situation};
 
-const NOW: Tick = Tick::from_millis(1);
+pub const NOW: Tick = Tick::from_millis(1);
 
 #[derive(Clone)]
-struct LineCopy {
+pub struct LineCopy {
     line: Line,
-    controllers: Vec<Controller>,
+    pub controllers: Vec<Controller>,
 }
 
 impl LineCopy {
-    fn of(sim: &LineSim) -> Self {
+    pub fn of(sim: &LineSim) -> Self {
         let line = sim.line().clone();
         let rules = Rules { timely: false, ..Rules::ALL };
         let controller = |id| {
@@ -80,10 +80,39 @@ impl LineCopy {
             next.give(station, StationInput::Panel(command(false)));
             return (next.key() != self.key()).then_some(next);
         }
+        next.arrive(station);
+        next.give(station, StationInput::Panel(command(false)));
+        let ended = next.controllers[station].marking().all(|place| !place.is_operating());
+        ended.then_some(next)
+    }
+
+    /// *Resume* held until nothing moves any more.
+    fn resumed(&self) -> Option<LineCopy> {
+        let mut next = self.clone();
+        let hold = |next: &mut LineCopy, resume| {
+            let manual = ModeOrder::of(1, 1, ControlMode::Manual, ModeOrder::FOR_GOOD);
+            for station in 0..next.controllers.len() {
+                next.give(station, StationInput::Order(ModeOrder { manual_all: true, resume, ..manual }));
+            }
+        };
+        hold(&mut next, true);
+        for _ in 0..next.controllers.len() * 4 {
+            for station in 0..next.controllers.len() {
+                next.arrive(station);
+            }
+        }
+        hold(&mut next, false);
+        let ended = next.controllers.iter().flat_map(Controller::marking).all(|place| !place.is_operating());
+        (ended && next.key() != self.key()).then_some(next)
+    }
+
+    /// Whatever moves at a station arrives.
+    pub fn arrive(&mut self, station: usize) {
+        let moving: Vec<StationPlace> = self.controllers[station].marking().filter(|p| p.is_operating()).collect();
         let described = &self.line.stations[station];
         let mut bits = self.controllers[station].report().measured;
         let mut arrived = 0;
-        for place in moving {
+        for place in &moving {
             let axis = described.operations[place.op.index()].motion.axis;
             for operation in described.operations.iter().filter(|operation| operation.motion.axis == axis) {
                 bits &= !operation.normal.complete.bit();
@@ -97,11 +126,10 @@ impl LineCopy {
                 _ => operation.normal.complete.bit(),
             };
         }
-        next.image(station, bits);
-        next.image(station, bits | arrived);
-        next.give(station, StationInput::Panel(command(false)));
-        let ended = next.controllers[station].marking().all(|place| !place.is_operating());
-        ended.then_some(next)
+        if !moving.is_empty() {
+            self.image(station, bits);
+            self.image(station, bits | arrived);
+        }
     }
 
     fn is_in_order(&self, at_home: bool) -> bool {
@@ -128,6 +156,10 @@ fn fewest(start: LineCopy, most: usize, at_home: bool) -> Option<usize> {
         if copy.is_in_order(at_home) {
             return Some(presses);
         }
+        let resumed = (presses < most).then(|| copy.resumed()).flatten();
+        if let Some(next) = resumed.filter(|next| seen.insert(next.key())) {
+            queue.push_back((next, presses + 1));
+        }
         for station in (0..copy.controllers.len()).filter(|_| presses < most) {
             for advance in [true, false] {
                 if let Some(next) = copy.pressed(station, advance)
@@ -142,7 +174,7 @@ fn fewest(start: LineCopy, most: usize, at_home: bool) -> Option<usize> {
 }
 
 /// The line is stopped at any moment; then panels are pressed at random, and let go half-way.
-fn disturbed(line: &Line, seed: u64) -> LineSim {
+pub fn disturbed(line: &Line, seed: u64) -> LineSim {
     let mut random = generate::Random::new(seed);
     let mut sim = in_auto(line, seed, Duration::from_millis(random.below(9_000) as u64));
     command(&mut sim, ModeCommand::EStop);
@@ -180,8 +212,8 @@ fn no_list_of_presses_is_shorter_on_small_lines() {
 #[test]
 fn no_list_of_presses_is_shorter_on_the_shipped_line() {
     let line = transfer_line();
-    let most = (0..20).map(|seed| compare(&line, seed)).max();
-    assert!(most > Some(1), "some need more than one: {most:?}");
+    let most = (0..60).map(|seed| compare(&line, seed)).max();
+    assert!(most > Some(0), "some need a press: {most:?}");
 }
 
 /// A station has lost its memory, its position is confirmed, and all are led home: they are in each other's way.

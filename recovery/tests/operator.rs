@@ -76,6 +76,12 @@ pub fn follow(sim: &mut LineSim, step: &RecoveryStep) {
             run_for(sim, longest.mul_f64(1.3) + Duration::from_millis(500));
             act(sim, OperatorAction::Panel { station: *station, advance, down: false });
         }
+        RecoveryAction::Resume => {
+            act(sim, OperatorAction::Resume(true));
+            let all: Duration = step.moves.iter().map(|motion| motion.time).sum();
+            run_for(sim, all.mul_f64(1.3) + Duration::from_millis(500));
+            act(sim, OperatorAction::Resume(false));
+        }
         RecoveryAction::Selector(station, manual) => act(sim, OperatorAction::Selector(*station, *manual)),
         RecoveryAction::Rejoin { station, at, .. } => {
             let within = match at {

@@ -15,6 +15,8 @@ pub(crate) struct HeldButtons {
     buttons: u32,
     /// Messages still to be sent that no hand-mode button is held.
     no_buttons: u8,
+    /// Resume: held, or how often the release is still to be sent.
+    resume: Option<Option<u8>>,
 }
 
 impl HeldButtons {
@@ -40,6 +42,21 @@ impl HeldButtons {
     /// Holds exactly these hand-mode buttons; that there is none is to be sent so often.
     pub(crate) fn hold(&mut self, buttons: u32, times: u8) {
         (self.buttons, self.no_buttons) = (buttons, times);
+    }
+
+    /// Holds resume, or releases it with so many messages.
+    pub(crate) fn resume(&mut self, held: bool, times: u8) {
+        self.resume = Some((!held).then_some(times));
+    }
+
+    /// Resume, to be sent again.
+    pub(crate) fn resume_again(&mut self) -> Option<bool> {
+        let left = self.resume?;
+        self.resume = match left {
+            None => Some(None),
+            Some(left) => left.checked_sub(1).filter(|&left| left > 0).map(Some),
+        };
+        Some(left.is_none())
     }
 
     /// Panel buttons to be sent again: station, advance rather than return, held rather than released.

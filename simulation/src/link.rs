@@ -39,6 +39,8 @@ pub(crate) enum LinkPayload {
     Command(ModeCommand),
     /// Hand-mode buttons held.
     Buttons(u32),
+    /// Resume held.
+    Resume(bool),
     /// A whole message, with its number.
     Whole(Box<Numbered>),
 }
@@ -94,8 +96,9 @@ pub(crate) struct Link {
     pub(crate) to: usize,
     /// Between stations: the operations of the writer that the reader has an arrow from. It looks at no other count.
     reads: Vec<OpId>,
-    /// The inputs of the writer that measure whether the two are clear of each other.
-    measures: u128,
+    /// The inputs of the writer that measure whether the two are clear of each other, where a conflict joins them. Then the
+    /// reader looks at the writer's marking, too.
+    measures: Option<u128>,
     /// The reader judges by the writer's cycle; see [`linewright_station_logic::Rules::counted`].
     reads_cycle: bool,
     queue: VecDeque<LinkMessage>,
@@ -123,7 +126,7 @@ pub(crate) struct Link {
 impl Link {
     pub(crate) fn new(
         (from, to): (usize, usize),
-        (reads, measures): (Vec<OpId>, u128),
+        (reads, measures): (Vec<OpId>, Option<u128>),
         reads_cycle: bool,
         term: Duration,
         seed: u64,
@@ -218,7 +221,7 @@ impl Link {
     pub(crate) fn say_word(&mut self, now: Tick, network: &Network, said: LinkPayload) {
         let is_held = match said {
             LinkPayload::Panel(command) => !matches!(command, PanelCommand::Selector(_)),
-            LinkPayload::Buttons(_) => true,
+            LinkPayload::Buttons(_) | LinkPayload::Resume(_) => true,
             _ => false,
         };
         let loss_per_mille = if network.best_effort && is_held { network.loss_per_mille } else { 0 };
@@ -234,7 +237,10 @@ impl Link {
             && before.request == now.request
             && (before.generation, before.position_lost, before.devices_valid)
                 == (now.generation, now.position_lost, now.devices_valid)
-            && (before.measured ^ now.measured) & self.measures == 0
+            && self.measures.is_none_or(|inputs| {
+                (before.measured ^ now.measured) & inputs == 0
+                    && (&before.places, before.recovering_home) == (&now.places, now.recovering_home)
+            })
             && self.reads.iter().all(|op| before.done[op.index()] == now.done[op.index()])
             && answer(before) == answer(now)
             && (!self.reads_cycle || before.cycle == now.cycle)
@@ -368,7 +374,7 @@ mod tests {
 
     /// Arrivals of a hundred messages, a millisecond apart, in order.
     fn arrivals(network: &Network, said: &WholeMessage) -> Vec<u64> {
-        let mut link = Link::new((0, 1), (Vec::new(), 0), false, Duration::from_secs(1), 1);
+        let mut link = Link::new((0, 1), (Vec::new(), None), false, Duration::from_secs(1), 1);
         for number in 1..=100 {
             link.say_numbered(Tick::from_millis(number), network, number, said.clone());
         }
@@ -397,7 +403,7 @@ mod tests {
     fn held_buttons_get_lost_where_a_network_is_that_bad_and_commands_never() {
         let network = Network { loss_per_mille: 500, ..BAD };
         let heard = |network: &Network, said: LinkPayload| {
-            let mut link = Link::new((0, 1), (Vec::new(), 0), false, Duration::from_secs(1), 1);
+            let mut link = Link::new((0, 1), (Vec::new(), None), false, Duration::from_secs(1), 1);
             (0..100).for_each(|at| link.say_word(Tick::from_millis(at), network, said.clone()));
             link.queue.len()
         };

@@ -9,7 +9,7 @@ use crate::options::SimOptions;
 pub(crate) fn links_of(line: &Line, options: &SimOptions) -> (Vec<Link>, Vec<Vec<usize>>) {
     let (coordinator, operator) = (line.stations.len(), line.stations.len() + 1);
     let (mut links, mut arrows) = (Vec::new(), Vec::new());
-    let mut add = |from: usize, to: usize, reads: (Vec<OpId>, u128), carried: Vec<usize>| {
+    let mut add = |from: usize, to: usize, reads: (Vec<OpId>, Option<u128>), carried: Vec<usize>| {
         let term = if from == coordinator { line.timing.lease } else { line.timing.stale };
         let mut link = Link::new((from, to), reads, !options.rules.counted, term, options.seed);
         link.wakes_always = options.one_by_one;
@@ -26,14 +26,14 @@ pub(crate) fn links_of(line: &Line, options: &SimOptions) -> (Vec<Link>, Vec<Vec
                 let mut reads: Vec<OpId> = carried.iter().map(|&at| line.arrows[at].from.1).collect();
                 reads.sort_unstable();
                 reads.dedup();
-                add(from, to, (reads, measures.unwrap_or(0)), carried);
+                add(from, to, (reads, measures), carried);
             }
         }
-        add(from, coordinator, (Vec::new(), 0), Vec::new());
-        add(coordinator, from, (Vec::new(), 0), Vec::new());
-        add(operator, from, (Vec::new(), 0), Vec::new());
+        add(from, coordinator, (Vec::new(), None), Vec::new());
+        add(coordinator, from, (Vec::new(), None), Vec::new());
+        add(operator, from, (Vec::new(), None), Vec::new());
     }
-    add(operator, coordinator, (Vec::new(), 0), Vec::new());
+    add(operator, coordinator, (Vec::new(), None), Vec::new());
     (links, arrows)
 }
 

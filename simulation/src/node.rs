@@ -39,6 +39,8 @@ pub(crate) struct StationNode {
     spare: VecDeque<Rc<StationReport>>,
 }
 
+/// Identity of the one console.
+const CONSOLE: u64 = 1;
 /// Reports kept for reuse; as many as are ever on their way at once, in practice.
 const SPARE_MAX: usize = 16;
 
@@ -99,7 +101,11 @@ impl StationNode {
             },
             LinkPayload::Panel(command) => StationArrival::Panel(*command),
             LinkPayload::Rejoin(within) => StationArrival::Rejoin((*within).into()),
-            LinkPayload::Again | LinkPayload::Heard(_) | LinkPayload::Command(_) | LinkPayload::Buttons(_) => return,
+            LinkPayload::Again
+            | LinkPayload::Heard(_)
+            | LinkPayload::Command(_)
+            | LinkPayload::Buttons(_)
+            | LinkPayload::Resume(_) => return,
         };
         self.shell.handle(now, arrival, &mut self.effects);
     }
@@ -231,6 +237,7 @@ impl CoordinatorNode {
             },
             LinkPayload::Command(command) => CoordinatorArrival::Command(*command),
             LinkPayload::Buttons(held) => CoordinatorArrival::Buttons(*held),
+            LinkPayload::Resume(held) => CoordinatorArrival::Resume { console: CONSOLE, held: *held },
             LinkPayload::Again
             | LinkPayload::Report(_)
             | LinkPayload::Order(_)

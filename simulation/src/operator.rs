@@ -50,6 +50,8 @@ pub enum OperatorAction {
     },
     /// Exactly these hand-mode buttons are held, a bit each.
     Buttons(u32),
+    /// Resume at the console goes down (`true`) or up.
+    Resume(bool),
     /// A station's selector: true is manual.
     Selector(StationId, bool),
     /// Motions of an operation fail, or work again (`None`).
@@ -108,6 +110,10 @@ impl LineSim {
             OperatorAction::Buttons(held) => {
                 self.hands.hold(held, RELEASES);
                 self.say_word(self.coordinator_node(), LinkPayload::Buttons(held));
+            }
+            OperatorAction::Resume(held) => {
+                self.hands.resume(held, RELEASES);
+                self.say_word(self.coordinator_node(), LinkPayload::Resume(held));
             }
             OperatorAction::Rejoin(station, within) => self.say_word(station.index(), LinkPayload::Rejoin(within)),
             OperatorAction::ForeignStop => self.say_foreign_stop(),
@@ -239,6 +245,9 @@ impl LineSim {
         if let Some(held) = self.hands.buttons_again() {
             self.say_word(self.coordinator_node(), LinkPayload::Buttons(held));
         }
+        if let Some(held) = self.hands.resume_again() {
+            self.say_word(self.coordinator_node(), LinkPayload::Resume(held));
+        }
     }
 }
 
@@ -252,6 +261,7 @@ impl OperatorAction {
                 let (side, way) = (if advance { "advance" } else { "return" }, if down { "down" } else { "up" });
                 format!("{side} of {} {way}", name(station))
             }
+            OperatorAction::Resume(down) => format!("resume {}", if down { "down" } else { "up" }),
             OperatorAction::Buttons(0) => "hand-mode buttons released".to_owned(),
             OperatorAction::Buttons(held) => {
                 let buttons = line.buttons.iter().enumerate().filter(|(at, _)| held >> at & 1 == 1);

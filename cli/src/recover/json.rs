@@ -46,6 +46,7 @@ struct StepJson {
 
 #[derive(Serialize)]
 struct MotionJson {
+    station: String,
     operation: String,
     undoing: bool,
     axis: String,
@@ -65,6 +66,7 @@ impl MotionJson {
             OperationModule::Reversible { .. } | OperationModule::Irreversible { .. } => operation.normal,
         };
         MotionJson {
+            station: station.name.clone(),
             operation: operation.name.clone(),
             undoing,
             axis: station.axes[operation.motion.axis.index()].name.clone(),
@@ -82,6 +84,7 @@ impl StepJson {
             RecoveryAction::First(_) => ("first", None, None),
             RecoveryAction::Command(command) => ("command", None, Some(command.name())),
             RecoveryAction::Press(_, button) => ("press", Some(button.name()), None),
+            RecoveryAction::Resume => ("resume", None, None),
             RecoveryAction::Selector(_, manual) => ("selector", Some(if *manual { "manual" } else { "auto" }), None),
             RecoveryAction::Rejoin { .. } => ("rejoin", None, None),
         };

@@ -24,6 +24,7 @@ use linewright_line::{Line, StationId, Tick};
 use crate::buttons::Buttons;
 use crate::decision::{ModeCommand, ModeFacts, next};
 use crate::refusal::{ModeRefusal, RefusedCommand};
+use crate::resume::ResumeButton;
 
 #[derive(Clone, Debug, Default)]
 struct StationEntry {
@@ -92,6 +93,9 @@ pub struct Coordinator {
     /// Wired hand-mode buttons that were down when the console was received again, and have not been up since.
     unreleased: u32,
     buttons: Buttons,
+    resume: ResumeButton,
+    /// The last order had it held.
+    has_resumed: bool,
     changed: bool,
     modes: Vec<ControlMode>,
     refusals: Vec<RefusedCommand>,
@@ -134,6 +138,8 @@ impl Coordinator {
             console_was_heard: false,
             unreleased: 0,
             buttons: Buttons::default(),
+            resume: ResumeButton::default(),
+            has_resumed: false,
             changed: true,
             modes: Vec::new(),
             refusals: Vec::new(),
@@ -183,6 +189,7 @@ impl Coordinator {
             master_stop: self.stopping.then(|| self.latest_round()),
             manual_all: self.manual_all,
             buttons: self.buttons.held(self.now) | self.wired_buttons(),
+            resume: self.resumes(),
             lease: self.line.timing.lease,
         }
     }
@@ -208,6 +215,10 @@ impl Coordinator {
             ModeInput::LateButtons(held) => {
                 self.buttons.hear_late(self.now, held, self.line.timing.stale);
                 self.changed = true;
+            }
+            ModeInput::Resume(console, held) => self.hear_resume(console, held),
+            ModeInput::LateResume(console, held) => {
+                self.resume.hear_late(self.now, console, held, self.line.timing.stale);
             }
             ModeInput::Station(id, heard) => self.hear_station(id, heard),
             ModeInput::Rival(life, until) => {
@@ -396,6 +407,8 @@ impl Coordinator {
         self.mode = mode;
         self.enabled = false;
         self.changed = true;
+        // Pressed in another mode it was not meant for this one.
+        self.resume.disarm();
         self.modes.push(mode);
         if mode != ControlMode::Auto {
             self.stopping = false;
@@ -432,6 +445,8 @@ impl Coordinator {
             self.changed = true;
             self.begin_cycle();
         }
+        let resumes = self.resumes();
+        self.changed |= std::mem::replace(&mut self.has_resumed, resumes) != resumes;
         out.lamps = self.lamps();
         out.changed = std::mem::take(&mut self.changed);
         out.modes.append(&mut self.modes);
@@ -445,7 +460,7 @@ impl Coordinator {
         let views = self.stations.iter().map(|s| s.known_until);
         let rival = self.rival.map_or(Tick::ZERO, |(_, until)| until);
         let manual = [self.manual_waits_until(), self.manual_given_up_at()];
-        views.chain(manual).chain([self.buttons.until(), rival]).filter(|&t| t > self.now).min()
+        views.chain(manual).chain([self.buttons.until(), self.resume.until(), rival]).filter(|&t| t > self.now).min()
     }
 
     fn lamps(&self) -> u128 {

@@ -9,10 +9,11 @@ mod coordinator;
 pub mod decision;
 mod gateway;
 mod refusal;
+mod resume;
 mod texts;
 
 pub use coordinator::{CompletedCycle, Coordinator, EStopCause, ModeGrant, ModeInput, ModeOutbox, StationView};
 pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};
-pub use refusal::{ModeRefusal, RefusedCommand};
+pub use refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
 pub use texts::ModeText;

@@ -54,14 +54,40 @@ pub enum ModeRefusal {
     BetweenRests(StationId),
     /// A station is at home, but a round behind another.
     Behind(StationId),
+    /// Resume takes effect in manual only.
+    NotManual,
+    /// The line is in manual by selectors: the panels are the stations' own.
+    ManualBySelectors,
+    /// Two consoles send resume.
+    TwoConsoles,
+    /// Resume was held while it could not take effect, and not seen released since.
+    Unreleased,
     /// The command was obeyed, and its mode could not be reached within this time for the other reasons.
     GivenUp(Duration),
+}
+
+/// A command of an operator at a console.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OperatorCommand {
+    Mode(ModeCommand),
+    /// Resume, held.
+    Resume,
+}
+
+impl OperatorCommand {
+    /// The word an operator types.
+    pub const fn name(self) -> &'static str {
+        match self {
+            OperatorCommand::Mode(command) => command.name(),
+            OperatorCommand::Resume => "resume",
+        }
+    }
 }
 
 /// A command that was not obeyed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RefusedCommand {
-    pub command: ModeCommand,
+    pub command: OperatorCommand,
     /// The mode that refused it.
     pub mode: ControlMode,
     /// All reasons, at least one.

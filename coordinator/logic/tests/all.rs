@@ -4,6 +4,7 @@ mod common;
 mod cycle_time;
 mod isolated;
 mod mode_table;
+mod resume;
 mod task_driven;
 mod texts;
 mod watchfulness;

@@ -1,7 +1,7 @@
 //! All texts of the mode decision in one list. A new reason without a text, or without a place in the list, does not
 //! compile.
 
-use linewright_coordinator_logic::{EStopCause, ModeCommand, ModeRefusal, ModeText, RefusedCommand};
+use linewright_coordinator_logic::{EStopCause, ModeCommand, ModeRefusal, ModeText, OperatorCommand, RefusedCommand};
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, TransferLine, parse};
 
@@ -35,6 +35,10 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::Unaware(_) => ModeRefusal::Unaware(station);
         ModeRefusal::NotAtHome(_) => ModeRefusal::NotAtHome(station);
         ModeRefusal::Behind(_) => ModeRefusal::Behind(station);
+        ModeRefusal::NotManual => ModeRefusal::NotManual;
+        ModeRefusal::ManualBySelectors => ModeRefusal::ManualBySelectors;
+        ModeRefusal::TwoConsoles => ModeRefusal::TwoConsoles;
+        ModeRefusal::Unreleased => ModeRefusal::Unreleased;
         ModeRefusal::GivenUp(_) => ModeRefusal::GivenUp(std::time::Duration::from_secs(30));
     })
 }
@@ -54,9 +58,14 @@ fn causes() -> Vec<EStopCause> {
 fn all_texts_of_the_mode_decision() {
     let line = parse("line.toml", &TransferLine::default().text()).expect("sound").line;
     let refusal = RefusedCommand {
-        command: ModeCommand::Auto,
+        command: OperatorCommand::Mode(ModeCommand::Auto),
         mode: ControlMode::StandBy,
         reasons: vec![ModeRefusal::Moving(StationId(0)), ModeRefusal::EStopPressed],
+    };
+    let resume = RefusedCommand {
+        command: OperatorCommand::Resume,
+        mode: ControlMode::Auto,
+        reasons: vec![ModeRefusal::NotManual],
     };
     let modes = [
         ModeText { stopping: true, ..ModeText::default() },
@@ -76,7 +85,7 @@ fn all_texts_of_the_mode_decision() {
     stops.push(ModeText::default());
     let lists = [
         listed("why a command is refused", &reasons(), |reason| reason.text(&line)),
-        listed("a refusal", &[refusal], |refusal| refusal.text(&line)),
+        listed("a refusal", &[refusal, resume], |refusal| refusal.text(&line)),
         listed("the mode", &modes, |mode| mode.text(ControlMode::Auto)),
         listed("the emergency stop", &stops, |mode| mode.text(ControlMode::EStop)),
     ];

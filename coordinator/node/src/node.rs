@@ -269,6 +269,9 @@ impl CoordinatorLoop {
                 Ok(held) => self.handle(CoordinatorArrival::Buttons(held)),
                 Err(unknown) => self.refuse(unknown),
             },
+            CoordinatorInbound::Resume { console, held } => {
+                self.handle(CoordinatorArrival::Resume { console, held });
+            }
             CoordinatorInbound::Order { boot_id, sequence } => {
                 self.handle(CoordinatorArrival::Order { boot_id, sequence })
             }
@@ -451,6 +454,7 @@ impl CoordinatorLoop {
             stop_round: order.master_stop.unwrap_or(0),
             manual_all: order.manual_all,
             buttons: order.buttons,
+            resume: order.resume,
             lease_ms: u32::try_from(order.lease.as_millis()).unwrap_or(u32::MAX),
             found_generation: found.first().map_or(0, |founding| founding.generation),
             found_lives: found.iter().map(|founding| founding.boot_id).collect(),

@@ -2,7 +2,7 @@
 
 use linewright_coordinator_logic::CompletedCycle;
 use linewright_line::{DeviceBus, Line, StationId};
-use linewright_msgs::{CycleTime, LineState, ModeOrder, ProcessImage, StationState, Text};
+use linewright_msgs::{CycleTime, Flag, LineState, ModeOrder, ProcessImage, StationState, Text};
 use linewright_node_shell::{
     Forward, MessagePace, Publisher, RosNode, TopicError, forward, forward_present, qos, stamp, watch_middleware,
 };
@@ -15,6 +15,12 @@ pub enum CoordinatorInbound {
     Command(String),
     /// Hand-mode buttons held, by name, separated by blanks.
     Buttons(String),
+    /// Resume, held or released.
+    Resume {
+        /// One for each publisher, and for each start of it.
+        console: u64,
+        held: bool,
+    },
     /// An order that was given on this line: the coordinator's life, and its number there.
     Order { boot_id: u64, sequence: u64 },
     /// A station's state.
@@ -67,6 +73,9 @@ pub fn open(
         }),
         forward(node.subscription("buttons", qos::command())?, to.clone(), |m: Text, _| {
             Some(CoordinatorInbound::Buttons(m.data))
+        }),
+        forward(node.subscription("resume", qos::command())?, to.clone(), |m: Flag, source| {
+            Some(CoordinatorInbound::Resume { console: source.publisher_id(), held: m.data })
         }),
     ];
     for id in line.station_ids() {

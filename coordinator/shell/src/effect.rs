@@ -12,6 +12,12 @@ pub enum CoordinatorArrival {
     Command(ModeCommand),
     /// Hand-mode buttons held, a bit each.
     Buttons(u32),
+    /// Resume at a console.
+    Resume {
+        /// The console's identity, another one with each start of it.
+        console: u64,
+        held: bool,
+    },
     /// An order that was given on this line, by whichever coordinator.
     Order {
         /// The coordinator's life.

@@ -173,6 +173,7 @@ impl CoordinatorShell {
             master_stop: order.master_stop,
             manual_all: order.manual_all,
             buttons: order.buttons,
+            resume: order.resume,
             lease: order.lease,
             found: None,
         }
@@ -200,6 +201,12 @@ impl CoordinatorShell {
                 self.coordinator.handle(now, ModeInput::LateButtons(held));
             }
             CoordinatorArrival::Buttons(held) => self.coordinator.handle(now, ModeInput::Buttons(held)),
+            CoordinatorArrival::Resume { console, held } if is_doubtful => {
+                self.coordinator.handle(now, ModeInput::LateResume(console, held));
+            }
+            CoordinatorArrival::Resume { console, held } => {
+                self.coordinator.handle(now, ModeInput::Resume(console, held));
+            }
             CoordinatorArrival::Order { boot_id, sequence } => {
                 if boot_id != self.boot_id && !is_doubtful {
                     self.rivals.hear(now, (boot_id, sequence), now);

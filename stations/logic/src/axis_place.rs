@@ -20,7 +20,6 @@ use linewright_line::{Device, Drive, DriveIndex, Line, OpId, Owner, StationId};
 
 use crate::controller::Controller;
 use crate::event::PlacesApart;
-use crate::homing::PeerSpan;
 use crate::parts::{IndexProgress, RunCommand, Token};
 use crate::program::PlaceTable;
 
@@ -34,8 +33,6 @@ pub(crate) struct NumberedPlaces {
     is_homed: bool,
     /// The switches of the other axes while the index turns.
     pub while_turning: u128,
-    /// The other stations' states of the conflicts, where the drive is homed.
-    pub others: Vec<PeerSpan>,
 }
 
 /// The drive that turns an endless axis of a station from place to place.
@@ -48,8 +45,7 @@ impl NumberedPlaces {
     pub fn of(drive: &Drive, numbers: &DriveIndex, (line, station): (&Line, StationId), op: OpId) -> Self {
         let while_turning = line.station(station).rest_inputs(StationPlace::operating(op));
         let is_homed = drive.homing.is_some();
-        let others = if is_homed { PeerSpan::of(line, station) } else { Vec::new() };
-        NumberedPlaces { op, numbers: numbers.clone(), is_homed, while_turning, others }
+        NumberedPlaces { op, numbers: numbers.clone(), is_homed, while_turning }
     }
 
     /// Whether the drive is homed: until then it measures nothing.

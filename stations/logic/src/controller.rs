@@ -96,6 +96,8 @@ pub struct Controller {
     pub(crate) levels: Levels,
     pub(crate) agreement: Agreement,
     pub(crate) homing: Homing,
+    /// Operations that have gone on since *resume* is held, a bit each; see `resume`.
+    pub(crate) resumed: u64,
     /// Of a task-driven station.
     pub(crate) orders: Option<Box<OrderSlot>>,
     pub(crate) output: StationOutput,
@@ -150,6 +152,7 @@ impl Controller {
             levels: Levels { now: 0, before: 0, mode: ControlMode::StandBy },
             agreement: Agreement { pending: None, next_request: 1, refusal: None },
             homing: Homing::default(),
+            resumed: 0,
             orders: program.tasks.as_ref().map(|_| Box::new(OrderSlot::new(boot_id))),
             output: StationOutput::default(),
             due: Due { outputs: true, report: true, settled: false, deadline: Tick::ZERO },

@@ -52,6 +52,7 @@ impl Controller {
                 if is_reported {
                     self.trust_other_end(StationPlace { op, block, stage: MotionStage::Operating });
                 }
+                self.note_resumed(op);
                 self.go(op, StationPlace { op, block, stage: MotionStage::Operating }, counts)
             }
             TransitionKind::Retract(op) => self.go(op, StationPlace::undoing(op), true),

@@ -17,13 +17,12 @@
 //! station relies on its measured positions or on its standstill. Where the axis is homed it is compared with the place that is
 //! known (see `axis_place`).
 
-use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace};
-use linewright_line::{Line, OpId, StateSpan, StationId, Tick};
+use linewright_line::net::{ControlMode, MotionStage, StationPlace};
+use linewright_line::{OpId, StationId, Tick};
 
 use crate::controller::Controller;
 use crate::position_guard::{OwnSide, PositionGuard};
 use crate::program::{IncomingArrow, bit};
-use crate::views::PeerView;
 
 /// Times the age of a stale message: one for the view by which another station starts, one for the view of that start.
 const SILENCES: u32 = 2;
@@ -55,57 +54,6 @@ pub(crate) enum HomingNeed<'a> {
     Fault(u128),
     /// The end of all views of the time before.
     OldViews,
-}
-
-/// The other station's state of a conflict, as its marking shows it.
-#[derive(Clone, Debug)]
-pub(crate) struct PeerSpan {
-    conflict: u16,
-    /// Its operations in the state, a bit each; those it begins with; those it ends with.
-    inside: u64,
-    first: u64,
-    last: u64,
-}
-
-impl PeerSpan {
-    pub fn of(line: &Line, station: StationId) -> Vec<Self> {
-        let sides = line.conflicts.iter().enumerate().filter_map(|(nth, conflict)| match (&conflict.a, &conflict.b) {
-            (a, b) if a.station == station => Some((nth, b)),
-            (a, b) if b.station == station => Some((nth, a)),
-            _ => None,
-        });
-        sides.map(|(nth, other)| PeerSpan::of_state(line, nth as u16, other)).collect()
-    }
-
-    fn of_state(line: &Line, conflict: u16, span: &StateSpan) -> Self {
-        let station = line.station(span.station);
-        let steps = station.steps_of_span(span);
-        let ops = |within: &dyn Fn(usize) -> bool| {
-            let ops = station.op_ids().filter(|&op| within(station.step_of(op)));
-            ops.fold(0, |bits, op| bits | 1u64 << op.0)
-        };
-        PeerSpan {
-            conflict,
-            inside: ops(&|step| steps.contains(&step)),
-            first: ops(&|step| steps.first() == Some(&step)),
-            last: ops(&|step| steps.last() == Some(&step)),
-        }
-    }
-
-    /// Whether a marking is outside. One that is not known is not, nor is one on a recovery path.
-    fn is_left_by(&self, view: &PeerView) -> bool {
-        let mut marked = view.places.iter().enumerate().filter(|&(_, &number)| number != 0).peekable();
-        let is_outside = |(op, &number): (usize, &u8)| {
-            let has = |ops: u64| ops & (1 << op) != 0;
-            StationPlace::from_number(OpId::at(op), number).is_some_and(|place| match (place.stage, place.block) {
-                _ if !has(self.inside) => true,
-                (MotionStage::Completed, Block::Normal) => has(self.last),
-                (MotionStage::Completed, Block::Recovery) => has(self.first),
-                (MotionStage::Operating | MotionStage::Incomplete, _) => false,
-            })
-        };
-        !view.recovering_home && marked.peek().is_some() && marked.all(is_outside)
-    }
 }
 
 impl Controller {
@@ -160,7 +108,7 @@ impl Controller {
 
     fn guard_need(&self, guard: PositionGuard) -> Option<HomingNeed<'_>> {
         let peer = usize::from(guard.peer);
-        let (view, axis) = (&self.views.peers[peer], self.program.places_of_axis.as_ref()?);
+        let view = &self.views.peers[peer];
         if guard.own == OwnSide::Inside {
             if !self.views.is_heard(peer, self.now) {
                 return Some(HomingNeed::State(view.station));
@@ -178,7 +126,7 @@ impl Controller {
         if !self.views.stands(peer, self.now) {
             return Some(HomingNeed::Standstill(view.station));
         }
-        let mut spans = axis.others.iter().filter(|span| span.conflict == guard.conflict);
+        let mut spans = self.program.spans.iter().filter(|span| span.conflict == guard.conflict);
         (!spans.all(|span| span.is_left_by(view))).then_some(HomingNeed::Outside(view.station, guard.conflict))
     }
 

@@ -77,7 +77,7 @@ impl Controller {
     }
 
     /// Whether its axes stand by the chart.
-    fn is_placed(&self) -> bool {
+    pub(crate) fn is_placed(&self) -> bool {
         !self.marking.unconfirmed && self.marking.placed && self.position_lost().is_none()
     }
 

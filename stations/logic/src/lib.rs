@@ -49,10 +49,11 @@
 //! # Inside
 //! The net comes from [`linewright_line::net`]; here it is compiled to tables (`program`) and played (`step`, `fire`).
 //! Counted internal variables are in `views`, taking a count back by agreement in `withdraw`, which counts may be compared
-//! in `generation`; the check of measured positions, which needs no memory, in `interlock`. A task-driven station has
-//! `slot` besides. `texts` has what operators read. There is no clock, no thread and no message format here.
+//! in `generation`; the check of measured positions, which needs no memory, in `interlock`; what a console may lead on in
+//! `resume`. A task-driven station has `slot` besides. `texts` has what operators read. There is no clock, no thread and no message format here.
 
 mod axis_place;
+mod conflict_spans;
 mod controller;
 mod drive;
 mod event;
@@ -74,6 +75,7 @@ mod program;
 mod rejoin;
 mod report;
 mod restore;
+mod resume;
 mod rules;
 mod situation;
 mod slot;

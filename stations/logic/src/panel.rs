@@ -38,6 +38,8 @@ pub struct ModeOrder {
     pub manual_all: bool,
     /// Hand-mode buttons held, a bit each.
     pub buttons: u32,
+    /// *Resume* is held at a console: what was stopped before its end goes on (see `resume`).
+    pub resume: bool,
     /// The order holds for this long after its arrival.
     pub lease: Duration,
     /// A generation is founded: a station at home counts anew.
@@ -58,6 +60,7 @@ impl ModeOrder {
             master_stop: None,
             manual_all: false,
             buttons: 0,
+            resume: false,
             lease,
             found: None,
         }
@@ -141,6 +144,8 @@ pub(crate) struct Commands {
     stop: Option<EmergencyStopInForce>,
     advance: HeldButton,
     retract: HeldButton,
+    /// Held at a console; by order.
+    resume: HeldButton,
     selector: bool,
     /// From the station's own inputs: manual, advance, return.
     wired: (bool, bool, bool),
@@ -159,6 +164,7 @@ impl Commands {
             stop: None,
             advance: HeldButton::default(),
             retract: HeldButton::default(),
+            resume: HeldButton::default(),
             selector: false,
             wired: (false, false, false),
             armed: 0,
@@ -180,7 +186,7 @@ impl Commands {
         }
         // A button that another coordinator holds down was not pressed now.
         if self.order.is_some_and(|current| order.boot_id != current.boot_id) {
-            self.disarm(bit::HELD);
+            self.disarm(bit::HELD | bit::RESUME);
         }
         let given = (order.boot_id, order.epoch);
         if is_stop {
@@ -193,6 +199,8 @@ impl Commands {
         }
         self.order = Some(order);
         self.order_until = now + order.lease;
+        // No longer than any other button that is held by message, however long the lease.
+        self.resume.hear(now, order.resume, term);
         Ok(())
     }
 
@@ -311,6 +319,7 @@ impl Commands {
         let advance = self.wired.1 || self.advance.is_held(now);
         let retract = self.wired.2 || self.retract.is_held(now);
         raw |= if advance { bit::ADVANCE } else { 0 } | if retract { bit::RETRACT } else { 0 };
+        raw |= if live && self.resume.is_held(now) { bit::RESUME } else { 0 };
         if live {
             self.armed |= !raw;
         }
@@ -318,7 +327,11 @@ impl Commands {
         if advance && retract {
             self.disarm(bit::PANEL);
         }
-        let in_force = if panel_is_live { bit::PANEL | bit::HELD } else { bit::HELD };
+        // The panel comes first: where its selector stands at manual or its button is down, the console has to let go of resume.
+        if advance || retract || self.selector_manual() {
+            self.disarm(bit::RESUME);
+        }
+        let in_force = if panel_is_live { bit::PANEL | bit::HELD | bit::RESUME } else { bit::HELD };
         raw & self.armed & in_force
     }
 
@@ -327,20 +340,21 @@ impl Commands {
         let live = self.is_live(now);
         let order = self.order.map(|o| (o.mode as i64, o.enabled, o.manual_all, o.buttons, o.master_stop));
         let (mode, enabled, manual_all, buttons, stop) = order.unwrap_or((-1, false, false, 0, None));
-        out.extend([mode, i64::from(buttons), stop.map_or(i64::MIN, i64::from)]);
+        let resume = i64::from(self.resume.is_held(now)) << 32;
+        out.extend([mode, i64::from(buttons) | resume, stop.map_or(i64::MIN, i64::from)]);
         let by_another = |stop: &EmergencyStopInForce| stop.is_given_by_another(self.followed(), now);
         let stop = self.stop.map(|stop| (stop.ordered.is_some(), by_another(&stop)));
         out.push(stop.map_or(-1, |(ordered, other)| i64::from(ordered) * 2 + i64::from(other)));
         out.extend([live, enabled, manual_all, self.panel_is_live, self.selector_manual()].map(i64::from));
         let levels = [self.wired.1, self.wired.2, self.advance.is_held(now), self.retract.is_held(now)];
         out.extend(levels.map(i64::from));
-        out.extend([self.armed & (bit::PANEL | bit::HELD)].map(|bits| bits as i64));
+        out.extend([self.armed & (bit::PANEL | bit::HELD | bit::RESUME)].map(|bits| bits as i64));
     }
 
     /// Time of the next expiry in here, if nothing is received until then.
     pub(crate) fn deadline(&self, now: Tick) -> Tick {
         let contest = self.contest.map_or(Tick::ZERO, |contest| contest.until);
-        [self.order_until, contest, self.advance.until, self.retract.until]
+        [self.order_until, contest, self.advance.until, self.retract.until, self.resume.until]
             .into_iter()
             .filter(|&t| t > now)
             .min()

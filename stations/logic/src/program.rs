@@ -13,6 +13,7 @@ use linewright_line::net::{
 use linewright_line::{ButtonId, Line, MotionSignals, OpId, OperationModule, RestId, StationId, TaskId};
 
 use crate::axis_place::{NumberedPlaces, index_drive};
+use crate::conflict_spans::ConflictSpans;
 use crate::peer_set::{PEERS_MAX, PeerSet};
 use crate::position_guard::{Interlocks, partners};
 use crate::tasks::StationTasks;
@@ -31,6 +32,8 @@ pub(crate) mod bit {
     pub const MASTER_STOP: u128 = 1 << 8;
     /// A task-driven station is to go back to the rest it came from.
     pub const SECURE: u128 = 1 << 9;
+    /// *Resume* is held at a console; see `resume`.
+    pub const RESUME: u128 = 1 << 10;
     /// One bit for each recovery path.
     pub const PATH_0: u32 = 16;
     pub const PATHS_MAX: usize = 16;
@@ -191,6 +194,8 @@ pub struct Program {
     pub(crate) buttons: u128,
     /// Measurements required for its motions.
     pub(crate) interlocks: Interlocks,
+    /// The two states of each of its conflicts, by markings.
+    pub(crate) spans: Vec<ConflictSpans>,
     /// All switches of its axes.
     pub(crate) switches: u128,
     /// All switches of its indexes.
@@ -278,6 +283,7 @@ impl Program {
                 all.into_iter().flatten().fold(bits, |bits, button| bits | held(button))
             }),
             interlocks: Interlocks::of(line, station, &peers, &paths),
+            spans: ConflictSpans::of(line, station, &peers),
             switches: described.all_switches(),
             index_switches,
             measured_after: (0..described.steps.len()).map(|step| described.measured_after(step)).collect(),

@@ -46,6 +46,9 @@ pub struct StationReport {
     pub measured_age: Duration,
     /// An axis that stands still by the chart and is not measured there: the operation at whose place, and the switch.
     pub position_lost: Option<(OpId, InputId)>,
+    /// Where its mechanisms stand is known: confirmed, read off the switches, or following from such. Not after a start with a
+    /// record that may be older than they are.
+    pub placed: bool,
     /// Operations stopped before their end, with the cause.
     pub incomplete: Vec<(OpId, StopCause)>,
     /// The request to take counts back that is open.

@@ -8,6 +8,7 @@ use linewright_line::net::MotionStage;
 use linewright_line::{OpId, StationId};
 
 use crate::controller::Controller;
+use crate::program::bit;
 use crate::report::{WithdrawalAnswer, WithdrawalRequest};
 
 /// Origin of a situation, for one writer of requests.
@@ -114,6 +115,7 @@ impl Controller {
         out.extend(self.program.places_of_axis.as_ref().map(|_| i64::from(self.homing.is_driven)));
         out.push(i64::from(self.views.generation != 0));
         self.commands.situation(self.now, out);
+        out.extend((self.levels.now & bit::RESUME != 0).then_some(self.resumed as i64));
         match &self.agreement.pending {
             None => out.push(-1),
             Some(pending) => {

@@ -115,6 +115,7 @@ impl Controller {
         self.watch_order();
         let levels = levels | path | self.stop_bit() | self.order_bits();
         self.due.outputs |= levels != self.levels.now;
+        self.follow_resume(levels);
         self.levels.now = levels;
         let mode = self.commands.mode();
         if mode != self.levels.mode {
@@ -219,6 +220,9 @@ impl Controller {
         let table = &self.program.places[token.place as usize];
         if table.complete != 0 {
             word |= self.motion_bits(index);
+        }
+        if word & bit::RESUME != 0 {
+            word |= self.resume_bits(index);
         }
         let table = &self.program.places[token.place as usize];
         let (start, end) = table.rows[mode as usize];

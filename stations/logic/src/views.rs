@@ -138,7 +138,7 @@ impl PeerViews {
         view.done.copy_from_slice(&report.done);
         view.cycle = report.cycle;
         view.places.clear();
-        if program.places_of_axis.is_some() && report.places.len() == bits {
+        if !program.spans.is_empty() && report.places.len() == bits {
             view.places.extend_from_slice(&report.places);
             view.recovering_home = report.recovering_home;
         }

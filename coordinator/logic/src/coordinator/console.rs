@@ -1,9 +1,11 @@
-//! The console: its inputs as commands, its buttons, and its emergency stop.
+//! The console: its inputs as commands, its buttons, resume, and its emergency stop.
 
+use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Owner};
 
 use super::{Coordinator, EStopCause};
 use crate::decision::ModeCommand;
+use crate::refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
 
 impl Coordinator {
     pub(super) fn wired_buttons(&self) -> u32 {
@@ -65,5 +67,29 @@ impl Coordinator {
             }
         }
         self.console_was_heard |= valid;
+    }
+    /// Whether resume is in force: held at one console, in a manual that was commanded and that every station has acknowledged.
+    pub(super) fn resumes(&self) -> bool {
+        self.mode == ControlMode::Manual && self.manual_all && self.enabled && self.resume.is_held(self.now)
+    }
+
+    pub(super) fn hear_resume(&mut self, console: u64, held: bool) {
+        if !self.resume.hear(self.now, console, held, self.line.timing.stale) {
+            return;
+        }
+        let reason = match self.rival() {
+            _ if self.mode != ControlMode::Manual => Some(ModeRefusal::NotManual),
+            Some(life) => Some(ModeRefusal::OtherCoordinator(life)),
+            None if !self.manual_all => Some(ModeRefusal::ManualBySelectors),
+            None if self.resume.is_contested(self.now) => Some(ModeRefusal::TwoConsoles),
+            None if self.resume.is_unreleased() => Some(ModeRefusal::Unreleased),
+            None => None,
+        };
+        if let Some(reason) = reason {
+            self.resume.disarm();
+            let (command, mode) = (OperatorCommand::Resume, self.mode);
+            self.refusals.push(RefusedCommand { command, mode, reasons: vec![reason] });
+            self.changed = true;
+        }
     }
 }

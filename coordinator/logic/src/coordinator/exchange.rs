@@ -63,6 +63,10 @@ pub enum ModeInput {
     Buttons(u32),
     /// The same, from an unknown time: none of them counts, and those held are not released by it.
     LateButtons(u32),
+    /// Resume at a console, by message: the console's identity, and whether it is held. Must be refreshed.
+    Resume(u64, bool),
+    /// The same, from an unknown time.
+    LateResume(u64, bool),
     /// A newer report of a station.
     Station(StationId, StationView),
     /// A station reports an emergency stop, in a state of which nothing else can be used.
@@ -90,6 +94,8 @@ pub struct ModeGrant {
     pub manual_all: bool,
     /// Hand-mode buttons held.
     pub buttons: u32,
+    /// Resume is held at a console.
+    pub resume: bool,
     /// Validity of the order after its arrival.
     pub lease: Duration,
 }

@@ -7,7 +7,7 @@ use linewright_line::{StationId, Tick};
 
 use super::{Coordinator, EStopCause};
 use crate::decision::ModeCommand;
-use crate::refusal::{ModeRefusal, RefusedCommand};
+use crate::refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
 
 /// Longest wait of a commanded manual for stations to stand. That takes a moment; minutes later the mode must not change by itself.
 const MANUAL_WAIT_MAX: Duration = Duration::from_secs(30);
@@ -26,7 +26,7 @@ impl Coordinator {
             self.found_away = false;
         } else {
             (self.ended, self.found_away) = ended;
-            self.refusals.push(RefusedCommand { command, mode: self.mode, reasons });
+            self.refusals.push(RefusedCommand { command: OperatorCommand::Mode(command), mode: self.mode, reasons });
         }
     }
 
@@ -214,7 +214,11 @@ impl Coordinator {
         let mut reasons = self.against_manual();
         reasons.extend(self.which(|h| h.stopped && !self.is_at_rest(h), ModeRefusal::Unaware));
         reasons.push(ModeRefusal::GivenUp(MANUAL_WAIT_MAX));
-        self.refusals.push(RefusedCommand { command: ModeCommand::Manual, mode: self.mode, reasons });
+        self.refusals.push(RefusedCommand {
+            command: OperatorCommand::Mode(ModeCommand::Manual),
+            mode: self.mode,
+            reasons,
+        });
     }
 
     /// From home to stand-by and on to manual, as by start and manual one after the other. A generation that is missing is

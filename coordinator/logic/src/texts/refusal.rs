@@ -75,6 +75,18 @@ impl ModeRefusal {
                         console device"
                     .to_owned();
             }
+            ModeRefusal::NotManual => return "takes effect in manual only; give manual first, then hold it".to_owned(),
+            ModeRefusal::ManualBySelectors => {
+                return "manual by selectors, each panel is its station's own; turn the selectors to auto, give manual, then \
+                        hold it"
+                    .to_owned();
+            }
+            ModeRefusal::TwoConsoles => {
+                return "two consoles send it, nothing goes on; release it at both, then hold it at one".to_owned();
+            }
+            ModeRefusal::Unreleased => {
+                return "not seen released since it was held before; release it first".to_owned();
+            }
             ModeRefusal::NotHeard(station) => (station, "no state received"),
             ModeRefusal::DevicesLost(station) => (station, "I/O devices lost"),
             ModeRefusal::Incomplete(station, Some(op)) if line.station(*station).index_of(*op).is_some() => {
@@ -133,13 +145,15 @@ mod tests {
     use linewright_line::{StationId, TransferLine};
 
     use super::*;
+    use crate::refusal::OperatorCommand;
 
     #[test]
     fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {
         let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
         let reasons =
             vec![ModeRefusal::DevicesLost(StationId(1)), ModeRefusal::ConsoleLost, ModeRefusal::Moving(StationId(0))];
-        let refusal = RefusedCommand { command: ModeCommand::Auto, mode: ControlMode::StandBy, reasons };
+        let refusal =
+            RefusedCommand { command: OperatorCommand::Mode(ModeCommand::Auto), mode: ControlMode::StandBy, reasons };
         let known = |owner| match owner {
             Owner::Station(_) => "clamp 1 io (node 21h): no heartbeat (1017h) for 230 ms".to_owned(),
             Owner::Console => String::new(),
@@ -154,7 +168,8 @@ mod tests {
         let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
         let apart = line.station_ids().map(ModeRefusal::NoCommonStart);
         let reasons = apart.chain([ModeRefusal::NotAtHome(StationId(1))]).collect();
-        let refusal = RefusedCommand { command: ModeCommand::Auto, mode: ControlMode::StandBy, reasons };
+        let refusal =
+            RefusedCommand { command: OperatorCommand::Mode(ModeCommand::Auto), mode: ControlMode::StandBy, reasons };
         let text = refusal.text(&line);
         assert_eq!(text.matches("lead all stations home").count(), 1, "{text}");
         assert!(text.starts_with("auto refused in stand-by: clamp_1: not at home; transfer, clamp_1, "), "{text}");

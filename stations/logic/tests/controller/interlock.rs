@@ -11,25 +11,25 @@ use linewright_station_logic::{
 
 use linewright_testkit::built::transfer_line;
 
-const BAR: StationId = StationId(0);
+pub const BAR: StationId = StationId(0);
 const CLAMP: StationId = StationId(1);
-const MILL: StationId = StationId(2);
-const GENERATION: u64 = 5;
+pub const MILL: StationId = StationId(2);
+pub const GENERATION: u64 = 5;
 
-struct Bench {
-    line: Line,
-    clamp: Controller,
+pub struct Bench {
+    pub line: Line,
+    pub clamp: Controller,
     now: Tick,
-    order: ModeOrder,
+    pub order: ModeOrder,
     outputs: u128,
-    bar: StationReport,
-    mill: StationReport,
+    pub bar: StationReport,
+    pub mill: StationReport,
     image: u128,
 }
 
 impl Bench {
     /// The clamp at home and open, with `generation` in common with the others, which stand clear of it.
-    fn new(line: Line, generation: u64) -> Self {
+    pub fn new(line: Line, generation: u64) -> Self {
         Bench::standing(line, generation, &["LS_open"])
     }
 
@@ -53,7 +53,7 @@ impl Bench {
     }
 
     /// Everything is sent once more.
-    fn play(&mut self) {
+    pub fn play(&mut self) {
         self.now = self.now + Duration::from_millis(20);
         let mut out = StationOutbox::default();
         let image = StationInput::Inputs { bits: self.image, valid: true, until: Tick::NEVER, under: NO_DELAY };
@@ -65,53 +65,53 @@ impl Bench {
         self.outputs = out.outputs;
     }
 
-    fn mode(&mut self, mode: ControlMode) {
+    pub fn mode(&mut self, mode: ControlMode) {
         (self.order.mode, self.order.epoch) = (mode, self.order.epoch + 1);
         self.play();
     }
 
-    fn press(&mut self, command: fn(bool) -> PanelCommand) {
+    pub fn press(&mut self, command: fn(bool) -> PanelCommand) {
         self.clamp.handle(self.now, StationInput::Panel(command(false)));
         self.play();
         self.clamp.handle(self.now, StationInput::Panel(command(true)));
         self.play();
     }
 
-    fn release(&mut self) {
+    pub fn release(&mut self) {
         for command in [PanelCommand::Advance(false), PanelCommand::Retract(false)] {
             self.clamp.handle(self.now, StationInput::Panel(command));
         }
         self.play();
     }
 
-    fn drives(&self, output: OutputId) -> bool {
+    pub fn drives(&self, output: OutputId) -> bool {
         self.outputs & (1 << output.0) != 0
     }
 
-    fn closing(&self) -> OutputId {
+    pub fn closing(&self) -> OutputId {
         let op = self.op("advance clamp");
         self.line.operation((CLAMP, op)).normal.actuator
     }
 
-    fn opening(&self) -> OutputId {
+    pub fn opening(&self) -> OutputId {
         let op = self.op("return clamp");
         self.line.operation((CLAMP, op)).normal.actuator
     }
 
-    fn op(&self, name: &str) -> OpId {
+    pub fn op(&self, name: &str) -> OpId {
         self.line.station(CLAMP).operation_named(name).expect("the clamp has it")
     }
 
-    fn blocked(&self) -> String {
+    pub fn blocked(&self) -> String {
         self.clamp.blocked_by(&self.line, self.now).join("; ")
     }
 
-    fn set(&mut self, on: &[&str]) {
+    pub fn set(&mut self, on: &[&str]) {
         self.image = inputs(&self.line, CLAMP, on);
         self.play();
     }
 
-    fn bar_has(&mut self, on: &[&str], stopped: bool) {
+    pub fn bar_has(&mut self, on: &[&str], stopped: bool) {
         self.bar.measured = inputs(&self.line, BAR, on);
         self.bar.stopped = stopped;
         self.play();

@@ -14,6 +14,7 @@ mod interlock;
 mod place;
 mod recovery;
 mod restart;
+mod resume;
 pub mod rig;
 mod stuck;
 mod undo;

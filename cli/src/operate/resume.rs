@@ -1,0 +1,39 @@
+//! `linewright press LINE resume`: held, what was stopped before its end goes on at every station.
+
+use std::process::ExitCode;
+
+use linewright_line::{Line, StationId};
+use linewright_msgs::{Flag, StationState};
+use linewright_node_shell::RosArgs;
+
+use super::{CONNECT, PressArgs, PressOutcome, answer, hold, until_mode};
+use crate::client::OperatorClient;
+
+/// The word on the command line. A hand-mode button of this name comes first.
+pub const RESUME: &str = "resume";
+
+pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+    let mut client = OperatorClient::open(line, ros, "operator")?;
+    let publisher = client.resume()?;
+    client.until_connected(CONNECT).await?;
+    let all: Vec<StationId> = line.station_ids().collect();
+    if let Err(mode) = until_mode(&mut client, all[0], StationState::MODE_MANUAL).await? {
+        let why = format!("it takes effect in manual only; the mode is {mode}");
+        return answer(&client, args, &all, PressOutcome::Refused(why));
+    }
+    let is_stopped = |id: &StationId| client.station(*id).is_some_and(|state| !state.incomplete.is_empty());
+    let stations: Vec<StationId> = all.iter().copied().filter(is_stopped).collect();
+    if stations.is_empty() {
+        let why = "no operation is incomplete".to_owned();
+        return answer(&client, args, &all, PressOutcome::Refused(why));
+    }
+    let before = client.coordinator().map_or(0, |state| state.refusals);
+    let say = |_: &OperatorClient, held| publisher.send(Flag { data: held });
+    let outcome = hold(&mut client, args.seconds, &stations, say).await?;
+    let refusal = client.coordinator().filter(|state| state.refusals > before).map(|state| state.refusal.clone());
+    let outcome = match refusal.as_deref().and_then(|text| text.strip_prefix("resume refused in ")) {
+        Some(why) => PressOutcome::Refused(why.to_owned()),
+        None => outcome,
+    };
+    answer(&client, args, &stations, outcome)
+}
