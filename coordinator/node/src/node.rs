@@ -365,6 +365,7 @@ impl CoordinatorLoop {
             let apart = cell.apart();
             self.shell.plays_cell(apart.isolated.iter().copied(), apart.stopped.iter().copied());
             self.shell.hold(|id| apart.held.contains(&id));
+            self.shell.leaves_unattended(apart.is_unattended);
         }
         self.devices.act(now, &self.buses);
         // The reason first, so that a station that sees the loss can report it.

@@ -30,14 +30,17 @@ pub struct IsolatedStations {
     pub stopped: BTreeSet<StationId>,
     /// They stand between two rests, at no order.
     pub held: BTreeSet<StationId>,
+    /// The cell decides nothing now: faults that are not the cell's yet are the line's.
+    pub is_unattended: bool,
 }
 
 impl IsolatedStations {
-    /// As it follows from the state of the cell.
-    pub fn of(coordination: &Coordination) -> Self {
+    /// As it follows from the state of the cell, which decides nothing while its log cannot be written.
+    pub fn of(coordination: &Coordination, is_unattended: bool) -> Self {
         let state = coordination.state();
         let stopped = state.exceptions().stopped().collect();
-        IsolatedStations { isolated: isolated(state), stopped, held: coordination.held_stations().collect() }
+        let held = coordination.held_stations().collect();
+        IsolatedStations { isolated: isolated(state), stopped, held, is_unattended }
     }
 }
 

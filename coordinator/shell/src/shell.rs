@@ -52,6 +52,8 @@ pub struct CoordinatorShell {
     /// In a cell: the stations whose faults are the cell's alone, and those that it has stopped.
     isolated: Option<Vec<StationId>>,
     stopped: Vec<StationId>,
+    /// The cell decides nothing now, so nothing becomes of a fault.
+    is_unattended: bool,
     /// Record that is certainly written.
     written: CoordinatorRecord,
     /// The last attempt to write failed; when the next is due.
@@ -92,6 +94,7 @@ impl CoordinatorShell {
             in_trouble: vec![false; stations],
             isolated: None,
             stopped: Vec::new(),
+            is_unattended: false,
             written: CoordinatorRecord::default(),
             write_again: None,
             order_sequence: 0,
@@ -150,6 +153,12 @@ impl CoordinatorShell {
         self.stopped.clear();
         self.stopped.extend(stopped);
         self.coordinator.stop_alone(|id| self.stopped.contains(&id));
+    }
+
+    /// The cell decides nothing, since its log cannot be written: no station is stopped, and no alarm raised, for what fails now.
+    /// So whatever fails ends auto, as on a line. Call it whenever that changes.
+    pub fn leaves_unattended(&mut self, is_unattended: bool) {
+        self.is_unattended = is_unattended;
     }
 
     /// These stations of the cell stand between two rests, at no order. Call it whenever that changes.
@@ -370,7 +379,7 @@ impl CoordinatorShell {
     /// become one, and in auto also those about to, since a station reports in two messages at once.
     fn isolate(&mut self) {
         let Some(isolated) = &self.isolated else { return };
-        let in_auto = self.coordinator.order().mode == ControlMode::Auto;
+        let in_auto = self.coordinator.order().mode == ControlMode::Auto && !self.is_unattended;
         let in_trouble = |id: StationId, is_heard: bool| in_auto && (self.in_trouble[id.index()] || !is_heard);
         self.coordinator.isolate(|id, is_heard| isolated.contains(&id) || in_trouble(id, is_heard));
     }

@@ -146,6 +146,23 @@ fn a_station_is_stopped_by_itself_and_follows_again_in_an_epoch_of_its_own() {
     assert!(rig.act().contains(&CoordinatorEffect::Energise(id, 1)));
 }
 
+/// A cell whose log cannot be written raises no alarm and stops nothing: then a fault of any station ends auto.
+#[test]
+fn what_fails_while_the_cell_decides_nothing_ends_auto() {
+    for is_unattended in [false, true] {
+        let mut rig = Rig::with_one_task_driven(CoordinatorRecord::default());
+        let id = rig.line.station_named("clamp_1").expect("there");
+        rig.shell.plays_cell([].into_iter(), [].into_iter());
+        rig.in_auto();
+        rig.shell.leaves_unattended(is_unattended);
+        rig.refresh();
+        assert_eq!(rig.mode(), ControlMode::Auto, "as long as nothing fails");
+        rig.heard[id.index()].incomplete = true;
+        rig.refresh();
+        assert_eq!(rig.mode() == ControlMode::Auto, !is_unattended, "{}", rig.shell.coordinator().text());
+    }
+}
+
 /// Its coordinator has been started again: the cell's log is read before any station is received. Without the log the reason
 /// of the stop is lost, and the line is stopped.
 #[test]

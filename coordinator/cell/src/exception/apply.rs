@@ -267,12 +267,16 @@ impl PlayerState {
                 }
             }
         }
-        match ruling.then {
-            Strategy::Redo => {
-                let key = self.retry_key(mode, part);
+        let key = self.retry_key(mode, part);
+        match (ruling.then, ruling.part) {
+            (Strategy::Redo, _) => {
                 self.exceptions.retries.insert(key, Retry { times: times.saturating_add(1), is_due: true });
             }
-            Strategy::Backward | Strategy::Forward => (),
+            // The dispatcher may decide for the same again: it has been tried as often as before.
+            (Strategy::Backward, Whereabouts::From | Whereabouts::Carrier) if times > 0 => {
+                self.exceptions.retries.insert(key, Retry { times, is_due: false });
+            }
+            (Strategy::Backward | Strategy::Forward, _) => (),
         }
         Ok(())
     }

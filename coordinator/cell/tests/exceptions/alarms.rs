@@ -147,4 +147,8 @@ fn a_word_that_may_not_be_tried_again_decides_anew() {
     bench.hear();
     assert_eq!(bench.down()[0].0, "M1", "what the rule leaves out is left out all the same");
     assert!(bench.state().parts().len() == 1, "the part is kept");
+    // Decided for the same again, it is not tried by itself as often as at first.
+    bench.say(PlayerInput::Resource { resource: m1, up: true });
+    bench.load_fails();
+    assert_eq!(ruling(&bench), words);
 }

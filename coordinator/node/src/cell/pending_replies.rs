@@ -48,6 +48,12 @@ impl PendingReplies {
         self.operators.push((asked, operator));
     }
 
+    /// Refuses all requests that no step has taken.
+    pub fn refuse(&mut self, reason: &str) {
+        self.customers.drain(..).for_each(|(_, customer)| customer.refuse(reason.to_owned()));
+        self.operators.drain(..).for_each(|(_, operator)| operator.hear(Some(reason.to_owned())));
+    }
+
     /// Replies to all requests of a step, when it is on disk.
     pub fn reply(&mut self, line: &Line, state: &PlayerState, out: &mut PlayerOutbox) {
         for (ticket, reply) in out.replies.drain(..) {
@@ -70,6 +76,13 @@ impl PendingReplies {
 }
 
 impl Requester {
+    fn refuse(self, reason: String) {
+        match self {
+            Requester::Submit(to) => to.send(denied_all(vec![reason])),
+            Requester::Change(to) => to.send(ChangeOrderResponse { done: false, reason }),
+        }
+    }
+
     fn hear(self, reply: Result<Vec<ProductionId>, ProductionCommandError>) {
         match self {
             Requester::Submit(to) => to.send(match reply {

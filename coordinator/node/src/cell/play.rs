@@ -305,10 +305,6 @@ impl CellLoop {
                     let (unable, sensor) = (self.unable[station.index()], self.sensors[station.index()]);
                     let (heard, refused) = wire::heard(&message, self.line.station(station), unable, sensor);
                     let secured = wire::secured(&message, &heard);
-                    if self.log.as_ref().is_some_and(CellLogKeeper::is_halted) {
-                        // Nothing is taken for a while, and a state is whole.
-                        self.told.retain(|told| told.station() != Some(station));
-                    }
                     self.told.push(PlayerMessage::State(station, heard));
                     self.told.extend(secured.map(|(key, reply)| PlayerMessage::Secured(station, key, reply)));
                     self.told.extend(refused.into_iter().map(|(key, reply)| PlayerMessage::Reply(station, key, reply)));
@@ -341,12 +337,15 @@ impl CellLoop {
         let (now, situation) = (self.now(), self.situation.borrow_and_update().starts);
         if let Some(log) = &mut self.log {
             log.make_room(now);
-            if let Some(out) = log.try_again(now, self.coordination.state()) {
+            if let Some(mut out) = log.try_again(now, self.coordination.state()) {
+                // What was to be sent has waited for the disk. The step below sends what is still due, with the time that is left.
+                out.sends.clear();
                 self.perform(now, out)?;
             }
         }
+        self.drop_arrivals();
         let may_start = situation && !self.log.as_ref().is_some_and(|log| log.is_halted() || log.is_short());
-        if self.log.as_ref().is_none_or(|log| !log.is_halted()) {
+        if !self.is_halted() {
             let told = std::mem::take(&mut self.told);
             let mut inputs = vec![PlayerInput::Starts(may_start)];
             inputs.extend(told.iter().map(PlayerMessage::input));
@@ -359,6 +358,8 @@ impl CellLoop {
             }
             self.planning.request(now, self.coordination.state());
         }
+        let is_unattended = self.is_halted();
+        self.apart.send_if_modified(|now| std::mem::replace(&mut now.is_unattended, is_unattended) != is_unattended);
         self.changed |= self.message.starting != may_start;
         self.tell(may_start);
         // What a snapshot removes from the log must be in the database; unless there is none, or it could not be written for long.
@@ -369,6 +370,22 @@ impl CellLoop {
         };
         self.log.iter_mut().for_each(|log| log.shorten(now, state, is_kept));
         Ok(())
+    }
+
+    fn is_halted(&self) -> bool {
+        self.log.as_ref().is_some_and(CellLogKeeper::is_halted)
+    }
+
+    /// While nothing can be written nothing is taken, and nothing is kept for later: stations repeat their states, which would be
+    /// of unknown age, and a request that came together with the failure is refused like those after it.
+    fn drop_arrivals(&mut self) {
+        let Some(trouble) = self.log.as_ref().filter(|log| log.is_halted()).and_then(CellLogKeeper::trouble) else {
+            return;
+        };
+        if self.told.iter().any(PlayerMessage::is_request) {
+            self.people.refuse(&format!("not taken: {trouble}"));
+        }
+        self.told.clear();
     }
 
     /// Sends and publishes what follows from a step that is written down.
@@ -390,7 +407,7 @@ impl CellLoop {
     /// Publishes which stations are the cell's affair alone. It follows from the state, which only records change. Before
     /// they are on disk only additional stops are published.
     fn tell_apart(&self, only_stops: bool) {
-        let apart = IsolatedStations::of(&self.coordination);
+        let apart = IsolatedStations::of(&self.coordination, self.is_halted());
         self.apart.send_if_modified(|now| {
             let before = now.clone();
             if !only_stops {

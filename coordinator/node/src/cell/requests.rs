@@ -51,16 +51,15 @@ impl PlayerMessage {
             },
         }
     }
-    /// The station whose state it is, or follows from.
-    pub fn station(&self) -> Option<StationId> {
+
+    /// Whether a person waits for its reply.
+    pub fn is_request(&self) -> bool {
         match self {
-            PlayerMessage::State(station, _)
-            | PlayerMessage::Reply(station, ..)
-            | PlayerMessage::Secured(station, ..) => Some(*station),
+            PlayerMessage::State(..) | PlayerMessage::Reply(..) | PlayerMessage::Secured(..) => false,
             PlayerMessage::Submit(..)
             | PlayerMessage::Cancel(..)
             | PlayerMessage::Withdraw(..)
-            | PlayerMessage::Say(..) => None,
+            | PlayerMessage::Say(..) => true,
         }
     }
 }
