@@ -157,6 +157,7 @@ fn an_old_schedule_holds_nothing_for_long() {
     let released = Tick::from_millis(36_000_000);
     let later = [ProductionOrderRequest { release: Some(released), ..request(9, &("B", 1, None)) }];
     sim.say(&mut planner.follower, &[PlayerInput::Production(1, ProductionCommand::Submit(&later))]);
+    planner.ask(&sim);
     planner.run(&mut sim, LONG);
     assert_eq!(planner.asked[1..], [(ordered, RevisionReason::Orders)], "one request at a time");
     assert_eq!(starts(&sim.log)[before].0, ordered + WITHIN, "what was held is posed again");
