@@ -42,11 +42,15 @@ impl SimulatedPlanner {
             } else if !sim.goes_on(&mut self.follower, until) {
                 return;
             }
-            let request = self.follower.take_request(sim.now, sim.state());
-            let Some(request) = request else { continue };
-            self.asked.push((sim.now, request.reason()));
-            let takes = (self.takes)(request.number());
-            self.under_way = takes.map(|takes| (sim.now + takes, request.number(), request.plan(&mut *self.scheduler)));
+            self.ask(sim);
         }
+    }
+
+    /// Takes the request that is due after a step; the caller does after steps of its own.
+    pub fn ask(&mut self, sim: &CellSim) {
+        let Some(request) = self.follower.take_request(sim.now, sim.state()) else { return };
+        self.asked.push((sim.now, request.reason()));
+        let takes = (self.takes)(request.number());
+        self.under_way = takes.map(|takes| (sim.now + takes, request.number(), request.plan(&mut *self.scheduler)));
     }
 }

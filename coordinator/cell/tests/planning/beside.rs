@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::compile::{dispatcher, follower_beside, schedule_follower};
 use linewright_coordinator_cell::dispatch::DispatchRule;
-use linewright_coordinator_cell::production::DispatchConfiguration;
+use linewright_coordinator_cell::production::{DispatchConfiguration, ProductionOrderRequest};
 use linewright_coordinator_cell::schedule::{
     PlanningRequest, RevisionReason, RolloutScheduler, Schedule, Scheduler, WITHIN,
 };
-use linewright_coordinator_cell::{HoldReason, PartId, PlayerInput, ProductionCommand, Record, RecordKind, ResourceId};
+use linewright_coordinator_cell::{HoldReason, PartId, PlayerInput, ProductionCommand, Record, RecordKind};
 use linewright_line::Tick;
 use linewright_random::Random;
 use linewright_simulation::cell::{CellSim, CellSimOptions, SimulatedOperator, SimulatedPlanner, StationSpeed};
@@ -139,24 +139,30 @@ fn a_schedule_is_followed_as_soon_as_it_comes() {
     }
 }
 
-/// The first schedule comes, and no other: what takes another time than planned is not waited for.
+/// A schedule that holds everything for a day does not hold any more when an order comes, and no other one does: 2 s later the
+/// rules alone decide, though nothing else happens then.
 #[test]
 fn an_old_schedule_holds_nothing_for_long() {
     let made = Made::new(C1);
-    let orders = [("A", 4, None), ("B", 4, None)];
-    let slow = CellSimOptions { pace: StationSpeed::Nominal { spread: 0.4 }, ..CellSimOptions::default() };
-    let mut sim = sim(&made, &orders, slow);
-    let mut planner = beside(&made, &sim, |number| (number == 1).then_some(MS(150)));
+    let mut sim = sim(&made, &[("A", 3, None)], CellSimOptions::default());
+    let mut follower = follower_beside(&made.cell, &made.made, sim.state());
+    follower.look.desk.rules.fairness.patience = Some(Duration::from_secs(100_000));
+    let takes = |number| (number == 1).then_some(MS(150));
+    let mut planner = SimulatedPlanner::new(follower, Box::new(Procrastinator), takes);
+    let ordered = Tick::from_millis(60_000);
+    planner.run(&mut sim, ordered);
+    sim.now = ordered;
+    let before = starts(&sim.log).len();
+    assert!(sim.state().held().iter().any(|&(_, why)| is_by_plan(why)), "it is followed: {:?}", sim.state().held());
+    let released = Tick::from_millis(36_000_000);
+    let later = [ProductionOrderRequest { release: Some(released), ..request(9, &("B", 1, None)) }];
+    sim.say(&mut planner.follower, &[PlayerInput::Production(1, ProductionCommand::Submit(&later))]);
+    planner.ask(&sim);
     planner.run(&mut sim, LONG);
-    assert_eq!(sim.state().left(), 8);
-    let (asked, why) = planner.asked[1];
-    assert!(matches!(why, RevisionReason::Late { .. } | RevisionReason::Stray(..)), "{why:?}");
-    assert_eq!(planner.asked.len(), 2, "one request at a time");
-    let by_plan: Vec<Tick> = holds(&sim.log).filter(|&(_, why)| is_by_plan(why)).map(|(at, _)| at).collect();
-    assert!(by_plan.iter().any(|&at| at < asked), "it was followed before");
-    assert!(by_plan.iter().all(|&at| at < asked + WITHIN), "{by_plan:?}");
-    // What was held is posed again at that time, though nothing else happens.
-    assert!(by_plan.is_empty() || planner.follower.is_overdue(sim.now));
+    assert_eq!(planner.asked[1..], [(ordered, RevisionReason::Orders)], "one request at a time");
+    assert_eq!(starts(&sim.log)[before].0, ordered + WITHIN, "what was held is posed again");
+    assert!(holds(&sim.log).all(|(at, why)| at < ordered + WITHIN || !is_by_plan(why)));
+    assert_eq!(sim.state().left(), 4);
 }
 
 #[test]
@@ -175,26 +181,39 @@ fn what_has_changed_meanwhile_makes_another_request_and_no_second_one_is_under_w
     assert_eq!(sim.state().left(), 5);
 }
 
-/// A machine goes out of service while a schedule that counts on it is made: that is not followed, the next is.
+/// A machine goes out of service: from this moment on nothing is held by the schedule that counts on it, nor by one that was
+/// being made; the next is followed.
 #[test]
 fn a_schedule_that_counts_on_what_has_failed_is_not_followed() {
     let made = Made::new(C1);
-    let orders = [("A", 6, None)];
+    let orders = [("A", 3, None), ("B", 3, None)];
+    let handling = made.table.handling();
+    let m1 = handling.resource_ids().find(|&id| handling.resource_name(id) == "M1").expect("it has one");
+    let is_held = |sim: &CellSim| sim.state().held().iter().any(|&(_, why)| is_by_plan(why));
     let mut sim = sim(&made, &orders, CellSimOptions::default());
-    let mut planner = beside(&made, &sim, |_| Some(MS(2000)));
-    planner.run(&mut sim, Tick::from_millis(500));
-    let copied = planner.asked[0].0;
-    let m1 = made.table.handling().resource_ids().find(|&id| made.table.handling().resource_name(id) == "M1");
-    let m1: ResourceId = m1.expect("it has one");
+    let mut planner = beside(&made, &sim, |_| Some(MS(1000)));
+    while !is_held(&sim) {
+        let next = sim.now + MS(100);
+        planner.run(&mut sim, next);
+        sim.now = sim.now.max(next);
+    }
+    let requests = planner.asked.len();
     sim.say(&mut planner.follower, &[PlayerInput::Resource { resource: m1, up: false }]);
+    assert!(!is_held(&sim), "the rules decide: {:?}", sim.state().held());
+    let down = sim.now;
+    planner.run(&mut sim, down + MS(500));
+    assert_eq!(planner.asked[requests..], [(down, RevisionReason::Down(m1))]);
+    // What is being made counts on M1 as it is now: when it fails as well, it comes and is not followed either.
+    let m2 = handling.resource_ids().find(|&id| handling.resource_name(id) == "M2").expect("it has one");
+    sim.say(&mut planner.follower, &[PlayerInput::Resource { resource: m2, up: false }]);
+    planner.run(&mut sim, down + MS(1500));
+    assert_eq!(planner.asked[requests + 1..], [(down + MS(1000), RevisionReason::Down(m2))]);
+    assert!(!is_held(&sim), "{:?}", sim.state().held());
+    for up in [m1, m2] {
+        sim.say(&mut planner.follower, &[PlayerInput::Resource { resource: up, up: true }]);
+    }
     planner.run(&mut sim, LONG);
-    assert_eq!((sim.state().left(), sim.state().parts().len()), (5, 1), "M2 does them but for the one in M1");
-    assert_eq!(planner.asked[1], (copied + MS(2000), RevisionReason::Down(m1)));
-    let held: Vec<Tick> = holds(&sim.log).filter(|&(_, why)| is_by_plan(why)).map(|(at, _)| at).collect();
-    assert!(held.iter().all(|&at| at >= copied + MS(4000)), "{held:?}");
-    let load = made.mode("load M1<A.new>");
-    let known: Vec<&Schedule> = planner.follower.schedule().into_iter().collect();
-    assert!(known.iter().all(|schedule| schedule.slots().iter().all(|slot| slot.mode != load || slot.began.is_some())));
+    assert_eq!(sim.state().left(), 6);
 }
 
 #[test]
