@@ -24,11 +24,16 @@ pub const TRIED_FOR_ANY_MAX: usize = 16_000;
 /// In the search for any plan what is left counts for so many times what was done.
 const GREED: u32 = 8;
 
+/// What moves by an action, and where.
+type PlannedMotions = Vec<(StationId, StationPlace)>;
+/// Least estimate, then the furthest, then the newest.
+type OpenNode = Reverse<(Cost, Reverse<u32>, Reverse<usize>)>;
+
 /// An action with its effect.
 #[derive(Clone)]
 pub(crate) struct Move {
     pub action: RecoveryAction,
-    pub motions: Vec<(StationId, StationPlace)>,
+    pub motions: PlannedMotions,
     pub time: Duration,
     pub after: PlayedStations,
 }
@@ -51,7 +56,7 @@ struct SearchNode {
     units: PlayedStations,
     done: Cost,
     /// The node before, and the action that led here.
-    from: Option<(usize, RecoveryAction, Vec<(StationId, StationPlace)>, Duration)>,
+    from: Option<(usize, RecoveryAction, PlannedMotions, Duration)>,
 }
 
 pub(crate) struct Search<'f, 'l> {
@@ -224,8 +229,7 @@ struct BestFirst<'s, 'f, 'l> {
     greed: u32,
     nodes: Vec<SearchNode>,
     costs: FxHashMap<Box<[u64]>, Cost>,
-    /// Least estimate, then the furthest, then the newest.
-    open: BinaryHeap<Reverse<(Cost, Reverse<u32>, Reverse<usize>)>>,
+    open: BinaryHeap<OpenNode>,
     expanded: usize,
     /// Stations that a refused press reads, with the least estimate of a state in which one was.
     blocked: FxHashMap<usize, u32>,
