@@ -52,8 +52,7 @@ impl Desk {
         };
         for &command in way {
             let is_past = command == ModeCommand::Start && desk.mode() != ControlMode::Home;
-            // A reset leaves the mode as it is.
-            if command == ModeCommand::Reset || !is_past && desk.mode() != situation.mode {
+            if (!is_past && desk.mode() != situation.mode) || command == ModeCommand::Reset {
                 desk.command(floor, command);
             }
         }

@@ -24,11 +24,16 @@ pub const TRIED_FOR_ANY_MAX: usize = 16_000;
 /// In the search for any plan what is left counts for so many times what was done.
 const GREED: u32 = 8;
 
+/// What moves by an action, and where.
+type PlannedMotions = Vec<(StationId, StationPlace)>;
+/// Least estimate, then the furthest, then the newest.
+type OpenNode = Reverse<(Cost, Reverse<u32>, Reverse<usize>)>;
+
 /// An action with its effect.
 #[derive(Clone)]
 pub(crate) struct Move {
     pub action: RecoveryAction,
-    pub motions: Vec<(StationId, StationPlace)>,
+    pub motions: PlannedMotions,
     pub time: Duration,
     pub after: PlayedStations,
 }
@@ -51,7 +56,7 @@ struct SearchNode {
     units: PlayedStations,
     done: Cost,
     /// The node before, and the action that led here.
-    from: Option<(usize, RecoveryAction, Vec<(StationId, StationPlace)>, Duration)>,
+    from: Option<(usize, RecoveryAction, PlannedMotions, Duration)>,
 }
 
 pub(crate) struct Search<'f, 'l> {
