@@ -45,7 +45,8 @@ impl Controller {
     /// Whether it stands at home by the chart, and nothing that is measured at rest would contradict. From a record that is not
     /// certain it is at home only if the devices confirm it, as without a record.
     fn is_home_to_be_confirmed(&self) -> bool {
-        let is_judged_at_rest = self.home_switch() & !self.program.places[usize::from(self.program.home_place)].rest == 0;
+        let is_judged_at_rest =
+            self.home_switch() & !self.program.places[usize::from(self.program.home_place)].rest == 0;
         let is_there = |place| place == StationPlace::completed(self.program.home);
         let is_by_chart = if self.program.tasks.is_some() { self.marking().all(is_there) } else { self.is_at_home() };
         is_by_chart && !is_judged_at_rest
@@ -58,9 +59,8 @@ impl Controller {
             return Err("other number of operations");
         }
         let known = |op: linewright_line::OpId| op.index() < operations;
-        let exists = |p: &StationPlace| {
-            known(p.op) && (p.block == Block::Normal || !self.program.paths.contains(&p.op))
-        };
+        let exists =
+            |p: &StationPlace| known(p.op) && (p.block == Block::Normal || !self.program.paths.contains(&p.op));
         if !snapshot.marking.iter().all(exists) {
             return Err("marked place not in the net");
         }

@@ -24,15 +24,8 @@ pub struct ShellRules {
 
 impl ShellRules {
     /// All rules in force, as in a machine.
-    pub const ALL: ShellRules = ShellRules {
-        epochs: true,
-        leases: true,
-        numbers: true,
-        rivals: true,
-        gaps: true,
-        late: true,
-        off_first: true,
-    };
+    pub const ALL: ShellRules =
+        ShellRules { epochs: true, leases: true, numbers: true, rivals: true, gaps: true, late: true, off_first: true };
 }
 
 impl Default for ShellRules {

@@ -89,8 +89,7 @@ fn from_a_record_that_is_not_certain_it_is_at_home_only_if_the_devices_confirm_i
     // Ended before its devices were received.
     let unconfirmed = Controller::new(&line, StationId(0), 1, Restore::Fresh).expect("compiles").snapshot();
     // Written at home before the host lost its power.
-    let outdated =
-        StationSnapshot { generation: 0, placed: false, ..Rig::new(line.clone()).controller.snapshot() };
+    let outdated = StationSnapshot { generation: 0, placed: false, ..Rig::new(line.clone()).controller.snapshot() };
     for record in [unconfirmed, outdated] {
         let from = || Restore::From(record.clone());
         let away = Rig::standing(line.clone(), StationId(0), 2, from(), 0);
