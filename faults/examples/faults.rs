@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use linewright_faults::{FaultPlan, Mutant, PlayedSeed, play, play_plan, shrink};
+use linewright_faults::{CELL_MUTANTS, FaultPlan, MUTANTS, Mutant, PlayedSeed, play, play_cell, play_plan, shrink};
 
 /// Entries of a story that are printed.
 const STORY: usize = 60;
@@ -15,6 +15,7 @@ struct FaultArguments {
     shard: (u64, u64),
     shrinks: bool,
     mutants: bool,
+    cells: bool,
     mutant: Option<Mutant>,
 }
 
@@ -32,9 +33,10 @@ fn arguments() -> Option<FaultArguments> {
             }
             "--shrink" => found.shrinks = true,
             "--mutants" => found.mutants = true,
+            "--cells" => found.cells = true,
             "--mutant" => {
                 let name = args.next()?;
-                found.mutant = Some(Mutant::ALL.into_iter().find(|mutant| format!("{mutant:?}") == name)?);
+                found.mutant = Some(Mutant::named(&name)?);
             }
             _ => return None,
         }
@@ -44,10 +46,15 @@ fn arguments() -> Option<FaultArguments> {
 
 fn main() -> ExitCode {
     let Some(arguments) = arguments() else {
-        eprintln!("options: [--seeds N] [--from S] [--shard I/N] [--shrink] [--mutants | --mutant NAME]");
+        eprintln!("options: [--seeds N] [--from S] [--shard I/N] [--shrink] [--cells] [--mutants | --mutant NAME]");
         return ExitCode::from(2);
     };
-    let good = if arguments.mutants { mutants(&arguments) } else { seeds(&arguments) };
+    let good = match (arguments.cells, arguments.mutants) {
+        (false, false) => seeds(&arguments),
+        (false, true) => mutants(&arguments),
+        (true, false) => cells(&arguments),
+        (true, true) => cell_mutants(&arguments),
+    };
     if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
@@ -104,10 +111,53 @@ fn tell(seed: u64, plan: &FaultPlan, played: &PlayedSeed) {
     }
 }
 
+fn cells(arguments: &FaultArguments) -> bool {
+    let start = Instant::now();
+    let (mut count, mut failed, mut steps, mut lives, mut time) = (0_u64, 0_u64, 0, 0, 0.0);
+    for seed in numbers(arguments) {
+        let played = play_cell(seed, None);
+        count += 1;
+        steps += played.steps;
+        lives += played.lives;
+        time += played.end.as_secs_f64();
+        if let Some(finding) = played.finding {
+            failed += 1;
+            println!("seed {seed}, {} lives, at {:.1} s: {finding}", played.lives, played.end.as_secs_f64());
+        }
+    }
+    let took = start.elapsed().as_secs_f64();
+    println!(
+        "{count} seeds of cells, {failed} with findings; {steps} steps of {lives} lives of coordinators in {time:.0} s of the cells' time; {took:.1} s, {:.1} seeds per second",
+        count as f64 / took
+    );
+    failed == 0
+}
+
+fn cell_mutants(arguments: &FaultArguments) -> bool {
+    let mut all = true;
+    for &(mutant, _) in CELL_MUTANTS {
+        let found = numbers(arguments).find_map(|seed| {
+            let finding = play_cell(seed, Some(mutant)).finding.filter(|_| play_cell(seed, None).finding.is_none())?;
+            Some((seed, finding))
+        });
+        match found {
+            Some((seed, finding)) => println!("{mutant:?}: seed {seed}: {finding}"),
+            None => {
+                println!("{mutant:?}: NOT FOUND in {} seeds", numbers(arguments).count());
+                all = false;
+            }
+        }
+    }
+    all
+}
+
 /// Gives whether each mutant was found.
 fn mutants(arguments: &FaultArguments) -> bool {
     let mut all = true;
-    for mutant in Mutant::ALL {
+    for (mutant, name) in MUTANTS.iter().map(|rule| (rule.mutant, rule.name)) {
+        if arguments.mutant.is_some_and(|only| only != mutant) {
+            continue;
+        }
         let found = numbers(arguments).zip(1_u64..).find_map(|(seed, count)| {
             // Without the mutant it must pass, or it says nothing.
             let finding = play(seed, Some(mutant)).finding.filter(|_| play(seed, None).finding.is_none())?;
@@ -115,10 +165,10 @@ fn mutants(arguments: &FaultArguments) -> bool {
         });
         match found {
             Some((seed, count, finding)) => {
-                println!("{mutant:?}: found after {count} seeds (seed {seed}): {}", finding.text);
+                println!("{name}: found after {count} seeds (seed {seed}): {}", finding.text);
             }
             None => {
-                println!("{mutant:?}: NOT FOUND in {} seeds", numbers(arguments).count());
+                println!("{name}: NOT FOUND in {} seeds", numbers(arguments).count());
                 all = false;
             }
         }

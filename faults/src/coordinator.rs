@@ -16,6 +16,9 @@ use crate::mutants::Mutant;
 use crate::process::{Process, Writing};
 use crate::world::{Event, World};
 
+/// Orders kept of those that were sent: of some three seconds.
+const ORDERS_KEPT: usize = 64;
+
 pub(crate) struct CoordinatorProcess {
     /// The line's devices are on its bus.
     has_bus: bool,
@@ -32,6 +35,8 @@ pub(crate) struct CoordinatorProcess {
     /// Refusal of the last command that was answered, and the number of answers.
     pub(crate) refusal: Option<String>,
     pub(crate) answers: u64,
+    /// It ordered the emergency stop last then.
+    pub(crate) stopped: Tick,
 }
 
 impl CoordinatorProcess {
@@ -47,6 +52,7 @@ impl CoordinatorProcess {
             seen: vec![None; 128],
             refusal: None,
             answers: 0,
+            stopped: Tick::ZERO,
         }
     }
 
@@ -60,6 +66,14 @@ impl CoordinatorProcess {
         (self.shell, self.awaited) = (None, None);
         self.effects.clear();
         self.seen.fill(None);
+    }
+
+    fn store(&mut self, mutant: Option<Mutant>, record: CoordinatorRecord) {
+        let estop = record.estop && mutant != Some(Mutant::StopNotRecorded);
+        let epoch = if mutant == Some(Mutant::EpochNotRecorded) { 0 } else { record.epoch };
+        if mutant != Some(Mutant::CoordinatorRecordNotKept) {
+            self.disk.store(CoordinatorRecord { epoch, estop });
+        }
     }
 
     pub(crate) fn mode(&self) -> Option<ControlMode> {
@@ -77,7 +91,11 @@ impl World {
             coordinator.disk.lose();
         }
         let record = coordinator.disk.newest().map(|(record, _)| *record).unwrap_or_default();
-        coordinator.shell = Some(CoordinatorShell::new(&self.line, boot_id, record));
+        let shell = CoordinatorShell::new(&self.line, boot_id, record);
+        coordinator.shell = Some(match self.mutant {
+            Some(mutant) => shell.with_shell_rules(mutant.shell_rules()),
+            None => shell,
+        });
         coordinator.process.begin(life, origin);
         self.take_devices(node);
         self.run_coordinator(which);
@@ -103,6 +121,9 @@ impl World {
             let Some(shell) = &mut coordinator.shell else { return };
             let mut effects = Vec::new();
             shell.act(coordinator.process.clock(now), &mut effects);
+            if self.mutant == Some(Mutant::OrderBeforeRecord) {
+                effects.sort_by_key(|effect| matches!(effect, CoordinatorEffect::Remember(_)));
+            }
             coordinator.effects = effects.into();
             if self.perform_coordinator(which) {
                 break;
@@ -162,16 +183,29 @@ impl World {
 
     /// Gives a message to the shell.
     pub(crate) fn hand_to_coordinator(&mut self, which: usize, message: &Message) {
+        let view = match message {
+            Message::State { station, follows, report, .. } => {
+                let heard = StationView { follows: *follows, ..heard(report) };
+                self.mutated_view(which, station.index(), heard)
+            }
+            _ => StationView::default(),
+        };
+        let before = match message {
+            Message::Command(command) => self.commands_before(*command),
+            _ => None,
+        };
         let coordinator = &mut self.coordinators[which];
         let Some(shell) = &mut coordinator.shell else { return };
         let local = coordinator.process.clock(self.now);
+        if let Some(before) = before {
+            shell.handle(local, CoordinatorArrival::Command(before));
+        }
         let arrival = match message {
             Message::Order { sequence, order } => {
                 CoordinatorArrival::Order { boot_id: order.boot_id, sequence: *sequence }
             }
-            Message::State { station, sequence, follows, report } => {
-                let heard = StationView { follows: *follows, ..heard(report) };
-                CoordinatorArrival::State { station: *station, sequence: *sequence, heard }
+            Message::State { station, sequence, .. } => {
+                CoordinatorArrival::State { station: *station, sequence: *sequence, heard: view }
             }
             Message::Outputs { station, sequence, image } => {
                 CoordinatorArrival::Outputs { station: *station, sequence: *sequence, image: *image }
@@ -202,6 +236,7 @@ impl World {
             };
             if self.coordinators[which].process.writing.is_some() {
                 self.coordinators[which].awaited = Some(record);
+                self.awaits(which);
                 return true;
             }
             match self.coordinator_remembers(which, record) {
@@ -224,7 +259,10 @@ impl World {
                 self.coordinators[which].refusal = Some(refused.text(&self.line));
             }
             CoordinatorEffect::Entered(mode) => self.note(format!("{}: mode {mode}", self.name(node))),
-            CoordinatorEffect::Energise(station, bits) if has_bus => self.put(station.index(), bits),
+            CoordinatorEffect::Energise(station, bits) if has_bus => {
+                self.observer.energised(&self.line, self.now, station, bits);
+                self.put(station.index(), bits);
+            }
             CoordinatorEffect::Inputs { station, sequence, image } => {
                 let Some(shell) = &self.coordinators[which].shell else { return };
                 let message = Message::Inputs(InputsMessage {
@@ -249,10 +287,27 @@ impl World {
 
     fn send_order(&mut self, which: usize, sequence: u64) {
         let node = self.coordinator_node() + which;
+        if let Some(shell) = &self.coordinators[which].shell {
+            let kept = self.coordinators[which].disk.newest().map(|(record, _)| *record).unwrap_or_default();
+            let is_kept = kept == shell.to_remember();
+            let order = shell.order();
+            self.observer.order_sent(self.now, which, &order, is_kept);
+            if order.mode == ControlMode::EStop {
+                self.coordinators[which].stopped = self.now;
+            }
+        }
         for at in 0..self.stations.len() {
             let Some(shell) = &self.coordinators[which].shell else { return };
             let order = shell.order_for(StationId::at(at));
-            self.send(node, at, Message::Order { sequence, order });
+            let message = Message::Order { sequence, order };
+            if which == 0 {
+                let kept = &mut self.orders[at];
+                kept.push_back((self.now, message.clone()));
+                while kept.len() > ORDERS_KEPT {
+                    kept.pop_front();
+                }
+            }
+            self.send(node, at, message);
         }
         let Some(shell) = &self.coordinators[which].shell else { return };
         let order = shell.order();
@@ -261,36 +316,47 @@ impl World {
 
     /// Begins to write a record. Gives whether it goes on; nothing while the record is being written.
     fn coordinator_remembers(&mut self, which: usize, record: CoordinatorRecord) -> Option<bool> {
-        let (now, timing) = (self.now, self.line.timing);
-        let forgets_stop = self.mutant == Some(Mutant::StopNotRecorded);
-        let believes_failure = self.mutant == Some(Mutant::FailedRecordIgnored);
+        let now = self.now;
+        let mutant = self.mutant;
+        let believes_failure = mutant == Some(Mutant::FailedRecordIgnored);
+        let is_early = mutant == Some(Mutant::CoordinatorAcknowledgedEarly);
         let coordinator = &mut self.coordinators[which];
-        let shell = coordinator.shell.as_mut()?;
         let local = coordinator.process.clock(now);
         let (takes, succeeds) = coordinator.disk.write_takes();
-        if takes.is_zero() && succeeds || believes_failure && !succeeds {
-            if succeeds {
-                coordinator.disk.store(CoordinatorRecord { estop: record.estop && !forgets_stop, ..record });
+        if (takes.is_zero() || is_early) && succeeds || believes_failure && !succeeds {
+            if succeeds && takes.is_zero() {
+                coordinator.store(mutant, record);
             }
             if record.estop && which == 0 {
                 self.observer.stop_is_recorded();
             }
-            return Some(shell.remembered(local, record, true));
+            return coordinator.shell.as_mut().map(|shell| shell.remembered(local, record, true));
         }
         coordinator.under_way = Some(record);
         coordinator.awaited = Some(record);
         coordinator.process.writing = Some(Writing { takes, succeeds, is_off: false });
-        let in_stop = shell.coordinator().mode() == ControlMode::EStop;
-        let until = shell.images_until(local).map_or(Tick::NEVER, |until| coordinator.process.world(until));
         let life = coordinator.process.life;
         let node = self.coordinator_node() + which;
         self.after(takes, Event::Written { node, life });
+        self.awaits(which);
+        None
+    }
+
+    /// It waits for a record: until images are too old, and in the emergency stop until the order is due again.
+    fn awaits(&mut self, which: usize) {
+        let (now, timing) = (self.now, self.line.timing);
+        let node = self.coordinator_node() + which;
+        let coordinator = &self.coordinators[which];
+        let Some(shell) = &coordinator.shell else { return };
+        let local = coordinator.process.clock(now);
+        let in_stop = shell.coordinator().mode() == ControlMode::EStop;
+        let until = shell.images_until(local).map_or(Tick::NEVER, |until| coordinator.process.world(until));
+        let life = coordinator.process.life;
         let slow = until.min(now + timing.stale).max(now).since(now);
         self.after(slow, Event::SlowRecord { node, life });
         if in_stop {
             self.after(timing.refresh, Event::OrderAgain { life });
         }
-        None
     }
 
     pub(crate) fn coordinator_written(&mut self, which: usize) {
@@ -300,7 +366,7 @@ impl World {
             return;
         };
         if writing.succeeds {
-            coordinator.disk.store(record);
+            coordinator.store(self.mutant, record);
             if record.estop && which == 0 {
                 self.observer.stop_is_recorded();
             }
@@ -372,7 +438,8 @@ impl World {
     /// A record takes longer than images are valid: outputs of stations go off.
     pub(crate) fn slow_record(&mut self, which: usize) {
         let coordinator = &mut self.coordinators[which];
-        if !coordinator.process.runs() || coordinator.awaited.is_none() || !coordinator.has_bus {
+        let keeps = self.mutant == Some(Mutant::SlowRecordKeepsOutputs);
+        if !coordinator.process.runs() || coordinator.awaited.is_none() || !coordinator.has_bus || keeps {
             return;
         }
         for at in self.behind_gateway() {
@@ -384,7 +451,8 @@ impl World {
     pub(crate) fn order_again(&mut self, life: u64) {
         let Some(which) = (0..2).find(|&which| self.coordinators[which].process.life == life) else { return };
         let coordinator = &mut self.coordinators[which];
-        if coordinator.awaited.is_none() || !coordinator.process.is_up {
+        let in_stop = coordinator.mode() == Some(ControlMode::EStop);
+        if coordinator.awaited.is_none() || !coordinator.process.is_up || !in_stop {
             return;
         }
         let runs = coordinator.process.runs();

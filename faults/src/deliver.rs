@@ -7,7 +7,9 @@ use linewright_line::StationId;
 use linewright_line::net::ControlMode;
 use linewright_station_logic::PanelCommand;
 
+use crate::checks::SeenState;
 use crate::message::Message;
+use crate::mutants::Mutant;
 use crate::world::{Event, World};
 
 /// Messages that may wait for a process that stands; those of topics that are repeated are replaced sooner.
@@ -45,6 +47,12 @@ impl World {
     pub(crate) fn arrives(&mut self, to: usize, message: &Message) {
         let timing = self.line.timing;
         let soon = Duration::from_millis(20);
+        if to < self.stations.len()
+            && let Message::State { station, report, .. } = message
+        {
+            let seen = SeenState::of(self.now, report);
+            self.observer.state_arrived(to, station.index(), seen);
+        }
         match message {
             Message::Order { order, .. } if to < self.stations.len() => {
                 let in_stop = self.mode() == Some(ControlMode::EStop);
@@ -59,6 +67,11 @@ impl World {
                 if *command == ModeCommand::Manual {
                     self.manual_is_wanted();
                 }
+                if *command == ModeCommand::EStop {
+                    let (which, since) = (to - self.stations.len(), self.now);
+                    let life = self.process(to).life;
+                    self.after(soon, Event::LooksForStop { which, life, since });
+                }
                 if *command == ModeCommand::EStop && to == self.stations.len() {
                     let stop = self.observer.stop_number();
                     for station in self.behind_gateway() {
@@ -66,8 +79,13 @@ impl World {
                     }
                 }
             }
-            Message::Outputs { station, .. } if to == self.stations.len() => {
-                self.observer.image_arrived(self.now, station.index());
+            Message::Outputs { station, sequence, image } if to == self.stations.len() => {
+                let at = station.index();
+                let newest = (image.bits, image.mode_epoch);
+                self.observer.image_arrived(self.now, at, (image.boot_id, *sequence), newest);
+                if self.mutant_is(Mutant::ImagesDrivenAtOnce) {
+                    self.put(at, image.bits);
+                }
             }
             Message::Panel(PanelCommand::Selector(true)) => self.manual_is_wanted(),
             _ => {}
@@ -120,6 +138,10 @@ impl World {
             for at in reached {
                 self.observer.look_at_age(&self.line, &self.plant, self.now, at);
             }
+        }
+        self.plant.advance(self.now);
+        for at in (0..self.stations.len()).filter(|&at| self.io[at].is_lost(self.now)) {
+            self.observer.has_no_manager(&self.line, &self.plant, at);
         }
         self.after(self.line.timing.refresh, Event::Hands);
     }

@@ -23,6 +23,10 @@ pub(crate) struct SeenImage {
 pub(crate) struct OwnedIo {
     pub(crate) owner: Owner,
     asked: u128,
+    /// What a manager has given since they started or were lost last.
+    given: u128,
+    /// Broken on purpose: they keep their outputs at a loss, and take them up after a restart.
+    keeps: (bool, bool),
     losses: u64,
     timeout: Duration,
     /// They are not reached since then: the bus is off, or their manager is silent.
@@ -38,10 +42,12 @@ pub(crate) struct OwnedIo {
 }
 
 impl OwnedIo {
-    pub(crate) fn new(owner: Owner, timeout: Duration) -> Self {
+    pub(crate) fn new(owner: Owner, timeout: Duration, keeps: (bool, bool)) -> Self {
         OwnedIo {
             owner,
             asked: 0,
+            given: 0,
+            keeps,
             losses: 0,
             timeout,
             unreached: None,
@@ -67,8 +73,9 @@ impl OwnedIo {
         {
             self.is_noticed = true;
             self.losses += 1;
-            self.asked = 0;
-            plant.set_outputs(now, self.owner, 0);
+            if !self.keeps.0 {
+                self.forget(now, plant);
+            }
         }
         self.carry(now, plant);
     }
@@ -80,7 +87,7 @@ impl OwnedIo {
     }
 
     pub(crate) fn ask(&mut self, now: Tick, bits: u128, plant: &mut Plant) {
-        self.asked = bits;
+        (self.asked, self.given) = (bits, bits);
         self.carry(now, plant);
     }
 
@@ -117,16 +124,33 @@ impl OwnedIo {
     /// The devices lose their power for a moment.
     pub(crate) fn reboot(&mut self, now: Tick, plant: &mut Plant) {
         self.losses += 1;
-        self.asked = 0;
+        self.forget(now, plant);
         self.booted = now + BOOT;
+    }
+
+    /// Outputs go off, and are not taken up again.
+    fn forget(&mut self, now: Tick, plant: &mut Plant) {
+        self.given = 0;
+        if !self.keeps.1 {
+            self.asked = 0;
+        }
         plant.set_outputs(now, self.owner, 0);
+    }
+
+    /// What a manager has given since they started or were lost last.
+    pub(crate) fn given(&self) -> u128 {
+        self.given
+    }
+
+    /// They have been without a manager for longer than they may go on.
+    pub(crate) fn is_lost(&self, now: Tick) -> bool {
+        self.unreached.is_some_and(|since| now > since + self.timeout)
     }
 
     /// Another manager takes over: it counts losses from zero and boots every device.
     pub(crate) fn new_manager(&mut self, now: Tick, plant: &mut Plant) {
         self.losses = 0;
-        self.asked = 0;
+        self.forget(now, plant);
         self.booted = now + BOOT;
-        plant.set_outputs(now, self.owner, 0);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_line::{Owner, StationId};
+use linewright_line::{Owner, StationId, Tick};
 use linewright_station_logic::ModeOrder;
 use linewright_station_shell::EPOCH_JUMP_MAX;
 
@@ -62,8 +62,14 @@ impl World {
             FaultEvent::Disk(node, state) => self.set_disk(node, state),
             FaultEvent::Cut { from, to, .. } => self.network.cut(from, to),
             FaultEvent::Network(weather) => self.network.weather = weather,
-            FaultEvent::ForgedOrder { station, mode, epoch, is_followed } => {
-                self.forge_order(station, mode, epoch, is_followed);
+            FaultEvent::OldOrder { station, age } => {
+                let old = self.orders[station].iter().rev().find(|(at, _)| *at + age <= now);
+                if let Some(message) = old.or(self.orders[station].front()).map(|(_, message)| message.clone()) {
+                    self.send(self.operator_node(), station, message);
+                }
+            }
+            FaultEvent::ForgedOrder { station, mode, epoch, is_followed, is_long } => {
+                self.forge_order((station, mode), epoch, (is_followed, is_long));
             }
             FaultEvent::ForgedState { station, to, boot_id, sequence, epoch } => {
                 self.forge_state((station, to), (boot_id, sequence, epoch));
@@ -138,6 +144,7 @@ impl World {
             FaultEvent::Selector(station) => self.say_selector(station, false),
             FaultEvent::Command(_)
             | FaultEvent::Reboot(_)
+            | FaultEvent::OldOrder { .. }
             | FaultEvent::ForgedOrder { .. }
             | FaultEvent::ForgedState { .. } => {}
         }
@@ -149,6 +156,7 @@ impl World {
         process.stalls -= 1;
         let runs = process.stalls == 0;
         if runs {
+            process.resumed = now;
             process.resume(now);
         }
         for owner in self.managed(node) {
@@ -169,17 +177,16 @@ impl World {
 
     fn forge_order(
         &mut self,
-        station: usize,
-        mode: linewright_line::net::ControlMode,
+        (station, mode): (usize, linewright_line::net::ControlMode),
         epoch: ForgedEpoch,
-        is_followed: bool,
+        (is_followed, is_long): (bool, bool),
     ) {
         let Some(controller) = self.stations[station].shell.as_ref().map(|shell| shell.controller()) else { return };
         let (followed, newest) = (controller.followed(), controller.mode_epoch());
         // A stranger that takes the very life, epoch and number of the coordinator cannot be told from it.
         let epoch = match epoch {
             ForgedEpoch::Zero => 0,
-            ForgedEpoch::Next if is_followed => newest.saturating_add(EPOCH_JUMP_MAX).saturating_add(1),
+            ForgedEpoch::Next if is_followed && !is_long => newest.saturating_add(EPOCH_JUMP_MAX).saturating_add(1),
             ForgedEpoch::Next => newest.saturating_add(1),
             ForgedEpoch::Last => u64::MAX,
         };
@@ -188,7 +195,8 @@ impl World {
             return;
         }
         let boot_id = if is_followed { followed } else { 0xBAD };
-        let order = ModeOrder::of(boot_id, epoch, mode, self.line.timing.lease);
+        let lease = if is_long { ModeOrder::FOR_GOOD } else { self.line.timing.lease };
+        let order = ModeOrder::of(boot_id, epoch, mode, lease);
         self.send(self.operator_node(), station, Message::Order { sequence: u64::MAX, order });
     }
 
@@ -223,6 +231,16 @@ impl World {
         self.observer.has_to_be_off(&self.line, &self.plant, station, stop);
     }
 
+    /// A coordinator has had the time to order an emergency stop.
+    pub(crate) fn look_for_stop(&mut self, which: usize, life: u64, since: Tick) {
+        let process = &self.coordinators[which].process;
+        if process.life == life && process.runs() && process.resumed <= since {
+            // In the emergency stop the order is repeated with every period.
+            let has_ordered = self.coordinators[which].stopped + self.line.timing.refresh >= since;
+            self.observer.passes_stop_on(self.now, has_ordered);
+        }
+    }
+
     /// All faults end.
     pub(crate) fn mend(&mut self) {
         for at in 0..self.plan.len() {
@@ -254,9 +272,13 @@ impl World {
                 format!("nothing from {} reaches {} for {time}{late}", name(from), name(to))
             }
             FaultEvent::Network(weather) => format!("the network is bad for {time}: {weather:?}"),
-            FaultEvent::ForgedOrder { station, mode, epoch, is_followed } => {
+            FaultEvent::OldOrder { station, age } => {
+                format!("an order to {} of {age:?} ago arrives again", name(station))
+            }
+            FaultEvent::ForgedOrder { station, mode, epoch, is_followed, is_long } => {
+                let lease = if is_long { ", for good" } else { "" };
                 let life = if is_followed { "its coordinator's life" } else { "another life" };
-                format!("a forged order to {}: {mode}, epoch {epoch:?}, {life}", name(station))
+                format!("a forged order to {}: {mode}, epoch {epoch:?}, {life}{lease}", name(station))
             }
             FaultEvent::ForgedState { station, to, boot_id, sequence, epoch } => {
                 let what = [(boot_id, "life"), (sequence, "sequence"), (epoch, "epoch")];

@@ -13,10 +13,13 @@
 //!
 //! The same seed gives the same run. At the end of a run the faults end, and an operator brings the line back to auto; a
 //! whole cycle has to follow. [`mutants`] are rules that are broken in the world around the shells, or switched off in the
-//! controllers: each has to be found.
+//! controllers: each has to be found. [`play_cell`] is the same for a flexible cell, with its token player and pretended stations.
 //!
 //! Without clocks, files or threads. What is not simulated is in `docs/faults.md`.
 
+mod broken;
+mod cells;
+mod checks;
 mod coordinator;
 mod deliver;
 mod devices;
@@ -29,12 +32,14 @@ mod observer;
 mod people;
 mod plan;
 mod process;
+mod recovering;
 mod run;
 mod shrink;
 mod station;
 mod world;
 
-pub use mutants::Mutant;
+pub use cells::{CELL_MUTANTS, CellMutant, PlayedCell, play_cell};
+pub use mutants::{BrokenRule, MUTANTS, Mutant};
 pub use plan::{FaultEvent, FaultPlan, PlannedFault};
 pub use run::{Finding, PlayedSeed, play, play_plan};
 pub use shrink::shrink;

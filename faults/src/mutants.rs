@@ -1,91 +1,118 @@
 //! Rules that are broken: in the world around the shells, or in the controllers.
 //!
 //! A world that breaks none of its promises finds nothing wrong with a sound product. It is worth believing only if it finds
-//! something wrong with each of these.
+//! something wrong with each of these. How messages are changed is in `broken.rs`; what else a rule is about asks for it.
 
 use linewright_station_logic::Rules;
+use linewright_station_shell::ShellRules;
 
-use crate::message::Message;
-use crate::world::World;
+macro_rules! mutants {
+    ($($name:ident, $seed:expr, $breaks:literal;)*) => {
+        /// One broken rule.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Mutant {
+            $(#[doc = $breaks] $name,)*
+        }
 
-/// One broken rule.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mutant {
-    /// A station writes its record after everything that follows from it.
-    RecordAfterEffects,
-    /// A station's record is acknowledged and never kept.
-    RecordNotKept,
-    /// A station's record is acknowledged before it is written; on a slow disk it is never there.
-    AcknowledgedBeforeWritten,
-    /// A record from before the last start of the host counts as the newest.
-    HostStartIgnored,
-    /// A station without its journal says it has the generation of the others.
-    MemorylessBelieved,
-    /// What a slow record held up is put out after it.
-    LateEffects,
-    /// An emergency stop waits for the record that is being written.
-    StopWaitsForRecord,
-    /// The coordinator's record leaves the emergency stop out.
-    StopNotRecorded,
-    /// A record of the coordinator that failed counts as written.
-    FailedRecordIgnored,
-    /// An emergency stop of another coordinator is not obeyed.
-    ForeignStopIgnored,
-    /// The orders of any coordinator count as those of the one that is followed.
-    RivalObeyed,
-    /// Messages are taken in the order of their arrival, whatever their number.
-    NumbersIgnored,
-    /// A mode order holds until the next one arrives.
-    LeaseIgnored,
-    /// A station's state holds until the next one arrives.
-    StaleViewBelieved,
-    /// A station's outputs hold at the gateway until the next ones arrive.
-    GatewayAgeIgnored,
-    /// A loss of devices shorter than a scan is not seen.
-    LossesUnseen,
-    /// Counts of another generation are compared.
-    GenerationsOff,
-    /// The barrier of counts is off.
-    CountsOff,
-    /// The barrier of counts is off in one direction: Booleans instead of counts.
-    BooleansInstead,
-    /// The barrier of measured positions is off.
-    PositionsOff,
-    /// Both barriers are off.
-    BarriersOff,
-    /// Counts are taken back without agreement.
-    AgreementOff,
-    /// A count is taken back after the motion.
-    WithdrawnLate,
+        /// All of them.
+        pub const MUTANTS: &[BrokenRule] = &[
+            $(BrokenRule { mutant: Mutant::$name, name: stringify!($name), breaks: $breaks, seed: $seed },)*
+        ];
+    };
+}
+
+/// A broken rule with what it costs to find it.
+#[derive(Clone, Copy, Debug)]
+pub struct BrokenRule {
+    pub mutant: Mutant,
+    pub name: &'static str,
+    /// What is not done, or done wrongly.
+    pub breaks: &'static str,
+    /// The first seed that finds it, from 0 on; none where no seed has found it yet.
+    pub seed: Option<u64>,
+}
+
+mutants! {
+    // A station's record.
+    RecordAfterEffects, Some(0), "a station writes its record after everything that follows from it";
+    RecordNotKept, Some(0), "a station's record is acknowledged and never kept";
+    AcknowledgedBeforeWritten, Some(77), "a station's record is acknowledged before it is written";
+    RecordBeforeLastRead, Some(1), "a station is restarted from the record before its last one";
+    HostStartIgnored, Some(1), "a record from before the last start of the host counts as the newest";
+    GenerationAfterPowerCut, Some(1), "the same, of its counts alone";
+    RecordWithoutCounts, Some(0), "a station's record has the counts of a station at home";
+    RecordWithoutPath, Some(28), "a station's record leaves the recovery path out";
+    RequestNumbersUsedAgain, Some(1), "numbers of requests begin anew with every start";
+    MemorylessBelieved, Some(12), "a station without its journal has the generation of the others";
+    HomeUnconfirmed, Some(25), "a station without its journal is at home, whatever its switches say";
+    LateEffects, Some(77), "what a slow record of a station held up is put out after it";
+    OffAfterRecord, Some(96), "a station's outputs go off after its record";
+    StopWaitsForRecord, Some(37), "an emergency stop waits for the record that is being written";
+    // The coordinator's record.
+    OrderBeforeRecord, Some(0), "the coordinator's order goes out before its record is written";
+    EpochNotRecorded, Some(0), "the coordinator's record leaves the epoch out";
+    CoordinatorRecordNotKept, Some(0), "the coordinator's record is acknowledged and never kept";
+    CoordinatorAcknowledgedEarly, Some(10), "the coordinator's record is acknowledged before it is written";
+    StopNotRecorded, Some(56), "the coordinator's record leaves the emergency stop out";
+    FailedRecordIgnored, Some(35), "a record of the coordinator that failed counts as written";
+    // Authority, leases, numbers.
+    ForeignStopIgnored, Some(280), "an emergency stop of another coordinator is not obeyed";
+    RivalObeyed, Some(0), "the orders of any coordinator count as those of the one that is followed";
+    RivalsUnseen, Some(3), "two coordinators beside each other are not noticed";
+    OldOrdersObeyed, Some(98), "an order counts whatever its epoch and its number";
+    PoisonedEpochFollowed, Some(12), "an epoch that no coordinator can have given is followed";
+    LeaseIgnored, Some(3), "a mode order holds until the next one arrives";
+    LeaseOfStrangers, Some(476), "an order holds for as long as it says";
+    NumbersIgnored, None, "messages are taken in the order of their arrival, whatever their number";
+    StaleViewBelieved, None, "a station's state holds until the next one arrives";
+    GapUnseen, None, "after a standstill what was received before it counts as new";
+    // The gateway and the devices.
+    GatewayAgeIgnored, Some(16), "a station's outputs hold at the gateway until the next ones arrive";
+    GatewayStopIgnored, Some(67), "the gateway puts out images from before an emergency stop, and manual does not wait for stations without it";
+    ImagesDrivenAtOnce, Some(106), "the gateway puts out an image whatever the mode";
+    SlowRecordKeepsOutputs, Some(77), "outputs stay on while a record takes longer than images are valid";
+    LossesUnseen, Some(198), "a loss of devices shorter than a scan is not seen";
+    OutputsKeptAtLoss, Some(27), "devices keep their outputs when their manager falls silent";
+    OutputsKeptAtRestart, Some(34), "devices take up their former outputs after a restart";
+    // The decision of modes.
+    AutoAwayFromHome, Some(24), "every station counts as at home";
+    LostPositionUnheard, Some(111), "no position counts as lost";
+    IncompleteUnheard, Some(310), "no operation counts as stopped before its end";
+    DevicesUnheard, Some(250), "devices count as received";
+    MotionUnheard, Some(29), "every station counts as standing";
+    GenerationsUnheard, Some(1), "every station counts as having the same generation";
+    AcknowledgedUnheard, Some(10), "every order counts as acknowledged";
+    StationStopUnheard, Some(100), "an emergency stop that a station has is not adopted";
+    RestartUnheard, Some(0), "a station that was restarted counts as the same";
+    ResetNotNeeded, Some(9), "manual ends an emergency stop that was not reset";
+    // What stations take from orders.
+    EnabledAlways, Some(1), "a mode is acted on before every station has acknowledged it";
+    FoundingOfAnotherLife, None, "a founding order counts for whatever life of a station it reaches";
+    GenerationsAlike, Some(4), "every generation has the same number";
+    EpochsUnread, Some(0), "a station acknowledges no new epoch";
+    FoundingLost, Some(0), "founding orders are not taken";
+    // What stations take from each other.
+    AgreementsInvented, Some(1), "every answer to a request is agreement";
+    AgreementsOfEarlierLives, None, "answers to a request of an earlier life count, and numbers begin anew";
+    RequestsUnread, Some(28), "a count that is being taken back is relied on";
+    // Rules of the controllers.
+    GenerationsOff, Some(6), "counts of another generation are compared";
+    CountsOff, Some(0), "the barrier of counts is off";
+    BooleansInstead, Some(0), "the barrier of counts has Booleans instead of counts";
+    PositionsOff, Some(1), "the barrier of measured positions is off";
+    BarriersOff, Some(0), "both barriers are off";
+    AgreementOff, Some(1), "counts are taken back without agreement";
+    WithdrawnLate, Some(1), "a count is taken back after the motion";
+    NumbersNotFresh, None, "all requests have the same number";
+    RoundNotRedone, None, "a recovery path leaves the counts of its round as they are";
+    HomeDoesNotWait, None, "a recovery path begins whatever the neighbours do";
 }
 
 impl Mutant {
-    /// All of them.
-    pub const ALL: [Mutant; 23] = [
-        Mutant::RecordAfterEffects,
-        Mutant::RecordNotKept,
-        Mutant::AcknowledgedBeforeWritten,
-        Mutant::HostStartIgnored,
-        Mutant::MemorylessBelieved,
-        Mutant::LateEffects,
-        Mutant::StopWaitsForRecord,
-        Mutant::StopNotRecorded,
-        Mutant::FailedRecordIgnored,
-        Mutant::ForeignStopIgnored,
-        Mutant::RivalObeyed,
-        Mutant::NumbersIgnored,
-        Mutant::LeaseIgnored,
-        Mutant::StaleViewBelieved,
-        Mutant::GatewayAgeIgnored,
-        Mutant::LossesUnseen,
-        Mutant::GenerationsOff,
-        Mutant::CountsOff,
-        Mutant::BooleansInstead,
-        Mutant::PositionsOff,
-        Mutant::BarriersOff,
-        Mutant::AgreementOff,
-        Mutant::WithdrawnLate,
-    ];
+    /// With this name.
+    pub fn named(name: &str) -> Option<Mutant> {
+        MUTANTS.iter().find(|rule| rule.name == name).map(|rule| rule.mutant)
+    }
 
     /// The rules that its controllers keep.
     pub(crate) fn rules(self) -> Rules {
@@ -98,106 +125,36 @@ impl Mutant {
             Mutant::BarriersOff => Rules { positions: false, arrows: false, ..all },
             Mutant::AgreementOff => Rules { ask: false, ..all },
             Mutant::WithdrawnLate => Rules { withdraw_first: false, ..all },
+            // Either alone keeps them apart: a number that is never used again, and the life that it belongs to.
+            Mutant::NumbersNotFresh | Mutant::AgreementsOfEarlierLives => Rules { fresh_numbers: false, ..all },
+            Mutant::RoundNotRedone => Rules { redo_round: false, ..all },
+            Mutant::HomeDoesNotWait => Rules { home_waits: false, ..all },
             _ => all,
         }
     }
 
-    fn renews(self) -> Option<usize> {
+    /// The rules that its shells keep.
+    pub(crate) fn shell_rules(self) -> ShellRules {
+        let all = ShellRules::ALL;
+        match self {
+            Mutant::PoisonedEpochFollowed => ShellRules { epochs: false, ..all },
+            Mutant::LeaseOfStrangers => ShellRules { leases: false, ..all },
+            Mutant::NumbersIgnored => ShellRules { numbers: false, ..all },
+            Mutant::RivalsUnseen => ShellRules { rivals: false, ..all },
+            Mutant::GapUnseen => ShellRules { gaps: false, ..all },
+            Mutant::LateEffects => ShellRules { late: false, ..all },
+            Mutant::OffAfterRecord => ShellRules { off_first: false, ..all },
+            _ => all,
+        }
+    }
+
+    /// The topic whose messages it renews.
+    pub(crate) fn renews(self) -> Option<usize> {
         match self {
             Mutant::LeaseIgnored => Some(0),
             Mutant::StaleViewBelieved => Some(1),
             Mutant::GatewayAgeIgnored => Some(3),
             _ => None,
-        }
-    }
-}
-
-/// The last message of each writer to each reader, and a number for what is taken by arrival.
-pub(crate) struct LastHeard {
-    nodes: usize,
-    messages: Vec<Option<Message>>,
-    number: u64,
-}
-
-impl LastHeard {
-    pub(crate) fn new(nodes: usize) -> Self {
-        LastHeard { nodes, messages: vec![None; nodes * nodes], number: 1 << 40 }
-    }
-}
-
-impl World {
-    pub(crate) fn mutant_is(&self, mutant: Mutant) -> bool {
-        self.mutant == Some(mutant)
-    }
-
-    /// A message as the mutant has its reader take it.
-    pub(crate) fn mutated(&mut self, reader: usize, mut message: Message) -> Message {
-        let Some(mutant) = self.mutant else { return message };
-        if mutant == Mutant::RivalObeyed || mutant == Mutant::ForeignStopIgnored {
-            let followed =
-                self.stations.get(reader).and_then(|at| at.shell.as_ref()).map_or(0, |s| s.controller().followed());
-            if let Message::Order { order, sequence } = &mut message
-                && followed != 0
-                && order.boot_id != followed
-            {
-                if mutant == Mutant::RivalObeyed {
-                    (order.boot_id, *sequence) = (followed, self.next_number());
-                } else if order.mode == linewright_line::net::ControlMode::EStop {
-                    order.mode = linewright_line::net::ControlMode::StandBy;
-                }
-            }
-            return message;
-        }
-        let topic = mutant.renews();
-        if topic.is_some() && message.topic() == topic || mutant == Mutant::NumbersIgnored {
-            let number = self.next_number();
-            let writer = match &mut message {
-                Message::Order { sequence, .. } => {
-                    *sequence = number;
-                    self.coordinator_node()
-                }
-                Message::State { sequence, station, .. } | Message::Outputs { sequence, station, .. } => {
-                    *sequence = number;
-                    station.index()
-                }
-                Message::Inputs(image) => {
-                    image.sequence = number;
-                    self.coordinator_node()
-                }
-                _ => return message,
-            };
-            let nodes = self.last.nodes;
-            self.last.messages[reader * nodes + writer] = Some(message.clone());
-        }
-        message
-    }
-
-    fn next_number(&mut self) -> u64 {
-        self.last.number += 1;
-        self.last.number
-    }
-
-    /// With a mutant that renews them, the last messages count as if they had been sent again.
-    pub(crate) fn renew(&mut self) {
-        let Some(topic) = self.mutant.and_then(Mutant::renews) else { return };
-        let nodes = self.last.nodes;
-        for reader in 0..self.operator_node() {
-            if !self.process(reader).runs() || self.process(reader).writing.is_some() {
-                continue;
-            }
-            for writer in 0..nodes {
-                let Some(message) = self.last.messages[reader * nodes + writer].clone() else { continue };
-                if message.topic() != Some(topic) {
-                    continue;
-                }
-                let message = self.mutated(reader, message);
-                if reader < self.stations.len() {
-                    self.hand_to_station(reader, &message);
-                } else {
-                    self.hand_to_coordinator(reader - self.stations.len(), &message);
-                }
-            }
-            self.run_node(reader);
         }
     }
 }

@@ -10,6 +10,7 @@ use linewright_plant::Plant;
 use linewright_simulation::ConflictObserver;
 use linewright_station_logic::{ModeOrder, StationReport, StationSnapshot};
 
+use crate::checks::{OrderingLife, SeenState};
 use crate::run::Finding;
 
 /// An axis within this fraction of its stroke of where an operation ends is there; a switch is on within a thousandth.
@@ -19,32 +20,53 @@ const SLACK: Duration = Duration::from_millis(60);
 
 /// An emergency stop, from its first order until reset and manual have been given.
 #[derive(Clone, Copy, Debug)]
-struct StopEpisode {
+pub(crate) struct StopEpisode {
     number: u64,
-    is_reset: bool,
+    pub(crate) is_reset: bool,
 }
 
 #[derive(Debug)]
-struct ObservedStation {
-    actuators: u128,
+pub(crate) struct ObservedStation {
+    pub(crate) actuators: u128,
     /// When an order to move, or to stand by, arrived last.
     ordered: Option<Tick>,
+    /// When an order arrived last in a mode that every station had acknowledged.
+    pub(crate) enabled: Option<Tick>,
     /// Time that its records have taken since.
-    held_up: Duration,
+    pub(crate) held_up: Duration,
     /// The emergency stop has arrived at it, in this life or an earlier one.
     is_stopped: bool,
     /// Its process has it in memory.
     carries: bool,
     /// Its outputs arrived last at the coordinator, which runs its devices.
     images: Tick,
+    /// Life and number of the newest of them, its bits and epoch, and when that life was first received.
+    pub(crate) newest: ((u64, u64), (u128, u64), Tick),
+    /// The states of the others as they arrived at it last, by station.
+    pub(crate) views: Vec<SeenState>,
+    /// Its own state as it sent it last, since it is so.
+    pub(crate) own: SeenState,
+    /// The mode of the newest order, and since when.
+    pub(crate) newest_mode: (ControlMode, Tick),
+    /// Coordinators whose orders have arrived at it, in this life.
+    pub(crate) lives: Vec<OrderingLife>,
+    /// Number of the record that it had written when it sent its state last.
+    pub(crate) sent: u64,
+    /// The newest epoch that it has acknowledged.
+    pub(crate) acknowledged: u64,
     /// Its last record.
     record: Option<StationSnapshot>,
 }
 
 pub(crate) struct Observer {
     conflicts: ConflictObserver,
-    stations: Vec<ObservedStation>,
-    stop: Option<StopEpisode>,
+    lease: Duration,
+    /// The mode that the coordinator orders, and the epoch in which it began to.
+    pub(crate) ordered_mode: (ControlMode, u64),
+    /// The epoch of the last emergency stop that it ordered.
+    pub(crate) stop_epoch: u64,
+    pub(crate) stations: Vec<ObservedStation>,
+    pub(crate) stop: Option<StopEpisode>,
     stops: u64,
     /// The coordinator's process, and its disk, have the stop.
     process_carries: bool,
@@ -72,11 +94,22 @@ impl Observer {
             held_up: Duration::ZERO,
             is_stopped: false,
             carries: false,
+            enabled: None,
             images: Tick::ZERO,
+            newest: ((0, 0), (0, 0), Tick::ZERO),
+            lives: Vec::new(),
+            views: vec![SeenState::default(); line.stations.len()],
+            own: SeenState::default(),
+            newest_mode: (ControlMode::Home, Tick::ZERO),
+            sent: 0,
+            acknowledged: 0,
             record: None,
         };
         Observer {
             conflicts: ConflictObserver::new(line, |_| plant),
+            lease: line.timing.lease,
+            ordered_mode: (ControlMode::Home, 0),
+            stop_epoch: 0,
             stations: line.station_ids().map(station).collect(),
             stop: None,
             stops: 0,
@@ -108,7 +141,10 @@ impl Observer {
     pub(crate) fn ended(&mut self, node: usize) {
         let coordinator = self.stations.len();
         match self.stations.get_mut(node) {
-            Some(station) => (station.carries, station.ordered) = (false, None),
+            Some(station) => {
+                (station.carries, station.ordered, station.enabled) = (false, None, None);
+                station.lives.clear();
+            }
             None if node == coordinator => self.process_carries = false,
             None => {}
         }
@@ -118,6 +154,10 @@ impl Observer {
     /// The coordinator's disk has, or has not, kept the stop: after a loss of power, or of the journal.
     pub(crate) fn disk_keeps(&mut self, is_kept: bool) {
         self.disk_carries &= is_kept;
+        if !is_kept {
+            // Its epochs may begin again below.
+            self.stop_epoch = 0;
+        }
         self.forget_stop();
     }
 
@@ -188,7 +228,21 @@ impl Observer {
     /// A station takes an order; `in_stop`: the line's coordinator still orders the stop. Gives the number of the emergency stop whose outputs have to be off soon.
     pub(crate) fn ordered(&mut self, now: Tick, at: usize, order: &ModeOrder, in_stop: bool) -> Option<u64> {
         self.is_ending &= in_stop;
+        if order.lease > self.lease {
+            // No coordinator's.
+            return None;
+        }
+        let is_newest = self.is_newest(now, at, order);
+        if is_newest && self.stations[at].newest_mode.0 != order.mode {
+            self.stations[at].newest_mode = (order.mode, now);
+        }
+        if order.mode != ControlMode::EStop && !is_newest {
+            return None;
+        }
         if order.mode != ControlMode::EStop {
+            if order.enabled {
+                self.stations[at].enabled = Some(now);
+            }
             (self.stations[at].ordered, self.stations[at].held_up) = (Some(now), Duration::ZERO);
             return None;
         }
@@ -213,8 +267,15 @@ impl Observer {
     }
 
     /// Outputs of a station behind the gateway have arrived.
-    pub(crate) fn image_arrived(&mut self, now: Tick, at: usize) {
-        self.stations[at].images = now;
+    pub(crate) fn image_arrived(&mut self, now: Tick, at: usize, number: (u64, u64), newest: (u128, u64)) {
+        let station = &mut self.stations[at];
+        station.images = now;
+        let ((life, sequence), _, since) = station.newest;
+        if life != number.0 {
+            station.newest = (number, newest, now);
+        } else if number.1 > sequence {
+            station.newest = (number, newest, since);
+        }
     }
 
     /// What a station behind the gateway has not repeated for long is off.
@@ -235,6 +296,7 @@ impl Observer {
         line: &Line,
         (now, at): (Tick, usize),
         rising: u128,
+        mode: ControlMode,
         record: impl FnOnce() -> (StationSnapshot, Option<StationSnapshot>),
     ) {
         let station = &self.stations[at];
@@ -251,8 +313,19 @@ impl Observer {
         }
         let (state, disk) = record();
         if disk.as_ref() != Some(&state) {
-            self.find(now, format!("{name}: a motion starts that its record does not have"));
+            return self.find(now, format!("{name}: a motion starts that its record does not have"));
         }
+        if station.enabled.is_none_or(|enabled| now > enabled + until) {
+            return self
+                .find(now, format!("{name}: a motion starts in a mode that not every station has acknowledged"));
+        }
+        if self.are_two(line, now, at) {
+            return self.find(now, format!("{name}: a motion starts while two coordinators give orders"));
+        }
+        if self.acts_on_another_order(line, now, at, mode) {
+            return self.find(now, format!("{name}: a motion starts in {mode}, and the newest order is another one"));
+        }
+        self.starts_on_what_it_knows(line, (now, at), rising, mode);
     }
 
     /// A station sends its state: its record has it already.
@@ -263,7 +336,14 @@ impl Observer {
         report: &StationReport,
         state: &StationSnapshot,
         disk: Option<&StationSnapshot>,
+        number: u64,
     ) {
+        self.stations[at].sent = number;
+        let seen = SeenState::of(now, report);
+        if !seen.is_like(&self.stations[at].own) {
+            self.stations[at].own = seen;
+        }
+        self.stations[at].acknowledged = self.stations[at].acknowledged.max(report.mode_epoch);
         // What it began with is as good as a record: nothing has happened since.
         let is_first = disk.is_none() && report.generation == 0 && report.done.iter().all(|&done| done == 0);
         let has = |disk: &StationSnapshot| {
@@ -292,6 +372,9 @@ impl Observer {
         let id = StationId::at(at);
         let station = line.station(id);
         let before = self.stations[at].record.take().filter(|before| before.generation == record.generation);
+        if let Some(before) = &before {
+            self.taken_back(line, (now, id), before, &record, &of);
+        }
         if let (Some(before), ControlMode::Auto) = (&before, mode) {
             for (op, operation) in station.operations.iter().enumerate() {
                 let motion = &operation.motion;

@@ -1,4 +1,4 @@
-//! An operator that brings the line back after all faults have ended, by what the manual says.
+//! An operator that brings the line back after all faults have ended, by what the manual says and without a plan.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ pub(crate) const NOT_HOME: &str = "not all stations are home";
 const ROUNDS: usize = 60;
 
 impl World {
-    fn controller(&self, at: usize) -> Option<&Controller> {
+    pub(crate) fn controller(&self, at: usize) -> Option<&Controller> {
         self.stations[at].shell.as_ref().map(|shell| shell.controller())
     }
 
@@ -36,7 +36,7 @@ impl World {
     }
 
     /// Gives a command; the refusal, if it is not obeyed.
-    fn ask(&mut self, command: ModeCommand) -> Result<(), String> {
+    pub(crate) fn ask(&mut self, command: ModeCommand) -> Result<(), String> {
         let before = self.coordinators[0].answers;
         self.say_command(command);
         if !self.wait_for(Duration::from_secs(2), |world| world.coordinators[0].answers > before) {
@@ -70,7 +70,7 @@ impl World {
         self.run_for(Duration::from_secs(3));
         let mut outcome = Ok(());
         for _ in 0..4 {
-            outcome = self.lead_to_auto().and_then(|()| self.one_cycle());
+            outcome = self.bring_to_auto().and_then(|()| self.one_cycle());
             if outcome.is_ok() || self.observer.finding.is_some() {
                 return Ok(());
             }
@@ -83,7 +83,7 @@ impl World {
 
     /// A station that the coordinator does not receive though it runs is started again, as its log asks for after an epoch that
     /// no coordinator can have given.
-    fn start_again(&mut self) {
+    pub(crate) fn start_again(&mut self) {
         for at in 0..self.stations.len() {
             let coordinator = self.coordinators[0].shell.as_ref();
             if coordinator.is_some_and(|shell| !shell.coordinator().hears(StationId::at(at))) {
@@ -96,7 +96,8 @@ impl World {
         self.run_for(Duration::from_secs(1));
     }
 
-    fn lead_to_auto(&mut self) -> Result<(), String> {
+    /// Brings the line to auto without a plan.
+    pub(crate) fn bring_to_auto(&mut self) -> Result<(), String> {
         if self.mode() == Some(ControlMode::Auto) {
             return Ok(());
         }
@@ -185,7 +186,7 @@ impl World {
     }
 
     /// What the coordinator and the stations say of themselves.
-    fn situation(&self) -> String {
+    pub(crate) fn situation(&self) -> String {
         let mut why: Vec<String> = self.coordinators[0].shell.iter().map(|shell| shell.coordinator().text()).collect();
         why.extend(self.coordinators[0].refusal.clone());
         for at in 0..self.stations.len() {
@@ -230,7 +231,7 @@ impl World {
     }
 
     /// Operations in whose motion the mechanisms may stand, by their positions.
-    fn operations_that_fit(&self, id: StationId) -> Vec<linewright_line::OpId> {
+    pub(crate) fn operations_that_fit(&self, id: StationId) -> Vec<linewright_line::OpId> {
         let station = self.line.station(id);
         let mut fits = Vec::new();
         for (step, before) in station.positions_before_steps().into_iter().enumerate() {
@@ -268,7 +269,7 @@ impl World {
     }
 
     /// Every station comes home twice in auto: the first time may end a cycle that had begun.
-    fn one_cycle(&mut self) -> Result<(), String> {
+    pub(crate) fn one_cycle(&mut self) -> Result<(), String> {
         let homes = |world: &World| -> Vec<i32> {
             (0..world.stations.len())
                 .map(|at| world.controller(at).map_or(0, |c| c.report().done[world.line.stations[at].home.index()]))

@@ -29,8 +29,10 @@ pub enum FaultEvent {
     Cut { from: usize, to: usize, late: bool },
     /// The network is bad.
     Network(Weather),
+    /// An order that the coordinator gave so long ago arrives once more.
+    OldOrder { station: usize, age: Duration },
     /// A mode order of a stranger.
-    ForgedOrder { station: usize, mode: ControlMode, epoch: ForgedEpoch, is_followed: bool },
+    ForgedOrder { station: usize, mode: ControlMode, epoch: ForgedEpoch, is_followed: bool, is_long: bool },
     /// A station's state, sent by a stranger under another life, number or epoch.
     ForgedState { station: usize, to: usize, boot_id: bool, sequence: bool, epoch: bool },
     /// The devices of an owner lose their power for a moment.
@@ -74,6 +76,8 @@ pub struct FaultPlan {
     /// The shipped line, or one like it.
     pub is_transfer_line: bool,
     pub faults: Vec<PlannedFault>,
+    /// The operator at the end follows the recovery plan; otherwise the rules of the manual alone.
+    pub follows_plan: bool,
     /// When the faults are over.
     pub end: Tick,
 }
@@ -94,12 +98,15 @@ impl FaultPlan {
         let begins = rng.within(1_000_000, 3_000_000);
         let lasts = rng.within(500_000, 8_000_000);
         let count = rng.within(1, 24);
-        let theme = rng.below(4);
+        let theme = rng.below(6);
         let mut drawn = DrawnPlan { rng, line: &line, theme };
-        let mut faults: Vec<PlannedFault> = (0..count).map(|_| drawn.fault((begins, begins + lasts))).collect();
+        let mut faults: Vec<PlannedFault> = Vec::new();
+        for _ in 0..count {
+            drawn.add((begins, begins + lasts), &mut faults);
+        }
         faults.sort_by_key(|fault| fault.at);
         let end = Tick::from_micros(begins + lasts);
-        FaultPlan { seed, line, is_transfer_line, faults, end }
+        FaultPlan { seed, line, is_transfer_line, faults, follows_plan: seed.is_multiple_of(2), end }
     }
 }
 
@@ -123,11 +130,118 @@ impl DrawnPlan<'_> {
         self.rng.below(self.line.stations.len() as u64) as usize
     }
 
-    fn fault(&mut self, (from, until): (u64, u64)) -> PlannedFault {
-        let at = Tick::from_micros(self.rng.within(from, until));
+    /// A fault, and sometimes others close behind it.
+    fn add(&mut self, (from, until): (u64, u64), faults: &mut Vec<PlannedFault>) {
+        let at = self.rng.within(from, until);
         let longest = *self.rng.pick(&[5_000, 60_000, 400_000, 2_500_000]);
-        let lasts = Duration::from_micros(self.rng.within(500, longest));
-        PlannedFault { at, lasts, event: self.event() }
+        let lasts = self.rng.within(500, longest);
+        let planned =
+            |at, lasts, event| PlannedFault { at: Tick::from_micros(at), lasts: Duration::from_micros(lasts), event };
+        if !self.rng.chance(200) {
+            faults.push(planned(at, lasts, self.event()));
+            return;
+        }
+        let station = self.station();
+        match self.theme {
+            // An emergency stop that one station does not receive, and that ends soon.
+            1 if self.rng.chance(400) => {
+                let node = self.line.stations.len();
+                faults.push(planned(at, 600_000, FaultEvent::Cut { from: node, to: station, late: false }));
+                let times = [(5_000, ModeCommand::EStop), (60_000, ModeCommand::Reset), (110_000, ModeCommand::Manual)];
+                faults.extend(times.map(|(after, command)| planned(at + after, 1_000, FaultEvent::Command(command))));
+            }
+            // An emergency stop while a record of another command is being written.
+            1 => {
+                let takes = Duration::from_micros(*self.rng.pick(&[40_000, 120_000, 400_000]));
+                let node = *self.rng.pick(&[self.line.stations.len(), station]);
+                let other = *self.rng.pick(&[ModeCommand::Manual, ModeCommand::Auto, ModeCommand::Stop]);
+                faults.push(planned(at, lasts.max(500_000), FaultEvent::Disk(node, DiskState::Slow(takes))));
+                faults.push(planned(at + 1_000, 1_000, FaultEvent::Command(other)));
+                let stop = at + 1_000 + self.rng.within(1_000, 80_000);
+                faults.push(planned(stop, 1_000, FaultEvent::Command(ModeCommand::EStop)));
+            }
+            // Two stations do not receive each other while the coordinator receives both.
+            2 if self.rng.chance(300) => {
+                let modes = [ControlMode::Auto, ControlMode::Manual];
+                let mode = *self.rng.pick(&modes);
+                let forged = FaultEvent::ForgedOrder {
+                    station,
+                    mode,
+                    epoch: ForgedEpoch::Next,
+                    is_followed: true,
+                    is_long: true,
+                };
+                let node = self.line.stations.len();
+                faults.push(planned(at, 1_000, forged));
+                faults.push(planned(at + 1_000, 2_500_000, FaultEvent::Cut { from: node, to: station, late: false }));
+            }
+            2 if self.rng.chance(300) => {
+                let age = Duration::from_micros(self.rng.within(100_000, 3_000_000));
+                let other = *self.rng.pick(&[ModeCommand::Manual, ModeCommand::EStop]);
+                faults.push(planned(at, 1_000, FaultEvent::Command(other)));
+                let late = at + self.rng.within(300_000, 900_000);
+                faults.push(planned(late, 1_000, FaultEvent::OldOrder { station, age }));
+            }
+            2 => {
+                let other = self.station();
+                faults.push(planned(at, lasts.max(600_000), FaultEvent::Cut { from: other, to: station, late: false }));
+            }
+            // The coordinator is killed in the middle of its effects, just after a command.
+            3 => {
+                let after = self.rng.below(8) as u32;
+                let node = self.line.stations.len();
+                let command = *self.rng.pick(&[ModeCommand::EStop, ModeCommand::Manual, ModeCommand::Stop]);
+                faults.push(planned(at, lasts, FaultEvent::Kill { node, after, remembers: true }));
+                faults.push(planned(at, 1_000, FaultEvent::Command(command)));
+            }
+            // A person begins to lead a station back, leaves off, and begins again, while another one is led on.
+            4 if self.rng.chance(400) => {
+                let other = self.station();
+                let weather = Weather { loss: 200, double: 0, jitter: Duration::from_millis(120) };
+                faults.push(planned(at, 1_000, FaultEvent::Command(ModeCommand::Manual)));
+                faults.push(planned(at + 900_000, 1_500_000, FaultEvent::Network(weather)));
+                for nth in 0..4 {
+                    let (from, short) = (at + 1_000_000 + nth * 150_000, self.rng.within(5_000, 120_000));
+                    faults.push(planned(from, short, FaultEvent::Press(station, false)));
+                }
+                let (from, long) = (self.rng.within(0, 400_000), self.rng.within(100_000, 900_000));
+                faults.push(planned(at + 1_000_000 + from, long, FaultEvent::Press(other, true)));
+            }
+            // A person leads one station on, and another one back.
+            4 => {
+                let long = self.rng.within(200_000, 2_000_000);
+                let advance = self.rng.chance(400);
+                faults.push(planned(at, 1_000, FaultEvent::Command(ModeCommand::Manual)));
+                faults.push(planned(at + 1_000_000, long, FaultEvent::Press(station, advance)));
+                let other = self.station();
+                faults.push(planned(at + 1_000_000 + long / 2, long, FaultEvent::Press(other, !advance)));
+            }
+            // A motion fails, and the station is led back.
+            5 if self.rng.chance(500) => {
+                let faulty = [MotionFault::Stick, MotionFault::Break];
+                let id = StationId::at(station);
+                let op = OpId::at(self.rng.below(self.line.station(id).operations.len() as u64) as usize);
+                let fault = *self.rng.pick(&faulty);
+                faults.push(planned(at, 800_000, FaultEvent::Motion(id, op, true, fault)));
+                faults.push(planned(at + 900_000, 1_000, FaultEvent::Command(ModeCommand::Manual)));
+                let long = self.rng.within(200_000, 2_000_000);
+                faults.push(planned(at + 1_500_000, long, FaultEvent::Press(station, false)));
+                let other = self.station();
+                faults.push(planned(at + 1_600_000, long, FaultEvent::Press(other, true)));
+            }
+            // Devices restart while their manager stands.
+            5 => {
+                let stands = self.rng.within(40_000, 180_000);
+                let node = *self.rng.pick(&[self.line.stations.len(), station]);
+                faults.push(planned(at, stands, FaultEvent::Stall { node, suspends: false }));
+                faults.push(planned(at + 1_000, 1_000, FaultEvent::Reboot(station)));
+            }
+            _ => {
+                faults.push(planned(at, lasts, self.event()));
+                let stop = at + self.rng.within(1_000, 60_000);
+                faults.push(planned(stop, 1_000, FaultEvent::Command(ModeCommand::EStop)));
+            }
+        }
     }
 
     fn event(&mut self) -> FaultEvent {
@@ -141,6 +255,10 @@ impl DrawnPlan<'_> {
             (2, true) => *self.rng.pick(&[22, 38, 42, 50, 51, 55, 59, 72, 83]),
             // Memories.
             (3, true) => *self.rng.pick(&[0, 5, 17, 18, 19, 20, 80]),
+            // People, beside memories that are lost.
+            (4, true) => *self.rng.pick(&[0, 38, 80, 88, 88, 88, 88, 95, 98]),
+            // Devices and what is between them and their managers.
+            (5, true) => *self.rng.pick(&[22, 22, 50, 62, 65, 65, 68, 99]),
             _ => self.rng.below(100),
         };
         match number {
@@ -163,11 +281,13 @@ impl DrawnPlan<'_> {
                 let (loss, double) = (*self.rng.pick(&[0, 50, 200, 500]), *self.rng.pick(&[0, 200]));
                 FaultEvent::Network(Weather { loss, double, jitter })
             }
-            55..59 => {
+            55 => FaultEvent::OldOrder { station, age: Duration::from_micros(self.rng.within(100_000, 3_000_000)) },
+            56..59 => {
                 let modes = [ControlMode::Auto, ControlMode::Manual, ControlMode::StandBy, ControlMode::EStop];
                 let epoch = *self.rng.pick(&[ForgedEpoch::Zero, ForgedEpoch::Next, ForgedEpoch::Last]);
                 let mode = *self.rng.pick(&modes);
-                FaultEvent::ForgedOrder { station, mode, epoch, is_followed: yes(&mut self.rng) }
+                let (is_followed, is_long) = (yes(&mut self.rng), self.rng.chance(300));
+                FaultEvent::ForgedOrder { station, mode, epoch, is_followed, is_long }
             }
             59..62 => FaultEvent::ForgedState {
                 station,

@@ -25,6 +25,8 @@ pub(crate) struct Process {
     pub(crate) life: u64,
     /// Number of reasons for which it does not run although it is up.
     pub(crate) stalls: u32,
+    /// It ran again after the last of them then.
+    pub(crate) resumed: Tick,
     /// What its clock shows is this much more than the time of the world, which begins at a day.
     origin: u64,
     /// Since then its clock stands.
@@ -44,6 +46,7 @@ impl Process {
             is_up: false,
             life: 0,
             stalls: 0,
+            resumed: Tick::ZERO,
             origin: 0,
             suspended: None,
             inbox: VecDeque::new(),

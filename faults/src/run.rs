@@ -48,7 +48,7 @@ pub fn play_plan(plan: &FaultPlan, mutant: Option<Mutant>) -> PlayedSeed {
     world.mend();
     let mut is_left_standing = false;
     if world.observer.finding.is_none()
-        && let Err(text) = world.bring_back()
+        && let Err(text) = if plan.follows_plan { world.recover() } else { world.bring_back() }
     {
         let at = world.now;
         is_left_standing = !plan.is_transfer_line && text.starts_with(NOT_HOME);

@@ -71,14 +71,19 @@ impl World {
         if !remembers {
             self.stations[at].disk.lose();
         }
+        if self.mutant == Some(Mutant::RecordBeforeLastRead) {
+            self.stations[at].disk.skip_newest();
+        }
         let id = StationId::at(at);
         let believes = self.mutant == Some(Mutant::HostStartIgnored);
+        let keeps_counts = self.mutant == Some(Mutant::GenerationAfterPowerCut);
         let restore = match self.stations[at].disk.newest() {
             Some((record, is_of_this_start)) => {
                 let mut record = record.clone();
                 // As the node does with a record from before the last start of the host.
                 if !is_of_this_start && !believes {
-                    (record.generation, record.placed) = (0, false);
+                    record.placed = false;
+                    record.generation = if keeps_counts { record.generation } else { 0 };
                 }
                 Restore::From(record)
             }
@@ -88,11 +93,13 @@ impl World {
             Ok(shell) => {
                 let station = &mut self.stations[at];
                 station.shell = Some(match self.mutant {
-                    Some(mutant) => shell.with_rules(mutant.rules()),
+                    Some(mutant) => shell.with_rules(mutant.rules()).with_shell_rules(mutant.shell_rules()),
                     None => shell,
                 });
                 station.process.begin(life, origin);
                 (station.seen, station.driven, station.is_late) = (None, 0, false);
+                let generation = station.shell.as_ref().map_or(0, |shell| shell.controller().generation());
+                self.observer.restarted(&self.line, self.now, at, (generation, station.disk.number()));
             }
             Err(error) => {
                 let text = format!("{} does not start from its own record: {error}", self.name(at));
@@ -112,6 +119,11 @@ impl World {
             let mut record = fresh.snapshot();
             (record.generation, record.placed) = (other.controller().generation(), true);
             return Restore::From(record);
+        }
+        if self.mutant == Some(Mutant::HomeUnconfirmed)
+            && let Ok(fresh) = StationShell::new(&self.line, id, boot_id, Restore::Fresh)
+        {
+            return Restore::From(StationSnapshot { placed: true, ..fresh.snapshot() });
         }
         Restore::Fresh
     }
@@ -133,6 +145,8 @@ impl World {
         let Some(shell) = &mut station.shell else { return };
         let local = station.process.clock(now);
         let mut effects = Vec::new();
+        let is_lost = is_own && station.seen.is_some_and(|seen| seen.losses != image.losses);
+        let under_way = motions(shell);
         if is_own && station.seen != Some(image) {
             station.seen = Some(image);
             let SeenImage { bits, valid, losses } = image;
@@ -140,6 +154,11 @@ impl World {
             shell.handle(local, StationArrival::Devices { bits, valid, losses }, &mut effects);
         }
         shell.act(local, &mut effects);
+        let goes_on = motions(shell) & under_way;
+        if is_lost && goes_on != 0 {
+            let name = &self.line.stations[at].name;
+            self.observer.find(now, format!("{name}: a motion goes on across a loss of its devices"));
+        }
         if self.mutant == Some(Mutant::RecordAfterEffects) {
             effects.sort_by_key(|effect| matches!(effect, StationEffect::Remember));
         }
@@ -199,7 +218,7 @@ impl World {
                         return;
                     }
                 }
-                StationEffect::Drive(_) if self.stations[at].is_late && !self.mutant_is(Mutant::LateEffects) => {}
+                StationEffect::Drive(_) if self.stations[at].is_late => {}
                 StationEffect::Drive(image) => self.drive(at, image, true),
                 StationEffect::Tell { sequence } => self.tell(at, sequence),
                 StationEffect::Reply(..) | StationEffect::Happened(_) | StationEffect::Ignored { .. } => {}
@@ -221,17 +240,31 @@ impl World {
         let (takes, succeeds) = station.disk.write_takes();
         if succeeds && (takes.is_zero() || is_early) {
             if takes.is_zero() && !is_dropped {
-                station.disk.store(record);
+                self.store(at, record);
             }
+            let station = &mut self.stations[at];
+            let Some(shell) = &mut station.shell else { return false };
             station.is_late = !shell.remembered(station.process.clock(now));
             return true;
         }
+        let next = station.effects.iter().find_map(|effect| match effect {
+            StationEffect::Drive(image) => Some(image.bits),
+            _ => None,
+        });
+        let waiting = station.driven & !next.unwrap_or(station.driven);
+        self.observer.waits_to_go_off(&self.line, (now, at), waiting);
+        let station = &mut self.stations[at];
         station.under_way = Some(record);
         station.process.writing = Some(Writing { takes, succeeds, is_off: false });
         let life = station.process.life;
         self.after(takes, Event::Written { node: at, life });
         self.after(stale, Event::SlowRecord { node: at, life });
         false
+    }
+
+    fn store(&mut self, at: usize, record: StationSnapshot) {
+        let record = self.mutated_record(at, record);
+        self.stations[at].disk.store(record);
     }
 
     pub(crate) fn station_written(&mut self, at: usize) {
@@ -251,7 +284,7 @@ impl World {
             return;
         }
         if let Some(record) = record {
-            station.disk.store(record);
+            self.store(at, record);
         }
         self.observer.held_up(at, writing.takes);
         let station = &mut self.stations[at];
@@ -267,7 +300,8 @@ impl World {
         let station = &mut self.stations[at];
         let runs = station.process.runs();
         let Some(writing) = &mut station.process.writing else { return };
-        if !runs || std::mem::replace(&mut writing.is_off, true) || self.mutant == Some(Mutant::StopWaitsForRecord) {
+        let waits = [Some(Mutant::StopWaitsForRecord), Some(Mutant::SlowRecordKeepsOutputs)].contains(&self.mutant);
+        if !runs || std::mem::replace(&mut writing.is_off, true) || waits {
             return;
         }
         let off = station.shell.as_mut().map(StationShell::interrupt);
@@ -282,7 +316,8 @@ impl World {
             let station = &self.stations[at];
             if let Some(shell) = &station.shell {
                 let record = || (shell.snapshot(), station.disk.newest().map(|(record, _)| record.clone()));
-                self.observer.driven(&self.line, (self.now, at), rising, record);
+                let mode = shell.controller().mode();
+                self.observer.driven(&self.line, (self.now, at), rising, mode, record);
             }
         }
         if !self.is_behind_gateway(at) {
@@ -313,7 +348,7 @@ impl World {
         let mut report = controller.report();
         report.measured_age += station.process.clock(self.now).since(controller.stepped());
         let record = station.disk.newest().map(|(record, _)| record);
-        self.observer.told(&self.line, (self.now, at), &report, &shell.snapshot(), record);
+        self.observer.told(&self.line, (self.now, at), &report, &shell.snapshot(), record, station.disk.number());
         let (report, follows) = (Rc::new(report), controller.followed());
         let message = Message::State { station: station.id, sequence, follows, report };
         for node in 0..self.stations.len() + 2 {
@@ -322,6 +357,12 @@ impl World {
             }
         }
     }
+}
+
+/// The operations under way, a bit each.
+fn motions(shell: &StationShell) -> u64 {
+    let moving = shell.controller().marking().filter(|place| place.is_operating());
+    moving.fold(0, |bits, place| bits | 1 << place.op.index())
 }
 
 fn kind(effect: &StationEffect) -> &'static str {

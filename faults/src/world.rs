@@ -1,17 +1,18 @@
 //! A line with everything around it, and its event loop.
 
 use std::cmp::{Ordering, Reverse};
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::{BTreeMap, BinaryHeap, VecDeque};
 use std::time::Duration;
 
 use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
 use linewright_plant::{Plant, PlantOptions};
 use linewright_simulation::Rng;
 
+use crate::broken::LastHeard;
 use crate::coordinator::CoordinatorProcess;
 use crate::devices::OwnedIo;
 use crate::message::Message;
-use crate::mutants::{LastHeard, Mutant};
+use crate::mutants::Mutant;
 use crate::network::Network;
 use crate::observer::Observer;
 use crate::plan::PlannedFault;
@@ -32,6 +33,7 @@ pub(crate) enum Event {
     Restart { node: usize, remembers: bool },
     Hands,
     LooksForOff { station: usize, stop: u64 },
+    LooksForStop { which: usize, life: u64, since: Tick },
 }
 
 struct Scheduled {
@@ -93,6 +95,8 @@ pub(crate) struct World {
     pub(crate) story: Vec<(Tick, String)>,
     pub(crate) hash: u64,
     pub(crate) events: u64,
+    /// By station: orders that were sent to it within the last seconds.
+    pub(crate) orders: Vec<VecDeque<(Tick, Message)>>,
     /// With a mutant that renews messages: the last of each.
     pub(crate) last: LastHeard,
 }
@@ -102,7 +106,8 @@ impl World {
         let plant = Plant::new(&line, PlantOptions { seed, variation: 0.05, people: false });
         let timeout = line.timing.heartbeat_timeout;
         let owners = line.station_ids().map(Owner::Station).chain([Owner::Console]);
-        let io: Vec<OwnedIo> = owners.map(|owner| OwnedIo::new(owner, timeout)).collect();
+        let keeps = (mutant == Some(Mutant::OutputsKeptAtLoss), mutant == Some(Mutant::OutputsKeptAtRestart));
+        let io: Vec<OwnedIo> = owners.map(|owner| OwnedIo::new(owner, timeout, keeps)).collect();
         let nodes = line.stations.len() + 3;
         let mut world = World {
             observer: Observer::new(&line, &plant),
@@ -122,6 +127,7 @@ impl World {
             hash: 0xCBF2_9CE4_8422_2325,
             events: 0,
             last: LastHeard::new(nodes),
+            orders: vec![VecDeque::new(); line.stations.len()],
             io,
             plant,
             line,
@@ -272,6 +278,7 @@ impl World {
             Event::Restart { node, remembers } => self.start(node, remembers),
             Event::Hands => self.hands_again(),
             Event::LooksForOff { station, stop } => self.look_for_off(station, stop),
+            Event::LooksForStop { which, life, since } => self.look_for_stop(which, life, since),
         }
     }
 
@@ -304,6 +311,9 @@ impl World {
         let mut next = self.io[at].deadline(self.now);
         if at < self.stations.len() {
             self.observer.look(&self.line, &self.plant, at);
+            if self.io[at].unreached.is_none() {
+                self.observer.look_at_given(&self.line, &self.plant, at, self.io[at].given());
+            }
             self.mix(self.plant.outputs(Owner::Station(StationId::at(at))) as u64);
             next = next.min(self.plant.next_change_of(StationId::at(at)).unwrap_or(Tick::NEVER));
         }

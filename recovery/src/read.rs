@@ -9,6 +9,7 @@ use linewright_line::{Line, StationId};
 const NOT_RESET: &str = ", not reset;";
 const PRESSED: &str = " of the console pressed)";
 const LEFT_OUT: &str = ", without ";
+const ENDED: &str = " ended (";
 const SECOND_COORDINATOR: &str = "second coordinator active";
 
 /// What the text of the mode says.
@@ -31,25 +32,42 @@ impl ModeRead {
     /// Reads a text that the coordinator has written for this line.
     pub fn of(line: &Line, text: &str) -> Self {
         // A station's name may be the end of another one's.
-        let says = |reason: &ModeRefusal| {
+        let says = |text: &str, reason: &ModeRefusal| {
             let before = |(at, _): (usize, &str)| text[..at].chars().next_back();
             text.match_indices(&reason.text(line)).map(before).any(|letter| matches!(letter, None | Some(' ' | '(')))
         };
+        let restarted = line.station_ids().filter(|&id| says(text, &ModeRefusal::Restarted(id))).collect();
+        // What has ended a mode may be over; what stands against another one is among the troubles.
+        let standing = without_ended(text);
+        let text = standing.as_str();
         let (_, without) = text.split_once(LEFT_OUT).unwrap_or_default();
         let names = without.split([',', ':']).map(str::trim).map_while(|name| line.station_named(name));
         let mut obstacles: Vec<String> =
             text.split("; ").filter_map(|part| part.find(SECOND_COORDINATOR).map(|at| part[at..].to_owned())).collect();
         let journal = ModeRefusal::JournalLost;
-        obstacles.extend(says(&journal).then(|| journal.text(line)));
+        obstacles.extend(says(text, &journal).then(|| journal.text(line)));
         ModeRead {
             is_reset: !text.contains(NOT_RESET),
             by_button: text.contains(PRESSED),
-            without_console: says(&ModeRefusal::ConsoleLost) || says(&ModeRefusal::ConsoleNeverHeard),
-            restarted: line.station_ids().filter(|&id| says(&ModeRefusal::Restarted(id))).collect(),
+            without_console: says(text, &ModeRefusal::ConsoleLost) || says(text, &ModeRefusal::ConsoleNeverHeard),
+            restarted,
             left_out: names.collect(),
             obstacles,
         }
     }
+}
+
+/// The text without the mode that ended by itself and its reasons, in which there may be parentheses.
+fn without_ended(text: &str) -> String {
+    let Some((before, reasons)) = text.split_once(ENDED) else { return text.to_owned() };
+    let before = before.rsplit_once(", ").map_or(before, |(before, _mode)| before);
+    let mut open = 1;
+    let end = reasons.char_indices().find(|&(_, letter)| {
+        open += i32::from(letter == '(') - i32::from(letter == ')');
+        open == 0
+    });
+    let after = end.map_or("", |(at, _)| &reasons[at + 1..]);
+    format!("{before}{after}")
 }
 
 #[cfg(test)]
@@ -91,5 +109,22 @@ mod tests {
         assert_eq!(found.obstacles.len(), 2, "{found:?}");
         assert!(found.obstacles[0].contains("boot id 7"), "{found:?}");
         assert!(read(ControlMode::EStop, &ModeText { stop: None, ..text }).is_reset);
+    }
+
+    #[test]
+    fn what_has_ended_a_mode_does_not_stand_against_the_next_one() {
+        let line = linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line;
+        let past = [ModeRefusal::OtherCoordinator(7), ModeRefusal::ConsoleLost, ModeRefusal::Restarted(StationId(1))];
+        let ended = ModeText {
+            ended: Some((ControlMode::Auto, past.iter().map(|reason| reason.text(&line)).collect())),
+            ..ModeText::default()
+        };
+        let found = ModeRead::of(&line, &ended.text(ControlMode::StandBy));
+        let restarted = vec![StationId(1)];
+        assert_eq!(found, ModeRead { is_reset: true, restarted: restarted.clone(), ..ModeRead::default() });
+        // The same while it lasts.
+        let stands = ModeText { troubles: vec![ModeRefusal::ConsoleLost.text(&line)], ..ended };
+        let found = ModeRead::of(&line, &stands.text(ControlMode::StandBy));
+        assert_eq!(found, ModeRead { is_reset: true, restarted, without_console: true, ..ModeRead::default() });
     }
 }

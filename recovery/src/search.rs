@@ -202,10 +202,22 @@ impl<'f, 'l> Search<'f, 'l> {
         }
         let report = &units[station].report;
         let is_unknown = report.generation == 0 && !report.incomplete.is_empty() && !self.is_task_driven(station);
+        let is_unknown = is_unknown && !self.is_confirmed(units, station);
         if report.position_lost.is_some() || is_unknown {
             moves.extend(self.confirmations(units, station));
         }
         moves
+    }
+
+    /// Whether it stands within operations that its switches fit, as after a confirmation: another one would be a way round. At
+    /// the home operation a station stands also without one, when it is switched on away from home.
+    fn is_confirmed(&self, units: &PlayedStations, station: usize) -> bool {
+        let (report, home) = (&units[station].report, self.floor.line.stations[station].home);
+        let stays = |op: OpId| {
+            let confirmed = self.floor.rejoin(units, station, RejoinAt::Within(op));
+            confirmed.is_some_and(|after| after[station].report.places == report.places)
+        };
+        report.incomplete.iter().all(|&(op, _)| op != home && stays(op))
     }
 
     /// A person confirms where it stands: by its switches, or the operations in which it may have been stopped.

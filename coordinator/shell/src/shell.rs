@@ -16,7 +16,7 @@ use linewright_coordinator_logic::{Coordinator, Gateway, ModeInput, ModeOutbox};
 use linewright_line::net::ControlMode;
 use linewright_line::{DeviceBus, Line, StationId, Tick};
 use linewright_station_logic::{Founding, ModeOrder};
-use linewright_station_shell::{EPOCH_JUMP_MAX, NewestBySequence, RivalLife, Rivals};
+use linewright_station_shell::{EPOCH_JUMP_MAX, NewestBySequence, RivalLife, Rivals, ShellRules};
 
 use crate::effect::{CoordinatorArrival, CoordinatorEffect, CoordinatorRecord};
 use crate::gateway_station::{GatewayStation, GatewayStop};
@@ -33,6 +33,7 @@ const EPOCH_FOLLOWED_MAX: u64 = EPOCH_JUMP_MAX / 2;
 /// A coordinator between its messages.
 #[derive(Debug)]
 pub struct CoordinatorShell {
+    rules: ShellRules,
     coordinator: Coordinator,
     gateway: Gateway,
     boot_id: u64,
@@ -81,6 +82,7 @@ impl CoordinatorShell {
         let coordinator = Coordinator::new(line.clone(), boot_id, remembered.epoch);
         let behind = line.station_ids().filter(|&id| line.station(id).bus == DeviceBus::Line);
         CoordinatorShell {
+            rules: ShellRules::ALL,
             coordinator: if remembered.estop { coordinator.with_estop() } else { coordinator },
             gateway: Gateway::new(stations, stale),
             boot_id,
@@ -116,6 +118,13 @@ impl CoordinatorShell {
     pub fn without_refresh_and_gateway(mut self) -> Self {
         self.refresh_due = Tick::NEVER;
         self.behind = Vec::new();
+        self
+    }
+
+    /// The same with some rules switched off.
+    #[must_use]
+    pub fn with_shell_rules(mut self, rules: ShellRules) -> Self {
+        self.rules = rules;
         self
     }
 
@@ -220,7 +229,7 @@ impl CoordinatorShell {
                 if boot_id != self.boot_id && !is_doubtful {
                     self.rivals.hear(now, (boot_id, sequence), now);
                 }
-                if let Some(rival) = self.rivals.there(now) {
+                if let Some(rival) = self.rivals.there(now).filter(|_| self.rules.rivals) {
                     self.coordinator.handle(now, ModeInput::Rival(rival.life, rival.until));
                 }
             }
@@ -228,13 +237,14 @@ impl CoordinatorShell {
                 let Some(states) = self.states.get_mut(station.index()) else { return true };
                 // An epoch that no coordinator can have given: followed, it would leave none above it. The station counts as
                 // not received. Its emergency stop is in force all the same.
-                if heard.mode_epoch > self.coordinator.epoch().saturating_add(EPOCH_FOLLOWED_MAX) {
+                let is_possible = heard.mode_epoch <= self.coordinator.epoch().saturating_add(EPOCH_FOLLOWED_MAX);
+                if !is_possible && self.rules.epochs {
                     if heard.estopped && !self.coordinator.is_estopped() {
                         self.coordinator.handle(now, ModeInput::StationStopped(station));
                     }
                     return false;
                 }
-                let is_newest = states.offer(now, heard.boot_id, sequence);
+                let is_newest = states.offer(now, heard.boot_id, sequence) || !self.rules.numbers;
                 if is_newest && !is_doubtful {
                     self.has_devices[station.index()] = heard.devices_valid;
                     let lost = heard.position_lost || !heard.devices_valid;
@@ -246,7 +256,8 @@ impl CoordinatorShell {
             }
             CoordinatorArrival::Outputs { station, sequence, image } => {
                 let Some(behind) = self.behind.iter_mut().find(|b| b.station == station) else { return true };
-                if behind.newest.offer(now, image.boot_id, sequence) && !is_doubtful {
+                let is_newest = behind.newest.offer(now, image.boot_id, sequence) || !self.rules.numbers;
+                if is_newest && !is_doubtful {
                     self.gateway.hear(now, station, image);
                 }
             }
@@ -265,7 +276,7 @@ impl CoordinatorShell {
     /// The process was stopped, or the machine stood still: the age of earlier arrivals is unknown. That has to be seen
     /// before anything newer hides it.
     fn notice_gap(&mut self, now: Tick) {
-        if self.expected == Tick::NEVER || now <= self.expected + self.stale {
+        if self.expected == Tick::NEVER || now <= self.expected + self.stale || !self.rules.gaps {
             return;
         }
         self.expected = Tick::NEVER;
@@ -297,7 +308,7 @@ impl CoordinatorShell {
         let is_stopped = self.coordinator.mode() == ControlMode::EStop;
         self.acted = now;
         if !is_stopped {
-            for behind in &mut self.behind {
+            for behind in self.behind.iter_mut().filter(|_| self.rules.off_first) {
                 let stop = stop_of(&self.coordinator, behind.station);
                 behind.take_off(now, &self.gateway, (self.boot_id, stop), effects);
             }
@@ -333,7 +344,7 @@ impl CoordinatorShell {
     /// Result of writing `record`. False if what follows in the same effects must not be performed: it was not written, or
     /// that took longer than a period. Act again at once then; after a failure the emergency stop is in force.
     pub fn remembered(&mut self, now: Tick, record: CoordinatorRecord, is_written: bool) -> bool {
-        let is_late = now > self.acted + self.refresh;
+        let is_late = self.rules.late && now > self.acted + self.refresh;
         if is_written {
             self.written = record;
             if self.write_again.take().is_some() {
@@ -387,7 +398,7 @@ impl CoordinatorShell {
     /// The coordinator that was there first, if this one came second and has to end: another one gives orders, no station
     /// has ever acknowledged this one, and stations follow the other one or it has given more orders.
     pub fn gives_way_to(&self, now: Tick) -> Option<u64> {
-        let RivalLife { life, sequence, .. } = self.rivals.there(now)?;
+        let RivalLife { life, sequence, .. } = self.rivals.there(now).filter(|_| self.rules.rivals)?;
         let is_second = self.others_are_followed || (sequence, life) > (self.order_sequence, self.boot_id);
         (is_second && !self.is_followed).then_some(life)
     }

@@ -153,6 +153,13 @@ impl SimulatedStation {
         (self.doing, self.is_securing, self.last) = (None, None, 0);
     }
 
+    /// The same, and no report shows it: broken on purpose, for a check that has to find it.
+    pub fn forget_unseen(&mut self) {
+        let memory = self.heard.memory;
+        self.forget();
+        self.heard.memory = memory;
+    }
+
     /// Reply to an order, which takes so long; none if it does not arrive.
     pub(super) fn told(&mut self, now: Tick, order: &OrderMessage, takes: Duration) -> Option<TaskReply> {
         if self.is_away {

@@ -314,8 +314,9 @@ impl Controller {
         }
     }
 
-    /// Switched on for the first time, the station claims to be at home. If the switch of the home operation does not
-    /// measure so, the home operation is incomplete instead, and counts one less: a person brings it home.
+    /// Switched on for the first time, or from a record that is not certain, the station claims to be at home. If the switch of
+    /// the home operation does not measure so, the home operation is incomplete instead, and counts one less: a person brings it
+    /// home.
     fn confirm_home(&mut self) {
         self.marking.unconfirmed = false;
         let home = self.program.home;
@@ -323,7 +324,7 @@ impl Controller {
             if self.rules.positions { self.program.places[usize::from(self.program.home_place)].rest } else { 0 };
         let needed = self.home_switch() | (at_rest & !self.unreferenced());
         if self.image.bits & needed != needed {
-            self.marking.tokens[0].place = self.program.index_of(StationPlace::incomplete(home));
+            self.stand_at(&[StationPlace::incomplete(home)]);
             self.marking.placed = false;
             self.counts.done[home.index()] -= 1;
             self.marking.causes_of_stop[home.index()] = StopCause::NotAtHome;

@@ -3,7 +3,7 @@
 //! A snapshot comes from outside: from a file that may belong to an older description. Everything that indexes or
 //! counts is checked once here, so that nothing after it needs to.
 
-use linewright_line::net::Block;
+use linewright_line::net::{Block, StationPlace};
 
 use crate::axis_place::NumberedPlaces;
 use crate::controller::Controller;
@@ -34,6 +34,8 @@ impl Controller {
         self.marking.path = snapshot.path;
         self.marking.doubtful = snapshot.doubtful;
         self.marking.axis_place = snapshot.place;
+        let is_certain = snapshot.placed || snapshot.generation != 0;
+        self.marking.unconfirmed = !is_certain && self.is_home_to_be_confirmed();
         // Without a place to compare with, a homing would be believed wherever it ends: counts begin anew with all at home.
         if snapshot.place == 0 && self.program.places_of_axis.as_ref().is_some_and(NumberedPlaces::is_homed) {
             self.views.generation = 0;
@@ -45,6 +47,16 @@ impl Controller {
         Ok(())
     }
 
+    /// Whether it stands at home by the chart, and nothing that is measured at rest would contradict. From a record that is not
+    /// certain it is at home only if the devices confirm it, as without a record.
+    fn is_home_to_be_confirmed(&self) -> bool {
+        let is_judged_at_rest =
+            self.home_switch() & !self.program.places[usize::from(self.program.home_place)].rest == 0;
+        let is_there = |place| place == StationPlace::completed(self.program.home);
+        let is_by_chart = if self.program.tasks.is_some() { self.marking().all(is_there) } else { self.is_at_home() };
+        is_by_chart && !is_judged_at_rest
+    }
+
     /// Reason why a snapshot is not one of this station's.
     fn check(&self, snapshot: &StationSnapshot) -> Result<(), &'static str> {
         let operations = self.counts.done.len();
@@ -52,9 +64,8 @@ impl Controller {
             return Err("other number of operations");
         }
         let known = |op: linewright_line::OpId| op.index() < operations;
-        let exists = |p: &linewright_line::net::StationPlace| {
-            known(p.op) && (p.block == Block::Normal || !self.program.paths.contains(&p.op))
-        };
+        let exists =
+            |p: &StationPlace| known(p.op) && (p.block == Block::Normal || !self.program.paths.contains(&p.op));
         if !snapshot.marking.iter().all(exists) {
             return Err("marked place not in the net");
         }
@@ -94,7 +105,7 @@ impl Controller {
         StationSnapshot {
             marking: self.marking().collect(),
             generation: self.views.generation,
-            placed: self.marking.placed,
+            placed: self.marking.placed && !self.marking.unconfirmed,
             cycle: self.counts.cycle,
             done: self.counts.done.clone(),
             started: self.counts.started.clone(),

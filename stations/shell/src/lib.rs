@@ -10,9 +10,11 @@
 mod effect;
 mod newest;
 mod rivals;
+mod rules;
 mod shell;
 
 pub use effect::{Driven, InputsMessage, StationArrival, StationEffect};
 pub use newest::NewestBySequence;
 pub use rivals::{RivalLife, Rivals};
+pub use rules::ShellRules;
 pub use shell::{EPOCH_JUMP_MAX, StationShell};

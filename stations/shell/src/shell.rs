@@ -18,6 +18,7 @@ use linewright_station_logic::{
 use crate::effect::{Driven, InputsMessage, StationArrival, StationEffect};
 use crate::newest::NewestBySequence;
 use crate::rivals::Rivals;
+use crate::rules::ShellRules;
 
 /// No line changes its mode so often while one reader does not receive it: an order whose epoch is further ahead of those
 /// that were followed is no coordinator's.
@@ -26,6 +27,7 @@ pub const EPOCH_JUMP_MAX: u64 = 1 << 20;
 /// A station between its messages.
 #[derive(Debug)]
 pub struct StationShell {
+    rules: ShellRules,
     controller: Controller,
     boot_id: u64,
     outbox: StationOutbox,
@@ -75,6 +77,7 @@ impl StationShell {
     pub fn new(line: &Line, station: StationId, boot_id: u64, restore: Restore) -> Result<Self, CompileError> {
         let stale = line.timing.stale;
         Ok(StationShell {
+            rules: ShellRules::ALL,
             controller: Controller::new(line, station, boot_id, restore)?,
             boot_id,
             outbox: StationOutbox::default(),
@@ -118,6 +121,13 @@ impl StationShell {
         self
     }
 
+    /// The same with some of its own rules switched off.
+    #[must_use]
+    pub fn with_shell_rules(mut self, rules: ShellRules) -> Self {
+        self.rules = rules;
+        self
+    }
+
     /// The controller, to look at.
     pub fn controller(&self) -> &Controller {
         &self.controller
@@ -149,14 +159,16 @@ impl StationShell {
                     self.ignore("a report of a station that is not described", effects);
                     return;
                 };
-                if states.offer(now, report.boot_id, sequence) && !is_doubtful {
+                let is_newest = states.offer(now, report.boot_id, sequence) || !self.rules.numbers;
+                if is_newest && !is_doubtful {
                     self.controller.handle(now, StationInput::View(station, report))
                 } else {
                     Handled::Taken
                 }
             }
             StationArrival::Inputs(message) => {
-                if self.images.offer(now, message.boot_id, message.sequence) && !is_doubtful {
+                let is_newest = self.images.offer(now, message.boot_id, message.sequence) || !self.rules.numbers;
+                if is_newest && !is_doubtful {
                     self.inputs_by_message(now, message);
                 }
                 Handled::Taken
@@ -201,7 +213,7 @@ impl StationShell {
     /// Orders of two coordinators in turn are no order: nothing starts while both are received. An emergency stop counts
     /// as none here; it is obeyed from either.
     fn look_for_rivals(&mut self, now: Tick, sequence: u64, order: &ModeOrder, is_doubtful: bool) {
-        let Some((followed, _)) = self.orders.current() else { return };
+        let Some((followed, _)) = self.orders.current().filter(|_| self.rules.rivals) else { return };
         if order.boot_id == followed {
             self.rivals.forget(followed);
         } else if order.mode != ControlMode::EStop && !is_doubtful {
@@ -219,15 +231,15 @@ impl StationShell {
         // A station that has followed no coordinator yet has nothing to compare with. It follows whatever epoch the line has
         // come to, so that a line comes back from an epoch that was forged when its stations are restarted.
         let followed = self.controller.mode_epoch();
-        let jumps = followed != 0 && order.epoch > followed.saturating_add(EPOCH_JUMP_MAX);
-        if jumps || order.lease > self.lease {
+        let jumps = self.rules.epochs && followed != 0 && order.epoch > followed.saturating_add(EPOCH_JUMP_MAX);
+        if jumps || (self.rules.leases && order.lease > self.lease) {
             // Followed, it would shut out every coordinator that counts as it should, or outlive its sender.
             if order.mode == ControlMode::EStop {
                 self.controller.handle(now, StationInput::EmergencyStop(order.boot_id));
             }
             return Handled::Ignored(if jumps { Ignored::EpochTooHigh } else { Ignored::LeaseTooLong });
         }
-        let is_newest = self.orders.offer(now, order.boot_id, sequence);
+        let is_newest = self.orders.offer(now, order.boot_id, sequence) || !self.rules.numbers;
         let is_stop = order.mode == ControlMode::EStop;
         match (is_newest && !is_doubtful, is_stop) {
             (true, _) => self.controller.handle(now, StationInput::Order(order)),
@@ -264,7 +276,7 @@ impl StationShell {
     /// by their age; the controller has to see that before anything newer hides it. The lease is longer than that, and
     /// ends.
     fn notice_gap(&mut self, now: Tick) {
-        if self.expected == Tick::NEVER || now <= self.expected + self.stale {
+        if self.expected == Tick::NEVER || now <= self.expected + self.stale || !self.rules.gaps {
             return;
         }
         self.expected = Tick::NEVER;
@@ -286,16 +298,16 @@ impl StationShell {
         let drives = due || self.driven != Some(news);
         // No motion is driven in the emergency stop; what may be on is a lamp.
         let switches_on = self.outbox.outputs & !self.staying() != 0 && self.controller.mode() != ControlMode::EStop;
-        if drives && !(changed && switches_on) {
+        if drives && !(changed && (switches_on || !self.rules.off_first)) {
             self.drive(news, effects);
         }
         if changed {
-            if switches_on {
+            if switches_on && self.rules.off_first {
                 self.switch_off(effects);
             }
             effects.push(StationEffect::Remember);
         }
-        self.before = (drives && changed && switches_on).then_some(self.image);
+        self.before = (drives && changed && (switches_on || !self.rules.off_first)).then_some(self.image);
         if self.before.is_some() {
             self.drive(news, effects);
         }
@@ -341,6 +353,7 @@ impl StationShell {
     /// and [`StationShell::act`] is due at once.
     pub fn remembered(&mut self, now: Tick) -> bool {
         let is_late = std::mem::take(&mut self.is_interrupted) || now > self.acted + self.refresh;
+        let is_late = is_late && self.rules.late;
         if is_late {
             // What it would switch on is not: the image before is the last one that was given.
             if let Some(before) = self.before.take() {

@@ -140,6 +140,8 @@ const MAY_USE: [(&str, &[&str]); 39] = [
         "linewright-faults",
         &[
             "linewright-line",
+            "linewright-cell",
+            "linewright-coordinator-cell",
             "linewright-station-logic",
             "linewright-station-shell",
             "linewright-coordinator-logic",
@@ -147,6 +149,8 @@ const MAY_USE: [(&str, &[&str]); 39] = [
             "linewright-plant",
             // Generated lines are made there.
             "linewright-proof",
+            // The operator who follows the recovery plan.
+            "linewright-recovery",
             "linewright-simulation",
         ],
     ),

@@ -1,7 +1,7 @@
 //! A controller that ends and comes up again from its record.
 
 use linewright_line::net::{ControlMode, StationPlace};
-use linewright_line::{OpId, StationId};
+use linewright_line::{Motion, OpId, StationId};
 use linewright_station_logic::{CompileError, Controller, Restore, StationSnapshot};
 
 use super::rig::Rig;
@@ -77,4 +77,28 @@ fn a_snapshot_of_another_description_is_refused_with_the_reason() {
     assert_eq!(refused(&|s| s.path = Some(OpId(0))), "recovery path not in the net");
     assert_eq!(refused(&|s| s.done[0] = 1), "counts contradict each other");
     assert_eq!(refused(&|s| s.cycle = i32::MAX), "counts contradict each other");
+}
+
+/// Without a switch that measures the home position at rest, nothing but the confirmation stands against the claim.
+#[test]
+fn from_a_record_that_is_not_certain_it_is_at_home_only_if_the_devices_confirm_it() {
+    // Two switches at one place measure nothing at rest.
+    let mut line = alone(1, &[r(6), r(6)]);
+    let home = line.stations[0].operations[1].motion;
+    line.stations[0].operations[0].motion = Motion { from: home.to, to: home.from, ..home };
+    // Ended before its devices were received.
+    let unconfirmed = Controller::new(&line, StationId(0), 1, Restore::Fresh).expect("compiles").snapshot();
+    // Written at home before the host lost its power.
+    let outdated = StationSnapshot { generation: 0, placed: false, ..Rig::new(line.clone()).controller.snapshot() };
+    for record in [unconfirmed, outdated] {
+        let from = || Restore::From(record.clone());
+        let away = Rig::standing(line.clone(), StationId(0), 2, from(), 0);
+        assert!(!away.report().at_home);
+        assert_eq!(away.fault(), "op 1: not at home at power-up");
+        assert_eq!(away.report().done, [0, -1]);
+        assert!(Rig::of(line.clone(), StationId(0), from()).report().at_home);
+    }
+    // What was confirmed once is a memory.
+    let remembered = Rig::new(line.clone()).controller.snapshot();
+    assert!(Rig::standing(line, StationId(0), 2, Restore::From(remembered), 0).report().at_home);
 }
