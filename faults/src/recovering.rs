@@ -136,6 +136,12 @@ impl World {
                 self.run_for(longest.mul_f64(1.3) + Duration::from_millis(500));
                 self.press(at, advance, false);
             }
+            RecoveryAction::Resume => {
+                self.hold_resume(true);
+                let longest = step.moves.iter().map(|motion| motion.time).max().unwrap_or_default();
+                self.run_for(longest.mul_f64(1.3) + Duration::from_millis(500));
+                self.hold_resume(false);
+            }
             RecoveryAction::Selector(station, manual) => self.say_selector(station.index(), *manual),
             RecoveryAction::Rejoin { station, at, or_within } => {
                 let at = self.seen_place(*station, *at, or_within);

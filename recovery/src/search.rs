@@ -236,9 +236,6 @@ impl<'f, 'l> Search<'f, 'l> {
     }
 }
 
-/// A node to be expanded, by its index: least estimate, then the furthest, then the newest.
-type OpenNode = Reverse<(Cost, Reverse<u32>, Reverse<usize>)>;
-
 struct BestFirst<'s, 'f, 'l> {
     search: &'s Search<'f, 'l>,
     greed: u32,
