@@ -212,6 +212,7 @@ impl World {
             }
             Message::Command(command) => CoordinatorArrival::Command(*command),
             Message::Buttons(held) => CoordinatorArrival::Buttons(*held),
+            Message::Resume(held) => CoordinatorArrival::Resume { console: 1, held: *held },
             Message::Inputs(_) | Message::Panel(_) | Message::Rejoin(_) => return,
         };
         shell.handle(local, arrival);

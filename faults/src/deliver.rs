@@ -116,6 +116,11 @@ impl World {
         self.send(self.operator_node(), self.coordinator_node(), Message::Buttons(held));
     }
 
+    pub(crate) fn hold_resume(&mut self, held: bool) {
+        (self.hands.resume, self.hands.resume_releases) = (held, RELEASES);
+        self.send(self.operator_node(), self.coordinator_node(), Message::Resume(held));
+    }
+
     /// Held buttons are sent again, and recent releases.
     pub(crate) fn hands_again(&mut self) {
         let held: Vec<((usize, bool), Option<u8>)> = self.hands.panel.iter().map(|(key, left)| (*key, *left)).collect();
@@ -130,6 +135,11 @@ impl World {
             self.hands.releases = self.hands.releases.saturating_sub(1);
             let held = self.hands.buttons;
             self.send(self.operator_node(), self.coordinator_node(), Message::Buttons(held));
+        }
+        if self.hands.resume || self.hands.resume_releases > 0 {
+            self.hands.resume_releases = self.hands.resume_releases.saturating_sub(1);
+            let held = self.hands.resume;
+            self.send(self.operator_node(), self.coordinator_node(), Message::Resume(held));
         }
         self.renew();
         if self.coordinators[0].process.runs() {

@@ -249,6 +249,7 @@ impl World {
         let held: Vec<(usize, bool)> = self.hands.panel.keys().copied().collect();
         held.into_iter().for_each(|(station, advance)| self.press(station, advance, false));
         self.hold_buttons(0);
+        self.hold_resume(false);
     }
 
     fn text_of(&self, event: &FaultEvent, lasts: Duration) -> String {

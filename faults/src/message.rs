@@ -18,6 +18,7 @@ pub(crate) enum Message {
     Rejoin(RejoinAt),
     Command(ModeCommand),
     Buttons(u32),
+    Resume(bool),
 }
 
 /// Topics: of each the network keeps the newest message for a reader that is cut off.
@@ -31,7 +32,9 @@ impl Message {
             Message::State { .. } => Some(1),
             Message::Inputs(_) => Some(2),
             Message::Outputs { .. } => Some(3),
-            Message::Panel(_) | Message::Rejoin(_) | Message::Command(_) | Message::Buttons(_) => None,
+            Message::Panel(_) | Message::Rejoin(_) | Message::Command(_) | Message::Buttons(_) | Message::Resume(_) => {
+                None
+            }
         }
     }
 

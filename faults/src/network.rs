@@ -57,7 +57,8 @@ impl Network {
             }
             return [None; 2];
         }
-        let is_repeated = message.topic().is_some() || matches!(message, Message::Panel(_) | Message::Buttons(_));
+        let is_repeated = message.topic().is_some()
+            || matches!(message, Message::Panel(_) | Message::Buttons(_) | Message::Resume(_));
         if is_repeated && loss > 0 && self.rng.chance(loss) {
             return [None; 2];
         }

@@ -62,12 +62,14 @@ impl Ord for Scheduled {
     }
 }
 
-/// Panel buttons and hand-mode buttons that are held, and releases to be repeated.
+/// Panel buttons, hand-mode buttons and resume that are held, and releases to be repeated.
 #[derive(Debug, Default)]
 pub(crate) struct Hands {
     pub(crate) panel: BTreeMap<(usize, bool), Option<u8>>,
     pub(crate) buttons: u32,
     pub(crate) releases: u8,
+    pub(crate) resume: bool,
+    pub(crate) resume_releases: u8,
 }
 
 pub(crate) struct World {
