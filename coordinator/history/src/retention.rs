@@ -64,7 +64,19 @@ impl History {
     pub(crate) fn remove_old(&mut self, written: usize) -> Result<usize, HistoryError> {
         let (Some(retention), Some(last)) = (self.retention, self.last()?) else { return Ok(0) };
         let kept_from = Tick::ZERO + last.since(Tick::ZERO + retention);
+        if !self.is_covered(kept_from, last, retention)? {
+            return Ok(0);
+        }
         self.remove_before(kept_from, STEP + 2 * written)
+    }
+
+    /// Whether what is kept reaches over half of the time at least. If not, the line has stood still for long, or a clock was years
+    /// ahead once: the newest row then says nothing about the age of the others.
+    fn is_covered(&self, kept_from: Tick, last: Tick, retention: Duration) -> Result<bool, HistoryError> {
+        let first = "SELECT min(at) FROM event WHERE at >= ?1";
+        let first = self.db.query_row(first, [number(kept_from.as_micros())], |row| row.get::<_, Option<u64>>(0));
+        let first = first.map_err(at(&self.path))?.map_or(last, Tick::from_micros);
+        Ok(last.since(first) >= retention / 2)
     }
 
     fn remove_before(&mut self, kept_from: Tick, most: usize) -> Result<usize, HistoryError> {

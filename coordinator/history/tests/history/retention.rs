@@ -59,6 +59,24 @@ fn of_a_line_the_newest_is_kept_with_the_situation_at_its_beginning() {
 }
 
 #[test]
+fn a_start_with_a_clock_years_ahead_removes_nothing() {
+    let (_dir, path) = scratch();
+    let mut history = History::open(&path, &about()).expect("it opens").keeping(Some(Duration::from_secs(100)));
+    let mut note = |at| history.note(AT(at), &Note::Observed {}).expect("it is written");
+    (1..=250).for_each(&mut note);
+    let first =
+        || HistoryReader::open(&path).expect("it opens").span().expect("it is read").expect("something is there").0;
+    let before = first();
+    assert!(before >= AT(100), "what is older is removed: {before:?}");
+    // Years ahead for a minute, and back again.
+    (1_000_000_000..1_000_000_040).chain(251..300).for_each(&mut note);
+    assert_eq!(first(), before);
+    // A clock that stays there is right.
+    (1_000_000_040..1_000_000_060).for_each(&mut note);
+    assert!(first() > before, "the rest goes when half of the time is covered");
+}
+
+#[test]
 fn of_a_cell_the_oldest_records_are_removed_and_not_taken_from_the_log_again() {
     let of = c1();
     let (_dir, path) = scratch();
