@@ -37,7 +37,7 @@ pub enum RecoveryEnd {
 pub struct RecoveryPlan {
     pub steps: Vec<RecoveryStep>,
     pub end: RecoveryEnd,
-    /// No other list has fewer presses, or as few with less time of motion.
+    /// No other list has fewer presses, or as few with less time of motion, in which *return* counts for a little more.
     pub is_shortest: bool,
     /// States from which all presses were tried.
     pub expanded: usize,
@@ -65,6 +65,7 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     let first = |need| RecoveryStep {
         action: RecoveryAction::First(need),
         moves: Vec::new(),
+        is_doubtful: false,
         mode: situation.mode,
         after: None,
     };
@@ -212,6 +213,7 @@ fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: Played
         steps.push(RecoveryStep {
             action: RecoveryAction::Selector(station, false),
             moves: Vec::new(),
+            is_doubtful: false,
             mode,
             after: None,
         });
@@ -223,7 +225,8 @@ fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: Played
 }
 
 fn commanded(command: ModeCommand, after: &Desk) -> RecoveryStep {
-    RecoveryStep { action: RecoveryAction::Command(command), moves: Vec::new(), mode: after.mode(), after: None }
+    let action = RecoveryAction::Command(command);
+    RecoveryStep { action, moves: Vec::new(), is_doubtful: false, mode: after.mode(), after: None }
 }
 
 /// The moves as steps. Where selectors have led to manual, the others' panels may need theirs too.
@@ -239,13 +242,15 @@ fn pressed(line: &Line, before: &PlayedStations, moves: &[Move], by_selectors: b
         let planned = made.motions.iter().map(motion).collect();
         let Some(station) = made.action.station() else {
             let mode = ControlMode::Manual;
-            steps.push(RecoveryStep { action: made.action.clone(), moves: planned, mode, after: None });
+            let action = made.action.clone();
+            steps.push(RecoveryStep { action, moves: planned, is_doubtful: false, mode, after: None });
             continue;
         };
         let is_press = matches!(made.action, RecoveryAction::Press(..));
         if is_press && !std::mem::replace(&mut live[station.index()], true) {
             let action = RecoveryAction::Selector(station, true);
-            steps.push(RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: None });
+            let mode = ControlMode::Manual;
+            steps.push(RecoveryStep { action, moves: Vec::new(), is_doubtful: false, mode, after: None });
         }
         let described = line.station(station);
         let unit = &made.after[station.index()];
@@ -258,6 +263,7 @@ fn pressed(line: &Line, before: &PlayedStations, moves: &[Move], by_selectors: b
         steps.push(RecoveryStep {
             action: made.action.clone(),
             moves: planned,
+            is_doubtful: made.is_doubtful,
             mode: ControlMode::Manual,
             after: Some(after),
         });

@@ -91,6 +91,8 @@ pub struct RecoveryStep {
     pub action: RecoveryAction,
     /// What moves by it; empty where nothing does.
     pub moves: Vec<PlannedMotion>,
+    /// Of a press: the switch that ends it is on already, so it may count only when the watchdog has reported that.
+    pub is_doubtful: bool,
     /// The mode after it.
     pub mode: ControlMode,
     /// The station after it, where it is about one.

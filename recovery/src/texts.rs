@@ -1,5 +1,7 @@
 //! Plans in words, for operators: what to do, where, what moves; one line for each step.
 
+use std::time::Duration;
+
 use linewright_line::net::{Block, StationPlace};
 use linewright_line::{Line, OpId, Owner, StationId};
 use linewright_station_logic::RejoinAt;
@@ -88,6 +90,8 @@ impl RecoveryStep {
     /// The step in one line.
     pub fn text(&self, line: &Line) -> String {
         let name = |id: StationId| line.station(id).name.as_str();
+        let believed =
+            if self.is_doubtful { "; its switch is on already: if that is reported as a fault, once more" } else { "" };
         match &self.action {
             RecoveryAction::First(need) => match need.station() {
                 Some(station) => format!("{}: {}", name(station), need.text(line)),
@@ -100,11 +104,16 @@ impl RecoveryStep {
             RecoveryAction::Press(station, button) if self.moves.is_empty() => {
                 let places = self.after.iter().flat_map(|after| &after.places);
                 let places: Vec<String> = places.map(|&place| place_text(line, *station, place)).collect();
-                format!("{}: press {}: nothing moves, {}", name(*station), button.name(), places.join(" and "))
+                let (time, button) = (self.hold(line).as_secs_f64(), button.name());
+                format!(
+                    "{}: hold {button} for {time:.1} s: nothing moves, {}{believed}",
+                    name(*station),
+                    places.join(" and ")
+                )
             }
             RecoveryAction::Press(station, button) => {
                 let moves: Vec<String> = self.moves.iter().map(|motion| motion.text(line)).collect();
-                format!("{}: hold {} until {}", name(*station), button.name(), moves.join(" and "))
+                format!("{}: hold {} until {}{believed}", name(*station), button.name(), moves.join(" and "))
             }
             RecoveryAction::Resume => {
                 let moves = self.moves.iter().map(|motion| format!("{} {}", name(motion.station), motion.text(line)));
@@ -130,6 +139,22 @@ impl RecoveryStep {
         }
     }
 
+    /// Time for which a panel's button is held.
+    ///
+    /// Half as long again as the motion takes by the description, for what messages take. Where nothing is to move, longer than
+    /// the watchdog: a switch that is not taken for the arrival is reported then, and counts with the next press.
+    pub fn hold(&self, line: &Line) -> Duration {
+        let longest = self.moves.iter().map(|motion| motion.time).max().filter(|_| !self.is_doubtful);
+        let watchdogs = self
+            .after
+            .iter()
+            .flat_map(|after| after.places.iter().map(|place| line.operation((after.station, place.op)).watchdog));
+        match longest {
+            Some(time) => time * 3 / 2 + Duration::from_millis(500),
+            None => watchdogs.max().unwrap_or_default() + Duration::from_secs(1),
+        }
+    }
+
     /// What the `linewright` command has for it, behind the name of the line; none for what no command does.
     pub fn arguments(&self, line: &Line) -> Option<Vec<String>> {
         let name = |id: StationId| line.station(id).name.clone();
@@ -138,8 +163,7 @@ impl RecoveryStep {
             RecoveryAction::First(_) => return None,
             RecoveryAction::Command(command) => words(&["mode", "LINE", command.name()]),
             RecoveryAction::Press(station, button) => {
-                // Half as long again as the motion takes by the description, for what messages take.
-                let time: f64 = self.moves.iter().map(|m| m.time.as_secs_f64()).fold(0.0, f64::max) * 1.5 + 0.5;
+                let time = self.hold(line).as_secs_f64();
                 words(&["press", "LINE", button.name(), "--station", &name(*station), "--for", &format!("{time:.1}")])
             }
             RecoveryAction::Resume => {

@@ -72,8 +72,8 @@ pub fn follow(sim: &mut LineSim, step: &RecoveryStep) {
         RecoveryAction::Press(station, button) => {
             let advance = *button == PanelButton::Advance;
             act(sim, OperatorAction::Panel { station: *station, advance, down: true });
-            let longest = step.moves.iter().map(|motion| motion.time).max().unwrap_or_default();
-            run_for(sim, longest.mul_f64(1.3) + Duration::from_millis(500));
+            let long = step.hold(sim.line());
+            run_for(sim, long);
             act(sim, OperatorAction::Panel { station: *station, advance, down: false });
         }
         RecoveryAction::Resume => {
