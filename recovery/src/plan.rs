@@ -210,13 +210,11 @@ fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: Played
     }));
     for (at, &station) in turned.iter().enumerate() {
         let mode = if at + 1 == turned.len() { ControlMode::StandBy } else { ControlMode::Manual };
-        steps.push(RecoveryStep {
-            action: RecoveryAction::Selector(station, false),
-            moves: Vec::new(),
-            is_doubtful: false,
-            mode,
-            after: None,
-        });
+        let action = match desk.wired_at_manual(line, station) {
+            Some(input) => RecoveryAction::First(Need::Selector(station, input)),
+            None => RecoveryAction::Selector(station, false),
+        };
+        steps.push(RecoveryStep { action, moves: Vec::new(), is_doubtful: false, mode, after: None });
     }
     for (command, desk) in to_auto(&last).into_iter().flatten() {
         steps.push(commanded(command, &desk));

@@ -38,6 +38,8 @@ pub enum Need {
         op: OpId,
         input: InputId,
     },
+    /// A selector is to be turned to auto at the station's panel, to which this input is wired: no message does it.
+    Selector(StationId, InputId),
     /// Every station is to acknowledge the mode.
     Acknowledged,
     /// An alarm of the cell is to be answered, when what it asks for is done.
@@ -116,7 +118,7 @@ impl Need {
     pub fn station(&self) -> Option<StationId> {
         match self {
             Need::Heard(station) | Need::Devices(station) | Need::Standstill(station) => Some(*station),
-            Need::FaultSignal(station, _) | Need::Axis { station, .. } => Some(*station),
+            Need::FaultSignal(station, _) | Need::Selector(station, _) | Need::Axis { station, .. } => Some(*station),
             Need::Console | Need::Button | Need::Acknowledged | Need::Answer(_) | Need::Other(_) => None,
         }
     }

@@ -38,6 +38,12 @@ impl Need {
                 let input = line.input_text(Owner::Station(*station), *input);
                 format!("bring `{of}` by hand, with its drive off, onto {input}")
             }
+            Need::Selector(station, input) => {
+                format!(
+                    "turn the selector at its panel to auto: {} on",
+                    line.input_text(Owner::Station(*station), *input)
+                )
+            }
             Need::Acknowledged => "wait until every station has acknowledged the mode".to_owned(),
             Need::Answer(alarm) => {
                 format!("alarm {}: {} Then answer {}", alarm.id, alarm.text, alarm.answers.join(" or "))

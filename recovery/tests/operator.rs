@@ -67,6 +67,9 @@ pub fn follow(sim: &mut LineSim, step: &RecoveryStep) {
     let act = |sim: &mut LineSim, action| sim.act(action).expect("nothing is started by it");
     match &step.action {
         RecoveryAction::First(Need::Standstill(_) | Need::Acknowledged) => run_for(sim, Duration::from_secs(3)),
+        RecoveryAction::First(Need::Selector(station, input)) => {
+            act(sim, OperatorAction::Force(Some(*station), *input, None));
+        }
         RecoveryAction::First(need) => panic!("{need:?} is the machine's to end: {}", described(sim)),
         RecoveryAction::Command(command) => act(sim, OperatorAction::Command(*command)),
         RecoveryAction::Press(station, button) => {

@@ -156,6 +156,26 @@ fn selectors_that_stand_at_manual_are_turned_back() {
     works_on(&mut sim);
 }
 
+/// The selector is an input of the station: what stands at its panel no message turns.
+#[test]
+fn a_wired_selector_is_turned_at_its_panel() {
+    for jams in [false, true] {
+        let mut sim =
+            if jams { after_a_jam(0, "advance transfer") } else { in_auto(&transfer_line(), 1, Duration::ZERO) };
+        let clamp = &sim.line().stations[1];
+        let selector = clamp.panel.manual.expect("it is wired");
+        act(&mut sim, OperatorAction::Force(Some(StationId(1)), selector, Some(true)));
+        run_for(&mut sim, Duration::from_secs(10));
+        assert_eq!(sim.mode(), ControlMode::Manual);
+        let found = plan(sim.line(), &situation(&sim));
+        let turn = "clamp_1: turn the selector at its panel to auto: SS_manual";
+        assert!(found.steps.iter().any(|step| step.text(sim.line()).starts_with(turn)), "{:?}", texts(&sim));
+        assert_eq!((&found.end, found.presses()), (&RecoveryEnd::Auto, usize::from(jams)), "{:?}", texts(&sim));
+        recover(&mut sim);
+        works_on(&mut sim);
+    }
+}
+
 #[test]
 fn a_lost_device_and_a_fault_signal_are_named_first() {
     let mut sim = after_a_jam(0, "advance transfer");
