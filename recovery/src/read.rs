@@ -8,12 +8,15 @@ use linewright_line::{Line, StationId};
 
 const NOT_RESET: &str = ", not reset;";
 const PRESSED: &str = " of the console pressed)";
+const STOPPING: &str = "stopping at home";
 const LEFT_OUT: &str = ", without ";
 const SECOND_COORDINATOR: &str = "second coordinator active";
 
 /// What the text of the mode says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ModeRead {
+    /// Master stop was given.
+    pub is_stopping: bool,
     /// The emergency stop has been reset, or there is none.
     pub is_reset: bool,
     /// The emergency stop was given by the console's button.
@@ -42,6 +45,7 @@ impl ModeRead {
         let journal = ModeRefusal::JournalLost;
         obstacles.extend(says(&journal).then(|| journal.text(line)));
         ModeRead {
+            is_stopping: text.contains(STOPPING),
             is_reset: !text.contains(NOT_RESET),
             by_button: text.contains(PRESSED),
             without_console: says(&ModeRefusal::ConsoleLost) || says(&ModeRefusal::ConsoleNeverHeard),
@@ -90,6 +94,8 @@ mod tests {
         assert_eq!(found.left_out, [StationId(1), StationId(2)]);
         assert_eq!(found.obstacles.len(), 2, "{found:?}");
         assert!(found.obstacles[0].contains("boot id 7"), "{found:?}");
+        let stopping = ModeText { stopping: true, ..ModeText::default() };
+        assert!(read(ControlMode::Auto, &stopping).is_stopping && !found.is_stopping);
         assert!(read(ControlMode::EStop, &ModeText { stop: None, ..text }).is_reset);
     }
 }

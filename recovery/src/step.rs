@@ -40,6 +40,8 @@ pub enum Need {
     },
     /// A selector is to be turned to auto at the station's panel, to which this input is wired: no message does it.
     Selector(StationId, InputId),
+    /// The line is to halt, as master stop has ordered.
+    Halt,
     /// Every station is to acknowledge the mode.
     Acknowledged,
     /// An alarm of the cell is to be answered, when what it asks for is done.
@@ -119,7 +121,7 @@ impl Need {
         match self {
             Need::Heard(station) | Need::Devices(station) | Need::Standstill(station) => Some(*station),
             Need::FaultSignal(station, _) | Need::Selector(station, _) | Need::Axis { station, .. } => Some(*station),
-            Need::Console | Need::Button | Need::Acknowledged | Need::Answer(_) | Need::Other(_) => None,
+            Need::Console | Need::Button | Need::Halt | Need::Acknowledged | Need::Answer(_) | Need::Other(_) => None,
         }
     }
 }

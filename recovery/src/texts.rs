@@ -44,9 +44,11 @@ impl Need {
                     line.input_text(Owner::Station(*station), *input)
                 )
             }
+            Need::Halt => "wait until the others have ended their tasks, and the mode is stand-by".to_owned(),
             Need::Acknowledged => "wait until every station has acknowledged the mode".to_owned(),
             Need::Answer(alarm) => {
-                format!("alarm {}: {} Then answer {}", alarm.id, alarm.text, alarm.answers.join(" or "))
+                let answers = alarm.answers.join(" or ");
+                format!("alarm {}: {} Then `linewright answer`: {answers}", alarm.id, alarm.text)
             }
             Need::Other(text) => text.clone(),
         }
