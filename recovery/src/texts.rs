@@ -66,6 +66,18 @@ fn axis_of(line: &Line, station: StationId, input: linewright_line::InputId) -> 
     Some(&described.axes[described.operations[op.index()].motion.axis.index()].name)
 }
 
+/// How a person tells whether an index is done, of which the switch does not say it.
+fn index_text(line: &Line, station: StationId, index: OpId, others: impl Iterator<Item = OpId>) -> String {
+    let op = |op: OpId| format!("`{}`", line.operation((station, op)).name);
+    let axis = &line.station(station).axes[line.operation((station, index)).motion.axis.index()].name;
+    let others: Vec<String> = others.map(op).collect();
+    let (index, others) = (op(index), others.join(" or "));
+    format!(
+        "look at `{axis}`, then rejoin. Has it moved on to the next place: --within {index}; does it stand where it began: \
+         --within {others}. Auto goes on with the operation after that: see whether parts are passed over by it"
+    )
+}
+
 fn place_text(line: &Line, station: StationId, place: StationPlace) -> String {
     let name = &line.operation((station, place.op)).name;
     match place.number() {
@@ -87,10 +99,13 @@ impl PlannedMotion {
         let way = station.operations[self.place.op.index()].motion;
         let (signals, _) = image::motion(station, self.place);
         let axis = &station.axes[way.axis.index()].name;
-        let to = if undoing { way.from } else { way.to };
+        let to = match station.index_of(self.place.op) {
+            Some(by) => format!("on by {by} to the next place"),
+            None => format!("to {}", if undoing { way.from } else { way.to }),
+        };
         let until = &station.inputs[signals.complete.index()];
         let verb = if undoing { "undone" } else { "done" };
-        format!("`{name}` is {verb}: {axis} to {to}, {until} on, {:.1} s", self.time.as_secs_f64())
+        format!("`{name}` is {verb}: {axis} {to}, {until} on, {:.1} s", self.time.as_secs_f64())
     }
 }
 
@@ -131,9 +146,15 @@ impl RecoveryStep {
                 let op = |op: OpId| format!("`{}`", line.operation((*station, op)).name);
                 let stands = match (at, &self.after) {
                     (RejoinAt::Within(within), _) => {
-                        let all: Vec<String> =
-                            std::iter::once(*within).chain(or_within.iter().copied()).map(op).collect();
-                        format!("look where it stands, then rejoin --within {}", all.join(" or "))
+                        let all = || std::iter::once(*within).chain(or_within.iter().copied());
+                        let is_index = |of: &OpId| line.station(*station).index_of(*of).is_some();
+                        match all().find(is_index).filter(|_| !or_within.is_empty()) {
+                            Some(index) => index_text(line, *station, index, all().filter(|of| !is_index(of))),
+                            None => {
+                                let all: Vec<String> = all().map(op).collect();
+                                format!("look where it stands, then rejoin --within {}", all.join(" or "))
+                            }
+                        }
                     }
                     (RejoinAt::Measured, Some(after)) => {
                         let places = after.places.iter().map(|&place| place_text(line, *station, place));

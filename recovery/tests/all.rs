@@ -6,3 +6,4 @@ mod operator;
 mod random_plays;
 mod resume;
 mod situations;
+mod tables;
