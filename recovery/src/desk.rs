@@ -52,9 +52,7 @@ impl Desk {
         };
         for &command in way {
             let is_past = command == ModeCommand::Start && desk.mode() != ControlMode::Home;
-            if !is_past && desk.mode() != situation.mode {
-                desk.command(floor, command);
-            } else if command == ModeCommand::Reset {
+            if !is_past && desk.mode() != situation.mode || command == ModeCommand::Reset {
                 desk.command(floor, command);
             }
         }

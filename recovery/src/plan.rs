@@ -160,7 +160,8 @@ fn before_all(line: &Line, situation: &LineSituation) -> Vec<Need> {
     needs.extend(stations().filter(|(_, report)| report.is_none()).map(|(id, _)| Need::Heard(id)));
     let heard = || stations().filter_map(|(id, report)| Some((id, report.as_ref()?)));
     needs.extend(heard().filter(|(_, report)| !report.devices_valid).map(|(id, _)| Need::Devices(id)));
-    let moves = |report: &StationReport| !report.stopped && !(situation.mode == ControlMode::Auto && situation.enabled);
+    let is_in_auto = situation.mode == ControlMode::Auto && situation.enabled;
+    let moves = |report: &StationReport| !report.stopped && !is_in_auto;
     needs.extend(heard().filter(|(_, report)| moves(report)).map(|(id, _)| Need::Standstill(id)));
     needs
 }

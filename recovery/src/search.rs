@@ -249,13 +249,16 @@ impl<'f, 'l> Search<'f, 'l> {
     }
 }
 
+/// Estimate, presses done, number of the node.
+type OpenNode = (Cost, Reverse<u32>, Reverse<usize>);
+
 struct BestFirst<'s, 'f, 'l> {
     search: &'s Search<'f, 'l>,
     greed: u32,
     nodes: Vec<SearchNode>,
     costs: FxHashMap<Box<[u64]>, Cost>,
     /// Least estimate, then the furthest, then the newest.
-    open: BinaryHeap<Reverse<(Cost, Reverse<u32>, Reverse<usize>)>>,
+    open: BinaryHeap<Reverse<OpenNode>>,
     expanded: usize,
     /// Stations that a refused press reads, with the least estimate of a state in which one was.
     blocked: FxHashMap<usize, u32>,
