@@ -1,5 +1,6 @@
 //! Plans back to auto.
 
+mod alarms;
 mod brute_force;
 mod cells;
 mod operator;
