@@ -76,7 +76,8 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
             let missing: Vec<&str> = coordinator.into_iter().chain(client.unheard()).collect();
             crate::out::complain!("not heard within {} s: {}", HEARD_WITHIN.as_secs(), missing.join(", "));
         }
-        let leads_there = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto);
+        // What an alarm asks for a person decides.
+        let leads_there = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && !plan.has_alarms());
         return Ok(if is_all && leads_there { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
     follow(&mut client, cell, &path).await

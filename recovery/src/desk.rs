@@ -3,11 +3,11 @@
 use linewright_coordinator_logic::{Coordinator, ModeCommand, ModeInput, ModeOutbox, StationView};
 use linewright_coordinator_shell::heard;
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, Owner, StationId};
+use linewright_line::{InputId, Line, Owner, StationId};
 use linewright_station_logic::{Founding, ModeOrder, StationInput};
 
 use crate::situation::LineSituation;
-use crate::units::{NOW, PlayedLine, PlayedStations};
+use crate::units::{NOW, PlayedLine, PlayedStations, whole_image};
 
 const LIFE: u64 = 1;
 /// Rounds of orders and reports: more would be a loop.
@@ -156,9 +156,19 @@ impl Desk {
     }
 
     pub fn turn_selector(&mut self, floor: &PlayedLine<'_>, station: StationId, manual: bool) {
+        if let Some(wired) = self.wired_at_manual(floor.line, station).filter(|_| !manual) {
+            let bits = self.units[station.index()].report.measured & !wired.bit();
+            floor.give(&mut self.units, station.index(), whole_image(bits));
+        }
         let turned = linewright_station_logic::PanelCommand::Selector(manual);
         floor.give(&mut self.units, station.index(), StationInput::Panel(turned));
         self.settle(floor);
+    }
+
+    /// The input of a station's selector that stands at manual.
+    pub fn wired_at_manual(&self, line: &Line, station: StationId) -> Option<InputId> {
+        let measured = self.units[station.index()].report.measured;
+        line.station(station).panel.manual.filter(|input| measured & input.bit() != 0)
     }
 
     /// The fewest commands that lead to a mode, with the desk after each.

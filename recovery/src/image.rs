@@ -24,6 +24,12 @@ fn goes(station: &Station, op: OpId) -> bool {
     station.index_of(op).is_some() || (motion.from - motion.to).abs() >= SAME_PLACE
 }
 
+/// Whether the switch that ends this motion is on before it starts. An index begins on its switch.
+pub(crate) fn is_at_end(station: &Station, image: u128, place: StationPlace) -> bool {
+    let moves = goes(station, place.op) && station.index_of(place.op).is_none();
+    moves && image & motion(station, place).0.complete.bit() != 0
+}
+
 /// Where each motion of an operation's axis ends, with its completion input.
 fn ends(station: &Station, of: OpId) -> impl Iterator<Item = (f64, u128)> + '_ {
     let axis = station.operations[of.index()].motion.axis;

@@ -11,7 +11,7 @@ use crate::desk::Desk;
 use crate::image;
 use crate::restore::{RestoreMisfit, unit};
 use crate::search::{Move, Search};
-use crate::situation::{ConsoleSituation, LineSituation};
+use crate::situation::{ConsoleSituation, LineSituation, StandingAlarm};
 use crate::step::{Need, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
 use crate::units::{PlayedLine, PlayedStations, in_manual};
 
@@ -37,7 +37,7 @@ pub enum RecoveryEnd {
 pub struct RecoveryPlan {
     pub steps: Vec<RecoveryStep>,
     pub end: RecoveryEnd,
-    /// No other list has fewer presses, or as few with less time of motion.
+    /// No other list has fewer presses, or as few with less time of motion, in which *return* counts for a little more.
     pub is_shortest: bool,
     /// States from which all presses were tried.
     pub expanded: usize,
@@ -46,6 +46,11 @@ pub struct RecoveryPlan {
 impl RecoveryPlan {
     fn ends(steps: Vec<RecoveryStep>, end: RecoveryEnd) -> Self {
         RecoveryPlan { steps, end, is_shortest: true, expanded: 0 }
+    }
+
+    /// Whether an alarm of a cell waits for its answer.
+    pub fn has_alarms(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step.action, RecoveryAction::First(Need::Answer(_))))
     }
 
     /// Presses, of panels and of resume, and confirmations in it.
@@ -59,24 +64,44 @@ impl RecoveryPlan {
 
 /// The shortest list of actions from a situation to auto.
 pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
-    if situation.mode == ControlMode::Auto && situation.enabled {
+    let is_in_auto = situation.mode == ControlMode::Auto && situation.enabled;
+    if is_in_auto && situation.alarms.is_empty() {
         return RecoveryPlan::ends(Vec::new(), RecoveryEnd::Auto);
     }
     let first = |need| RecoveryStep {
         action: RecoveryAction::First(need),
         moves: Vec::new(),
+        is_doubtful: false,
         mode: situation.mode,
         after: None,
     };
+    let answers = || situation.alarms.iter().map(|alarm| first(Need::Answer(alarm.clone())));
+    let led = situation.to_be_led(line);
     let mut steps: Vec<RecoveryStep> = before_all(line, situation).into_iter().map(first).collect();
     let heard: Option<Vec<StationReport>> = situation.stations.iter().cloned().collect();
     let Some(mut reports) = heard.filter(|reports| reports.len() == line.stations.len()) else {
         return RecoveryPlan::ends(steps, RecoveryEnd::LookAgain);
     };
-    if situation.mode == ControlMode::Auto {
-        steps.push(first(Need::Acknowledged));
+    if situation.mode == ControlMode::Auto && (!is_in_auto || led.is_empty()) {
+        steps.extend((!is_in_auto).then(|| first(Need::Acknowledged)).into_iter().chain(answers()));
         return RecoveryPlan::ends(steps, RecoveryEnd::Auto);
     }
+    let halted;
+    let situation = if is_in_auto {
+        // The others end their tasks, and stand at rests then. Auto could not be left for manual at once without stopping them.
+        let action = match situation.is_stopping {
+            true => RecoveryAction::First(Need::Halt),
+            false => RecoveryAction::Command(ModeCommand::Stop),
+        };
+        steps.push(RecoveryStep { mode: ControlMode::StandBy, action, ..first(Need::Halt) });
+        let left_out = line.station_ids().collect();
+        halted = LineSituation { mode: ControlMode::StandBy, left_out, ..situation.clone() };
+        &halted
+    } else {
+        situation
+    };
+    let resets = situation.alarms.iter().filter_map(StandingAlarm::asks_before);
+    steps.extend(resets.map(|text| first(Need::Other(text.to_owned()))));
     for (id, report) in line.station_ids().zip(&mut reports) {
         let faults = fault_signals(line.station(id), report);
         for input in faults {
@@ -99,7 +124,7 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
             .filter_map(|(id, unit)| unit.controller.position_lost().map(|(op, input)| (id, op, input)))
             .filter(|&(id, op, _)| line.station(id).index_of(op).is_none())
             .collect();
-        let mut found = by_commands_and_presses(line, situation, units);
+        let mut found = by_commands_and_presses(line, situation, &led, units);
         let is_open = matches!(found.end, RecoveryEnd::NoWay { .. });
         if is_open
             && let Some(&(station, op, input)) = lost.first()
@@ -113,9 +138,8 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
         }
         steps.append(&mut by_hand);
         // Answered when what they ask for is done, and a resource is led to a rest by then.
-        let alarms = situation.alarms.iter().map(|alarm| first(Need::Answer(alarm.clone())));
         let last = found.steps.len() - usize::from(found.end == RecoveryEnd::Auto && !found.steps.is_empty());
-        found.steps.splice(last..last, alarms);
+        found.steps.splice(last..last, answers());
         steps.append(&mut found.steps);
         return RecoveryPlan { steps, ..found };
     }
@@ -136,7 +160,9 @@ fn before_all(line: &Line, situation: &LineSituation) -> Vec<Need> {
     needs.extend(stations().filter(|(_, report)| report.is_none()).map(|(id, _)| Need::Heard(id)));
     let heard = || stations().filter_map(|(id, report)| Some((id, report.as_ref()?)));
     needs.extend(heard().filter(|(_, report)| !report.devices_valid).map(|(id, _)| Need::Devices(id)));
-    needs.extend(heard().filter(|(_, report)| !report.stopped).map(|(id, _)| Need::Standstill(id)));
+    let is_in_auto = situation.mode == ControlMode::Auto && situation.enabled;
+    let moves = |report: &StationReport| !report.stopped && !is_in_auto;
+    needs.extend(heard().filter(|(_, report)| moves(report)).map(|(id, _)| Need::Standstill(id)));
     needs
 }
 
@@ -159,13 +185,19 @@ fn fault_signals(station: &Station, report: &StationReport) -> Vec<InputId> {
     on
 }
 
-fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: PlayedStations) -> RecoveryPlan {
+/// `led`: stations that an alarm asks to be led to a rest, though the mode does not depend on them.
+fn by_commands_and_presses(
+    line: &Line,
+    situation: &LineSituation,
+    led: &[StationId],
+    units: PlayedStations,
+) -> RecoveryPlan {
     let floor = PlayedLine::new(line, &units);
     let mut units = units;
     floor.meet(&mut units);
     let desk = Desk::new(&floor, situation, units);
     let mut steps = Vec::new();
-    if let Some(way) = desk.way_to(&floor, ControlMode::Auto) {
+    if let Some(way) = desk.way_to(&floor, ControlMode::Auto).filter(|_| led.is_empty()) {
         steps.extend(way.iter().map(|(command, desk)| commanded(*command, desk)));
         return RecoveryPlan::ends(steps, RecoveryEnd::Auto);
     }
@@ -191,7 +223,8 @@ fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: Played
     };
     let accepted = |units: &PlayedStations| to_auto(units).is_some();
     // Where selectors have led to manual the panels are not the console's.
-    let search = Search::new(&floor, &situation.left_out, !by_selectors, &accepted);
+    let stay: Vec<StationId> = situation.left_out.iter().copied().filter(|id| !led.contains(id)).collect();
+    let search = Search::new(&floor, &stay, !by_selectors, &accepted);
     let found = match search.run(&desk.units) {
         Ok(found) => found,
         Err(failed) => {
@@ -209,12 +242,11 @@ fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: Played
     }));
     for (at, &station) in turned.iter().enumerate() {
         let mode = if at + 1 == turned.len() { ControlMode::StandBy } else { ControlMode::Manual };
-        steps.push(RecoveryStep {
-            action: RecoveryAction::Selector(station, false),
-            moves: Vec::new(),
-            mode,
-            after: None,
-        });
+        let action = match desk.wired_at_manual(line, station) {
+            Some(input) => RecoveryAction::First(Need::Selector(station, input)),
+            None => RecoveryAction::Selector(station, false),
+        };
+        steps.push(RecoveryStep { action, moves: Vec::new(), is_doubtful: false, mode, after: None });
     }
     for (command, desk) in to_auto(&last).into_iter().flatten() {
         steps.push(commanded(command, &desk));
@@ -223,7 +255,8 @@ fn by_commands_and_presses(line: &Line, situation: &LineSituation, units: Played
 }
 
 fn commanded(command: ModeCommand, after: &Desk) -> RecoveryStep {
-    RecoveryStep { action: RecoveryAction::Command(command), moves: Vec::new(), mode: after.mode(), after: None }
+    let action = RecoveryAction::Command(command);
+    RecoveryStep { action, moves: Vec::new(), is_doubtful: false, mode: after.mode(), after: None }
 }
 
 /// The moves as steps. Where selectors have led to manual, the others' panels may need theirs too.
@@ -239,13 +272,15 @@ fn pressed(line: &Line, before: &PlayedStations, moves: &[Move], by_selectors: b
         let planned = made.motions.iter().map(motion).collect();
         let Some(station) = made.action.station() else {
             let mode = ControlMode::Manual;
-            steps.push(RecoveryStep { action: made.action.clone(), moves: planned, mode, after: None });
+            let action = made.action.clone();
+            steps.push(RecoveryStep { action, moves: planned, is_doubtful: false, mode, after: None });
             continue;
         };
         let is_press = matches!(made.action, RecoveryAction::Press(..));
         if is_press && !std::mem::replace(&mut live[station.index()], true) {
             let action = RecoveryAction::Selector(station, true);
-            steps.push(RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: None });
+            let mode = ControlMode::Manual;
+            steps.push(RecoveryStep { action, moves: Vec::new(), is_doubtful: false, mode, after: None });
         }
         let described = line.station(station);
         let unit = &made.after[station.index()];
@@ -258,6 +293,7 @@ fn pressed(line: &Line, before: &PlayedStations, moves: &[Move], by_selectors: b
         steps.push(RecoveryStep {
             action: made.action.clone(),
             moves: planned,
+            is_doubtful: made.is_doubtful,
             mode: ControlMode::Manual,
             after: Some(after),
         });

@@ -8,6 +8,7 @@ use linewright_line::{Line, StationId};
 
 const NOT_RESET: &str = ", not reset;";
 const PRESSED: &str = " of the console pressed)";
+const STOPPING: &str = "stopping at home";
 const LEFT_OUT: &str = ", without ";
 const ENDED: &str = " ended (";
 const SECOND_COORDINATOR: &str = "second coordinator active";
@@ -15,6 +16,8 @@ const SECOND_COORDINATOR: &str = "second coordinator active";
 /// What the text of the mode says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ModeRead {
+    /// Master stop was given.
+    pub is_stopping: bool,
     /// The emergency stop has been reset, or there is none.
     pub is_reset: bool,
     /// The emergency stop was given by the console's button.
@@ -47,6 +50,7 @@ impl ModeRead {
         let journal = ModeRefusal::JournalLost;
         obstacles.extend(says(text, &journal).then(|| journal.text(line)));
         ModeRead {
+            is_stopping: text.contains(STOPPING),
             is_reset: !text.contains(NOT_RESET),
             by_button: text.contains(PRESSED),
             without_console: says(text, &ModeRefusal::ConsoleLost) || says(text, &ModeRefusal::ConsoleNeverHeard),
@@ -108,6 +112,8 @@ mod tests {
         assert_eq!(found.left_out, [StationId(1), StationId(2)]);
         assert_eq!(found.obstacles.len(), 2, "{found:?}");
         assert!(found.obstacles[0].contains("boot id 7"), "{found:?}");
+        let stopping = ModeText { stopping: true, ..ModeText::default() };
+        assert!(read(ControlMode::Auto, &stopping).is_stopping && !found.is_stopping);
         assert!(read(ControlMode::EStop, &ModeText { stop: None, ..text }).is_reset);
     }
 

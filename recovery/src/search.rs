@@ -34,8 +34,32 @@ type OpenNode = Reverse<(Cost, Reverse<u32>, Reverse<usize>)>;
 pub(crate) struct Move {
     pub action: RecoveryAction,
     pub motions: PlannedMotions,
-    pub time: Duration,
     pub after: PlayedStations,
+    /// A switch that is on already has to be believed for it.
+    pub is_doubtful: bool,
+    /// What it counts for against others.
+    cost: Cost,
+}
+
+/// *Return* counts for a quarter longer than it takes, and this: of two ways that take nearly as long the one that goes on is taken.
+const RETURN_COUNTS: Duration = Duration::from_millis(250);
+
+/// A press that is to believe a switch may need a second one, after the report of the watchdog.
+const AFTER_WATCHDOG: u32 = 1;
+/// Where a position is lost as well, a person looks and confirms it first, if that is possible.
+const AGAINST_CONFIRMING: u32 = 4;
+
+impl Move {
+    fn of(
+        action: RecoveryAction,
+        motions: PlannedMotions,
+        time: Duration,
+        after: PlayedStations,
+    ) -> Self {
+        let is_return = matches!(action, RecoveryAction::Press(_, PanelButton::Return));
+        let counts = if is_return { time + time / 4 + RETURN_COUNTS } else { time };
+        Move { action, motions, after, is_doubtful: false, cost: (1, counts) }
+    }
 }
 
 /// Result of a search.
@@ -56,7 +80,7 @@ struct SearchNode {
     units: PlayedStations,
     done: Cost,
     /// The node before, and the action that led here.
-    from: Option<(usize, RecoveryAction, PlannedMotions, Duration)>,
+    from: Option<(usize, Move)>,
 }
 
 pub(crate) struct Search<'f, 'l> {
@@ -186,7 +210,7 @@ impl<'f, 'l> Search<'f, 'l> {
 
     fn resumed(&self, units: &PlayedStations) -> Option<Move> {
         let Resumed { units, motions, time } = self.floor.resume(units).filter(|_| self.resumes)?;
-        Some(Move { action: RecoveryAction::Resume, motions, time, after: units })
+        Some(Move::of(RecoveryAction::Resume, motions, time, units))
     }
 
     /// Every action of a station that has an effect.
@@ -197,7 +221,13 @@ impl<'f, 'l> Search<'f, 'l> {
             if let Some(pressed) = self.floor.press(units, station, button) {
                 let action = RecoveryAction::Press(id, button);
                 let motions = pressed.motions.into_iter().map(|place| (id, place)).collect();
-                moves.push(Move { action, motions, time: pressed.time, after: pressed.units });
+                let mut made = Move::of(action, motions, pressed.time, pressed.units);
+                made.is_doubtful = pressed.is_doubtful;
+                if pressed.is_doubtful {
+                    let is_lost = units[station].report.position_lost.is_some();
+                    made.cost.0 += if is_lost { AGAINST_CONFIRMING } else { AFTER_WATCHDOG };
+                }
+                moves.push(made);
             }
         }
         let report = &units[station].report;
@@ -223,7 +253,7 @@ impl<'f, 'l> Search<'f, 'l> {
     /// A person confirms where it stands: by its switches, or the operations in which it may have been stopped.
     fn confirmations(&self, units: &PlayedStations, station: usize) -> Vec<Move> {
         let id = StationId::at(station);
-        let still = |action, after| Move { action, motions: Vec::new(), time: Duration::ZERO, after };
+        let still = |action, after| Move::of(action, Vec::new(), Duration::ZERO, after);
         if let Some(after) = self.floor.rejoin(units, station, RejoinAt::Measured) {
             let action = RecoveryAction::Rejoin { station: id, at: RejoinAt::Measured, or_within: Vec::new() };
             return vec![still(action, after)];
@@ -326,19 +356,18 @@ impl<'s, 'f, 'l> BestFirst<'s, 'f, 'l> {
         }
     }
 
-    fn go_on(&mut self, at: usize, units: &PlayedStations, done: Cost, Move { action, motions, time, after }: Move) {
-        let changed = after.iter().zip(units).any(|(a, b)| !Rc::ptr_eq(a, b) && a.key != b.key);
+    fn go_on(&mut self, at: usize, units: &PlayedStations, done: Cost, made: Move) {
+        let changed = made.after.iter().zip(units).any(|(a, b)| !Rc::ptr_eq(a, b) && a.key != b.key);
         if changed {
-            let from = Some((at, action, motions, time));
-            self.enter(SearchNode { units: after, done: (done.0 + 1, done.1 + time), from });
+            let done = (done.0 + made.cost.0, done.1 + made.cost.1);
+            self.enter(SearchNode { units: made.after.clone(), done, from: Some((at, made)) });
         }
     }
 
     fn moves_to(&self, mut at: usize) -> Vec<Move> {
         let mut moves = Vec::new();
-        while let Some((from, action, motions, time)) = &self.nodes[at].from {
-            let after = self.nodes[at].units.clone();
-            moves.push(Move { action: action.clone(), motions: motions.clone(), time: *time, after });
+        while let Some((from, made)) = &self.nodes[at].from {
+            moves.push(made.clone());
             at = *from;
         }
         moves.reverse();

@@ -27,12 +27,32 @@ pub struct StandingAlarm {
     pub answers: Vec<String>,
 }
 
+impl StandingAlarm {
+    const LEAD: &str = "lead ";
+    const TO_A_REST: &str = " to a rest in manual.";
+
+    /// The stations that it asks to be led to a rest by hand, before it can be answered.
+    pub fn asks_to_lead(&self, line: &Line) -> Vec<StationId> {
+        let before = self.text.split_once(Self::TO_A_REST).map_or("", |(before, _)| before);
+        let names = before.rfind(Self::LEAD).map_or("", |at| &before[at + Self::LEAD.len()..]);
+        names.split(" and ").filter_map(|name| line.station_named(name)).collect()
+    }
+
+    /// What it asks for before anything is led, as its text has it: the reset of a station that is in emergency stop by itself.
+    pub fn asks_before(&self) -> Option<&str> {
+        let (before, _) = self.text.split_once(", then lead ")?;
+        before.rfind("First ").map(|at| &before[at + "First ".len()..])
+    }
+}
+
 /// A situation of a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineSituation {
     pub mode: ControlMode,
     /// Every station has acknowledged it.
     pub enabled: bool,
+    /// Master stop was given: in auto, the line halts at home.
+    pub is_stopping: bool,
     /// The emergency stop has been reset.
     pub is_reset: bool,
     pub console: ConsoleSituation,
@@ -54,6 +74,7 @@ impl LineSituation {
         LineSituation {
             mode,
             enabled: true,
+            is_stopping: false,
             is_reset: false,
             console: ConsoleSituation::Heard,
             restarted: Vec::new(),
@@ -79,9 +100,10 @@ impl LineSituation {
             (false, true) => ConsoleSituation::ButtonPressed,
             (false, false) => ConsoleSituation::Heard,
         };
-        let ModeRead { is_reset, restarted, left_out, obstacles, .. } = read;
+        let ModeRead { is_stopping, is_reset, restarted, left_out, obstacles, .. } = read;
         LineSituation {
             enabled,
+            is_stopping,
             is_reset,
             console,
             restarted,
@@ -89,5 +111,16 @@ impl LineSituation {
             obstacles,
             ..LineSituation::of(line, mode, stations)
         }
+    }
+
+    /// The stations that alarms ask to be led to a rest by hand and that are not there.
+    pub(crate) fn to_be_led(&self, line: &Line) -> Vec<StationId> {
+        let asked: Vec<StationId> = self.alarms.iter().flat_map(|alarm| alarm.asks_to_lead(line)).collect();
+        let is_away =
+            |report: &StationReport| !report.at_home || !report.incomplete.is_empty() || report.position_lost.is_some();
+        let is_to_be = |id: &StationId| {
+            asked.contains(id) && self.stations.get(id.index()).and_then(Option::as_ref).is_some_and(is_away)
+        };
+        line.station_ids().filter(is_to_be).collect()
     }
 }

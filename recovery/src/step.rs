@@ -38,6 +38,10 @@ pub enum Need {
         op: OpId,
         input: InputId,
     },
+    /// A selector is to be turned to auto at the station's panel, to which this input is wired: no message does it.
+    Selector(StationId, InputId),
+    /// The line is to halt, as master stop has ordered.
+    Halt,
     /// Every station is to acknowledge the mode.
     Acknowledged,
     /// An alarm of the cell is to be answered, when what it asks for is done.
@@ -91,6 +95,8 @@ pub struct RecoveryStep {
     pub action: RecoveryAction,
     /// What moves by it; empty where nothing does.
     pub moves: Vec<PlannedMotion>,
+    /// Of a press: the switch that ends it is on already, so it may count only when the watchdog has reported that.
+    pub is_doubtful: bool,
     /// The mode after it.
     pub mode: ControlMode,
     /// The station after it, where it is about one.
@@ -114,8 +120,8 @@ impl Need {
     pub fn station(&self) -> Option<StationId> {
         match self {
             Need::Heard(station) | Need::Devices(station) | Need::Standstill(station) => Some(*station),
-            Need::FaultSignal(station, _) | Need::Axis { station, .. } => Some(*station),
-            Need::Console | Need::Button | Need::Acknowledged | Need::Answer(_) | Need::Other(_) => None,
+            Need::FaultSignal(station, _) | Need::Selector(station, _) | Need::Axis { station, .. } => Some(*station),
+            Need::Console | Need::Button | Need::Halt | Need::Acknowledged | Need::Answer(_) | Need::Other(_) => None,
         }
     }
 }

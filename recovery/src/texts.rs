@@ -1,5 +1,7 @@
 //! Plans in words, for operators: what to do, where, what moves; one line for each step.
 
+use std::time::Duration;
+
 use linewright_line::net::{Block, StationPlace};
 use linewright_line::{Line, OpId, Owner, StationId};
 use linewright_station_logic::RejoinAt;
@@ -36,9 +38,17 @@ impl Need {
                 let input = line.input_text(Owner::Station(*station), *input);
                 format!("bring `{of}` by hand, with its drive off, onto {input}")
             }
+            Need::Selector(station, input) => {
+                format!(
+                    "turn the selector at its panel to auto: {} on",
+                    line.input_text(Owner::Station(*station), *input)
+                )
+            }
+            Need::Halt => "wait until the others have ended their tasks, and the mode is stand-by".to_owned(),
             Need::Acknowledged => "wait until every station has acknowledged the mode".to_owned(),
             Need::Answer(alarm) => {
-                format!("alarm {}: {} Then answer {}", alarm.id, alarm.text, alarm.answers.join(" or "))
+                let answers = alarm.answers.join(" or ");
+                format!("alarm {}: {} Then `linewright answer`: {answers}", alarm.id, alarm.text)
             }
             Need::Other(text) => text.clone(),
         }
@@ -54,6 +64,18 @@ fn axis_of(line: &Line, station: StationId, input: linewright_line::InputId) -> 
     };
     let op = described.op_ids().find(ends_at)?;
     Some(&described.axes[described.operations[op.index()].motion.axis.index()].name)
+}
+
+/// How a person tells whether an index is done, of which the switch does not say it.
+fn index_text(line: &Line, station: StationId, index: OpId, others: impl Iterator<Item = OpId>) -> String {
+    let op = |op: OpId| format!("`{}`", line.operation((station, op)).name);
+    let axis = &line.station(station).axes[line.operation((station, index)).motion.axis.index()].name;
+    let others: Vec<String> = others.map(op).collect();
+    let (index, others) = (op(index), others.join(" or "));
+    format!(
+        "look at `{axis}`, then rejoin. Has it moved on to the next place: --within {index}; does it stand where it began: \
+         --within {others}. Auto goes on with the operation after that: see whether parts are passed over by it"
+    )
 }
 
 fn place_text(line: &Line, station: StationId, place: StationPlace) -> String {
@@ -77,10 +99,13 @@ impl PlannedMotion {
         let way = station.operations[self.place.op.index()].motion;
         let (signals, _) = image::motion(station, self.place);
         let axis = &station.axes[way.axis.index()].name;
-        let to = if undoing { way.from } else { way.to };
+        let to = match station.index_of(self.place.op) {
+            Some(by) => format!("on by {by} to the next place"),
+            None => format!("to {}", if undoing { way.from } else { way.to }),
+        };
         let until = &station.inputs[signals.complete.index()];
         let verb = if undoing { "undone" } else { "done" };
-        format!("`{name}` is {verb}: {axis} to {to}, {until} on, {:.1} s", self.time.as_secs_f64())
+        format!("`{name}` is {verb}: {axis} {to}, {until} on, {:.1} s", self.time.as_secs_f64())
     }
 }
 
@@ -88,6 +113,8 @@ impl RecoveryStep {
     /// The step in one line.
     pub fn text(&self, line: &Line) -> String {
         let name = |id: StationId| line.station(id).name.as_str();
+        let believed =
+            if self.is_doubtful { "; its switch is on already: if that is reported as a fault, once more" } else { "" };
         match &self.action {
             RecoveryAction::First(need) => match need.station() {
                 Some(station) => format!("{}: {}", name(station), need.text(line)),
@@ -100,11 +127,16 @@ impl RecoveryStep {
             RecoveryAction::Press(station, button) if self.moves.is_empty() => {
                 let places = self.after.iter().flat_map(|after| &after.places);
                 let places: Vec<String> = places.map(|&place| place_text(line, *station, place)).collect();
-                format!("{}: press {}: nothing moves, {}", name(*station), button.name(), places.join(" and "))
+                let (time, button) = (self.hold(line).as_secs_f64(), button.name());
+                format!(
+                    "{}: hold {button} for {time:.1} s: nothing moves, {}{believed}",
+                    name(*station),
+                    places.join(" and ")
+                )
             }
             RecoveryAction::Press(station, button) => {
                 let moves: Vec<String> = self.moves.iter().map(|motion| motion.text(line)).collect();
-                format!("{}: hold {} until {}", name(*station), button.name(), moves.join(" and "))
+                format!("{}: hold {} until {}{believed}", name(*station), button.name(), moves.join(" and "))
             }
             RecoveryAction::Resume => {
                 let moves = self.moves.iter().map(|motion| format!("{} {}", name(motion.station), motion.text(line)));
@@ -114,9 +146,15 @@ impl RecoveryStep {
                 let op = |op: OpId| format!("`{}`", line.operation((*station, op)).name);
                 let stands = match (at, &self.after) {
                     (RejoinAt::Within(within), _) => {
-                        let all: Vec<String> =
-                            std::iter::once(*within).chain(or_within.iter().copied()).map(op).collect();
-                        format!("look where it stands, then rejoin --within {}", all.join(" or "))
+                        let all = || std::iter::once(*within).chain(or_within.iter().copied());
+                        let is_index = |of: &OpId| line.station(*station).index_of(*of).is_some();
+                        match all().find(is_index).filter(|_| !or_within.is_empty()) {
+                            Some(index) => index_text(line, *station, index, all().filter(|of| !is_index(of))),
+                            None => {
+                                let all: Vec<String> = all().map(op).collect();
+                                format!("look where it stands, then rejoin --within {}", all.join(" or "))
+                            }
+                        }
                     }
                     (RejoinAt::Measured, Some(after)) => {
                         let places = after.places.iter().map(|&place| place_text(line, *station, place));
@@ -130,6 +168,22 @@ impl RecoveryStep {
         }
     }
 
+    /// Time for which a panel's button is held.
+    ///
+    /// Half as long again as the motion takes by the description, for what messages take. Where nothing is to move, longer than
+    /// the watchdog: a switch that is not taken for the arrival is reported then, and counts with the next press.
+    pub fn hold(&self, line: &Line) -> Duration {
+        let longest = self.moves.iter().map(|motion| motion.time).max().filter(|_| !self.is_doubtful);
+        let watchdogs = self
+            .after
+            .iter()
+            .flat_map(|after| after.places.iter().map(|place| line.operation((after.station, place.op)).watchdog));
+        match longest {
+            Some(time) => time * 3 / 2 + Duration::from_millis(500),
+            None => watchdogs.max().unwrap_or_default() + Duration::from_secs(1),
+        }
+    }
+
     /// What the `linewright` command has for it, behind the name of the line; none for what no command does.
     pub fn arguments(&self, line: &Line) -> Option<Vec<String>> {
         let name = |id: StationId| line.station(id).name.clone();
@@ -138,8 +192,7 @@ impl RecoveryStep {
             RecoveryAction::First(_) => return None,
             RecoveryAction::Command(command) => words(&["mode", "LINE", command.name()]),
             RecoveryAction::Press(station, button) => {
-                // Half as long again as the motion takes by the description, for what messages take.
-                let time: f64 = self.moves.iter().map(|m| m.time.as_secs_f64()).fold(0.0, f64::max) * 1.5 + 0.5;
+                let time = self.hold(line).as_secs_f64();
                 words(&["press", "LINE", button.name(), "--station", &name(*station), "--for", &format!("{time:.1}")])
             }
             RecoveryAction::Resume => {

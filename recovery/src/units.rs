@@ -4,7 +4,7 @@ use std::hash::{Hash, Hasher};
 use std::rc::Rc;
 use std::time::Duration;
 
-use linewright_line::net::{ControlMode, StationPlace};
+use linewright_line::net::{ControlMode, MotionStage, StationPlace};
 use linewright_line::{Line, StationId, Tick};
 use linewright_station_logic::{
     Controller, Handled, ModeOrder, NO_DELAY, PanelCommand, RejoinAt, StationInput, StationOutbox, StationReport,
@@ -90,6 +90,10 @@ pub(crate) struct Pressed {
     pub units: PlayedStations,
     pub motions: Vec<StationPlace>,
     pub time: Duration,
+    /// Its switch is on already, and has to be believed for it to count. The report does not have whether it was on from before
+    /// the motion; where it was, the machine's controller takes it for the arrival after its watchdog has reported it, and no
+    /// sooner.
+    pub is_doubtful: bool,
 }
 
 /// *Resume* held at the console, where it leads on more than one station.
@@ -165,7 +169,8 @@ impl<'l> PlayedLine<'l> {
             // What stands at its end already is done without a motion, as on a recovery path.
             self.give(&mut units, station, StationInput::Panel(command(false)));
             let is_counted = units[station].report.places != before[station].report.places;
-            return is_counted.then_some(Pressed { units, motions, time: Duration::ZERO });
+            let is_doubtful = self.believes_a_switch(&before[station], &units[station], &motions);
+            return is_counted.then_some(Pressed { units, motions, time: Duration::ZERO, is_doubtful });
         }
         let id = StationId::at(station);
         let (described, bits) = (self.line.station(id), units[station].report.measured);
@@ -179,7 +184,19 @@ impl<'l> PlayedLine<'l> {
             return None;
         }
         let time = motions.iter().map(|&place| image::motion(described, place).1).max().unwrap_or_default();
-        Some(Pressed { units, motions, time })
+        let is_on = |place: &StationPlace| image::is_at_end(described, bits, *place);
+        let is_doubtful =
+            motions.iter().any(is_on) || self.believes_a_switch(&before[station], &units[station], &motions);
+        Some(Pressed { units, motions, time, is_doubtful })
+    }
+
+    /// Whether an operation that was stopped is complete now, the same way, and has not moved.
+    fn believes_a_switch(&self, before: &PlayedStation, after: &PlayedStation, motions: &[StationPlace]) -> bool {
+        let completed = |place: StationPlace| StationPlace { stage: MotionStage::Completed, ..place };
+        before.controller.marking().filter(|place| place.is_incomplete()).any(|stopped| {
+            let has_moved = motions.iter().any(|place| place.op == stopped.op);
+            !has_moved && after.controller.marking().any(|place| place == completed(stopped))
+        })
     }
 
     /// Holds *resume* until all that goes on by it has arrived. None where it leads on less than two stations: at one of them
@@ -195,6 +212,9 @@ impl<'l> PlayedLine<'l> {
             let id = StationId::at(station);
             let (described, bits) = (self.line.station(id), units[station].report.measured);
             let moves = units[station].motions();
+            if self.believes_a_switch(&before[station], &units[station], &moves) {
+                return None;
+            }
             self.image(&mut units, station, image::under_way(described, bits, &moves));
             self.image(&mut units, station, image::arrived(self.line, id, bits, &moves));
             // Each goes on once: no motion of these can be here again.
@@ -205,6 +225,11 @@ impl<'l> PlayedLine<'l> {
             motions.extend(moves.into_iter().map(|place| (id, place)));
         }
         self.hold_resume(&mut units, false);
+        let is_still = |at: usize| !motions.iter().any(|(id, _): &(StationId, _)| id.index() == at);
+        let is_doubtful = |at: usize| is_still(at) && self.believes_a_switch(&before[at], &units[at], &[]);
+        if (0..units.len()).any(is_doubtful) {
+            return None;
+        }
         let first = motions.first().map(|(id, _)| *id);
         let is_more = motions.iter().any(|(id, _)| Some(*id) != first);
         is_more.then_some(Resumed { units, motions, time })

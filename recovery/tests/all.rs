@@ -1,8 +1,10 @@
 //! Plans back to auto.
 
+mod alarms;
 mod brute_force;
 mod cells;
 mod operator;
 mod random_plays;
 mod resume;
 mod situations;
+mod tables;

@@ -67,13 +67,16 @@ pub fn follow(sim: &mut LineSim, step: &RecoveryStep) {
     let act = |sim: &mut LineSim, action| sim.act(action).expect("nothing is started by it");
     match &step.action {
         RecoveryAction::First(Need::Standstill(_) | Need::Acknowledged) => run_for(sim, Duration::from_secs(3)),
+        RecoveryAction::First(Need::Selector(station, input)) => {
+            act(sim, OperatorAction::Force(Some(*station), *input, None));
+        }
         RecoveryAction::First(need) => panic!("{need:?} is the machine's to end: {}", described(sim)),
         RecoveryAction::Command(command) => act(sim, OperatorAction::Command(*command)),
         RecoveryAction::Press(station, button) => {
             let advance = *button == PanelButton::Advance;
             act(sim, OperatorAction::Panel { station: *station, advance, down: true });
-            let longest = step.moves.iter().map(|motion| motion.time).max().unwrap_or_default();
-            run_for(sim, longest.mul_f64(1.3) + Duration::from_millis(500));
+            let long = step.hold(sim.line());
+            run_for(sim, long);
             act(sim, OperatorAction::Panel { station: *station, advance, down: false });
         }
         RecoveryAction::Resume => {

@@ -52,13 +52,13 @@ fn in_auto_there_is_nothing_to_do() {
 }
 
 #[test]
-fn an_operation_that_jammed_is_led_in_manual_to_the_end_that_is_sooner_reached() {
+fn an_operation_that_jammed_half_way_is_led_on_in_manual() {
     let mut sim = after_a_jam(0, "advance transfer");
     assert_eq!(
         texts(&sim),
         [
             "command manual",
-            "transfer: hold return until `advance transfer` is undone: horizontal to 0, LS_horizontal_0 on, 0.5 s",
+            "transfer: hold advance until `advance transfer` is done: horizontal to 500, LS_horizontal_500 on, 0.5 s",
             "command auto",
         ]
     );
@@ -156,6 +156,26 @@ fn selectors_that_stand_at_manual_are_turned_back() {
     works_on(&mut sim);
 }
 
+/// The selector is an input of the station: what stands at its panel no message turns.
+#[test]
+fn a_wired_selector_is_turned_at_its_panel() {
+    for jams in [false, true] {
+        let mut sim =
+            if jams { after_a_jam(0, "advance transfer") } else { in_auto(&transfer_line(), 1, Duration::ZERO) };
+        let clamp = &sim.line().stations[1];
+        let selector = clamp.panel.manual.expect("it is wired");
+        act(&mut sim, OperatorAction::Force(Some(StationId(1)), selector, Some(true)));
+        run_for(&mut sim, Duration::from_secs(10));
+        assert_eq!(sim.mode(), ControlMode::Manual);
+        let found = plan(sim.line(), &situation(&sim));
+        let turn = "clamp_1: turn the selector at its panel to auto: SS_manual";
+        assert!(found.steps.iter().any(|step| step.text(sim.line()).starts_with(turn)), "{:?}", texts(&sim));
+        assert_eq!((&found.end, found.presses()), (&RecoveryEnd::Auto, usize::from(jams)), "{:?}", texts(&sim));
+        recover(&mut sim);
+        works_on(&mut sim);
+    }
+}
+
 #[test]
 fn a_lost_device_and_a_fault_signal_are_named_first() {
     let mut sim = after_a_jam(0, "advance transfer");
@@ -165,5 +185,89 @@ fn a_lost_device_and_a_fault_signal_are_named_first() {
     let plan = plan(sim.line(), &seen);
     assert_eq!(plan.steps[0].action, RecoveryAction::First(Need::Devices(StationId(1))));
     assert_eq!(plan.end, RecoveryEnd::Auto);
+    recover(&mut sim);
+}
+
+/// A switch of clamp 1 is held on, or nothing is.
+fn force(sim: &mut LineSim, input: &str, on: Option<bool>) {
+    let clamp = &sim.line().stations[1];
+    let at = clamp.inputs.iter().position(|name| name == input).expect("it has it");
+    act(sim, OperatorAction::Force(Some(StationId(1)), linewright_line::InputId(at as u16), on));
+}
+
+/// A switch of clamp 1 sticks until auto ends; return is held while it still does, and let go before the watchdog has run out.
+fn led_back_onto_a_switch_that_was_on(input: &str) -> LineSim {
+    let mut sim = in_auto(&transfer_line(), 1, Duration::ZERO);
+    force(&mut sim, input, Some(true));
+    while sim.mode() == ControlMode::Auto {
+        run_for(&mut sim, Duration::from_millis(100));
+    }
+    run_for(&mut sim, Duration::from_secs(10));
+    command(&mut sim, ModeCommand::Manual);
+    let hold = |down| OperatorAction::Panel { station: StationId(1), advance: false, down };
+    act(&mut sim, hold(true));
+    run_for(&mut sim, Duration::from_millis(800));
+    act(&mut sim, hold(false));
+    run_for(&mut sim, Duration::from_millis(300));
+    force(&mut sim, input, None);
+    run_for(&mut sim, Duration::from_secs(1));
+    let report = sim.controller(StationId(1)).expect("it is up").report();
+    assert_eq!(report.incomplete.len(), 1, "it was not taken for the arrival");
+    sim
+}
+
+#[test]
+fn a_switch_that_was_on_before_the_motion_is_left_by_the_other_button() {
+    for input in ["LS_closed", "LS_open"] {
+        let mut sim = led_back_onto_a_switch_that_was_on(input);
+        let all = texts(&sim);
+        assert!(all[0].starts_with("clamp_1: hold advance until"), "{all:?}");
+        recover(&mut sim);
+        works_on(&mut sim);
+    }
+}
+
+/// Somebody has moved clamp 1 by hand, from open to closed; its controller has it open.
+#[test]
+fn where_a_position_is_to_be_confirmed_that_comes_before_a_press() {
+    let line = transfer_line();
+    let (bar, lower) = op(&line, 0, "4th lower");
+    let stopped = |milliseconds: u64| {
+        let mut sim = in_auto(&line, 1, Duration::from_millis(milliseconds));
+        command(&mut sim, ModeCommand::EStop);
+        situation(&sim)
+    };
+    let is_lowering = |seen: &linewright_recovery::LineSituation| {
+        let report = seen.stations[bar.index()].as_ref().expect("it is heard");
+        report.incomplete.iter().any(|&(op, _)| op == lower)
+    };
+    let mut seen = (0..200).map(|nth| stopped(nth * 40)).find(is_lowering).expect("the bar is stopped on its way down");
+    let clamp = &line.stations[1];
+    let bit = |name: &str| 1u128 << clamp.inputs.iter().position(|input| input == name).expect("it has it");
+    let report = seen.stations[1].as_mut().expect("it is heard");
+    assert!(report.incomplete.is_empty() && report.measured & bit("LS_open") != 0, "{report:?}");
+    report.measured = report.measured & !bit("LS_open") | bit("LS_closed");
+    report.position_lost = Some((linewright_line::OpId(0), linewright_line::InputId(0)));
+    let found = plan(&line, &seen);
+    let all: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
+    let of_clamp = all.iter().find(|text| text.starts_with("clamp_1"));
+    assert_eq!(of_clamp.map(String::as_str), Some("clamp_1: look, and if it stands so (advance clamp done): rejoin"));
+    assert_eq!(found.end, RecoveryEnd::Auto, "{all:?}");
+}
+
+/// The only way is to believe the switch: it is held until the watchdog would have reported it.
+#[test]
+fn where_nothing_is_to_move_the_button_is_held_longer_than_the_watchdog() {
+    let mut sim = after_a_jam(2, "feed main slide");
+    let mut seen = situation(&sim);
+    let line = sim.line().clone();
+    let mill = &line.stations[2];
+    let feed = &mill.operations[mill.operation_named("feed main slide").expect("it has it").index()];
+    seen.stations[2].as_mut().expect("it is heard").measured |= feed.normal.complete.bit();
+    let found = plan(&line, &seen);
+    let believed = found.steps.iter().find(|step| step.is_doubtful);
+    let held: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
+    assert!(believed.is_none_or(|step| step.hold(&line) > feed.watchdog), "{held:?}");
+    assert!(believed.is_some(), "{held:?}");
     recover(&mut sim);
 }

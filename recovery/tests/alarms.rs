@@ -1,0 +1,88 @@
+//! Alarms of a cell in a plan: what they ask to be led is led, and they are answered.
+
+use linewright_line::net::{ControlMode, StationPlace};
+use linewright_line::{Line, StationId, Tick};
+use linewright_recovery::{LineSituation, Need, RecoveryAction, RecoveryEnd, StandingAlarm, plan};
+use linewright_station_logic::{Controller, NO_DELAY, Restore, StationInput, StationOutbox};
+
+use crate::cells::{half_way, shipped};
+
+/// What an alarm of an activity says whose stations are held between two rests.
+fn alarm(line: &Line, held: &[StationId], reset: &str) -> StandingAlarm {
+    let names: Vec<&str> = held.iter().map(|&id| line.station(id).name.as_str()).collect();
+    let text = match held {
+        [] => "M1.process failed. Answer where the part is. (m1: at rest)".to_owned(),
+        _ => format!("First {reset}lead {} to a rest in manual. M1.process failed. (m1: fault)", names.join(" and ")),
+    };
+    StandingAlarm { id: 3, text, answers: vec!["as-before".to_owned(), "gone".to_owned()] }
+}
+
+/// Two stations of the workcell stand half-way, and are left out of the mode; the others stand at rests.
+fn two_are_left_out(mode: ControlMode) -> (Line, LineSituation) {
+    let [(_, line), _] = shipped();
+    let mut seen = half_way(&line);
+    let stopped = |id: &StationId| seen.stations[id.index()].as_ref().is_some_and(|of| !of.incomplete.is_empty());
+    let held: Vec<StationId> = line.station_ids().filter(stopped).take(2).collect();
+    for id in line.station_ids().filter(|id| !held.contains(id)) {
+        let mut controller = Controller::new(&line, id, 7, Restore::Fresh).expect("a shipped station compiles");
+        let station = line.station(id);
+        let home = StationPlace::completed(station.home);
+        let bits = station.rest_inputs(home) | station.operations[station.home.index()].normal.complete.bit();
+        let (now, until, under) = (Tick::from_millis(1), Tick::NEVER, NO_DELAY);
+        controller.handle(now, StationInput::Inputs { bits, valid: true, until, under });
+        controller.step(now, &mut StationOutbox::default());
+        seen.stations[id.index()] = Some(controller.report());
+    }
+    seen.alarms = vec![alarm(&line, &held, "")];
+    seen.left_out = held;
+    seen.mode = mode;
+    (line, seen)
+}
+
+fn place_of(steps: &[linewright_recovery::RecoveryStep], is_it: impl Fn(&RecoveryAction) -> bool) -> Option<usize> {
+    steps.iter().position(|step| is_it(&step.action))
+}
+
+#[test]
+fn stations_that_an_alarm_asks_about_are_led_to_a_rest_before_its_answer() {
+    use linewright_coordinator_logic::ModeCommand;
+    for mode in [ControlMode::StandBy, ControlMode::Auto] {
+        let (line, seen) = two_are_left_out(mode);
+        let found = plan(&line, &seen);
+        let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
+        let manual = place_of(&found.steps, |of| *of == RecoveryAction::Command(ModeCommand::Manual));
+        let answer = place_of(&found.steps, |of| matches!(of, RecoveryAction::First(Need::Answer(_))));
+        let stop = place_of(&found.steps, |of| *of == RecoveryAction::Command(ModeCommand::Stop));
+        assert_eq!(stop, (mode == ControlMode::Auto).then_some(0), "{texts:#?}");
+        assert_eq!(found.end, RecoveryEnd::Auto, "{texts:#?}");
+        assert_eq!(answer, Some(found.steps.len() - 2), "the last but auto: {texts:#?}");
+        for &held in &seen.left_out {
+            let led: Vec<usize> = (0..found.steps.len())
+                .filter(|&at| matches!(found.steps[at].action, RecoveryAction::Press(station, _) if station == held))
+                .collect();
+            assert!(led.iter().all(|&at| Some(at) > manual && Some(at) < answer), "{texts:#?}");
+            let last = led.last().and_then(|&at| found.steps[at].after.as_ref());
+            assert!(last.is_some_and(|after| after.at_home && after.is_in_order), "{texts:#?}");
+        }
+    }
+}
+
+#[test]
+fn an_alarm_in_auto_is_a_step() {
+    let (line, mut seen) = two_are_left_out(ControlMode::Auto);
+    seen.alarms = vec![alarm(&line, &[], "")];
+    let found = plan(&line, &seen);
+    let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
+    assert!(texts.len() == 1 && texts[0].ends_with("Then `linewright answer`: as-before or gone"), "{texts:#?}");
+    assert!(found.has_alarms());
+}
+
+#[test]
+fn a_station_in_emergency_stop_by_itself_is_reset_before_it_is_led() {
+    let (line, mut seen) = two_are_left_out(ControlMode::StandBy);
+    seen.alarms = vec![alarm(&line, &seen.left_out, "`linewright resource \u{2026} m1 reset`, then ")];
+    let found = plan(&line, &seen);
+    let first = found.steps[0].text(&line);
+    assert_eq!(first, "`linewright resource \u{2026} m1 reset`");
+    assert_eq!(found.end, RecoveryEnd::Auto);
+}
