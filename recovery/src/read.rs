@@ -3,11 +3,10 @@
 //! The state of the line has the mode as a number and everything that keeps it as a text. These are the few parts of the text
 //! that a plan depends on. A test writes them as the coordinator does, and reads them.
 
-use linewright_coordinator_logic::ModeRefusal;
+use linewright_coordinator_logic::{EStopButton, ModeRefusal};
 use linewright_line::{Line, StationId};
 
 const NOT_RESET: &str = ", not reset;";
-const PRESSED: &str = " of the console pressed)";
 const LEFT_OUT: &str = ", without ";
 const SECOND_COORDINATOR: &str = "second coordinator active";
 
@@ -16,8 +15,8 @@ const SECOND_COORDINATOR: &str = "second coordinator active";
 pub struct ModeRead {
     /// The emergency stop has been reset, or there is none.
     pub is_reset: bool,
-    /// The emergency stop was given by the console's button.
-    pub by_button: bool,
+    /// The console's emergency stop button is pressed.
+    pub is_pressed: bool,
     /// The console's devices are not operational, or were not received yet.
     pub without_console: bool,
     pub restarted: Vec<StationId>,
@@ -43,7 +42,7 @@ impl ModeRead {
         obstacles.extend(says(&journal).then(|| journal.text(line)));
         ModeRead {
             is_reset: !text.contains(NOT_RESET),
-            by_button: text.contains(PRESSED),
+            is_pressed: text.contains(EStopButton::RELEASE_IT),
             without_console: says(&ModeRefusal::ConsoleLost) || says(&ModeRefusal::ConsoleNeverHeard),
             restarted: line.station_ids().filter(|&id| says(&ModeRefusal::Restarted(id))).collect(),
             left_out: names.collect(),
@@ -78,6 +77,7 @@ mod tests {
         ];
         let text = ModeText {
             stop: Some(EStopCause::Pressed(InputId(0)).text(&line)),
+            button: EStopButton::Pressed,
             stopped_at: "2026-11-23",
             without: vec![names[1], names[2]],
             stopped: vec![names[0]],
@@ -85,11 +85,13 @@ mod tests {
             ..ModeText::default()
         };
         let found = read(ControlMode::EStop, &text);
-        assert!(!found.is_reset && found.by_button && found.without_console, "{found:?}");
+        assert!(!found.is_reset && found.is_pressed && found.without_console, "{found:?}");
         assert_eq!(found.restarted, [StationId(2)]);
         assert_eq!(found.left_out, [StationId(1), StationId(2)]);
         assert_eq!(found.obstacles.len(), 2, "{found:?}");
         assert!(found.obstacles[0].contains("boot id 7"), "{found:?}");
+        let released = read(ControlMode::EStop, &ModeText { button: EStopButton::Released, ..text.clone() });
+        assert!(!released.is_reset && !released.is_pressed, "{released:?}");
         assert!(read(ControlMode::EStop, &ModeText { stop: None, ..text }).is_reset);
     }
 }
