@@ -4,7 +4,7 @@ use linewright_line::net::ControlMode;
 use linewright_line::{Line, StationId};
 use linewright_recovery::{Need, RecoveryAction, RecoveryPlan, RecoveryStep};
 
-/// Something that ends by itself: nobody does it.
+/// Something that ends by itself.
 fn is_wait(step: &RecoveryStep) -> bool {
     matches!(step.action, RecoveryAction::First(Need::Standstill(_) | Need::Acknowledged))
 }
