@@ -36,7 +36,7 @@ mod watch;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use linewright_node_shell::{RosArgs, init_logging};
 
 /// Describe, check, run and operate a production line.
@@ -134,7 +134,8 @@ fn command() -> ExitCode {
         }
     };
     let program = std::env::args().next().unwrap_or_else(|| "linewright".to_owned());
-    let cli = match Cli::try_parse_from(std::iter::once(program).chain(rest)) {
+    let parsed = numbers_as_values(Cli::command()).try_get_matches_from(std::iter::once(program).chain(rest));
+    let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         // Help and the version are no errors, and go to standard output.
         Err(shown) if !shown.use_stderr() => {
@@ -143,7 +144,13 @@ fn command() -> ExitCode {
             out::bytes(if is_terminal { text.ansi().to_string() } else { text.to_string() }.as_bytes());
             return ExitCode::SUCCESS;
         }
-        Err(wrong) => wrong.exit(),
+        Err(wrong) => {
+            let text = wrong.render();
+            let is_terminal = std::io::stderr().is_terminal();
+            let text = if is_terminal { text.ansi().to_string() } else { text.to_string() };
+            crate::out::complain!("{}", number_errors(&text).trim_end());
+            return ExitCode::from(2);
+        }
     };
     match dispatch(cli.command, ros) {
         Ok(code) => code,
@@ -152,6 +159,28 @@ fn command() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// The command with options that take a negative number as their value: that is refused by its bounds, and is no unknown option.
+fn numbers_as_values(command: clap::Command) -> clap::Command {
+    let takes = |arg: clap::Arg| {
+        let is_option = arg.get_action().takes_values() && !arg.is_positional();
+        if is_option { arg.allow_negative_numbers(true) } else { arg }
+    };
+    command.mut_args(takes).mut_subcommands(numbers_as_values)
+}
+
+/// What is expected instead of the parser's own words on a number.
+fn number_errors(text: &str) -> String {
+    [
+        ("invalid float literal", "expected a number, without a unit, e.g. 0.8"),
+        ("invalid digit found in string", "expected a whole number, 0 or more, without a unit"),
+        ("number too large to fit in target type", "the number is too large"),
+        ("cannot parse integer from empty string", "expected a whole number"),
+        ("cannot parse float from empty string", "expected a number, e.g. 0.8"),
+    ]
+    .into_iter()
+    .fold(text.to_owned(), |text, (is, should)| text.replace(is, should))
 }
 
 fn dispatch(command: CliCommand, ros: RosArgs) -> miette::Result<ExitCode> {
@@ -201,4 +230,26 @@ fn asynchronous(work: impl Future<Output = miette::Result<ExitCode>>) -> miette:
     // A record that is still being written by a disk that hangs does not hold up the end.
     runtime.shutdown_background();
     ended
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(words: &[&str]) -> String {
+        let words = std::iter::once("linewright").chain(words.iter().copied());
+        let wrong = numbers_as_values(Cli::command()).try_get_matches_from(words).expect_err("it is refused");
+        number_errors(&wrong.render().to_string())
+    }
+
+    #[test]
+    fn a_number_that_cannot_be_is_refused_as_a_number() {
+        let seconds = refused(&["press", "LINE", "PB_2", "--for", "0.8 s"]);
+        assert!(seconds.contains("expected seconds from 0 to 3600, without a unit, e.g. 0.8"), "{seconds}");
+        let seconds = refused(&["press", "LINE", "PB_2", "--for", "-1"]);
+        assert!(seconds.contains("'-1' for '--for") && seconds.contains("from 0 to 3600"), "{seconds}");
+        let cycles = refused(&["run", "LINE", "--cycles", "-1"]);
+        assert!(cycles.contains("'-1' for '--cycles"), "{cycles}");
+        assert!(!cycles.contains("invalid digit") && !cycles.contains("unexpected argument"), "{cycles}");
+    }
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use linewright_fieldbus::{BusOptions, Clock, Transport, place};
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_node_shell::{Claim, ClaimError, Participant, RosArgs};
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::miette;
 use tokio::sync::watch;
 
 use crate::load;
@@ -107,7 +107,7 @@ fn claim(
 
 /// Claims the files of `name` in a state directory, which is made if it is not there.
 fn claim_file(dir: &Path, name: &str) -> miette::Result<Claim> {
-    std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| format!("cannot use {}", dir.display()))?;
+    std::fs::create_dir_all(dir).map_err(|error| crate::files::cannot_use(dir, &error))?;
     Claim::file(dir, name).map_err(|error| miette!("{error}"))
 }
 

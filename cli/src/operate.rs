@@ -3,6 +3,8 @@
 //! Each does once, from a shell, what a console does with a finger. The answer is printed: what the line did, or why
 //! it refused, with exit code 1.
 
+mod held;
+mod in_force;
 mod rejoin;
 mod resume;
 mod standstill;
@@ -18,6 +20,7 @@ use linewright_msgs::{Flag, LineState, StationState, Text};
 use linewright_node_shell::RosArgs;
 use miette::miette;
 
+use held::HeldMotions;
 pub use rejoin::{RejoinArgs, rejoin};
 
 use crate::client::OperatorClient;
@@ -59,7 +62,8 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         None => None,
     };
     if args.wait && command != Some(ModeCommand::Stop) {
-        return Err(miette!("--wait goes with stop: linewright mode {} stop --wait", args.line.display()));
+        let line = crate::out::shell_word(&args.line.display().to_string());
+        return Err(miette!("--wait goes with stop: linewright mode {line} stop --wait"));
     }
     let mut client = OperatorClient::open(&line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
@@ -85,13 +89,20 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         }
     }
     let has_stopped = if args.wait { standstill::until_stopped(&mut client).await? } else { true };
+    let missed = match command {
+        Some(command) if !args.wait => in_force::until_in_force(&mut client, command).await?,
+        _ => None,
+    };
     let state = client.coordinator();
     match state {
         Some(state) if args.json => crate::out::json(&ModeJson::of(state))?,
         Some(state) => crate::out::say!("{}", state.text),
         None => crate::out::complain!("no state received from the coordinator"),
     }
-    Ok(if state.is_some() && has_stopped { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    if let Some(why) = &missed {
+        crate::out::complain!("{why}");
+    }
+    Ok(if state.is_some() && has_stopped && missed.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Buttons and positions of the selector at the panel of a station.
@@ -112,19 +123,21 @@ pub struct PressArgs {
     #[arg(long)]
     station: Option<String>,
     /// Time to hold them, in seconds.
-    #[arg(long = "for", default_value_t = 1.0)]
+    #[arg(long = "for", default_value_t = 1.0, value_parser = held_for)]
     seconds: f64,
     /// One JSON object on standard output.
     #[arg(long)]
     json: bool,
 }
 
+fn held_for(word: &str) -> Result<f64, String> {
+    let seconds = word.parse().ok().filter(|seconds| (0.0..=3600.0).contains(seconds));
+    seconds.ok_or_else(|| "expected seconds from 0 to 3600, without a unit, e.g. 0.8".to_owned())
+}
+
 /// `linewright press`
 pub async fn press(args: PressArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
-    if !(0.0..=3600.0).contains(&args.seconds) {
-        return Err(miette!("--for {}: expected 0 to 3600 seconds", args.seconds));
-    }
     match &args.station {
         Some(station) => press_panel(&line, &args, station, ros).await,
         None if args.buttons == [resume::RESUME] && !line.buttons.iter().any(|name| name == resume::RESUME) => {
@@ -211,7 +224,7 @@ fn no_manual(line: Option<&LineState>, args: &PressArgs, station: &str, mode: &s
     let of_its_own =
         mode == mode_name(StationState::MODE_ESTOP) && line.is_some_and(|line| line.mode != StationState::MODE_ESTOP);
     if of_its_own {
-        let cell = args.line.display();
+        let cell = crate::out::shell_word(&args.line.display().to_string());
         return format!(
             "{station} is in an emergency stop of its own; clear the cause, then give `linewright resource {cell} {station} reset`"
         );
@@ -246,6 +259,8 @@ enum PressOutcome {
     Refused(String),
     /// It has moved something that ended in a fault.
     Fault(String),
+    /// It was let go before a motion had ended; which, and where it is to be looked.
+    LetGo(String),
 }
 
 /// State that changes with every motion that starts: places, cycles started, cycles done, and whether a drive is homed at a rest,
@@ -287,10 +302,11 @@ fn answer(
     let buttons = args.buttons.join(" ");
     let is_heard = stations.iter().all(|id| client.station(*id).is_some());
     let is_obeyed = outcome == PressOutcome::Obeyed;
-    let (refusal, fault) = match outcome {
-        PressOutcome::Obeyed => (None, None),
-        PressOutcome::Refused(why) => (Some(why), None),
-        PressOutcome::Fault(what) => (None, Some(what)),
+    let (refusal, fault, let_go) = match outcome {
+        PressOutcome::Obeyed => (None, None, None),
+        PressOutcome::Refused(why) => (Some(why), None, None),
+        PressOutcome::Fault(what) => (None, Some(what), None),
+        PressOutcome::LetGo(what) => (None, None, Some(what)),
     };
     if let Some(why) = &refusal {
         crate::out::complain!("{buttons} refused: {why}");
@@ -298,11 +314,15 @@ fn answer(
     if let Some(what) = &fault {
         crate::out::complain!("{buttons} ended in a fault: {what}");
     }
+    if let Some(what) = &let_go {
+        crate::out::complain!("{buttons} let go before the end: {what}");
+    }
     if args.json {
         let name = |id: &StationId| &client.line().station(*id).name;
         let states: Vec<_> = stations.iter().map(|id| StationJson::of(name(id), client.station(*id))).collect();
-        let object =
-            serde_json::json!({ "buttons": args.buttons, "refusal": refusal, "fault": fault, "stations": states });
+        let object = serde_json::json!({
+            "buttons": args.buttons, "refusal": refusal, "fault": fault, "let_go": let_go, "stations": states,
+        });
         crate::out::json(&object)?;
     } else if refusal.is_none() {
         stations.iter().for_each(|id| print_station(client, *id));
@@ -323,15 +343,18 @@ async fn hold(
     release(client, &say).await?;
     let before = motions(client, stations);
     let mut moved = vec![false; stations.len()];
+    let mut held: Vec<HeldMotions> = stations.iter().map(|id| HeldMotions::before(client.station(*id))).collect();
     let until = tokio::time::Instant::now() + Duration::from_secs_f64(seconds);
     while tokio::time::Instant::now() < until {
         say(client, true);
         client.listen(REPEAT.min(until - tokio::time::Instant::now())).await?;
         follow(&mut moved, &before, &motions(client, stations));
+        held.iter_mut().zip(stations).for_each(|(held, id)| held.look(client.station(*id)));
     }
     release(client, &say).await?;
     client.listen(ANSWER).await?;
     follow(&mut moved, &before, &motions(client, stations));
+    held.iter_mut().zip(stations).for_each(|(held, id)| held.look(client.station(*id)));
     if !moved.contains(&true) {
         return Ok(PressOutcome::Refused(refusal(client, stations)));
     }
@@ -340,7 +363,16 @@ async fn hold(
         Some(format!("{}: {fault}", client.line().station(*id).name))
     });
     let faults: Vec<String> = faults.collect();
-    Ok(if faults.is_empty() { PressOutcome::Obeyed } else { PressOutcome::Fault(faults.join("\n")) })
+    if !faults.is_empty() {
+        return Ok(PressOutcome::Fault(faults.join("\n")));
+    }
+    let stopped = stations.iter().zip(&held).filter_map(|(id, held)| {
+        let state = client.station(*id)?;
+        let text = held.let_go(state)?;
+        Some(format!("{}: {} {text}", client.line().station(*id).name, state.operation))
+    });
+    let stopped: Vec<String> = stopped.collect();
+    Ok(if stopped.is_empty() { PressOutcome::Obeyed } else { PressOutcome::LetGo(stopped.join("\n")) })
 }
 
 /// Notes the stations that stand otherwise than before.

@@ -43,6 +43,19 @@ pub fn json(object: &impl serde::Serialize) -> miette::Result<()> {
     Ok(())
 }
 
+/// A word as a shell reads it: quoted where it has blanks or what a shell acts on.
+pub fn shell_word(word: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "_-./:=@%+,".contains(letter);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    let escaped = |letter: char| match letter {
+        '"' | '$' | '`' | '\\' => format!("\\{letter}"),
+        letter => letter.to_string(),
+    };
+    format!("\"{}\"", word.chars().map(escaped).collect::<String>())
+}
+
 /// `println!` for this program: a closed pipe does not end it in a panic.
 macro_rules! say {
     ($($text:tt)*) => {{

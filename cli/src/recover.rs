@@ -3,6 +3,7 @@
 //! The plan is made anew whenever the line has changed. What was the first step before and is none any more is shown as done.
 
 mod json;
+mod progress;
 mod publish;
 
 use std::io::IsTerminal;
@@ -11,12 +12,12 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args as ClapArgs;
-use linewright_line::Line;
-use linewright_msgs::CellState;
+use linewright_line::{Line, StationId};
+use linewright_msgs::{CellState, StationState};
 use linewright_node_line::{mode_from_code, report_from_message};
 use linewright_node_shell::RosArgs;
 use linewright_recovery::{
-    LineSituation, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, StandingAlarm, plan,
+    LineSituation, Need, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, StandingAlarm, plan,
 };
 
 use crate::cell::CellClient;
@@ -25,6 +26,7 @@ use crate::interrupts::Interrupts;
 use crate::load;
 use crate::watch::Screen;
 use json::RecoveryJson;
+use progress::{is_still_held, newly_done};
 
 /// Time within which all are to be received.
 const HEARD_WITHIN: Duration = Duration::from_secs(5);
@@ -58,18 +60,24 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     if args.publish {
         return publish::run(&mut client, cell, &args.line.display().to_string()).await;
     }
-    let is_all = client.until_all_heard(HEARD_WITHIN).await?;
+    let path = args.line.display().to_string();
+    let is_all = match client.until_all_heard(HEARD_WITHIN).await {
+        Err(error) if args.json => {
+            crate::out::json(&RecoveryJson::of(&client, &path, None))?;
+            return Err(error);
+        }
+        heard => heard?,
+    };
     if let Some(cell) = cell.as_mut().filter(|_| client.coordinator().is_some()) {
         cell.until_heard(HEARD_WITHIN).await?;
     }
-    let path = args.line.display().to_string();
     if args.once || args.json {
         client.listen(line.timing.refresh * 4).await?;
         let found = found_now(&client, cell.as_ref());
         if args.json {
             crate::out::json(&RecoveryJson::of(&client, &path, found.as_ref()))?;
         } else {
-            crate::out::say!("{}", picture(&client, &path, &[], found.as_ref()).join("\n"));
+            crate::out::say!("{}", picture(&client, &path, &[], found.as_ref(), Commands::OfAll).join("\n"));
         }
         if !is_all {
             let coordinator = client.coordinator().is_none().then_some("the coordinator");
@@ -99,10 +107,13 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
             }
             _ = looks.tick() => if std::mem::take(&mut has_changed) {
                 let found = found_now(client, cell.as_ref());
+                let held = before.as_ref().filter(|before| found.as_ref().is_some_and(|now| is_still_held(before, now)));
+                let found = held.cloned().or(found);
                 if let (Some(before), Some(now)) = (&before, &found) {
                     done.extend(newly_done(client.line(), before, now));
                 }
-                let lines = picture(client, path, &done, found.as_ref());
+                let commands = if screen.is_some() { Commands::OfFirst } else { Commands::OfAll };
+                let lines = picture(client, path, &done, found.as_ref(), commands);
                 match &mut screen {
                     Some(screen) => screen.show(&lines)?,
                     None if lines != shown => crate::out::say!("{}\n", lines.join("\n")),
@@ -126,17 +137,6 @@ async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
         Some(cell) => cell.next().await.map(drop),
         None => std::future::pending().await,
     }
-}
-
-/// The first steps of a plan that its successor does not have any more, if the rest is the same.
-fn newly_done(line: &Line, before: &RecoveryPlan, now: &RecoveryPlan) -> Vec<String> {
-    let actions =
-        |plan: &RecoveryPlan| plan.steps.iter().map(|step| step.action.clone()).collect::<Vec<RecoveryAction>>();
-    let (old, new) = (actions(before), actions(now));
-    if new.len() >= old.len() || !old.ends_with(&new) {
-        return Vec::new();
-    }
-    before.steps[..old.len() - new.len()].iter().map(|step| step.text(line)).collect()
 }
 
 /// The plan for what is heard now; none where the coordinator is not heard.
@@ -163,17 +163,37 @@ fn alarms(cell: &CellState) -> Vec<StandingAlarm> {
 
 /// The command for a step, if there is one.
 fn typed(line: &Line, path: &str, step: &RecoveryStep) -> Option<String> {
-    let quoted = |word: String| match word.as_str() {
-        "LINE" => path.to_owned(),
-        _ if word.contains(' ') => format!("\"{word}\""),
-        _ => word,
-    };
-    let words: Vec<String> = step.arguments(line)?.into_iter().map(quoted).collect();
+    let named = |word: String| if word == "LINE" { path.to_owned() } else { word };
+    // What ends a loss is done at the device; this shows which and why.
+    let shows = || ["can", "status", "LINE"].map(str::to_owned).to_vec();
+    let is_lost = matches!(step.action, RecoveryAction::First(Need::Devices(_) | Need::Console));
+    let words = step.arguments(line).or_else(|| is_lost.then(shows))?;
+    let words: Vec<String> = words.into_iter().map(|word| crate::out::shell_word(&named(word))).collect();
     Some(format!("linewright {}", words.join(" ")))
 }
 
+/// The steps below which their commands stand.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Commands {
+    /// Of a picture that is drawn again after each step.
+    OfFirst,
+    OfAll,
+}
+
+/// Known causes, by station: what led to a fault leads to it again, if it is not removed.
+fn causes<'a>(line: &'a Line, state: impl Fn(StationId) -> Option<&'a StationState>) -> Vec<(&'a str, &'a str)> {
+    let fault = |id| Some((line.station(id).name.as_str(), state(id)?.fault.as_str()));
+    line.station_ids().filter_map(fault).filter(|(_, fault)| !fault.is_empty()).collect()
+}
+
 /// The plan as lines of text.
-fn picture(client: &OperatorClient, path: &str, done: &[String], found: Option<&RecoveryPlan>) -> Vec<String> {
+fn picture(
+    client: &OperatorClient,
+    path: &str,
+    done: &[String],
+    found: Option<&RecoveryPlan>,
+    commands: Commands,
+) -> Vec<String> {
     let line = client.line();
     let mut lines = match client.coordinator() {
         Some(state) => vec![format!("{} — mode: {}", line.title, state.text)],
@@ -182,12 +202,18 @@ fn picture(client: &OperatorClient, path: &str, done: &[String], found: Option<&
     if let Some(state) = client.coordinator().filter(|state| !state.refusal.is_empty()) {
         lines.push(format!("last refusal: {}", state.refusal));
     }
+    let is_over = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && plan.steps.is_empty());
+    let causes = causes(line, |id| client.station(id)).into_iter().filter(|_| !is_over);
+    lines.extend(causes.map(|(station, fault)| format!("cause: {station}: {fault}")));
     lines.extend(done.iter().map(|text| format!(" done  {text}")));
     let Some(plan) = found else { return lines };
     for (at, step) in plan.steps.iter().enumerate() {
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
-        if at == 0 {
+        lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
+        if at == 0 || commands == Commands::OfAll {
             lines.extend(typed(line, path, step).map(|typed| format!("       {typed}")));
+        }
+        if at == 0 {
             lines.extend(refused(client, step).map(|why| format!("       refused: {why}")));
         }
     }
@@ -201,9 +227,58 @@ fn picture(client: &OperatorClient, path: &str, done: &[String], found: Option<&
     lines
 }
 
+/// The devices of a step that waits for them, with their diagnostics, in the words of the station.
+fn lost_devices(client: &OperatorClient, step: &RecoveryStep) -> Option<String> {
+    let RecoveryAction::First(Need::Devices(station)) = step.action else { return None };
+    let waits = &client.station(station)?.blocked_by;
+    waits.iter().find(|why| why.contains("I/O devices: ")).cloned()
+}
+
 /// Why the station of a press does not agree or may not move, in its own words.
 fn refused(client: &OperatorClient, step: &RecoveryStep) -> Option<String> {
     let RecoveryAction::Press(station, _) = step.action else { return None };
     let waits = &client.station(station)?.blocked_by;
     waits.iter().find(|why| why.contains("agreement") || why.starts_with("interlock")).cloned()
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_coordinator_logic::ModeCommand;
+    use linewright_line::TransferLine;
+    use linewright_line::net::ControlMode;
+
+    use super::*;
+
+    fn line() -> Line {
+        linewright_line::parse("line.toml", &TransferLine::default().text()).expect("parses").line
+    }
+
+    fn step(action: RecoveryAction) -> RecoveryStep {
+        RecoveryStep { action, moves: Vec::new(), mode: ControlMode::StandBy, after: None }
+    }
+
+    #[test]
+    fn a_command_can_be_pasted_into_a_shell() {
+        let auto = step(RecoveryAction::Command(ModeCommand::Auto));
+        let typed = |path: &str, step: &RecoveryStep| typed(&line(), path, step).expect("a command");
+        assert_eq!(typed("my-line", &auto), "linewright mode my-line auto");
+        assert_eq!(typed("my line", &auto), "linewright mode \"my line\" auto");
+        assert_eq!(typed("l$x", &auto), "linewright mode \"l\\$x\" auto");
+        let lost = step(RecoveryAction::First(Need::Devices(StationId(1))));
+        assert_eq!(typed("my line", &lost), "linewright can status \"my line\"");
+    }
+
+    #[test]
+    fn a_plan_begins_with_the_causes_that_are_known() {
+        let line = line();
+        let fault = "LS_open and LS_closed are both on: check both switches and the mechanism";
+        let broken = StationState { fault: fault.to_owned(), ..StationState::default() };
+        let well = StationState::default();
+        let state = |id| match id {
+            StationId(0) => None,
+            StationId(1) => Some(&broken),
+            _ => Some(&well),
+        };
+        assert_eq!(causes(&line, state), [(line.stations[1].name.as_str(), fault)]);
+    }
 }

@@ -278,6 +278,9 @@ fn for_how_long(unheard: Option<Duration>) -> String {
 pub fn station(name: &str, state: Option<&StationState>, unheard: Option<Duration>, width: usize) -> Vec<String> {
     let Some(state) = state else { return vec![format!("{name:12} no state received{}", for_how_long(unheard))] };
     let mut lines = wrapped(&format!("{name:12} cycle {:<4} {}", state.cycle, state.operation), 15, width);
+    if state.selector_manual {
+        lines.push(format!("{:12} selector at manual", ""));
+    }
     if !state.fault.is_empty() {
         lines.extend(wrapped(&format!("{:12} FAULT {}", "", state.fault), 15, width));
     }
@@ -383,6 +386,14 @@ mod tests {
         for part in [reason, &clamp.fault, "mode: e-stop, not reset; give reset, then manual"] {
             assert!(whole.contains(part), "{part}: {lines:#?}");
         }
+    }
+
+    #[test]
+    fn a_selector_at_manual_is_shown_in_every_mode() {
+        let mut state = StationState::default();
+        assert!(!station("mill_1", Some(&state), None, 60).concat().contains("selector"));
+        state.selector_manual = true;
+        assert_eq!(station("mill_1", Some(&state), None, 60)[1].trim(), "selector at manual");
     }
 
     #[test]

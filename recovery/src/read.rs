@@ -3,11 +3,10 @@
 //! The state of the line has the mode as a number and everything that keeps it as a text. These are the few parts of the text
 //! that a plan depends on. A test writes them as the coordinator does, and reads them.
 
-use linewright_coordinator_logic::ModeRefusal;
+use linewright_coordinator_logic::{EStopButton, ModeRefusal};
 use linewright_line::{Line, StationId};
 
 const NOT_RESET: &str = ", not reset;";
-const PRESSED: &str = " of the console pressed)";
 const STOPPING: &str = "stopping at home";
 const LEFT_OUT: &str = ", without ";
 const ENDED: &str = " ended (";
@@ -20,8 +19,8 @@ pub struct ModeRead {
     pub is_stopping: bool,
     /// The emergency stop has been reset, or there is none.
     pub is_reset: bool,
-    /// The emergency stop was given by the console's button.
-    pub by_button: bool,
+    /// The console's emergency stop button is pressed.
+    pub is_pressed: bool,
     /// The console's devices are not operational, or were not received yet.
     pub without_console: bool,
     pub restarted: Vec<StationId>,
@@ -52,7 +51,7 @@ impl ModeRead {
         ModeRead {
             is_stopping: text.contains(STOPPING),
             is_reset: !text.contains(NOT_RESET),
-            by_button: text.contains(PRESSED),
+            is_pressed: text.contains(EStopButton::RELEASE_IT),
             without_console: says(text, &ModeRefusal::ConsoleLost) || says(text, &ModeRefusal::ConsoleNeverHeard),
             restarted,
             left_out: names.collect(),
@@ -100,6 +99,7 @@ mod tests {
         ];
         let text = ModeText {
             stop: Some(EStopCause::Pressed(InputId(0)).text(&line)),
+            button: EStopButton::Pressed,
             stopped_at: "2026-11-23",
             without: vec![names[1], names[2]],
             stopped: vec![names[0]],
@@ -107,13 +107,15 @@ mod tests {
             ..ModeText::default()
         };
         let found = read(ControlMode::EStop, &text);
-        assert!(!found.is_reset && found.by_button && found.without_console, "{found:?}");
+        assert!(!found.is_reset && found.is_pressed && found.without_console, "{found:?}");
         assert_eq!(found.restarted, [StationId(2)]);
         assert_eq!(found.left_out, [StationId(1), StationId(2)]);
         assert_eq!(found.obstacles.len(), 2, "{found:?}");
         assert!(found.obstacles[0].contains("boot id 7"), "{found:?}");
         let stopping = ModeText { stopping: true, ..ModeText::default() };
         assert!(read(ControlMode::Auto, &stopping).is_stopping && !found.is_stopping);
+        let released = read(ControlMode::EStop, &ModeText { button: EStopButton::Released, ..text.clone() });
+        assert!(!released.is_reset && !released.is_pressed, "{released:?}");
         assert!(read(ControlMode::EStop, &ModeText { stop: None, ..text }).is_reset);
     }
 

@@ -50,12 +50,7 @@ const AFTER_WATCHDOG: u32 = 1;
 const AGAINST_CONFIRMING: u32 = 4;
 
 impl Move {
-    fn of(
-        action: RecoveryAction,
-        motions: PlannedMotions,
-        time: Duration,
-        after: PlayedStations,
-    ) -> Self {
+    fn of(action: RecoveryAction, motions: PlannedMotions, time: Duration, after: PlayedStations) -> Self {
         let is_return = matches!(action, RecoveryAction::Press(_, PanelButton::Return));
         let counts = if is_return { time + time / 4 + RETURN_COUNTS } else { time };
         Move { action, motions, after, is_doubtful: false, cost: (1, counts) }

@@ -11,7 +11,7 @@ use crate::read::ModeRead;
 pub enum ConsoleSituation {
     #[default]
     Heard,
-    /// The emergency stop was given by its button, which may be pressed still.
+    /// Its emergency stop button is pressed.
     ButtonPressed,
     /// Its devices are not operational, or were never heard.
     Lost,
@@ -95,7 +95,7 @@ impl LineSituation {
         stations: Vec<Option<StationReport>>,
     ) -> Self {
         let read = ModeRead::of(line, text);
-        let console = match (read.without_console, read.by_button) {
+        let console = match (read.without_console, read.is_pressed) {
             (true, _) => ConsoleSituation::Lost,
             (false, true) => ConsoleSituation::ButtonPressed,
             (false, false) => ConsoleSituation::Heard,

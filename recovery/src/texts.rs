@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_line::net::{Block, StationPlace};
+use linewright_line::net::{Block, MotionStage, StationPlace};
 use linewright_line::{Line, OpId, Owner, StationId};
 use linewright_station_logic::RejoinAt;
 
@@ -25,7 +25,7 @@ impl Need {
     fn text(&self, line: &Line) -> String {
         match self {
             Need::Heard(_) => "no state received: start it again, or look at its host and network".to_owned(),
-            Need::Devices(_) => "I/O devices lost: bring them back; see `linewright can status`".to_owned(),
+            Need::Devices(_) => "I/O devices lost: bring them back".to_owned(),
             Need::Console => "console: bring its I/O devices back".to_owned(),
             Need::Button => "release the emergency stop button at the console".to_owned(),
             Need::Standstill(_) => "wait until it stands".to_owned(),
@@ -87,6 +87,24 @@ fn place_text(line: &Line, station: StationId, place: StationPlace) -> String {
         4 => format!("undoing {name}"),
         5 => format!("undoing {name} incomplete"),
         _ => format!("{name} undone"),
+    }
+}
+
+/// The place with where the mechanism is seen to stand, e.g. `decel done: conveyor at 120, LS_decel on`.
+fn stand_text(line: &Line, station: StationId, place: StationPlace) -> String {
+    let text = place_text(line, station, place);
+    if place.stage != MotionStage::Completed {
+        return text;
+    }
+    let described = line.station(station);
+    let way = described.operations[place.op.index()].motion;
+    let to = if place.block == Block::Recovery { way.from } else { way.to };
+    let (signals, _) = image::motion(described, StationPlace { stage: MotionStage::Operating, ..place });
+    let (axis, switch) = (&described.axes[way.axis.index()].name, &described.inputs[signals.complete.index()]);
+    // An endless axis turns by its way: where it stands, its switch tells alone.
+    match described.index_of(place.op) {
+        Some(_) => format!("{text}: {axis} at {switch}"),
+        None => format!("{text}: {axis} at {to}, {switch} on"),
     }
 }
 
@@ -157,7 +175,7 @@ impl RecoveryStep {
                         }
                     }
                     (RejoinAt::Measured, Some(after)) => {
-                        let places = after.places.iter().map(|&place| place_text(line, *station, place));
+                        let places = after.places.iter().map(|&place| stand_text(line, *station, place));
                         let places = places.collect::<Vec<_>>().join(" and ");
                         format!("look, and if it stands so ({places}): rejoin")
                     }

@@ -3,11 +3,12 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::net::ControlMode;
+use linewright_line::net::{ControlMode, MotionStage, StationPlace};
 use linewright_line::{Line, StationId};
 use linewright_plant::MotionFault;
-use linewright_recovery::{Need, RecoveryAction, RecoveryEnd, plan};
+use linewright_recovery::{Need, RecoveryAction, RecoveryEnd, RecoveryStep, StationAfter, plan};
 use linewright_simulation::{LineSim, MotionSelection, NodeProcess, OperatorAction};
+use linewright_station_logic::RejoinAt;
 use linewright_testkit::built::transfer_line;
 
 use crate::operator::{command, in_auto, recover, run_for, situation, switched_on, works_on};
@@ -251,7 +252,10 @@ fn where_a_position_is_to_be_confirmed_that_comes_before_a_press() {
     let found = plan(&line, &seen);
     let all: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
     let of_clamp = all.iter().find(|text| text.starts_with("clamp_1"));
-    assert_eq!(of_clamp.map(String::as_str), Some("clamp_1: look, and if it stands so (advance clamp done): rejoin"));
+    assert_eq!(
+        of_clamp.map(String::as_str),
+        Some("clamp_1: look, and if it stands so (advance clamp done: stroke at 60, LS_closed on): rejoin")
+    );
     assert_eq!(found.end, RecoveryEnd::Auto, "{all:?}");
 }
 
@@ -270,4 +274,18 @@ fn where_nothing_is_to_move_the_button_is_held_longer_than_the_watchdog() {
     assert!(believed.is_none_or(|step| step.hold(&line) > feed.watchdog), "{held:?}");
     assert!(believed.is_some(), "{held:?}");
     recover(&mut sim);
+}
+
+/// A person compares with what is seen at the machine.
+#[test]
+fn a_station_that_is_to_be_confirmed_is_named_with_where_it_stands() {
+    let line = transfer_line();
+    let (station, op) = op(&line, 1, "advance clamp");
+    let place = StationPlace { stage: MotionStage::Completed, ..StationPlace::operating(op) };
+    let after = StationAfter { station, places: vec![place], at_home: false, is_in_order: true };
+    let action = RecoveryAction::Rejoin { station, at: RejoinAt::Measured, or_within: Vec::new() };
+    let step =
+        RecoveryStep { action, moves: Vec::new(), mode: ControlMode::Manual, after: Some(after), is_doubtful: false };
+    let expected = "clamp_1: look, and if it stands so (advance clamp done: stroke at 60, LS_closed on): rejoin";
+    assert_eq!(step.text(&line), expected);
 }

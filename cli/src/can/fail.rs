@@ -207,6 +207,14 @@ fn orders<'a>(line: &'a Line, args: &FailArgs) -> miette::Result<Vec<(&'a Device
                 fault.name()
             ));
         }
+        if fault == Some(MotionFault::Break) && device.drive().is_none() && !has_fault_signal(line, args)? {
+            return Err(miette!(
+                help = "stick: it does not move, and its watchdog ends it",
+                "`{}` of {} has no fault signal that could come on: it cannot break",
+                args.operation.as_deref().unwrap_or_default(),
+                args.station
+            ));
+        }
         return Ok(vec![(device, vec![((FAULT_INDEX, sub), fault.map_or(0, MotionFault::code))])]);
     }
     let owner = owner(line, args)?;
@@ -310,6 +318,20 @@ fn moved(line: &Line, args: &FailArgs) -> miette::Result<Vec<String>> {
     Ok(first.chain(others).filter_map(of).collect())
 }
 
+/// Whether a motion of the output that moves it has a fault signal.
+fn has_fault_signal(line: &Line, args: &FailArgs) -> miette::Result<bool> {
+    let (id, output) = motion(line, args)?;
+    let signals = |operation: &Operation| {
+        let back = match &operation.module {
+            OperationModule::Reversible { recovery, .. } => Some(*recovery),
+            OperationModule::Irreversible { .. } => None,
+        };
+        [Some(operation.normal), back]
+    };
+    let mut all = line.station(id).operations.iter().flat_map(signals).flatten();
+    Ok(all.any(|signals| signals.actuator == output && signals.fault.is_some()))
+}
+
 /// The station of a motion, and its output.
 fn motion(line: &Line, args: &FailArgs) -> miette::Result<(StationId, OutputId)> {
     let id = load::station(line, &args.station)?;
@@ -406,6 +428,36 @@ mod tests {
         let args = FailArgs { operation: Some(first), ..args(&station, slips) };
         let refused = orders(&line, &args).expect_err("a drive has no such fault").to_string();
         assert!(refused.contains("can stick or break, not slip-back: "), "{refused}");
+    }
+
+    /// It would act as stick, and be called something else.
+    #[test]
+    fn a_motion_without_a_fault_signal_does_not_break() {
+        let text = linewright_line::TransferLine::default().text();
+        let mut line = linewright_line::parse("line.toml", &text).expect("it parses").line;
+        for operation in &mut line.stations[1].operations {
+            operation.normal.fault = None;
+            if let OperationModule::Reversible { recovery, .. } = &mut operation.module {
+                recovery.fault = None;
+            }
+        }
+        let broken = |operation: &Operation, station: &str| {
+            let what = InjectedFault::Motion(MotionFault::Break);
+            orders(&line, &FailArgs { operation: Some(operation.name.clone()), ..args(station, what) }).map(drop)
+        };
+        let all = || line.stations.iter().flat_map(|station| station.operations.iter().map(move |op| (station, op)));
+        let mut refused = 0;
+        for (station, operation) in all() {
+            let outcome = broken(operation, &station.name);
+            if operation.normal.fault.is_some() {
+                outcome.expect("its signal comes on");
+            } else if let Err(why) = outcome {
+                assert!(why.to_string().ends_with("has no fault signal that could come on: it cannot break"), "{why}");
+                assert!(why.help().is_some_and(|help| help.to_string().starts_with("stick")));
+                refused += 1;
+            }
+        }
+        assert!(refused > 0);
     }
 
     #[test]

@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
 
 /// Prints the next steps.
 fn next(dir: &Path, options: &str) {
-    let dir = dir.display();
+    let dir = crate::out::shell_word(&dir.display().to_string());
     crate::out::say!("next:  linewright check {dir}");
     crate::out::say!("       linewright simulate {dir}{options}");
     crate::out::say!("       linewright run {dir}{options}");

@@ -59,7 +59,8 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let events = events_of(&mut client, id).await?;
     print_station(&client, id);
     let confirmed = StationHappening { cycle: 0, what: HappeningKind::Rejoined }.text(&line, id);
-    let after = client.station(id).map(Stand::of);
+    let is_task_driven = station.is_task_driven();
+    let after = client.station(id).map(|state| Stand { is_task_driven, ..Stand::of(state) });
     let is_changed = before != after.clone().map(Stand::confirmed);
     if events.iter().any(|event| event.text == confirmed) || is_changed {
         if !is_changed {
@@ -90,6 +91,8 @@ async fn events_of(client: &mut OperatorClient, id: StationId) -> miette::Result
 struct Stand {
     places: Vec<u8>,
     generation: u64,
+    /// It has counts in common with no station, and needs none.
+    is_task_driven: bool,
     is_lost: bool,
     fault: String,
     stopped: bool,
@@ -102,6 +105,7 @@ impl Stand {
         Stand {
             places: state.places.to_vec(),
             generation: state.generation,
+            is_task_driven: false,
             is_lost: state.position_lost,
             fault: state.fault.to_string(),
             stopped: state.stopped,
@@ -129,11 +133,14 @@ fn unchanged(state: Option<&Stand>, named: Option<&str>) -> String {
         (None, _) if !state.devices_valid => {
             "rejected: its I/O devices are not operational, so its switches measure nothing".to_owned()
         }
-        (Some(advice), Some(named)) => format!("its switches do not fit `{named}`: {advice}"),
+        (Some(advice), Some(named)) => {
+            let advice = advice.replace("name its operation with", "name another operation with");
+            format!("its switches do not fit `{named}`, neither at its end nor on its way: {advice}")
+        }
         (Some(advice), None) => advice.to_owned(),
         (None, Some(named)) if state.is_lost => format!("its switches do not fit `{named}`: {}", state.fault),
         (None, None) if state.is_lost => format!("its switches do not tell where it stands: {}", state.fault),
-        (None, _) if state.generation == 0 => {
+        (None, _) if state.generation == 0 && !state.is_task_driven => {
             "no answer received, and its state is as before; confirm again, and see its log".to_owned()
         }
         (None, _) => "its position is known, and its switches agree: nothing to confirm".to_owned(),
@@ -164,6 +171,21 @@ mod tests {
         let known = Stand { is_lost: false, fault: String::new(), blocked_by: Vec::new(), ..lost };
         assert!(unchanged(Some(&known), None).contains("nothing to confirm"));
         // Without counts in common it takes a confirmation each time: no answer is no refusal.
-        assert!(unchanged(Some(&Stand { generation: 0, ..known }), None).contains("no answer received"));
+        let without = Stand { generation: 0, ..known };
+        assert!(unchanged(Some(&without), None).contains("no answer received"));
+        // A task-driven station never has any.
+        let driven = Stand { is_task_driven: true, ..without };
+        assert!(unchanged(Some(&driven), None).contains("nothing to confirm"));
+    }
+
+    #[test]
+    fn an_operation_that_was_named_is_not_asked_for_again() {
+        let advice = "rejoin: axis not where the chart has it; its switches fit no place; move the axis onto its switch by \
+                      hand, or name its operation with rejoin";
+        let state =
+            Stand { stopped: true, devices_valid: true, blocked_by: vec![advice.to_owned()], ..Stand::default() };
+        let why = unchanged(Some(&state), Some("suck in"));
+        assert!(why.starts_with("its switches do not fit `suck in`, neither at its end nor on its way"), "{why}");
+        assert!(why.ends_with("or name another operation with rejoin"), "{why}");
     }
 }

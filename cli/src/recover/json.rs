@@ -20,8 +20,17 @@ pub struct RecoveryJson {
     end: Option<&'static str>,
     /// What is to be known of an end that is not auto.
     remarks: Vec<String>,
+    /// Faults that stand, as their stations report them.
+    causes: Vec<CauseJson>,
     shortest: bool,
     steps: Vec<StepJson>,
+}
+
+/// A fault of a station.
+#[derive(Serialize)]
+struct CauseJson {
+    station: String,
+    text: String,
 }
 
 /// One of its steps.
@@ -125,6 +134,10 @@ impl RecoveryJson {
             not_heard: client.unheard().map(str::to_owned).collect(),
             end: plan.map(end),
             remarks: plan.map(|plan| plan.end_text(line)).unwrap_or_default(),
+            causes: super::causes(line, |id| client.station(id))
+                .into_iter()
+                .map(|(station, text)| CauseJson { station: station.to_owned(), text: text.to_owned() })
+                .collect(),
             shortest: plan.is_some_and(|plan| plan.is_shortest),
             steps: plan
                 .map(|plan| plan.steps.iter().map(|step| StepJson::of(line, path, step)).collect())

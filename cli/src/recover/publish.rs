@@ -24,7 +24,6 @@ const AGAIN_EVERY: Duration = Duration::from_secs(1);
 const REQUESTS: usize = 16;
 
 /// A plan as it is published.
-#[derive(Default)]
 struct PublishedPlan {
     text: String,
     /// It leads to auto, and everything is heard.
@@ -53,7 +52,7 @@ pub async fn run(client: &mut OperatorClient, mut cell: Option<CellClient>, path
     let mut interrupts = Interrupts::listen()?;
     let mut looks = tokio::time::interval(LOOK_EVERY);
     let mut again = tokio::time::interval(AGAIN_EVERY);
-    let mut plan = PublishedPlan::default();
+    let mut plan = PublishedPlan::now(client, cell.as_ref(), path)?;
     crate::out::say!("publishes {}", plans.topic());
     loop {
         tokio::select! {

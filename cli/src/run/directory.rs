@@ -37,8 +37,9 @@ impl RunDirectory {
     pub fn new(given: Option<&Path>, line: &Line) -> miette::Result<Self> {
         let cannot = |dir: &Path| format!("cannot use {}", dir.display());
         if let Some(dir) = given {
-            std::fs::create_dir_all(dir).into_diagnostic().wrap_err_with(|| cannot(dir))?;
-            can_write(dir).into_diagnostic().wrap_err_with(|| cannot(dir))?;
+            let unusable = |error: std::io::Error| crate::files::cannot_use(dir, &error);
+            std::fs::create_dir_all(dir).map_err(unusable)?;
+            can_write(dir).map_err(unusable)?;
             is_of_line(dir, line)?;
             let has_journals = has_journals(dir);
             return Ok(RunDirectory { dir: dir.to_owned(), temporary: false, has_journals });
@@ -144,7 +145,7 @@ mod tests {
         let left: Vec<_> = std::fs::read_dir(dir.path()).expect("it is there").flatten().collect();
         assert_eq!(left.len(), 1, "the name alone: {left:?}");
         let full = RunDirectory::new(Some(Path::new("/proc")), &own).err().expect("nothing can be written there");
-        assert_eq!(full.to_string(), "cannot use /proc");
+        assert!(full.to_string().starts_with("cannot use /proc: ") && full.help().is_some(), "{full}");
     }
 
     #[test]

@@ -77,8 +77,13 @@ pub struct Args {
     /// Longest time without progress, in seconds: with --cycles or --parts, the run fails when no cycle ends and no
     /// mode changes for so long; always, when the line is not at home so long after Ctrl-C [default: 30, or four times
     /// the durations of the chart's operations together if that is more].
-    #[arg(long)]
+    #[arg(long, value_parser = seconds)]
     patience: Option<f64>,
+}
+
+fn seconds(word: &str) -> Result<f64, String> {
+    let seconds = word.parse().ok().filter(|seconds| (0.1..=1e6).contains(seconds));
+    seconds.ok_or_else(|| "expected seconds from 0.1 to 1000000, without a unit, e.g. 30".to_owned())
 }
 
 /// Phase of the run.

@@ -126,13 +126,20 @@ fn what_recover_names_is_typed_until_the_line_is_in_auto() {
     assert!(answer.success && answered["steps"] == first["steps"], "{answered}");
     let text = rig.said(&["recover"], &["--once"]).expect("it leads to auto");
     assert!(text.contains("1. command manual") && text.contains("mill_1: hold "), "{text}");
-    let now = type_it(&rig, first);
+    assert_eq!(text.matches("\n       linewright ").count(), 3, "each step has its command: {text}");
+    rig.said(&["mode"], &["manual"]).expect("it is in force");
+    let short = rig.said(&["press"], &["advance", "--station", "mill_1", "--for", "0.2"]).expect_err("half-way");
+    assert!(short.contains("advance let go before the end: mill_1: feed main slide"), "{short}");
+    let now = type_it(&rig, plan(&rig));
     assert_eq!(now["mode"]["mode"], "auto", "{now}");
     console.plan(|plan| plan["mode"]["mode"] == "auto" && steps(plan).is_empty());
     assert_eq!(steps(&now).len(), 0, "{now}");
     operator.cycles(1);
     operator.go_home();
     rig.ends_well(1);
+    let unheard = rig.command(&["recover"], &["--json"]).stdout(Stdio::piped()).output().expect("it ends");
+    let unheard: Value = serde_json::from_slice(&unheard.stdout).expect("a JSON object");
+    assert_eq!((&unheard["mode"], &unheard["end"]), (&Value::Null, &Value::Null), "{unheard}");
 }
 
 #[test]

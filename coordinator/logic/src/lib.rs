@@ -16,4 +16,4 @@ pub use coordinator::{CompletedCycle, Coordinator, EStopCause, ModeGrant, ModeIn
 pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};
 pub use refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
-pub use texts::ModeText;
+pub use texts::{EStopButton, ModeText};

@@ -19,6 +19,8 @@ pub enum ModeRefusal {
     NothingToReset,
     /// The line is already in that mode.
     Already,
+    /// It is in auto, and stops at home.
+    Stopping,
     /// The emergency stop is latched.
     EStop,
     /// The emergency stop button is still pressed.

@@ -1,7 +1,9 @@
 //! All texts of the mode decision in one list. A new reason without a text, or without a place in the list, does not
 //! compile.
 
-use linewright_coordinator_logic::{EStopCause, ModeCommand, ModeRefusal, ModeText, OperatorCommand, RefusedCommand};
+use linewright_coordinator_logic::{
+    EStopButton, EStopCause, ModeCommand, ModeRefusal, ModeText, OperatorCommand, RefusedCommand,
+};
 use linewright_line::net::ControlMode;
 use linewright_line::{StationId, TransferLine, parse};
 
@@ -17,6 +19,7 @@ fn reasons() -> Vec<ModeRefusal> {
         };
         ModeRefusal::NothingToReset => ModeRefusal::NothingToReset;
         ModeRefusal::Already => ModeRefusal::Already;
+        ModeRefusal::Stopping => ModeRefusal::Stopping;
         ModeRefusal::EStop => ModeRefusal::EStop;
         ModeRefusal::EStopPressed => ModeRefusal::EStopPressed;
         ModeRefusal::ConsoleLost => ModeRefusal::ConsoleLost;
@@ -82,6 +85,9 @@ fn all_texts_of_the_mode_decision() {
     let texts = causes.iter().map(|cause| Some(cause.text(&line)));
     let mut stops: Vec<ModeText<'_>> = texts.map(|stop| ModeText { stop, ..ModeText::default() }).collect();
     stops[0].stopped_at = "2026-11-23 20:06:29 UTC";
+    let pressed = stops[0].clone();
+    stops.push(ModeText { button: EStopButton::Pressed, ..pressed.clone() });
+    stops.push(ModeText { button: EStopButton::Released, ..pressed });
     stops.push(ModeText::default());
     let lists = [
         listed("why a command is refused", &reasons(), |reason| reason.text(&line)),

@@ -432,10 +432,39 @@ fn the_cause_of_an_emergency_stop_is_kept_until_it_is_reset_and_no_older_one_is_
     // The button by its name.
     let contact = bench.line.console.estop.expect("the line has one");
     bench.input(ModeInput::Console { bits: if contact.pressed { 1 << contact.input.0 } else { 0 }, valid: true });
-    let name = &bench.line.console.inputs[usize::from(contact.input.0)];
+    let name = bench.line.console.inputs[usize::from(contact.input.0)].clone();
     let expected = format!("e-stop (button {name} of the console pressed), not reset");
-    assert!(bench.coordinator.text().starts_with(&expected), "{}", bench.coordinator.text());
+    let text = bench.coordinator.text();
+    assert_eq!(text, format!("{expected}; release the emergency stop button, then give reset, then manual"));
+    bench.input(ModeInput::Console { bits, valid: true });
+    let text = bench.coordinator.text();
+    assert_eq!(
+        text,
+        format!("e-stop (button {name} of the console pressed), button released, not reset; give reset, then manual")
+    );
     // And a successor knows that it was there before.
     let coordinator = Coordinator::new(bench.line.clone(), 2, 9).with_estop();
     assert_eq!(coordinator.stop_cause().map(|(cause, _)| cause), Some(EStopCause::Restarted));
+}
+
+/// At home nothing depends on it, and start leads to manual.
+#[test]
+fn a_selector_at_manual_is_in_the_text_of_a_line_at_home() {
+    let mut bench = Bench::in_mode(ControlMode::Home);
+    assert_eq!(bench.coordinator.text(), "home");
+    bench.heard[1].selector_manual = true;
+    bench.beat();
+    assert_eq!(bench.coordinator.text(), "home: clamp_1: selector at manual");
+}
+
+#[test]
+fn auto_is_refused_while_the_line_stops_with_what_takes_the_stop_back() {
+    let mut bench = Bench::in_mode(ControlMode::Auto);
+    bench.heard[2].at_home = false;
+    bench.beat();
+    bench.command(ModeCommand::Stop);
+    let refused = bench.command(ModeCommand::Auto).expect("it is refused");
+    assert_eq!(refused, "auto refused in auto: stopping at home; give start to take the stop back");
+    assert_eq!(bench.command(ModeCommand::Start), None);
+    assert_eq!(bench.coordinator.text(), "auto");
 }

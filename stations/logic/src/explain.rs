@@ -4,7 +4,7 @@
 //! reason the controller does not have. The texts are in `texts`.
 
 use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace, TransitionKind};
-use linewright_line::{Line, OpId, Owner, Tick};
+use linewright_line::{InputId, Line, OpId, OperationModule, Owner, Tick};
 
 use crate::controller::Controller;
 use crate::event::{StationHappening, StopCause};
@@ -214,6 +214,7 @@ impl Controller {
                         Some(StationWait::Stopped { op: name, advance, back, cause }.text())
                     }
                 });
+                self.explain_fault_signal(line, place, reasons);
                 if self.mode() == ControlMode::Manual {
                     self.explain_guard(line, StationPlace { stage: MotionStage::Operating, ..place }, reasons);
                 }
@@ -222,6 +223,20 @@ impl Controller {
             MotionStage::Completed if self.rests_to_be_homed().is_some() => self.explain_homing(line, now, reasons),
             MotionStage::Completed => self.explain_next(line, place, now, reasons),
         }
+    }
+
+    /// A fault signal that is on stops the motion again as soon as it begins.
+    fn explain_fault_signal(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) {
+        let operation = line.operation((self.program.station, place.op));
+        let signals = match (place.block, &operation.module) {
+            (Block::Recovery, OperationModule::Reversible { recovery, .. }) => recovery,
+            _ => &operation.normal,
+        };
+        let is_on = |input: &InputId| self.image.valid && self.image.bits & input.bit() != 0;
+        reasons.extend(signals.fault.filter(is_on).map(|input| {
+            let input = line.input_text(Owner::Station(self.program.station), input);
+            StationWait::FaultSignal { input: &input, op: &operation.name }.text()
+        }));
     }
 
     fn explain_motion(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) {

@@ -165,6 +165,7 @@ fn waits<'a>(choices: &'a [String], cause: &'a str, detail: &'a str, lost: &'a s
             cause: StopCause::Watchdog,
         };
         StationWait::IndexStopped { .. } => StationWait::IndexStopped { op, cause: StopCause::EStop };
+        StationWait::FaultSignal { .. } => StationWait::FaultSignal { input: "drive_fault (press drive, node 32h)", op };
         StationWait::Held { .. } => StationWait::Held { button: "PB_2" };
         StationWait::Concurrent { .. } => StationWait::Concurrent { op };
         StationWait::MasterStop => StationWait::MasterStop;

@@ -124,12 +124,17 @@ impl Coordinator {
         let name = |id| self.line.station(id).name.as_str();
         let stations = || self.line.station_ids().zip(&self.stations);
         let texts = |reasons: &[ModeRefusal]| reason_texts(reasons, &self.line, |_| String::new());
-        let troubles = self.troubles_in(self.mode);
+        let mut troubles = self.troubles_in(self.mode);
+        if self.mode == ControlMode::Home {
+            // Start leads to manual with it, and auto is refused then.
+            troubles.extend(self.which(|heard| heard.selector_manual, ModeRefusal::SelectorManual));
+        }
         let is_other = |reasons: &[ModeRefusal]| reasons.iter().any(|reason| !troubles.contains(reason));
         let ended = self.ended.as_ref().filter(|(_, reasons)| is_other(reasons));
         let text = ModeText {
             stopping: self.stopping,
             stop: self.estop.map(|(cause, _)| cause.text(&self.line)),
+            button: self.estop_button(),
             stopped_at,
             found_away: self.found_away,
             waiting: self.waiting_for().into_iter().map(name).collect(),

@@ -6,6 +6,7 @@ use linewright_line::{InputId, Owner};
 use super::{Coordinator, EStopCause};
 use crate::decision::ModeCommand;
 use crate::refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
+use crate::texts::EStopButton;
 
 impl Coordinator {
     pub(super) fn wired_buttons(&self) -> u32 {
@@ -16,6 +17,15 @@ impl Coordinator {
     pub(super) fn estop_is_pressed(&self) -> bool {
         let (bits, valid) = self.console;
         valid && self.line.console.estop.is_some_and(|contact| contact.is_pressed(bits))
+    }
+
+    /// The button as the text of the mode has it.
+    pub(super) fn estop_button(&self) -> EStopButton {
+        match self.estop {
+            _ if self.estop_is_pressed() => EStopButton::Pressed,
+            Some((EStopCause::Pressed(_), _)) if self.console.1 => EStopButton::Released,
+            _ => EStopButton::Unknown,
+        }
     }
 
     /// A console is described and has not been received since the start: whether its emergency stop is pressed is
@@ -68,6 +78,7 @@ impl Coordinator {
         }
         self.console_was_heard |= valid;
     }
+
     /// Whether resume is in force: held at one console, in a manual that was commanded and that every station has acknowledged.
     pub(super) fn resumes(&self) -> bool {
         self.mode == ControlMode::Manual && self.manual_all && self.enabled && self.resume.is_held(self.now)

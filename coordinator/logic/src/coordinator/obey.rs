@@ -89,6 +89,7 @@ impl Coordinator {
                 self.decide(None);
                 Vec::new()
             }
+            (M::Auto, C::Auto) if self.stopping => vec![ModeRefusal::Stopping],
             (M::Auto, C::Auto) | (M::Hand, C::Hand) | (M::Manual, C::Manual) => vec![ModeRefusal::Already],
             (M::Auto, C::Hand) => wrong_mode(&[C::Stop, C::EStop], &[C::Stop, C::Start, C::Hand]),
             (M::Auto, C::Manual) => wrong_mode(&[C::Stop, C::EStop], &[C::Stop, C::Manual]),

@@ -5,5 +5,5 @@
 mod mode;
 mod refusal;
 
-pub use mode::ModeText;
+pub use mode::{EStopButton, ModeText};
 pub(crate) use refusal::reason_texts;

@@ -5,11 +5,30 @@ use linewright_line::net::ControlMode;
 
 use crate::coordinator::EStopCause;
 
+/// The console's emergency stop button.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EStopButton {
+    /// The console's devices are not received, or the button is not what gave the stop.
+    #[default]
+    Unknown,
+    /// In: reset is refused.
+    Pressed,
+    /// It gave the stop, and is out again.
+    Released,
+}
+
+impl EStopButton {
+    /// What the text of the mode has while it is pressed.
+    pub const RELEASE_IT: &'static str = "release the emergency stop button";
+}
+
 /// Contents of the text of the mode; stations by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ModeText<'a> {
     /// Why the emergency stop is latched; none once it is reset.
     pub stop: Option<String>,
+    /// State of the console's button.
+    pub button: EStopButton,
     /// When it was latched; empty where that is unknown.
     pub stopped_at: &'a str,
     /// The coordinator was started while a station was away from home.
@@ -38,8 +57,17 @@ impl ModeText<'_> {
                 Some(cause) => text.push_str(&format!(" since {} ({cause})", self.stopped_at)),
                 None => {}
             }
-            let is_reset = self.stop.is_none();
-            text.push_str(if is_reset { ", reset; select manual" } else { ", not reset; give reset, then manual" });
+            match (&self.stop, self.button) {
+                (None, _) => text.push_str(", reset; select manual"),
+                (Some(_), EStopButton::Unknown) => text.push_str(", not reset; give reset, then manual"),
+                (Some(_), EStopButton::Released) => {
+                    text.push_str(", button released, not reset; give reset, then manual");
+                }
+                (Some(_), EStopButton::Pressed) => {
+                    let release = EStopButton::RELEASE_IT;
+                    text.push_str(&format!(", not reset; {release}, then give reset, then manual"));
+                }
+            }
         }
         if self.found_away {
             text.push_str(", coordinator started with stations away from home");

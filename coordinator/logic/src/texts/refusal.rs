@@ -62,6 +62,7 @@ impl ModeRefusal {
                 );
             }
             ModeRefusal::GivenUp(after) => return format!("given up after {} s: command it again", after.as_secs()),
+            ModeRefusal::Stopping => return "stopping at home; give start to take the stop back".to_owned(),
             ModeRefusal::Already => return "mode already in force".to_owned(),
             ModeRefusal::EStop => return "emergency stop active; reset it, then select manual".to_owned(),
             ModeRefusal::EStopPressed => return "emergency stop button pressed; release it first".to_owned(),

@@ -40,6 +40,8 @@ pub enum StationWait<'a> {
     Stopped { op: &'a str, advance: Option<PanelChoice>, back: Option<PanelChoice>, cause: StopCause },
     /// An index that was stopped is not complete. It is led on, and never back.
     IndexStopped { op: &'a str, cause: StopCause },
+    /// The end of a fault signal, before a motion that was stopped is led on.
+    FaultSignal { input: &'a str, op: &'a str },
     /// The button of a motion.
     Held { button: &'a str },
     /// An operation of the same step.
@@ -204,6 +206,9 @@ impl StationWait<'_> {
                 let buttons: Vec<String> =
                     [choice("advance", advance), choice("return", back)].into_iter().flatten().collect();
                 format!("{} at its panel in manual, for {op} ({})", buttons.join(" or "), cause.text())
+            }
+            StationWait::FaultSignal { input, op } => {
+                format!("fault signal {input} to go off, for {op}: it is on; remove its cause")
             }
             StationWait::Held { button } => format!("{button} to be held"),
             StationWait::IndexStopped { op, cause } => {

@@ -22,6 +22,11 @@ fn a_fault_signal_stops_the_motion_in_the_same_step() {
     assert_eq!(rig.events(), ["stopped op 0: fault signal: in 1 is on"]);
     assert_eq!(rig.controller.fault_text(&rig.line), "op 0: fault signal: in 1 is on");
     assert_eq!(rig.report().incomplete, [(OpId(0), StopCause::Signal)]);
+    let waits = |rig: &Rig| rig.controller.blocked_by(&rig.line, rig.now).join("; ");
+    let names_it = "fault signal in 1 to go off, for op 0: it is on; remove its cause";
+    assert!(waits(&rig).contains(names_it), "{}", waits(&rig));
+    rig.set(complete_bit(OpId(0), false) << 1, false);
+    assert!(!waits(&rig).contains("fault signal in 1"), "{}", waits(&rig));
 }
 
 #[test]

@@ -1,0 +1,81 @@
+//! The motions that a held button leads at a station: whether they were let go before their end.
+
+use linewright_msgs::StationState;
+
+/// Motions of a station while a button is held.
+#[derive(Debug, Default)]
+pub struct HeldMotions {
+    /// By operation: its place before.
+    places: Vec<u8>,
+    /// By operation: it was seen moving, or has been moved.
+    led: Vec<bool>,
+    measured: Vec<u8>,
+    /// A switch has changed since.
+    is_seen_moving: bool,
+}
+
+impl HeldMotions {
+    pub fn before(state: Option<&StationState>) -> Self {
+        state.map_or_else(HeldMotions::default, |state| HeldMotions {
+            places: state.places.to_vec(),
+            led: vec![false; state.places.len()],
+            measured: state.measured.as_slice().to_vec(),
+            is_seen_moving: false,
+        })
+    }
+
+    pub fn look(&mut self, state: Option<&StationState>) {
+        let Some(state) = state else { return };
+        let now = state.places.iter().zip(&self.places);
+        for (led, (place, before)) in self.led.iter_mut().zip(now) {
+            *led |= place != before || [StationState::PLACE_OPERATING, StationState::PLACE_UNDOING].contains(place);
+        }
+        self.is_seen_moving |= state.devices_valid && state.measured.as_slice() != self.measured;
+    }
+
+    /// What to do where a motion that was led stands before its end, and nothing is wrong with it but that.
+    pub fn let_go(&self, state: &StationState) -> Option<&'static str> {
+        let is_led = |op: &u16| self.led.get(usize::from(*op)).is_some_and(|led| *led);
+        let stands_half_way = state.incomplete.iter().any(is_led);
+        stands_half_way.then_some(match self.is_seen_moving {
+            true => "; hold it longer (--for)",
+            false => "; no switch has changed: hold it longer (--for), or look whether the mechanism moves at all",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_msgs::Bounded;
+
+    use super::*;
+
+    fn state(places: &[u8], incomplete: &[u16], measured: u8) -> StationState {
+        StationState {
+            places: places.to_vec(),
+            incomplete: incomplete.to_vec(),
+            measured: Bounded::new(vec![measured]).expect("it fits"),
+            devices_valid: true,
+            ..StationState::default()
+        }
+    }
+
+    #[test]
+    fn a_motion_that_was_led_and_stands_before_its_end_was_let_go() {
+        use StationState as S;
+        let before = state(&[S::PLACE_INCOMPLETE, S::PLACE_INCOMPLETE], &[0, 1], 1);
+        let after = |moving: &StationState, end: &StationState| {
+            let mut held = HeldMotions::before(Some(&before));
+            held.look(Some(moving));
+            held.look(Some(end));
+            held.let_go(end)
+        };
+        let moving = state(&[S::PLACE_OPERATING, S::PLACE_INCOMPLETE], &[1], 1);
+        let left = state(&[S::PLACE_OPERATING, S::PLACE_INCOMPLETE], &[1], 0);
+        assert_eq!(after(&left, &state(&[S::PLACE_INCOMPLETE; 2], &[0, 1], 0)), Some("; hold it longer (--for)"));
+        let jammed = after(&moving, &before).expect("it has not arrived");
+        assert!(jammed.contains("no switch has changed"), "{jammed}");
+        // The other one was not led: it stands where it stood.
+        assert_eq!(after(&left, &state(&[S::PLACE_COMPLETED, S::PLACE_INCOMPLETE], &[1], 2)), None);
+    }
+}
