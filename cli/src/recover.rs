@@ -254,7 +254,7 @@ mod tests {
     }
 
     fn step(action: RecoveryAction) -> RecoveryStep {
-        RecoveryStep { action, moves: Vec::new(), mode: ControlMode::StandBy, after: None }
+        RecoveryStep { action, moves: Vec::new(), mode: ControlMode::StandBy, after: None, is_doubtful: false }
     }
 
     #[test]

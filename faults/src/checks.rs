@@ -100,10 +100,10 @@ impl Observer {
         let oldest = line.timing.stale + SLACK + station.held_up;
         let starts = |op: linewright_line::OpId| line.operation((id, op)).normal.actuator.bit() & rising != 0;
         let waits = line.arrows.iter().filter(|arrow| arrow.auto && arrow.to.0 == id && starts(arrow.to.1));
-        let froms: Vec<StationId> = waits.map(|arrow| arrow.from.0).collect();
+        let waited_for: Vec<StationId> = waits.map(|arrow| arrow.from.0).collect();
         let view = |from: &&StationId| &station.views[from.index()];
         let soon = SLACK + station.held_up;
-        let lost = froms.iter().find(|from| view(from).is_lost && now > view(from).since + soon).copied();
+        let lost = waited_for.iter().find(|from| view(from).is_lost && now > view(from).since + soon).copied();
         if let (Some(from), ControlMode::Auto) = (lost, mode) {
             let (name, from) = (&line.stations[at].name, &line.station(from).name);
             return self.find(now, format!("{name}: a motion starts on a count of {from}, whose position is lost"));
@@ -126,7 +126,7 @@ impl Observer {
             let (name, other) = (&line.stations[at].name, &line.station(other).name);
             return self.find(now, format!("{name}: a motion starts though nothing measures where {other} stands"));
         }
-        let unheard = froms.iter().find(|from| now > view(from).arrived + oldest).copied();
+        let unheard = waited_for.iter().find(|from| now > view(from).arrived + oldest).copied();
         if let (Some(from), ControlMode::Auto) = (unheard, mode) {
             let (name, from) = (&line.stations[at].name, &line.station(from).name);
             self.find(now, format!("{name}: a motion starts though no state of {from} has arrived for long"));

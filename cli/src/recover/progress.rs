@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     fn step(action: RecoveryAction, moves: Vec<PlannedMotion>, mode: ControlMode) -> RecoveryStep {
-        RecoveryStep { action, moves, mode, after: None }
+        RecoveryStep { action, moves, mode, after: None, is_doubtful: false }
     }
 
     fn plan(steps: Vec<RecoveryStep>) -> RecoveryPlan {
