@@ -96,7 +96,7 @@ mutants! {
     AgreementsOfEarlierLives, None, "answers to a request of an earlier life count, and numbers begin anew";
     RequestsUnread, Some(28), "a count that is being taken back is relied on";
     // Rules of the controllers.
-    GenerationsOff, Some(6), "counts of another generation are compared";
+    GenerationsOff, Some(8), "counts of another generation are compared";
     CountsOff, Some(0), "the barrier of counts is off";
     BooleansInstead, Some(0), "the barrier of counts has Booleans instead of counts";
     PositionsOff, Some(1), "the barrier of measured positions is off";
