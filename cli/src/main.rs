@@ -170,7 +170,7 @@ fn numbers_as_values(command: clap::Command) -> clap::Command {
     command.mut_args(takes).mut_subcommands(numbers_as_values)
 }
 
-/// What is expected instead of the parser's own words on a number.
+/// Error of the argument parser about a number, with the expected form in its place.
 fn number_errors(text: &str) -> String {
     [
         ("invalid float literal", "expected a number, without a unit, e.g. 0.8"),

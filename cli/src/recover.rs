@@ -73,19 +73,19 @@ pub async fn run(args: Args, ros: &RosArgs) -> miette::Result<ExitCode> {
     }
     if args.once || args.json {
         client.listen(line.timing.refresh * 4).await?;
-        let found = found_now(&client, cell.as_ref());
+        let mut newest = NewestPlan::default();
+        let found = newest.look(&client, cell.as_ref());
         if args.json {
-            crate::out::json(&RecoveryJson::of(&client, &path, found.as_ref()))?;
+            crate::out::json(&RecoveryJson::of(&client, &path, found))?;
         } else {
-            crate::out::say!("{}", picture(&client, &path, &[], found.as_ref(), Commands::OfAll).join("\n"));
+            crate::out::say!("{}", picture(&client, &path, &[], found, Commands::OfAll).join("\n"));
         }
         if !is_all {
             let coordinator = client.coordinator().is_none().then_some("the coordinator");
             let missing: Vec<&str> = coordinator.into_iter().chain(client.unheard()).collect();
             crate::out::complain!("not heard within {} s: {}", HEARD_WITHIN.as_secs(), missing.join(", "));
         }
-        // What an alarm asks for a person decides.
-        let leads_there = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && !plan.has_alarms());
+        let leads_there = found.is_some_and(RecoveryPlan::leads_to_auto);
         return Ok(if is_all && leads_there { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
     follow(&mut client, cell, &path).await
@@ -97,7 +97,7 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
     let mut interrupts = Interrupts::listen()?;
     let mut looks = tokio::time::interval(LOOK_EVERY);
     let (mut done, mut shown, mut before): (Vec<String>, Vec<String>, Option<RecoveryPlan>) = Default::default();
-    let mut has_changed = true;
+    let (mut newest, mut has_changed) = (NewestPlan::default(), true);
     loop {
         tokio::select! {
             heard = client.next() => has_changed |= !matches!(heard?, StateUpdate::Event(..)),
@@ -106,7 +106,7 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
                 has_changed = true;
             }
             _ = looks.tick() => if std::mem::take(&mut has_changed) {
-                let found = found_now(client, cell.as_ref());
+                let found = newest.look(client, cell.as_ref()).cloned();
                 let held = before.as_ref().filter(|before| found.as_ref().is_some_and(|now| is_still_held(before, now)));
                 let found = held.cloned().or(found);
                 if let (Some(before), Some(now)) = (&before, &found) {
@@ -139,8 +139,26 @@ async fn next_of(cell: &mut Option<CellClient>) -> miette::Result<()> {
     }
 }
 
-/// The plan for what is heard now; none where the coordinator is not heard.
-fn found_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<RecoveryPlan> {
+/// The newest plan, with the situation that it was made for: the same situation needs no other search.
+#[derive(Default)]
+struct NewestPlan(Option<(LineSituation, RecoveryPlan)>);
+
+impl NewestPlan {
+    /// The plan for what is received now; none where the coordinator is not received.
+    fn look(&mut self, client: &OperatorClient, cell: Option<&CellClient>) -> Option<&RecoveryPlan> {
+        let now = situation_now(client, cell);
+        if self.0.as_ref().map(|(known, _)| known) != now.as_ref() {
+            self.0 = now.map(|situation| {
+                let found = plan(client.line(), &situation);
+                (situation, found)
+            });
+        }
+        self.0.as_ref().map(|(_, found)| found)
+    }
+}
+
+/// What is received now; none where the coordinator is not received.
+fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<LineSituation> {
     let line = client.line();
     let state = client.coordinator()?;
     let mode = mode_from_code(state.mode).ok()?;
@@ -149,7 +167,7 @@ fn found_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<Recov
     let stations = line.station_ids().map(report).collect();
     let mut situation = LineSituation::read(line, mode, state.enabled, &state.text, stations);
     situation.alarms = cell.and_then(CellClient::heard_lately).map(alarms).unwrap_or_default();
-    Some(plan(line, &situation))
+    Some(situation)
 }
 
 fn alarms(cell: &CellState) -> Vec<StandingAlarm> {
@@ -227,14 +245,14 @@ fn picture(
     lines
 }
 
-/// The devices of a step that waits for them, with their diagnostics, in the words of the station.
+/// Lost devices with their diagnostics, as the station reports them; none of a step that waits for no devices of a station.
 fn lost_devices(client: &OperatorClient, step: &RecoveryStep) -> Option<String> {
     let RecoveryAction::First(Need::Devices(station)) = step.action else { return None };
     let waits = &client.station(station)?.blocked_by;
     waits.iter().find(|why| why.contains("I/O devices: ")).cloned()
 }
 
-/// Why the station of a press does not agree or may not move, in its own words.
+/// Missing agreement or interlock of a press, as the station reports it.
 fn refused(client: &OperatorClient, step: &RecoveryStep) -> Option<String> {
     let RecoveryAction::Press(station, _) = step.action else { return None };
     let waits = &client.station(station)?.blocked_by;

@@ -42,7 +42,7 @@ pub enum CellMutant {
     SyncedRecordsLost,
     /// Nothing is synchronised before it is sent or answered.
     NotSynchronised,
-    /// A station that has lost its memory is not told from one that has it.
+    /// The memory id in station reports is ignored: a station that lost its order store counts as one that has kept it.
     ForgottenUnseen,
     /// An alarm is raised, and answered, before the stations stand.
     AlarmAnsweredEarly,

@@ -39,7 +39,7 @@ mod station;
 mod world;
 
 pub use cells::{CELL_MUTANTS, CellMutant, PlayedCell, play_cell};
-pub use mutants::{BrokenRule, MUTANTS, Mutant};
+pub use mutants::{MUTANTS, Mutant, MutantEntry};
 pub use plan::{FaultEvent, FaultPlan, PlannedFault};
 pub use run::{Finding, PlayedSeed, play, play_plan};
 pub use shrink::shrink;

@@ -15,15 +15,15 @@ macro_rules! mutants {
         }
 
         /// All of them.
-        pub const MUTANTS: &[BrokenRule] = &[
-            $(BrokenRule { mutant: Mutant::$name, name: stringify!($name), breaks: $breaks, seed: $seed },)*
+        pub const MUTANTS: &[MutantEntry] = &[
+            $(MutantEntry { mutant: Mutant::$name, name: stringify!($name), breaks: $breaks, seed: $seed },)*
         ];
     };
 }
 
 /// A broken rule with what it costs to find it.
 #[derive(Clone, Copy, Debug)]
-pub struct BrokenRule {
+pub struct MutantEntry {
     pub mutant: Mutant,
     pub name: &'static str,
     /// What is not done, or done wrongly.

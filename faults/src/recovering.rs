@@ -6,9 +6,9 @@ use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
 use linewright_line::{AxisId, InputId, Line, OpId, StationId};
 use linewright_recovery::{
-    LineSituation, Need, PanelButton, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, plan,
+    LineSituation, Need, PanelButton, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, as_received, plan,
 };
-use linewright_station_logic::{RejoinAt, StationReport, StopCause};
+use linewright_station_logic::RejoinAt;
 
 use crate::people::NOT_HOME;
 use crate::world::World;
@@ -178,16 +178,6 @@ impl World {
             return Ok(());
         }
         self.one_cycle()
-    }
-}
-
-/// What of a report is in its message.
-fn as_received(report: StationReport) -> StationReport {
-    StationReport {
-        position_lost: report.position_lost.map(|_| (OpId(0), InputId(0))),
-        incomplete: report.incomplete.iter().map(|&(op, _)| (op, StopCause::Signal)).collect(),
-        order: None,
-        ..report
     }
 }
 

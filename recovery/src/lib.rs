@@ -32,5 +32,5 @@ pub use plan::{RecoveryEnd, RecoveryPlan, plan};
 pub use read::ModeRead;
 pub use restore::RestoreMisfit;
 pub use search::{TRIED_FOR_ANY_MAX, TRIED_MAX};
-pub use situation::{ConsoleSituation, LineSituation, StandingAlarm};
+pub use situation::{ConsoleSituation, LineSituation, StandingAlarm, as_received};
 pub use step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};

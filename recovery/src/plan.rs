@@ -53,6 +53,11 @@ impl RecoveryPlan {
         self.steps.iter().any(|step| matches!(step.action, RecoveryAction::First(Need::Answer(_))))
     }
 
+    /// Whether its steps lead to auto, and no alarm waits for the decision of a person.
+    pub fn leads_to_auto(&self) -> bool {
+        self.end == RecoveryEnd::Auto && !self.has_alarms()
+    }
+
     /// Presses, of panels and of resume, and confirmations in it.
     pub fn presses(&self) -> usize {
         let is_press = |step: &&RecoveryStep| {

@@ -1,8 +1,8 @@
 //! What is known of a line when a plan is made.
 
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, StationId};
-use linewright_station_logic::StationReport;
+use linewright_line::{InputId, Line, OpId, StationId};
+use linewright_station_logic::{StationReport, StopCause};
 
 use crate::read::ModeRead;
 
@@ -122,5 +122,16 @@ impl LineSituation {
             asked.contains(id) && self.stations.get(id.index()).and_then(Option::as_ref).is_some_and(is_away)
         };
         line.station_ids().filter(is_to_be).collect()
+    }
+}
+
+/// The part of a report that its message has, for simulations whose consoles receive none: no cause of a stop, no place of a doubt, and
+/// no order.
+pub fn as_received(report: StationReport) -> StationReport {
+    StationReport {
+        position_lost: report.position_lost.map(|_| (OpId(0), InputId(0))),
+        incomplete: report.incomplete.iter().map(|&(op, _)| (op, StopCause::Signal)).collect(),
+        order: None,
+        ..report
     }
 }

@@ -4,12 +4,12 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
-use linewright_line::{InputId, Line, OpId, StationId};
+use linewright_line::{Line, StationId};
 use linewright_recovery::{
-    LineSituation, Need, PanelButton, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, plan,
+    LineSituation, Need, PanelButton, RecoveryAction, RecoveryEnd, RecoveryPlan, RecoveryStep, as_received, plan,
 };
 use linewright_simulation::{LineSim, OperatorAction, SimOptions};
-use linewright_station_logic::{RejoinAt, StationReport, StopCause};
+use linewright_station_logic::RejoinAt;
 
 /// Longer than any mode, report or order takes.
 const MOMENT: Duration = Duration::from_millis(600);
@@ -40,16 +40,6 @@ pub fn in_auto(line: &Line, seed: u64, long: Duration) -> LineSim {
     assert_eq!(sim.mode(), ControlMode::Auto);
     run_for(&mut sim, long);
     sim
-}
-
-/// What of a report is in its message.
-fn as_received(report: StationReport) -> StationReport {
-    StationReport {
-        position_lost: report.position_lost.map(|_| (OpId(0), InputId(0))),
-        incomplete: report.incomplete.iter().map(|&(op, _)| (op, StopCause::Signal)).collect(),
-        order: None,
-        ..report
-    }
 }
 
 /// What a console sees.

@@ -33,7 +33,7 @@ impl HeldMotions {
         self.is_seen_moving |= state.devices_valid && state.measured.as_slice() != self.measured;
     }
 
-    /// What to do where a motion that was led stands before its end, and nothing is wrong with it but that.
+    /// Advice for a motion that stands before its end because its button was released; none where no such motion stands half-way.
     pub fn let_go(&self, state: &StationState) -> Option<&'static str> {
         let is_led = |op: &u16| self.led.get(usize::from(*op)).is_some_and(|led| *led);
         let stands_half_way = state.incomplete.iter().any(is_led);

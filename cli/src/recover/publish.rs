@@ -9,11 +9,11 @@ use std::time::Duration;
 
 use linewright_msgs::{Text, Trigger, TriggerResponse};
 use linewright_node_shell::{ServiceReply, TopicError, qos, serve};
-use linewright_recovery::RecoveryEnd;
+use linewright_recovery::RecoveryPlan;
 use miette::miette;
 use tokio::sync::mpsc;
 
-use super::{LOOK_EVERY, RecoveryJson, found_now, next_of};
+use super::{LOOK_EVERY, NewestPlan, RecoveryJson, next_of};
 use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
@@ -31,10 +31,9 @@ struct PublishedPlan {
 }
 
 impl PublishedPlan {
-    fn now(client: &OperatorClient, cell: Option<&CellClient>, path: &str) -> miette::Result<Self> {
-        let found = found_now(client, cell);
-        let leads_there = found.as_ref().is_some_and(|plan| plan.end == RecoveryEnd::Auto);
-        let text = serde_json::to_string(&RecoveryJson::of(client, path, found.as_ref()));
+    fn of(client: &OperatorClient, path: &str, found: Option<&RecoveryPlan>) -> miette::Result<Self> {
+        let leads_there = found.is_some_and(RecoveryPlan::leads_to_auto);
+        let text = serde_json::to_string(&RecoveryJson::of(client, path, found));
         Ok(PublishedPlan {
             text: text.map_err(|error| miette!("the plan as JSON: {error}"))?,
             leads_to_auto: leads_there && client.unheard().next().is_none(),
@@ -52,7 +51,8 @@ pub async fn run(client: &mut OperatorClient, mut cell: Option<CellClient>, path
     let mut interrupts = Interrupts::listen()?;
     let mut looks = tokio::time::interval(LOOK_EVERY);
     let mut again = tokio::time::interval(AGAIN_EVERY);
-    let mut plan = PublishedPlan::now(client, cell.as_ref(), path)?;
+    let mut newest = NewestPlan::default();
+    let mut plan = PublishedPlan::of(client, path, newest.look(client, cell.as_ref()))?;
     crate::out::say!("publishes {}", plans.topic());
     loop {
         tokio::select! {
@@ -60,7 +60,7 @@ pub async fn run(client: &mut OperatorClient, mut cell: Option<CellClient>, path
             heard = next_of(&mut cell) => heard?,
             // What is no longer heard changes a plan as well, and no message tells of that.
             _ = looks.tick() => {
-                let before = std::mem::replace(&mut plan, PublishedPlan::now(client, cell.as_ref(), path)?);
+                let before = std::mem::replace(&mut plan, PublishedPlan::of(client, path, newest.look(client, cell.as_ref()))?);
                 if before.text != plan.text {
                     plans.send(Text { data: plan.text.clone() });
                 }

@@ -70,8 +70,8 @@ impl History {
         self.remove_before(kept_from, STEP + 2 * written)
     }
 
-    /// Whether what is kept reaches over half of the time at least. If not, the line has stood still for long, or a clock was years
-    /// ahead once: the newest row then says nothing about the age of the others.
+    /// Whether the rows from `kept_from` on span at least half of the retention time. If not, the line stood still for long, or the
+    /// clock was wrong when the newest row was written, so ages measured from that row may be wrong.
     fn is_covered(&self, kept_from: Tick, last: Tick, retention: Duration) -> Result<bool, HistoryError> {
         let first = "SELECT min(at) FROM event WHERE at >= ?1";
         let first = self.db.query_row(first, [number(kept_from.as_micros())], |row| row.get::<_, Option<u64>>(0));

@@ -90,7 +90,7 @@ enum PlanningPhase {
     UnderWay {
         number: u64,
         why: RevisionReason,
-        /// What its schedule has to be told when it comes; none if that is too much.
+        /// Records since the copy, to be replayed into the schedule when it is ready; none if there are too many.
         records: Option<Vec<Record>>,
     },
 }

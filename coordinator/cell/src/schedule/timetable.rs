@@ -45,7 +45,7 @@ pub enum RevisionReason {
 }
 
 impl RevisionReason {
-    /// The reason that a record is; none if what it says can be as planned.
+    /// Reason for a revision that a record gives; none if the record can be part of the plan.
     pub(super) fn of(record: &Record) -> Option<Self> {
         match &record.fact {
             RecordKind::Raised { firing, cause: _ } => Some(RevisionReason::Failed(*firing)),

@@ -277,7 +277,7 @@ fn the_same_seed_has_the_same_trace() {
     assert_eq!(play(), play());
 }
 
-/// Plans everything for a day later, whatever the question, as slowly as it is told to.
+/// Scheduler whose plans begin a day late. How long planning takes is up to the simulated planner.
 struct Procrastinator;
 
 impl Scheduler for Procrastinator {
