@@ -209,7 +209,6 @@ impl Feeding {
         }
         if let Some(last) = self.begins {
             self.begin(last)?;
-            self.begins = None;
         }
         self.complete()?;
         let lost = self.outages.lost();
@@ -241,12 +240,16 @@ impl Feeding {
         if let Some(history) = self.history.as_mut().filter(|history| history.newest() > last) {
             history.forget_after(last)?;
         }
+        self.begins = None;
         self.publish_newest();
         Ok(())
     }
 
+    /// Until the database was compared with the log, what it has beyond that is of a life before: a log that is cut off on that
+    /// would lose records of this one.
     fn publish_newest(&self) {
-        self.shared.newest.store(self.newest(), Ordering::Release);
+        let newest = self.begins.map_or(self.newest(), |last| self.newest().min(last));
+        self.shared.newest.store(newest, Ordering::Release);
     }
 
     /// Takes from the log records that were offered and have not come.

@@ -96,6 +96,26 @@ fn after_crashes_the_database_is_the_log() {
     }
 }
 
+/// On what counts as written the log is cut off: its records would be in neither.
+#[test]
+fn records_that_a_power_cut_took_never_count_as_written() {
+    let of = c1();
+    let (_dir, path) = scratch();
+    let log = Log::default();
+    log.write(&of.log);
+    log.begin(&path, &of, 8).close().unwrap();
+    log.0.lock().unwrap().1.truncate(10);
+    let recorder = log.begin(&path, &of, 8);
+    let since = Instant::now();
+    let newest = loop {
+        match recorder.newest() {
+            0 => assert!(since.elapsed() < Duration::from_secs(20), "{:?}", recorder.failed()),
+            newest => break newest,
+        }
+    };
+    assert_eq!(newest, 10);
+}
+
 /// A power cut has taken the end of the log, and what this life writes there comes before the database was compared.
 #[test]
 fn what_a_power_cut_took_is_replaced_by_what_came_instead() {
