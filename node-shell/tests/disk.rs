@@ -118,6 +118,30 @@ fn room_is_used_before_the_disk_is_asked_for_more_and_a_restart_keeps_it() {
 }
 
 #[test]
+fn a_write_that_fails_once_leaves_the_room_for_the_next() {
+    let dir = tempfile::tempdir().expect("a directory");
+    let path = dir.path().join("log");
+    // Two operations make the log, one the room; the record comes next.
+    let (disk, counted) = FailsAt::disk(usize::MAX, 0);
+    let (mut log, _) = RecordLog::open_on(disk, &path, b"numbers", |_| Ok(())).expect("it opens");
+    log.make_room(1_000).expect("there is room");
+    let first = counted.done.load(Ordering::Relaxed);
+    drop(log);
+    std::fs::remove_dir_all(dir.path()).expect("it is removed");
+    let (disk, _) = FailsAt::disk(first, 1);
+    let (mut log, _) = RecordLog::open_on(disk, &path, b"numbers", |_| Ok(())).expect("it opens");
+    log.make_room(1_000).expect("there is room");
+    let (room, length) = (log.room(), std::fs::metadata(log.name()).expect("it is there").len());
+    // Half of it is in the file then.
+    assert!(matches!(log.append([&[255; 100][..]]), Err(LogError::File { .. })));
+    assert!(!log.has_failed());
+    assert_eq!((log.room(), std::fs::metadata(log.name()).expect("it is there").len()), (room, length));
+    log.append([&1_u64.to_le_bytes()[..]]).and_then(|()| log.sync()).expect("it goes on");
+    drop(log);
+    assert_eq!(numbers(&path), [1]);
+}
+
+#[test]
 fn a_snapshot_that_cannot_be_written_leaves_the_log_as_it_is_with_its_room() {
     let dir = tempfile::tempdir().expect("a directory");
     let path = dir.path().join("log");

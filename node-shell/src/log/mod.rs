@@ -231,9 +231,7 @@ impl RecordLog {
         }
         if let Err(error) = self.disk.write(&self.file, &self.buffer, self.end) {
             // The begun write is taken back at once, on the disk as well; otherwise its content is unknown.
-            let taken_back = self.disk.set_len(&self.file, self.end).and_then(|()| self.disk.sync(&self.file));
-            self.has_failed = taken_back.is_err();
-            self.length = self.end;
+            self.has_failed = self.take_back().is_err();
             return Err(at(&self.name(), error));
         }
         self.end += self.buffer.len() as u64;
@@ -241,6 +239,17 @@ impl RecordLog {
         self.next = next;
         self.buffer.shrink_to(BUFFER_BYTES);
         Ok(())
+    }
+
+    /// Takes back a write at the end of the records. Room stays room: a disk that is full would not give it again.
+    fn take_back(&mut self) -> io::Result<()> {
+        self.buffer.fill(0);
+        let in_room = self.buffer.len().min(usize::try_from(self.room()).unwrap_or(usize::MAX));
+        if self.disk.write(&self.file, &self.buffer[..in_room], self.end).is_err() {
+            self.length = self.end;
+        }
+        self.disk.set_len(&self.file, self.length)?;
+        self.disk.sync(&self.file)
     }
 
     /// Returns when all that was written is on the disk; at once if it is.
