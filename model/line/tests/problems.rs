@@ -88,7 +88,10 @@ fn with_names_in_headers(name: impl Fn(&str) -> String) -> String {
     for block in blocks {
         let (first, rest) = block.split_once('\n').expect("a station has keys");
         let at = name(first.trim_start_matches("name = ").trim_matches('"'));
-        text += &format!("[station.{at}]\n{}", rest.replace("[[station.operation]]", &format!("[[station.{at}.operation]]")));
+        text += &format!(
+            "[station.{at}]\n{}",
+            rest.replace("[[station.operation]]", &format!("[[station.{at}.operation]]"))
+        );
     }
     text
 }
