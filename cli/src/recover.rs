@@ -12,8 +12,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args as ClapArgs;
+use linewright_coordinator_logic::ModeStanding;
 use linewright_line::{Line, StationId};
-use linewright_msgs::{CellState, StationState};
+use linewright_msgs::{CellState, LineState, StationState};
 use linewright_node_line::{mode_from_code, report_from_message};
 use linewright_node_shell::RosArgs;
 use linewright_recovery::{
@@ -24,9 +25,9 @@ use crate::cell::CellClient;
 use crate::client::{OperatorClient, StateUpdate};
 use crate::interrupts::Interrupts;
 use crate::load;
-use crate::watch::Screen;
+use crate::watch::{Screen, refusal};
 use json::RecoveryJson;
-use progress::{is_still_held, newly_done};
+use progress::newly_done;
 
 /// Time within which all are to be received.
 const HEARD_WITHIN: Duration = Duration::from_secs(5);
@@ -107,8 +108,6 @@ async fn follow(client: &mut OperatorClient, mut cell: Option<CellClient>, path:
             }
             _ = looks.tick() => if std::mem::take(&mut has_changed) {
                 let found = newest.look(client, cell.as_ref()).cloned();
-                let held = before.as_ref().filter(|before| found.as_ref().is_some_and(|now| is_still_held(before, now)));
-                let found = held.cloned().or(found);
                 if let (Some(before), Some(now)) = (&before, &found) {
                     done.extend(newly_done(client.line(), before, now));
                 }
@@ -165,16 +164,36 @@ fn situation_now(client: &OperatorClient, cell: Option<&CellClient>) -> Option<L
     let report =
         |id| client.station(id).and_then(|state| report_from_message(line, state).ok()).map(|(_, report)| report);
     let stations = line.station_ids().map(report).collect();
-    let mut situation = LineSituation::read(line, mode, state.enabled, &state.text, stations);
-    situation.alarms = cell.and_then(CellClient::heard_lately).map(alarms).unwrap_or_default();
+    let mut situation = LineSituation::read(line, mode, state.enabled, standing(line, state), stations);
+    situation.alarms = cell.and_then(CellClient::heard_lately).map(|cell| alarms(line, cell)).unwrap_or_default();
     Some(situation)
 }
 
-fn alarms(cell: &CellState) -> Vec<StandingAlarm> {
+fn named(line: &Line, names: &[String]) -> Vec<StationId> {
+    names.iter().filter_map(|name| line.station_named(name)).collect()
+}
+
+/// What keeps the mode, as the coordinator reports it.
+fn standing(line: &Line, state: &LineState) -> ModeStanding {
+    ModeStanding {
+        is_stopping: state.master_stop,
+        is_latched: state.estop_latched,
+        is_pressed: state.estop_pressed,
+        without_console: state.console_lost,
+        resumes: state.resume,
+        restarted: named(line, &state.restarted),
+        left_out: named(line, &state.left_out),
+        obstacles: state.obstacles.to_vec(),
+    }
+}
+
+fn alarms(line: &Line, cell: &CellState) -> Vec<StandingAlarm> {
     let alarm = |alarm: &linewright_msgs::AlarmState| StandingAlarm {
         id: alarm.id,
         text: alarm.text.clone(),
         answers: alarm.answers.to_vec(),
+        lead: named(line, &alarm.lead),
+        reset: named(line, &alarm.reset),
     };
     cell.alarms.as_slice().iter().map(alarm).collect()
 }
@@ -217,9 +236,7 @@ fn picture(
         Some(state) => vec![format!("{} — mode: {}", line.title, state.text)],
         None => vec![format!("{}: no state received from the coordinator: start it", line.title)],
     };
-    if let Some(state) = client.coordinator().filter(|state| !state.refusal.is_empty()) {
-        lines.push(format!("last refusal: {}", state.refusal));
-    }
+    lines.extend(client.coordinator().and_then(refusal));
     let is_over = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && plan.steps.is_empty());
     let causes = causes(line, |id| client.station(id)).into_iter().filter(|_| !is_over);
     lines.extend(causes.map(|(station, fault)| format!("cause: {station}: {fault}")));

@@ -21,6 +21,8 @@ pub struct ModeJson {
     text: String,
     /// Why the last command was refused.
     refusal: Option<String>,
+    /// How long ago that was, in ms.
+    refusal_age_ms: Option<u32>,
     waiting_for: Vec<String>,
 }
 
@@ -31,6 +33,7 @@ impl ModeJson {
             enabled: state.enabled,
             text: state.text.clone(),
             refusal: Some(state.refusal.clone()).filter(|text| !text.is_empty()),
+            refusal_age_ms: Some(state.refusal_age_ms).filter(|_| !state.refusal.is_empty()),
             waiting_for: state.waiting_for.to_vec(),
         }
     }

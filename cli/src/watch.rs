@@ -263,11 +263,15 @@ pub fn mode(title: &str, line: Option<&LineState>, unheard: Option<Duration>, wi
         Some(state) => wrapped(&format!("{title} — mode: {}", state.text), 4, width),
         None => wrapped(&format!("{title}: no state received from the coordinator{}", for_how_long(unheard)), 4, width),
     };
-    if let Some(state) = line.filter(|state| !state.refusal.is_empty()) {
-        lines.extend(wrapped(&format!("last refusal: {}", state.refusal), 4, width));
-    }
+    lines.extend(line.and_then(refusal).into_iter().flat_map(|text| wrapped(&text, 4, width)));
     lines.push(String::new());
     lines
+}
+
+/// The last refusal, with its age; none where it is over.
+pub fn refusal(state: &LineState) -> Option<String> {
+    let age = Duration::from_millis(state.refusal_age_ms.into()).as_secs();
+    (!state.refusal.is_empty()).then(|| format!("last refusal, {age} s ago: {}", state.refusal))
 }
 
 fn for_how_long(unheard: Option<Duration>) -> String {
@@ -402,6 +406,15 @@ mod tests {
         let unheard = Some(Duration::from_millis(12_700));
         assert_eq!(station("mill_1", None, unheard, 60), ["mill_1       no state received for 12 s"]);
         assert_eq!(mode("Line", None, unheard, 60)[0], "Line: no state received from the coordinator for 12 s");
+    }
+
+    #[test]
+    fn a_refusal_has_an_age() {
+        let refusal = "auto refused in manual: transfer: not at home".to_owned();
+        let line = LineState { text: "manual".to_owned(), refusal, refusal_age_ms: 12_400, ..LineState::default() };
+        let shown = mode("Line", Some(&line), None, 80);
+        assert_eq!(shown[1], "last refusal, 12 s ago: auto refused in manual: transfer: not at home");
+        assert_eq!(mode("Line", Some(&LineState { refusal: String::new(), ..line }), None, 80).len(), 2);
     }
 
     #[test]

@@ -148,6 +148,14 @@ fn a_line_of_many_stations_is_explored_in_parts_and_like_parts_once() {
     assert_eq!(explorations[0]["scope"].as_str().unwrap().split(':').nth(1), Some(" transfer, clamp_1, mill_1"));
     assert!(explorations[0]["properties"].to_string().contains("counterexample"));
     assert!(explorations[1..].iter().all(|part| part["properties"].to_string().contains("undecided")), "{found}");
+    let outside = ["clamp_2", "clamp_3", "clamp_4", "mill_2", "mill_3", "mill_4"];
+    assert_eq!(explorations[0]["left_out"], serde_json::json!(outside));
+    // A failure in a part says what was not in it, and what looks further.
+    let output = linewright(&["check", &dir, "--flags"]);
+    let out = text(&output.stdout);
+    let help = format!("  help: this part leaves out {}, and their arrows,", outside.join(", "));
+    assert_eq!(out.matches(&help).count(), 1, "{out}");
+    assert!(out.contains("`--whole` explores all of it"), "{out}");
 }
 
 #[test]

@@ -31,7 +31,7 @@ impl World {
         };
         let stations = self.line.station_ids().map(report).collect();
         let (mode, enabled) = (coordinator.mode(), coordinator.order().enabled);
-        Some(LineSituation::read(&self.line, mode, enabled, &coordinator.text(), stations))
+        Some(LineSituation::read(&self.line, mode, enabled, coordinator.standing(), stations))
     }
 
     /// Follows plans until auto is in force.

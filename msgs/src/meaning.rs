@@ -36,6 +36,10 @@ impl Meaning for StationState {
             within("places", place, StationState::PLACE_NONE, StationState::PLACE_UNDONE)?;
         }
         indices("incomplete", &self.incomplete, self.done.len())?;
+        parallel(("stop_causes", self.stop_causes.len()), ("incomplete", self.incomplete.len()))?;
+        for &cause in &self.stop_causes {
+            within("stop_causes", cause, StationState::CAUSE_SIGNAL, StationState::CAUSE_AMBIGUOUS)?;
+        }
         indices("request_operations", &self.request_operations, self.done.len())?;
         self.answers.iter().try_for_each(RosMessage::validate)
     }

@@ -9,8 +9,8 @@ use linewright_line::net::{Block, ControlMode};
 use linewright_line::{InputId, Line, OpId, StationId};
 use linewright_msgs::{Answer as AnswerMessage, ModeOrder, StationEvent, StationState};
 use linewright_station_logic::{
-    Controller, Founding, HappeningKind, ModeOrder as Order, StationHappening, StationReport, WithdrawalAnswer,
-    WithdrawalRequest,
+    Controller, Founding, HappeningKind, ModeOrder as Order, StationHappening, StationReport, StopCause,
+    WithdrawalAnswer, WithdrawalRequest,
 };
 use thiserror::Error;
 
@@ -24,10 +24,15 @@ pub enum ConvertError {
     /// A list has another length than the station has operations.
     #[error("{field} has {has} entries; {station} has {needs} operations")]
     Length { field: &'static str, station: String, has: usize, needs: usize },
+    /// A stopped operation without its cause, or the reverse.
+    #[error("stop_causes has {has} entries; {station} reports {needs} stopped operations")]
+    Causes { station: String, has: usize, needs: usize },
     #[error("{field} names operation {index}; {station} has {needs}")]
     Operation { field: &'static str, station: String, index: u16, needs: usize },
     #[error("mode {0} is not known")]
     Mode(u8),
+    #[error("the cause {0} of a stop is not known")]
+    Cause(u8),
 }
 
 /// The number of a mode on the wire (1 to 3 as in seed 002 §5.4).
@@ -50,6 +55,52 @@ pub fn mode_from_code(code: u8) -> Result<ControlMode, ConvertError> {
     ControlMode::ALL.into_iter().find(|mode| mode_to_code(*mode) == code).ok_or(ConvertError::Mode(code))
 }
 
+/// The number of the cause of a stop on the wire. Stations and switches that take part are in the text of the fault.
+pub const fn cause_to_code(cause: StopCause) -> u8 {
+    match cause {
+        StopCause::Signal => StationState::CAUSE_SIGNAL,
+        StopCause::Watchdog => StationState::CAUSE_WATCHDOG,
+        StopCause::SwitchStuck => StationState::CAUSE_SWITCH_STUCK,
+        StopCause::BothSwitchesOn { .. } => StationState::CAUSE_BOTH_SWITCHES_ON,
+        StopCause::Devices => StationState::CAUSE_DEVICES,
+        StopCause::Released => StationState::CAUSE_RELEASED,
+        StopCause::EStop => StationState::CAUSE_ESTOP,
+        StopCause::Ordered => StationState::CAUSE_ORDERED,
+        StopCause::Restart => StationState::CAUSE_RESTART,
+        StopCause::NotAtHome => StationState::CAUSE_NOT_AT_HOME,
+        StopCause::Interlock { .. } => StationState::CAUSE_INTERLOCK,
+        StopCause::PositionLost { .. } => StationState::CAUSE_POSITION_LOST,
+        StopCause::IndexDoubtful { .. } => StationState::CAUSE_INDEX_DOUBTFUL,
+        StopCause::Ambiguous => StationState::CAUSE_AMBIGUOUS,
+    }
+}
+
+/// The cause with this number on the wire, of an operation of this station.
+///
+/// # Errors
+/// When the number is none of a cause.
+pub fn cause_from_code(code: u8, (station, op): (StationId, OpId)) -> Result<StopCause, ConvertError> {
+    // Which switch it was is not in the message; here it matters only that one was.
+    let input = InputId(0);
+    let all = [
+        StopCause::Signal,
+        StopCause::Watchdog,
+        StopCause::SwitchStuck,
+        StopCause::BothSwitchesOn { behind: input },
+        StopCause::Devices,
+        StopCause::Released,
+        StopCause::EStop,
+        StopCause::Ordered,
+        StopCause::Restart,
+        StopCause::NotAtHome,
+        StopCause::Interlock { station, input: None },
+        StopCause::PositionLost { op, input },
+        StopCause::IndexDoubtful { op, input, places: None },
+        StopCause::Ambiguous,
+    ];
+    all.into_iter().find(|cause| cause_to_code(*cause) == code).ok_or(ConvertError::Cause(code))
+}
+
 /// Writes the controller's state into a message, all but header, boot id and sequence.
 pub fn report_to_message(line: &Line, controller: &Controller, now: linewright_line::Tick, message: &mut StationState) {
     let report = controller.report();
@@ -66,6 +117,7 @@ pub fn report_to_message(line: &Line, controller: &Controller, now: linewright_l
     message.measured_age_ms = u32::try_from(age.as_micros().div_ceil(1000)).unwrap_or(u32::MAX);
     message.position_lost = report.position_lost.is_some();
     message.placed = report.placed;
+    message.place = report.place;
     message.cycle = report.cycle;
     message.done = report.done;
     message.started = report.started;
@@ -77,6 +129,7 @@ pub fn report_to_message(line: &Line, controller: &Controller, now: linewright_l
     message.selector_manual = report.selector_manual;
     message.devices_valid = report.devices_valid;
     message.incomplete = report.incomplete.iter().map(|(op, _)| op.0).collect();
+    message.stop_causes = report.incomplete.iter().map(|&(_, cause)| cause_to_code(cause)).collect();
     message.operation = controller.operation_text(line);
     message.fault = controller.fault_text(line);
     message.blocked_by = controller.blocked_by(line, now);
@@ -123,8 +176,13 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
         ops |= 1 << operation("request_operations", index)?.0;
     }
     let mut incomplete = Vec::with_capacity(message.incomplete.len());
-    for &index in &message.incomplete {
-        incomplete.push((operation("incomplete", index)?, linewright_station_logic::StopCause::Signal));
+    let (has, needs_causes) = (message.stop_causes.len(), message.incomplete.len());
+    if has != needs_causes {
+        return Err(ConvertError::Causes { station: described.name.clone(), has, needs: needs_causes });
+    }
+    for (&index, &code) in message.incomplete.iter().zip(&message.stop_causes) {
+        let op = operation("incomplete", index)?;
+        incomplete.push((op, cause_from_code(code, (station, op))?));
     }
     let answers = message.answers.iter().filter_map(|a| answer_from_message(line, station, a)).collect();
     let report = StationReport {
@@ -137,6 +195,7 @@ pub fn report_from_message(line: &Line, message: &StationState) -> Result<(Stati
         // Which of its switches is off is in its own fault text; here it matters only that one is.
         position_lost: message.position_lost.then_some((OpId(0), InputId(0))),
         placed: message.placed,
+        place: message.place,
         cycle: message.cycle,
         done: message.done.clone(),
         started: message.started.clone(),
@@ -233,6 +292,16 @@ mod tests {
         assert_eq!(order("robo"), Ok((2, ControlMode::Auto)));
         let unknown = ModeOrder { mode: 200, ..message.clone() };
         assert_eq!(order_from_message(&unknown, (StationId(0), "robot")), Err(ConvertError::Mode(200)));
+    }
+
+    #[test]
+    fn every_cause_of_a_stop_is_sent_and_received() {
+        let of = (StationId(0), OpId(1));
+        for code in StationState::CAUSE_SIGNAL..=StationState::CAUSE_AMBIGUOUS {
+            assert_eq!(cause_from_code(code, of).map(cause_to_code), Ok(code));
+        }
+        assert_eq!(cause_from_code(0, of), Err(ConvertError::Cause(0)));
+        assert_eq!(cause_from_code(200, of), Err(ConvertError::Cause(200)));
     }
 
     #[test]

@@ -36,6 +36,19 @@ impl MotionFault {
         }
     }
 
+    /// Effect of the fault on a drive; none where a drive has no such fault.
+    pub const fn about_drive(self) -> Option<&'static str> {
+        match self {
+            MotionFault::Stick => {
+                Some("It holds the axis where it is, and fails by its following error once it is ordered to move.")
+            }
+            MotionFault::Break => Some(
+                "Its encoder is broken: it fails at once, at rest as well, and stays so until `clear`; a reset does not end it.",
+            ),
+            MotionFault::Slip | MotionFault::SlipBack | MotionFault::Miss | MotionFault::Drop => None,
+        }
+    }
+
     /// Effect of the fault, in words.
     pub const fn about(self) -> &'static [&'static str] {
         match self {

@@ -20,6 +20,7 @@ fn all_texts_of_the_plant() {
     let lists = [
         listed("faults of an input", &inputs, |fault| format!("`{}`: {}", fault.name(), fault.about())),
         listed("faults of a motion", &motions, |fault| format!("`{}`: {}", fault.name(), fault.about().join(" "))),
+        listed("faults of a drive's motion", &motions, |fault| fault.about_drive().unwrap_or("-").to_owned()),
         listed("the end of a fault", &[CLEAR_WORD], |word| format!("`{word}`")),
     ];
     insta::assert_snapshot!(lists.join("\n"));

@@ -69,6 +69,18 @@ pub(crate) fn arrived(line: &Line, id: StationId, image: u128, places: &[Station
     })
 }
 
+/// The image when the drive of an index has been homed at a rest: it stands at its first place, where its reference is.
+pub(crate) fn homed(line: &Line, id: StationId, image: u128, index: OpId) -> u128 {
+    let switch = line.operation((id, index)).normal.complete.bit();
+    at_next_place(line, id, image) | switch
+}
+
+/// The numbered place that an image has for the axis of an index; none without a drive that numbers them.
+pub(crate) fn place(line: &Line, id: StationId, image: u128) -> Option<u16> {
+    let mut drives = line.devices_of(Owner::Station(id)).filter_map(Device::drive);
+    drives.find_map(|drive| Some(drive.index.as_ref()?.reported(image))).filter(|&place| place != 0)
+}
+
 /// A drive that numbers the places of an endless axis says the next one.
 fn at_next_place(line: &Line, id: StationId, image: u128) -> u128 {
     let drives = line.devices_of(Owner::Station(id)).filter_map(Device::drive);

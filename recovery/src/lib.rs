@@ -20,7 +20,6 @@ mod desk;
 mod distance;
 mod image;
 mod plan;
-mod read;
 mod restore;
 mod search;
 mod situation;
@@ -29,7 +28,6 @@ mod texts;
 mod units;
 
 pub use plan::{RecoveryEnd, RecoveryPlan, plan};
-pub use read::ModeRead;
 pub use restore::RestoreMisfit;
 pub use search::{TRIED_FOR_ANY_MAX, TRIED_MAX};
 pub use situation::{ConsoleSituation, LineSituation, StandingAlarm, as_received};

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::net::{ControlMode, StationPlace};
+use linewright_line::net::{Block, ControlMode, StationPlace};
 use linewright_line::{InputId, Line, MotionSignals, OpId, OperationModule, Station, StationId};
 use linewright_station_logic::StationReport;
 
@@ -11,8 +11,8 @@ use crate::desk::Desk;
 use crate::image;
 use crate::restore::{RestoreMisfit, unit};
 use crate::search::{Move, Search};
-use crate::situation::{ConsoleSituation, LineSituation, StandingAlarm};
-use crate::step::{Need, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
+use crate::situation::{ConsoleSituation, LineSituation};
+use crate::step::{Need, PanelButton, PlannedMotion, RecoveryAction, RecoveryStep, StationAfter};
 use crate::units::{PlayedLine, PlayedStations, in_manual};
 
 /// What a plan leads to.
@@ -83,6 +83,7 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     let answers = || situation.alarms.iter().map(|alarm| first(Need::Answer(alarm.clone())));
     let led = situation.to_be_led(line);
     let mut steps: Vec<RecoveryStep> = before_all(line, situation).into_iter().map(first).collect();
+    steps.extend(held(line, situation));
     let heard: Option<Vec<StationReport>> = situation.stations.iter().cloned().collect();
     let Some(mut reports) = heard.filter(|reports| reports.len() == line.stations.len()) else {
         return RecoveryPlan::ends(steps, RecoveryEnd::LookAgain);
@@ -105,8 +106,8 @@ pub fn plan(line: &Line, situation: &LineSituation) -> RecoveryPlan {
     } else {
         situation
     };
-    let resets = situation.alarms.iter().filter_map(StandingAlarm::asks_before);
-    steps.extend(resets.map(|text| first(Need::Other(text.to_owned()))));
+    let resets = situation.alarms.iter().flat_map(|alarm| &alarm.reset);
+    steps.extend(resets.map(|&station| first(Need::Reset(station))));
     for (id, report) in line.station_ids().zip(&mut reports) {
         let faults = fault_signals(line.station(id), report);
         for input in faults {
@@ -166,9 +167,61 @@ fn before_all(line: &Line, situation: &LineSituation) -> Vec<Need> {
     let heard = || stations().filter_map(|(id, report)| Some((id, report.as_ref()?)));
     needs.extend(heard().filter(|(_, report)| !report.devices_valid).map(|(id, _)| Need::Devices(id)));
     let is_in_auto = situation.mode == ControlMode::Auto && situation.enabled;
-    let moves = |report: &StationReport| !report.stopped && !is_in_auto;
+    let moves = |report: &StationReport| !report.stopped && !is_in_auto && !is_held(report);
     needs.extend(heard().filter(|(_, report)| moves(report)).map(|(id, _)| Need::Standstill(id)));
     needs
+}
+
+/// The motions of a station that are under way.
+fn under_way(line: &Line, id: StationId, report: &StationReport) -> Vec<PlannedMotion> {
+    let moves = report.places.iter().enumerate().filter_map(|(op, &number)| {
+        let place = StationPlace::from_number(OpId::at(op), number).filter(|place| place.is_operating())?;
+        (op < line.station(id).operations.len()).then_some(place)
+    });
+    let motion = |place: StationPlace| {
+        let arrived = image::arrived(line, id, report.measured, &[place]);
+        planned(line, id, place, arrived)
+    };
+    moves.map(motion).collect()
+}
+
+/// A motion, with the image in which it ends.
+fn planned(line: &Line, station: StationId, place: StationPlace, arrived: u128) -> PlannedMotion {
+    let is_index = line.station(station).index_of(place.op).is_some();
+    PlannedMotion {
+        station,
+        place,
+        to_place: if is_index { image::place(line, station, arrived) } else { None },
+        homes: false,
+        time: image::motion(line.station(station), place).1,
+    }
+}
+
+/// Whether what moves there is held at a button: in manual nothing moves by itself.
+const fn is_held(report: &StationReport) -> bool {
+    matches!(report.mode, Some(ControlMode::Manual)) && !report.stopped
+}
+
+/// What is held now: it is held on until its motion has ended. Of a homing at a rest the search says so.
+fn held(line: &Line, situation: &LineSituation) -> Vec<RecoveryStep> {
+    let stations = || line.station_ids().zip(&situation.stations);
+    let heard = stations().filter_map(|(id, report)| Some((id, report.as_ref()?)));
+    let moves =
+        |&(id, report): &(StationId, &StationReport)| is_held(report) && !under_way(line, id, report).is_empty();
+    let held: Vec<(StationId, &StationReport)> = heard.filter(moves).collect();
+    let step = |action, moves| RecoveryStep { action, moves, is_doubtful: false, mode: situation.mode, after: None };
+    if situation.resumes && !held.is_empty() {
+        let moves = held.iter().flat_map(|&(id, report)| under_way(line, id, report)).collect();
+        return vec![step(RecoveryAction::Resume, moves)];
+    }
+    let press = |(id, report): (StationId, &StationReport)| {
+        let moves = under_way(line, id, report);
+        // On a recovery path every motion is one of return.
+        let goes_back = report.recovering_home || moves.iter().any(|motion| motion.place.block == Block::Recovery);
+        let button = if goes_back { PanelButton::Return } else { PanelButton::Advance };
+        step(RecoveryAction::Press(id, button), moves)
+    };
+    held.into_iter().map(press).collect()
 }
 
 /// The fault signals that are on, of the operations that were stopped.
@@ -268,12 +321,12 @@ fn commanded(command: ModeCommand, after: &Desk) -> RecoveryStep {
 fn pressed(line: &Line, before: &PlayedStations, moves: &[Move], by_selectors: bool) -> Vec<RecoveryStep> {
     let mut steps = Vec::new();
     let mut live: Vec<bool> = before.iter().map(|unit| !by_selectors || unit.report.selector_manual).collect();
-    let motion = |&(station, place): &(StationId, StationPlace)| PlannedMotion {
-        station,
-        place,
-        time: image::motion(line.station(station), place).1,
-    };
     for made in moves {
+        let motion = |&(station, place): &(StationId, StationPlace)| {
+            let motion = planned(line, station, place, made.after[station.index()].report.measured);
+            let time = if made.homes { line.operation((station, place.op)).watchdog } else { motion.time };
+            PlannedMotion { homes: made.homes, time, ..motion }
+        };
         let planned = made.motions.iter().map(motion).collect();
         let Some(station) = made.action.station() else {
             let mode = ControlMode::Manual;

@@ -6,7 +6,7 @@
 use linewright_line::net::{MotionStage, StationPlace};
 use linewright_line::{Line, OpId, OperationModule, Station, StationId};
 use linewright_station_logic::{
-    Controller, PanelCommand, Restore, Rules, StationInput, StationReport, StationSnapshot,
+    Controller, PanelCommand, Restore, Rules, StationInput, StationReport, StationSnapshot, StopCause,
 };
 
 use crate::image;
@@ -51,7 +51,7 @@ pub(crate) fn unit(line: &Line, id: StationId, report: &StationReport) -> Result
         started,
         path: None,
         doubtful: None,
-        place: 0,
+        place: report.place,
         next_request: FIRST_REQUEST.max(report.request.map_or(0, |request| request.number)) + 1,
         order: None,
     };
@@ -61,8 +61,11 @@ pub(crate) fn unit(line: &Line, id: StationId, report: &StationReport) -> Result
     let memories = paths.iter().flat_map(|&path| {
         [None, index].map(|doubtful| Restore::From(StationSnapshot { path, doubtful, ..snapshot.clone() }))
     });
+    // Switched on away from home: it claims nothing of its axes, as no other stop does.
+    let not_at_home = report.incomplete.iter().any(|&(_, cause)| cause == StopCause::NotAtHome);
+    let fresh = not_at_home.then_some(Restore::Fresh);
     let (mut fitting, mut any) = (None, None);
-    for restore in memories.chain([Restore::Fresh]) {
+    for restore in fresh.into_iter().chain(memories) {
         let is_fresh = restore == Restore::Fresh;
         let Ok(controller) = Controller::new(line, id, report.boot_id, restore) else { continue };
         let mut unit = PlayedStation::new(controller.with_rules(RULES));

@@ -37,6 +37,8 @@ pub(crate) struct Move {
     pub after: PlayedStations,
     /// A switch that is on already has to be believed for it.
     pub is_doubtful: bool,
+    /// The motion is the homing of a drive.
+    pub homes: bool,
     /// What it counts for against others.
     cost: Cost,
 }
@@ -53,7 +55,7 @@ impl Move {
     fn of(action: RecoveryAction, motions: PlannedMotions, time: Duration, after: PlayedStations) -> Self {
         let is_return = matches!(action, RecoveryAction::Press(_, PanelButton::Return));
         let counts = if is_return { time + time / 4 + RETURN_COUNTS } else { time };
-        Move { action, motions, after, is_doubtful: false, cost: (1, counts) }
+        Move { action, motions, after, is_doubtful: false, homes: false, cost: (1, counts) }
     }
 }
 
@@ -217,7 +219,7 @@ impl<'f, 'l> Search<'f, 'l> {
                 let action = RecoveryAction::Press(id, button);
                 let motions = pressed.motions.into_iter().map(|place| (id, place)).collect();
                 let mut made = Move::of(action, motions, pressed.time, pressed.units);
-                made.is_doubtful = pressed.is_doubtful;
+                (made.is_doubtful, made.homes) = (pressed.is_doubtful, pressed.homes);
                 if pressed.is_doubtful {
                     let is_lost = units[station].report.position_lost.is_some();
                     made.cost.0 += if is_lost { AGAINST_CONFIRMING } else { AFTER_WATCHDOG };
@@ -228,7 +230,9 @@ impl<'f, 'l> Search<'f, 'l> {
         let report = &units[station].report;
         let is_unknown = report.generation == 0 && !report.incomplete.is_empty() && !self.is_task_driven(station);
         let is_unknown = is_unknown && !self.is_confirmed(units, station);
-        if report.position_lost.is_some() || is_unknown {
+        // A drive that can be homed says where its axis is; nobody has to judge it by eye.
+        let is_homed = moves.iter().any(|made| made.homes);
+        if (report.position_lost.is_some() && !is_homed) || is_unknown {
             moves.extend(self.confirmations(units, station));
         }
         moves

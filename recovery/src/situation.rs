@@ -1,12 +1,11 @@
 //! What is known of a line when a plan is made.
 
+use linewright_coordinator_logic::ModeStanding;
 use linewright_line::net::ControlMode;
 use linewright_line::{InputId, Line, OpId, StationId};
-use linewright_station_logic::{StationReport, StopCause};
+use linewright_station_logic::StationReport;
 
-use crate::read::ModeRead;
-
-/// State of the console's devices, as far as the mode's text says it.
+/// State of the console's devices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ConsoleSituation {
     #[default]
@@ -25,24 +24,10 @@ pub struct StandingAlarm {
     pub text: String,
     /// What can be answered, when it is done.
     pub answers: Vec<String>,
-}
-
-impl StandingAlarm {
-    const LEAD: &str = "lead ";
-    const TO_A_REST: &str = " to a rest in manual.";
-
-    /// The stations that it asks to be led to a rest by hand, before it can be answered.
-    pub fn asks_to_lead(&self, line: &Line) -> Vec<StationId> {
-        let before = self.text.split_once(Self::TO_A_REST).map_or("", |(before, _)| before);
-        let names = before.rfind(Self::LEAD).map_or("", |at| &before[at + Self::LEAD.len()..]);
-        names.split(" and ").filter_map(|name| line.station_named(name)).collect()
-    }
-
-    /// What it asks for before anything is led, as its text has it: the reset of a station that is in emergency stop by itself.
-    pub fn asks_before(&self) -> Option<&str> {
-        let (before, _) = self.text.split_once(", then lead ")?;
-        before.rfind("First ").map(|at| &before[at + "First ".len()..])
-    }
+    /// Stations that are to be led to a rest by hand before that.
+    pub lead: Vec<StationId>,
+    /// Those of them that are in emergency stop by themselves, to be reset before they are led.
+    pub reset: Vec<StationId>,
 }
 
 /// A situation of a line.
@@ -53,8 +38,10 @@ pub struct LineSituation {
     pub enabled: bool,
     /// Master stop was given: in auto, the line halts at home.
     pub is_stopping: bool,
-    /// The emergency stop has been reset.
+    /// The emergency stop has been reset, or there is none.
     pub is_reset: bool,
+    /// Resume is held at the console.
+    pub resumes: bool,
     pub console: ConsoleSituation,
     /// Stations that were restarted and have not been looked at since.
     pub restarted: Vec<StationId>,
@@ -76,6 +63,7 @@ impl LineSituation {
             enabled: true,
             is_stopping: false,
             is_reset: false,
+            resumes: false,
             console: ConsoleSituation::Heard,
             restarted: Vec::new(),
             left_out: Vec::new(),
@@ -86,25 +74,25 @@ impl LineSituation {
     }
 
     /// A situation as the state of the line and those of the stations show it: the mode, whether every station has
-    /// acknowledged it, and its text.
+    /// acknowledged it, and what keeps it.
     pub fn read(
         line: &Line,
         mode: ControlMode,
         enabled: bool,
-        text: &str,
+        standing: ModeStanding,
         stations: Vec<Option<StationReport>>,
     ) -> Self {
-        let read = ModeRead::of(line, text);
-        let console = match (read.without_console, read.is_pressed) {
+        let console = match (standing.without_console, standing.is_pressed) {
             (true, _) => ConsoleSituation::Lost,
             (false, true) => ConsoleSituation::ButtonPressed,
             (false, false) => ConsoleSituation::Heard,
         };
-        let ModeRead { is_stopping, is_reset, restarted, left_out, obstacles, .. } = read;
+        let ModeStanding { is_stopping, is_latched, resumes, restarted, left_out, obstacles, .. } = standing;
         LineSituation {
             enabled,
             is_stopping,
-            is_reset,
+            is_reset: !is_latched,
+            resumes,
             console,
             restarted,
             left_out,
@@ -115,7 +103,7 @@ impl LineSituation {
 
     /// The stations that alarms ask to be led to a rest by hand and that are not there.
     pub(crate) fn to_be_led(&self, line: &Line) -> Vec<StationId> {
-        let asked: Vec<StationId> = self.alarms.iter().flat_map(|alarm| alarm.asks_to_lead(line)).collect();
+        let asked: Vec<StationId> = self.alarms.iter().flat_map(|alarm| alarm.lead.iter().copied()).collect();
         let is_away =
             |report: &StationReport| !report.at_home || !report.incomplete.is_empty() || report.position_lost.is_some();
         let is_to_be = |id: &StationId| {
@@ -125,13 +113,8 @@ impl LineSituation {
     }
 }
 
-/// The part of a report that its message has, for simulations whose consoles receive none: no cause of a stop, no place of a doubt, and
-/// no order.
+/// The part of a report that its message has, for simulations whose consoles receive none: the switches of a doubt are not in it,
+/// and no order.
 pub fn as_received(report: StationReport) -> StationReport {
-    StationReport {
-        position_lost: report.position_lost.map(|_| (OpId(0), InputId(0))),
-        incomplete: report.incomplete.iter().map(|&(op, _)| (op, StopCause::Signal)).collect(),
-        order: None,
-        ..report
-    }
+    StationReport { position_lost: report.position_lost.map(|_| (OpId(0), InputId(0))), order: None, ..report }
 }

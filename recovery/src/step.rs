@@ -40,6 +40,8 @@ pub enum Need {
     },
     /// A selector is to be turned to auto at the station's panel, to which this input is wired: no message does it.
     Selector(StationId, InputId),
+    /// A station that is in emergency stop by itself is to be reset.
+    Reset(StationId),
     /// The line is to halt, as master stop has ordered.
     Halt,
     /// Every station is to acknowledge the mode.
@@ -76,6 +78,11 @@ pub struct PlannedMotion {
     pub station: StationId,
     /// The operating place: the operation, and whether it is done or undone.
     pub place: StationPlace,
+    /// Of an index on a drive, the number of the place that it goes to.
+    pub to_place: Option<u16>,
+    /// The drive of the index is homed by it, at a rest; the operation is not begun.
+    pub homes: bool,
+    /// Of a homing its longest, the watchdog of the index.
     pub time: Duration,
 }
 
@@ -119,7 +126,9 @@ impl Need {
     /// The station that it is about.
     pub fn station(&self) -> Option<StationId> {
         match self {
-            Need::Heard(station) | Need::Devices(station) | Need::Standstill(station) => Some(*station),
+            Need::Heard(station) | Need::Devices(station) | Need::Standstill(station) | Need::Reset(station) => {
+                Some(*station)
+            }
             Need::FaultSignal(station, _) | Need::Selector(station, _) | Need::Axis { station, .. } => Some(*station),
             Need::Console | Need::Button | Need::Halt | Need::Acknowledged | Need::Answer(_) | Need::Other(_) => None,
         }

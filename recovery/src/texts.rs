@@ -44,6 +44,7 @@ impl Need {
                     line.input_text(Owner::Station(*station), *input)
                 )
             }
+            Need::Reset(_) => "in emergency stop by itself: reset it with `linewright resource`".to_owned(),
             Need::Halt => "wait until the others have ended their tasks, and the mode is stand-by".to_owned(),
             Need::Acknowledged => "wait until every station has acknowledged the mode".to_owned(),
             Need::Answer(alarm) => {
@@ -117,9 +118,16 @@ impl PlannedMotion {
         let way = station.operations[self.place.op.index()].motion;
         let (signals, _) = image::motion(station, self.place);
         let axis = &station.axes[way.axis.index()].name;
-        let to = match station.index_of(self.place.op) {
-            Some(by) => format!("on by {by} to the next place"),
-            None => format!("to {}", if undoing { way.from } else { way.to }),
+        if self.homes {
+            let time = self.time.as_secs_f64();
+            return format!(
+                "the drive of `{axis}` is homed: it turns to its reference, forwards or back, its place is measured, within {time:.1} s"
+            );
+        }
+        let to = match (station.index_of(self.place.op), self.to_place) {
+            (Some(by), Some(place)) => format!("on by {by} to place {place}"),
+            (Some(by), None) => format!("on by {by} to the next place"),
+            (None, _) => format!("to {}", if undoing { way.from } else { way.to }),
         };
         let until = &station.inputs[signals.complete.index()];
         let verb = if undoing { "undone" } else { "done" };
@@ -207,6 +215,7 @@ impl RecoveryStep {
         let name = |id: StationId| line.station(id).name.clone();
         let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
         Some(match &self.action {
+            RecoveryAction::First(Need::Reset(station)) => words(&["resource", "LINE", &name(*station), "reset"]),
             RecoveryAction::First(_) => return None,
             RecoveryAction::Command(command) => words(&["mode", "LINE", command.name()]),
             RecoveryAction::Press(station, button) => {

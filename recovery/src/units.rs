@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use linewright_line::net::{ControlMode, MotionStage, StationPlace};
-use linewright_line::{Line, StationId, Tick};
+use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_station_logic::{
     Controller, Handled, ModeOrder, NO_DELAY, PanelCommand, RejoinAt, StationInput, StationOutbox, StationReport,
 };
@@ -94,6 +94,8 @@ pub(crate) struct Pressed {
     /// the motion; where it was, the machine's controller takes it for the arrival after its watchdog has reported it, and no
     /// sooner.
     pub is_doubtful: bool,
+    /// The motion is the homing of the drive of an index, at a rest.
+    pub homes: bool,
 }
 
 /// *Resume* held at the console, where it leads on more than one station.
@@ -165,12 +167,15 @@ impl<'l> PlayedLine<'l> {
         };
         self.give(&mut units, station, StationInput::Panel(command(true)));
         let motions = units[station].motions();
+        if let Some(index) = units[station].controller.homes() {
+            return self.homed(units, station, index);
+        }
         if motions.is_empty() {
             // What stands at its end already is done without a motion, as on a recovery path.
             self.give(&mut units, station, StationInput::Panel(command(false)));
             let is_counted = units[station].report.places != before[station].report.places;
             let is_doubtful = self.believes_a_switch(&before[station], &units[station], &motions);
-            return is_counted.then_some(Pressed { units, motions, time: Duration::ZERO, is_doubtful });
+            return is_counted.then_some(Pressed { units, motions, time: Duration::ZERO, is_doubtful, homes: false });
         }
         let id = StationId::at(station);
         let (described, bits) = (self.line.station(id), units[station].report.measured);
@@ -187,7 +192,17 @@ impl<'l> PlayedLine<'l> {
         let is_on = |place: &StationPlace| image::is_at_end(described, bits, *place);
         let is_doubtful =
             motions.iter().any(is_on) || self.believes_a_switch(&before[station], &units[station], &motions);
-        Some(Pressed { units, motions, time, is_doubtful })
+        Some(Pressed { units, motions, time, is_doubtful, homes: false })
+    }
+
+    /// The homing under way is at its end, and *advance* is let go. How far the axis turns is not known before.
+    fn homed(&self, mut units: PlayedStations, station: usize, index: OpId) -> Option<Pressed> {
+        let (id, bits) = (StationId::at(station), units[station].report.measured);
+        self.image(&mut units, station, image::homed(self.line, id, bits, index));
+        self.give(&mut units, station, StationInput::Panel(PanelCommand::Advance(false)));
+        let time = self.line.operation((id, index)).watchdog;
+        let motions = vec![StationPlace::operating(index)];
+        Some(Pressed { units, motions, time, is_doubtful: false, homes: true })
     }
 
     /// Whether an operation that was stopped is complete now, the same way, and has not moved.

@@ -7,14 +7,15 @@ use linewright_station_logic::{Controller, NO_DELAY, Restore, StationInput, Stat
 
 use crate::cells::{half_way, shipped};
 
-/// What an alarm of an activity says whose stations are held between two rests.
-fn alarm(line: &Line, held: &[StationId], reset: &str) -> StandingAlarm {
-    let names: Vec<&str> = held.iter().map(|&id| line.station(id).name.as_str()).collect();
-    let text = match held {
-        [] => "M1.process failed. Answer where the part is. (m1: at rest)".to_owned(),
-        _ => format!("First {reset}lead {} to a rest in manual. M1.process failed. (m1: fault)", names.join(" and ")),
-    };
-    StandingAlarm { id: 3, text, answers: vec!["as-before".to_owned(), "gone".to_owned()] }
+/// An alarm of an activity whose stations are held between two rests.
+fn alarm(lead: &[StationId], reset: &[StationId]) -> StandingAlarm {
+    StandingAlarm {
+        id: 3,
+        text: "M1.process failed. Answer where the part is.".to_owned(),
+        answers: vec!["as-before".to_owned(), "gone".to_owned()],
+        lead: lead.to_vec(),
+        reset: reset.to_vec(),
+    }
 }
 
 /// Two stations of the workcell stand half-way, and are left out of the mode; the others stand at rests.
@@ -33,7 +34,7 @@ fn two_are_left_out(mode: ControlMode) -> (Line, LineSituation) {
         controller.step(now, &mut StationOutbox::default());
         seen.stations[id.index()] = Some(controller.report());
     }
-    seen.alarms = vec![alarm(&line, &held, "")];
+    seen.alarms = vec![alarm(&held, &[])];
     seen.left_out = held;
     seen.mode = mode;
     (line, seen)
@@ -70,7 +71,7 @@ fn stations_that_an_alarm_asks_about_are_led_to_a_rest_before_its_answer() {
 #[test]
 fn an_alarm_in_auto_is_a_step() {
     let (line, mut seen) = two_are_left_out(ControlMode::Auto);
-    seen.alarms = vec![alarm(&line, &[], "")];
+    seen.alarms = vec![alarm(&[], &[])];
     let found = plan(&line, &seen);
     let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
     assert!(texts.len() == 1 && texts[0].ends_with("Then `linewright answer`: as-before or gone"), "{texts:#?}");
@@ -80,9 +81,11 @@ fn an_alarm_in_auto_is_a_step() {
 #[test]
 fn a_station_in_emergency_stop_by_itself_is_reset_before_it_is_led() {
     let (line, mut seen) = two_are_left_out(ControlMode::StandBy);
-    seen.alarms = vec![alarm(&line, &seen.left_out, "`linewright resource \u{2026} m1 reset`, then ")];
+    let name = line.station(seen.left_out[0]).name.clone();
+    seen.alarms = vec![alarm(&seen.left_out, &seen.left_out[..1])];
     let found = plan(&line, &seen);
-    let first = found.steps[0].text(&line);
-    assert_eq!(first, "`linewright resource \u{2026} m1 reset`");
+    let first = &found.steps[0];
+    assert_eq!(first.text(&line), format!("{name}: in emergency stop by itself: reset it with `linewright resource`"));
+    assert_eq!(first.arguments(&line), Some(["resource", "LINE", &name, "reset"].map(str::to_owned).to_vec()));
     assert_eq!(found.end, RecoveryEnd::Auto);
 }

@@ -49,7 +49,7 @@ pub fn situation(sim: &LineSim) -> LineSituation {
     let report = |id| sim.controller(id).filter(|_| hears(id)).map(|controller| as_received(controller.report()));
     let stations = line.station_ids().map(report).collect();
     let coordinator = sim.coordinator().expect("the coordinator is up");
-    LineSituation::read(line, sim.mode(), coordinator.order().enabled, &coordinator.text(), stations)
+    LineSituation::read(line, sim.mode(), coordinator.order().enabled, coordinator.standing(), stations)
 }
 
 /// Does a step.

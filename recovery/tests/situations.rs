@@ -52,6 +52,23 @@ fn in_auto_there_is_nothing_to_do() {
     assert_eq!((plan.steps.len(), plan.end), (0, RecoveryEnd::Auto));
 }
 
+/// While a button is held, the plan says to hold it on: there is nothing to wait for.
+#[test]
+fn what_is_held_is_held_on_until_its_motion_has_ended() {
+    let mut sim = after_a_jam(0, "advance transfer");
+    command(&mut sim, ModeCommand::Manual);
+    let before = texts(&sim);
+    assert!(before[0].starts_with("transfer: hold advance until `advance transfer` is done"), "{before:#?}");
+    act(&mut sim, OperatorAction::Panel { station: StationId(0), advance: true, down: true });
+    run_for(&mut sim, Duration::from_millis(200));
+    assert!(!sim.controller(StationId(0)).expect("it is up").report().stopped);
+    assert_eq!(texts(&sim), before);
+    run_for(&mut sim, Duration::from_secs(2));
+    act(&mut sim, OperatorAction::Panel { station: StationId(0), advance: true, down: false });
+    run_for(&mut sim, Duration::from_secs(1));
+    assert_eq!(texts(&sim), before[1..]);
+}
+
 #[test]
 fn an_operation_that_jammed_half_way_is_led_on_in_manual() {
     let mut sim = after_a_jam(0, "advance transfer");

@@ -183,8 +183,21 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         let named: Vec<String> = args.input.iter().cloned().chain(moved).collect();
         let named = if named.is_empty() { String::new() } else { format!(" {}", named.join(", ")) };
         crate::out::say!("{} ({at}):{named} {what}", device.name);
+        effect(&line, device, args.what).into_iter().for_each(|text| crate::out::say!("{text}"));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What a drive does with a fault of its motion, and the signal that shows it: at rest nothing else is seen of it.
+fn effect(line: &Line, device: &Device, what: InjectedFault) -> Option<String> {
+    let (drive, InjectedFault::Motion(fault)) = (device.drive()?, what) else { return None };
+    let about = fault.about_drive()?;
+    Some(match drive.fault {
+        Some(signal) => format!("{about} Then {} is on.", line.input_text(device.owner, signal)),
+        None => {
+            format!("{about} It has no fault signal in the description: its station loses it then, as a lost device.")
+        }
+    })
 }
 
 /// Names as they are read apart, whatever is in them.
@@ -428,6 +441,18 @@ mod tests {
         let args = FailArgs { operation: Some(first), ..args(&station, slips) };
         let refused = orders(&line, &args).expect_err("a drive has no such fault").to_string();
         assert!(refused.contains("can stick or break, not slip-back: "), "{refused}");
+    }
+
+    #[test]
+    fn a_fault_of_a_drive_says_what_it_does_and_which_signal_shows_it() {
+        let text = include_str!("../../../examples/driven-table.toml");
+        let line = linewright_line::parse("driven-table.toml", text).expect("it parses").line;
+        let drive = line.devices.iter().find(|device| device.drive().is_some()).expect("one");
+        let broken = effect(&line, drive, InjectedFault::Motion(MotionFault::Break)).expect("a drive breaks");
+        assert!(broken.contains("at rest as well") && broken.contains("Then drive_fault ("), "{broken}");
+        assert_eq!(effect(&line, drive, InjectedFault::Clear), None);
+        let other = line.devices.iter().find(|device| device.drive().is_none()).expect("one");
+        assert_eq!(effect(&line, other, InjectedFault::Motion(MotionFault::Break)), None);
     }
 
     /// It would act as stick, and be called something else.

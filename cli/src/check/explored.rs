@@ -90,6 +90,8 @@ enum SafetyRule {
     MeasuredStop,
 }
 
+/// What the scope of a part begins with.
+pub const PART: &str = "part";
 /// A line of more stations than this is explored in parts.
 const WHOLE_STATIONS_MAX: usize = 3;
 
@@ -112,6 +114,9 @@ pub struct Exploration {
     /// What ended it before that, and what lets it look further.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
+    /// Of a part: the stations of the line that are not in it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<String>,
     /// One by one.
     pub properties: Vec<LineFinding>,
 }
@@ -202,7 +207,7 @@ impl ExploreOptions {
             return self.together(line);
         }
         let others = cyclic(line);
-        found.extend(self.by_parts(alone, "alone", ExploreOptions::each)?);
+        found.extend(self.by_parts(line, alone, "alone", ExploreOptions::each)?);
         if !others.stations.is_empty() {
             found.extend(self.together(&others)?);
         }
@@ -219,12 +224,13 @@ impl ExploreOptions {
             found.extend(self.both(line, "the whole line")?);
             return Ok(found);
         }
-        self.by_parts(parts(line), "part", ExploreOptions::both)
+        self.by_parts(line, parts(line), PART, ExploreOptions::both)
     }
 
-    /// Parts that are alike are explored once.
+    /// Parts of this line; those that are alike are explored once.
     fn by_parts(
         &self,
+        line: &Line,
         parts: Vec<SubLine>,
         what: &str,
         each: fn(&Self, &Line, &str) -> Result<Vec<Exploration>, LineNotExplorable>,
@@ -236,13 +242,19 @@ impl ExploreOptions {
                 found.push(Exploration::like(&part, what, &other, holds));
                 continue;
             }
-            let explored = match each(self, &part.line, &format!("{what}: {}", part.names())) {
+            let mut explored = match each(self, &part.line, &format!("{what}: {}", part.names())) {
                 // A part that is too large leaves its conflicts open, and the others are decided.
                 Err(why) if !matches!(why, LineNotExplorable::Compile(_)) => {
                     vec![Exploration::unexplored(&part, what, "undecided", &why.to_string())]
                 }
                 explored => explored?,
             };
+            // Arrows join the stations of a part to those outside it; one that is explored alone has none.
+            if what == PART {
+                let outside = line.station_ids().filter(|id| !part.stations.contains(id));
+                let outside: Vec<String> = outside.map(|id| line.station(id).name.clone()).collect();
+                explored.iter_mut().for_each(|exploration| exploration.left_out.extend(outside.iter().cloned()));
+            }
             seen.push((part, explored.iter().all(Exploration::holds)));
             found.extend(explored);
         }
@@ -290,7 +302,7 @@ impl ExploreOptions {
         // what was left out of it.
         let small = if self.whole { Vec::new() } else { smallest_parts(line) };
         let each = if open { ExploreOptions::both } else { ExploreOptions::restarted };
-        let of_parts = self.by_parts(small, "part", each)?;
+        let of_parts = self.by_parts(line, small, PART, each)?;
         let decided = !of_parts.is_empty() && of_parts.iter().all(Exploration::holds);
         if decided {
             found.iter_mut().for_each(|exploration| exploration.leave_to(&of_parts));
@@ -365,7 +377,7 @@ impl Exploration {
     fn of(scope: String, explored: LineExplored) -> Self {
         let LineExplored { states, kept, arcs, bytes, exhausted, properties, .. } = explored;
         let properties = properties.into_iter().map(LineFinding::from).collect();
-        Exploration { scope, states, kept, arcs, bytes, exhausted, help: None, properties }
+        Exploration { scope, states, kept, arcs, bytes, exhausted, help: None, left_out: Vec::new(), properties }
     }
 
     /// A part that differs in names and times alone from one that has been explored.
@@ -390,8 +402,26 @@ impl Exploration {
             bytes: 0,
             exhausted: verdict == "holds",
             help: None,
+            left_out: Vec::new(),
             properties: conflicts.chain(whole).map(property).collect(),
         }
+    }
+
+    /// What a failure in a part says of the line, and what looks further; none where nothing fails in a part.
+    pub fn outside_text(&self) -> Option<String> {
+        /// More names are no help to read.
+        const NAMES_MAX: usize = 8;
+        if self.left_out.is_empty() || !self.has("fails") {
+            return None;
+        }
+        let mut names = self.left_out.iter().take(NAMES_MAX).cloned().collect::<Vec<_>>().join(", ");
+        let more = self.left_out.len().saturating_sub(NAMES_MAX);
+        if more > 0 {
+            names += &format!(" and {more} more");
+        }
+        Some(format!(
+            "this part leaves out {names}, and their arrows, which may prevent this in the line; `--whole` explores all of it"
+        ))
     }
 
     fn has(&self, verdict: &str) -> bool {

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::barriers::{self, Barriers};
 use super::cell::{self, CellReport};
-use super::explored::{Exploration, ExploreOptions};
+use super::explored::{Exploration, ExploreOptions, PART};
 
 /// Question that no exploration decides; printed with every result so that it is not taken for more than it is.
 const DEVICES: &str = "whether mechanisms and devices behave as the description says";
@@ -139,7 +139,7 @@ pub fn judge(parsed: &ParsedLine, options: &ExploreOptions) -> Result<CheckRepor
     let mut not_decided = Vec::new();
     if !options.asks_to_explore() {
         not_decided.extend(NOT_EXPLORED);
-    } else if explorations.iter().all(|exploration| exploration.scope.starts_with("part")) {
+    } else if explorations.iter().all(|exploration| exploration.scope.starts_with(PART)) {
         not_decided.push(IN_PARTS);
     }
     if options.asks_to_explore() && !LineExploration::new(line).covers_every_delay() {

@@ -112,7 +112,8 @@ fn explored(exploration: &Exploration, out: &mut String) -> std::fmt::Result {
             story(counterexample, out)?;
         }
     }
-    exploration.help.iter().try_for_each(|help| writeln!(out, "  help: {help}"))
+    let helps = exploration.help.iter().cloned().chain(exploration.outside_text());
+    helps.into_iter().try_for_each(|help| writeln!(out, "  help: {help}"))
 }
 
 fn steps(steps: &[String], end: &str, out: &mut String) -> std::fmt::Result {

@@ -59,7 +59,10 @@ struct MotionJson {
     operation: String,
     undoing: bool,
     axis: String,
-    to: f64,
+    /// A position; of an index the number of the place, null where none is known.
+    to: Option<f64>,
+    /// The drive of the index is homed.
+    homes: bool,
     /// The switch that it waits for.
     until: String,
     seconds: f64,
@@ -79,7 +82,11 @@ impl MotionJson {
             operation: operation.name.clone(),
             undoing,
             axis: station.axes[operation.motion.axis.index()].name.clone(),
-            to: if undoing { operation.motion.from } else { operation.motion.to },
+            to: match station.index_of(motion.place.op) {
+                Some(_) => motion.to_place.map(f64::from),
+                None => Some(if undoing { operation.motion.from } else { operation.motion.to }),
+            },
+            homes: motion.homes,
             until: station.inputs[signals.complete.index()].clone(),
             seconds: motion.time.as_secs_f64(),
         }

@@ -1,25 +1,11 @@
-//! A plan beside its predecessor: what was done since, and whether its first step is still held.
+//! A plan beside its predecessor: what was done since.
 
-use linewright_line::net::ControlMode;
-use linewright_line::{Line, StationId};
+use linewright_line::Line;
 use linewright_recovery::{Need, RecoveryAction, RecoveryPlan, RecoveryStep};
 
 /// Something that ends by itself.
 fn is_wait(step: &RecoveryStep) -> bool {
     matches!(step.action, RecoveryAction::First(Need::Standstill(_) | Need::Acknowledged))
-}
-
-/// Whether what moves now is the first step of `before`, held at a panel or the console: it stays the first step until the motion
-/// has ended, since the button has to be held so long.
-pub fn is_still_held(before: &RecoveryPlan, now: &RecoveryPlan) -> bool {
-    let Some(step) = before.steps.first() else { return false };
-    let held = matches!(step.action, RecoveryAction::Press(..) | RecoveryAction::Resume);
-    let led: Vec<StationId> = step.moves.iter().map(|motion| motion.station).collect();
-    let moves = |step: &RecoveryStep| match step.action {
-        RecoveryAction::First(Need::Standstill(station)) => step.mode == ControlMode::Manual && led.contains(&station),
-        _ => false,
-    };
-    held && now.steps.first().is_some_and(moves)
 }
 
 /// The first steps of a plan that its successor does not have any more, if the rest is the same.
@@ -42,8 +28,8 @@ mod tests {
     use std::time::Duration;
 
     use linewright_coordinator_logic::ModeCommand;
-    use linewright_line::OpId;
-    use linewright_line::net::StationPlace;
+    use linewright_line::net::{ControlMode, StationPlace};
+    use linewright_line::{OpId, StationId};
     use linewright_recovery::{PanelButton, PlannedMotion, RecoveryEnd};
 
     use super::*;
@@ -58,7 +44,8 @@ mod tests {
 
     fn press() -> RecoveryStep {
         let place = StationPlace::operating(OpId(0));
-        let motion = PlannedMotion { station: StationId(0), place, time: Duration::from_secs(1) };
+        let time = Duration::from_secs(1);
+        let motion = PlannedMotion { station: StationId(0), place, to_place: None, homes: false, time };
         step(RecoveryAction::Press(StationId(0), PanelButton::Advance), vec![motion], ControlMode::Manual)
     }
 
@@ -67,22 +54,19 @@ mod tests {
     }
 
     fn moves(station: u16) -> RecoveryStep {
-        step(RecoveryAction::First(Need::Standstill(StationId(station))), Vec::new(), ControlMode::Manual)
+        step(RecoveryAction::First(Need::Standstill(StationId(station))), Vec::new(), ControlMode::Hand)
     }
 
     #[test]
-    fn a_step_that_is_held_stays_the_first_and_is_what_was_done_at_its_end() {
+    fn what_is_no_step_any_more_was_done_and_what_was_waited_for_was_not() {
         let line = linewright_line::parse("line.toml", &linewright_line::TransferLine::default().text());
         let line = line.expect("parses").line;
         let before = plan(vec![press(), auto()]);
-        let held = plan(vec![moves(0), auto()]);
-        assert!(is_still_held(&before, &held));
+        // While it is held, and while more than that is to be done.
+        assert!(newly_done(&line, &before, &before).is_empty());
         let done = newly_done(&line, &before, &plan(vec![auto()]));
         assert_eq!(done, [press().text(&line)]);
-        // Another station that moves is waited for, and that is nothing that was done.
         let other = plan(vec![moves(1), press(), auto()]);
-        assert!(!is_still_held(&before, &other));
         assert!(newly_done(&line, &other, &before).is_empty());
-        assert!(!is_still_held(&plan(vec![auto()]), &held));
     }
 }

@@ -255,8 +255,13 @@ mod tests {
             running: false,
             text: "failed, waits for an answer to alarm 4".into(),
         };
-        let alarm =
-            AlarmState { id: 4, raised: at(4), text: ALARM.into(), answers: vec!["in-store".into(), "scrap".into()] };
+        let alarm = AlarmState {
+            id: 4,
+            raised: at(4),
+            text: ALARM.into(),
+            answers: vec!["in-store".into(), "scrap".into()],
+            ..AlarmState::default()
+        };
         CellState {
             starting: true,
             parts_inside: 12,

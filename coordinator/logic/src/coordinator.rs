@@ -12,10 +12,12 @@ mod cycle;
 mod exchange;
 mod founding;
 mod obey;
+mod standing;
 mod stop;
 
 pub use cycle::CompletedCycle;
 pub use exchange::{ModeGrant, ModeInput, ModeOutbox, StationView};
+pub use standing::ModeStanding;
 pub use stop::EStopCause;
 
 use linewright_line::net::ControlMode;

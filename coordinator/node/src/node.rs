@@ -26,7 +26,7 @@ use crate::refusals::Refusals;
 use crate::remembered::remembered;
 use crate::situation::LineSituation;
 use crate::stop_time::StopTime;
-use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
+use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open, standing_message};
 
 /// Reason why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -400,8 +400,9 @@ impl CoordinatorLoop {
     fn perform(&mut self, now: Tick, effect: CoordinatorEffect) {
         match effect {
             CoordinatorEffect::Refused(refusal) => self.refused(&refusal),
-            CoordinatorEffect::Obeyed => self.refusals.obey(),
+            CoordinatorEffect::Obeyed => self.refusals.end(),
             CoordinatorEffect::Entered(mode) => {
+                self.refusals.end();
                 tracing::info!(epoch = self.shell.coordinator().epoch(), "mode {mode}");
             }
             // It is awaited where effects are performed in order.
@@ -490,11 +491,10 @@ impl CoordinatorLoop {
             enabled: order.enabled,
             master_stop: order.master_stop.is_some(),
             text,
-            refusal: self.refusals.text(now).to_owned(),
-            refusals: self.refusals.count,
             stations: self.line.stations.iter().map(|station| station.name.clone()).collect(),
             station_heard: self.line.station_ids().map(heard).collect(),
             waiting_for: names(coordinator.waiting_for()),
+            ..self.refusals.message(now, standing_message(&self.line, coordinator.standing()))
         });
     }
 }

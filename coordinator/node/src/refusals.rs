@@ -1,13 +1,13 @@
-//! The last refusal, as it is published: until a command is obeyed, or half a minute has passed.
+//! The last refusal, as it is published: until a command is obeyed, the mode changes, or half a minute has passed.
 
 use std::time::Duration;
 
 use linewright_line::Tick;
-use linewright_msgs::fitting;
+use linewright_msgs::{LineState, fitting};
 
 /// How soon a refusal may follow another one in what is logged.
 const LOGGED_EVERY: Duration = Duration::from_millis(20);
-/// How long a refusal is shown, if no command is obeyed before.
+/// How long a refusal is shown, if nothing ends it before.
 const SHOWN_FOR: Duration = Duration::from_secs(30);
 
 /// What has been refused.
@@ -16,7 +16,7 @@ pub(crate) struct Refusals {
     /// Since the coordinator started.
     pub count: u64,
     text: String,
-    until: Tick,
+    at: Tick,
     log_due: Tick,
 }
 
@@ -29,17 +29,29 @@ impl Refusals {
         }
         // With many devices lost there is more to say than a message carries.
         self.text = fitting(text);
-        self.until = now + SHOWN_FOR;
+        self.at = now;
     }
 
-    /// A command was obeyed.
-    pub fn obey(&mut self) {
+    /// A command was obeyed, or the mode has changed: what was refused may be possible now.
+    pub fn end(&mut self) {
         self.text.clear();
     }
 
-    /// The refusal that stands; empty for none.
-    pub fn text(&self, now: Tick) -> &str {
-        if now < self.until { &self.text } else { "" }
+    /// The message with the refusal that stands.
+    pub fn message(&self, now: Tick, message: LineState) -> LineState {
+        let (text, age) = self.standing(now);
+        LineState {
+            refusal: text.to_owned(),
+            refusal_age_ms: u32::try_from(age.as_millis()).unwrap_or(u32::MAX),
+            refusals: self.count,
+            ..message
+        }
+    }
+
+    /// The refusal that stands, and its age; empty for none.
+    pub fn standing(&self, now: Tick) -> (&str, Duration) {
+        let age = now.since(self.at);
+        if self.text.is_empty() || age >= SHOWN_FOR { ("", Duration::ZERO) } else { (&self.text, age) }
     }
 }
 
@@ -48,14 +60,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_refusal_stands_until_a_command_is_obeyed_or_half_a_minute_is_over() {
+    fn a_refusal_stands_with_its_age_until_something_ends_it_or_half_a_minute_is_over() {
         let mut refusals = Refusals::default();
         let at = Tick::from_millis;
         refusals.refuse(at(1000), "hand refused in auto".to_owned());
-        assert_eq!(refusals.text(at(30_999)), "hand refused in auto");
-        assert_eq!(refusals.text(at(31_000)), "");
+        assert_eq!(refusals.standing(at(30_999)), ("hand refused in auto", Duration::from_millis(29_999)));
+        assert_eq!(refusals.standing(at(31_000)), ("", Duration::ZERO));
         refusals.refuse(at(40_000), "manual refused in auto".to_owned());
-        refusals.obey();
-        assert_eq!((refusals.text(at(40_001)), refusals.count), ("", 2));
+        refusals.end();
+        assert_eq!((refusals.standing(at(40_001)), refusals.count), (("", Duration::ZERO), 2));
     }
 }

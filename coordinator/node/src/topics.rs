@@ -1,6 +1,6 @@
 //! ROS 2 topics of the coordinator.
 
-use linewright_coordinator_logic::CompletedCycle;
+use linewright_coordinator_logic::{CompletedCycle, ModeStanding};
 use linewright_line::{DeviceBus, Line, StationId};
 use linewright_msgs::{CycleTime, Flag, LineState, ModeOrder, ProcessImage, StationState, Text};
 use linewright_node_shell::{
@@ -44,6 +44,21 @@ pub struct CoordinatorPublishers {
 /// The message about a cycle that has just been completed.
 pub fn cycle_time_message(cycle: CompletedCycle) -> CycleTime {
     CycleTime { header: stamp(), number: cycle.number, duration_s: cycle.took.as_secs_f64() }
+}
+
+/// The message with what keeps the mode.
+pub fn standing_message(line: &Line, standing: ModeStanding) -> LineState {
+    let names = |ids: Vec<StationId>| ids.iter().map(|&id| line.station(id).name.clone()).collect();
+    LineState {
+        estop_latched: standing.is_latched,
+        estop_pressed: standing.is_pressed,
+        console_lost: standing.without_console,
+        resume: standing.resumes,
+        restarted: names(standing.restarted),
+        left_out: names(standing.left_out),
+        obstacles: standing.obstacles,
+        ..LineState::default()
+    }
 }
 
 /// Enough for a burst of every station's state while the node is busy; the rest waits in the middleware.

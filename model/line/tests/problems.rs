@@ -81,6 +81,38 @@ fn a_line_needs_a_station() {
     assert!(found.iter().any(|p| p.message == "a line needs at least one station"), "{found:?}");
 }
 
+/// The base with the name of each station in its header, as written by `name`.
+fn with_names_in_headers(name: impl Fn(&str) -> String) -> String {
+    let mut blocks = CELL.split("[[station]]\n");
+    let mut text = blocks.next().expect("a split has a first part").to_owned();
+    for block in blocks {
+        let (first, rest) = block.split_once('\n').expect("a station has keys");
+        let at = name(first.trim_start_matches("name = ").trim_matches('"'));
+        text += &format!(
+            "[station.{at}]\n{}",
+            rest.replace("[[station.operation]]", &format!("[[station.{at}.operation]]"))
+        );
+    }
+    text
+}
+
+#[test]
+fn stations_with_their_names_in_headers_are_read_and_are_one_error() {
+    let errors = |text: &str| -> Vec<(String, Option<String>)> {
+        let all = problems(text).into_iter().filter(|problem| !problem.is_warning);
+        all.map(|problem| (problem.message, problem.hint)).collect()
+    };
+    let found = errors(&with_names_in_headers(str::to_owned));
+    let [(message, hint)] = &found[..] else { panic!("{found:#?}") };
+    assert_eq!(message, "`station` must be a list of tables");
+    let advice = "write each one under a header `[[station]]`, with two brackets, and below it `name = \"…\"`";
+    assert_eq!(hint.as_deref(), Some(advice));
+    // The same with a blank in one name, which is a mistake of its own; the uses of it are none.
+    let blank = with_names_in_headers(|name| name.replace("feeder", "\"my feeder\""));
+    let found: Vec<String> = errors(&blank).into_iter().map(|(message, _)| message).collect();
+    assert_eq!(found, ["`station` must be a list of tables", "`my feeder` cannot be the name of a station"]);
+}
+
 #[test]
 fn lines_and_columns_are_counted_in_characters_from_one() {
     let text = "name = \"ok\"\n# größer\n  title = 'é' # ü\nstation = [ { name = \"ä\", nme = 1 } ]\n";

@@ -7,10 +7,11 @@
 use std::fmt;
 use std::time::Duration;
 
-use toml_edit::{Array, Item, TableLike, Value};
+use toml_edit::{Array, Item, Table, TableLike, Value};
 
+use crate::advice::{missing, wrong_type, wrong_value};
 use crate::place::{Located, LocatedName, Named, TextRange};
-use crate::{Problem, Report, suggestion};
+use crate::{Problem, Report, Shape, suggestion};
 
 /// No duration of a mechanism or message is sensibly longer.
 pub(crate) const DURATION_MAX_S: f64 = 24.0 * 3600.0;
@@ -43,12 +44,21 @@ pub struct Fields<'a> {
     /// Its name, for messages: "a station", "`moves`".
     what: &'static str,
     asked: Vec<&'static str>,
+    /// Meaning of the key that is read next, line by line.
+    about: &'static [&'static str],
+    /// Its name where that stands in its header, by mistake.
+    header_name: Option<LocatedName>,
 }
 
 impl<'a> Fields<'a> {
     /// The table at this place; `what` it is, for messages: "a station", "`moves`".
     pub fn new(table: &'a dyn TableLike, at: TextRange, what: &'static str) -> Self {
-        Fields { table, at, what, asked: Vec::new() }
+        Fields { table, at, what, asked: Vec::new(), about: &[], header_name: None }
+    }
+
+    /// Notes the meaning of the key that is read next, for messages.
+    pub fn note(&mut self, about: &'static [&'static str]) {
+        self.about = about;
     }
 
     /// Whether nothing is written in it.
@@ -91,12 +101,19 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Reports that a required key is missing.
-    pub(crate) fn require<T>(&self, report: &mut Report, key: &'static str, found: Option<T>) -> Option<T> {
+    /// Reports that a required key of this shape is missing.
+    pub(crate) fn require<T>(
+        &self,
+        report: &mut Report,
+        key: &'static str,
+        shape: &dyn Fn() -> Shape,
+        found: Option<T>,
+    ) -> Option<T> {
         if found.is_none() && self.table.get(key).is_none_or(Item::is_none) {
             report.add(
                 Problem::error(self.at.clone(), format!("{} needs `{key}`", self.what))
-                    .label(format!("no `{key}` here")),
+                    .label(format!("no `{key}` here"))
+                    .hint(missing(key, &shape(), self.about, self.at == (0..0))),
             );
         }
         found
@@ -104,6 +121,9 @@ impl<'a> Fields<'a> {
 
     /// Any text.
     pub fn text(&mut self, report: &mut Report, key: &'static str) -> Option<LocatedName> {
+        if key == "name" && !self.has(key) && self.header_name.is_some() {
+            return self.header_name.clone();
+        }
         let text = self.read(report, key, "text in quotes", |item| item.as_str().map(str::to_owned))?;
         if text.value.len() > TEXT_MAX {
             report.add(
@@ -253,8 +273,19 @@ impl<'a> Fields<'a> {
                 }
             }
             other => {
-                let problem = wrong_type(at, key, "a list of tables", other);
-                report.add(problem.hint(format!("write each one under a header `[[{key}]]`, with two brackets")));
+                let problem = wrong_type(at.clone(), key, "a list of tables", other);
+                let advice = format!("write each one under a header `[[{key}]]`, with two brackets");
+                // What is meant is read all the same: the rest of the text refers to it.
+                match other {
+                    Item::Table(named) if named.is_implicit() => {
+                        report.add(problem.hint(format!("{advice}, and below it `name = \"…\"`")));
+                        tables.extend(by_header(named, what));
+                    }
+                    _ => {
+                        report.add(problem.hint(advice));
+                        tables.extend(other.as_table_like().map(|table| Fields::new(table, at, what)));
+                    }
+                }
             }
         }
         if tables.len() > max {
@@ -363,6 +394,17 @@ impl<'a> Fields<'a> {
     }
 }
 
+/// Tables with their names in their headers, `[station.press]`.
+fn by_header<'a>(tables: &'a Table, what: &'static str) -> impl Iterator<Item = Fields<'a>> {
+    tables.iter().filter_map(move |(name, item)| {
+        let table = item.as_table_like()?;
+        let name_at = tables.key(name).and_then(|key| key.span()).unwrap_or(0..0);
+        let mut fields = Fields::new(table, item.span().unwrap_or_else(|| name_at.clone()), what);
+        fields.header_name = Some(Located::new(name.to_owned(), name_at));
+        Some(fields)
+    })
+}
+
 /// A whole number will do as a number.
 fn number(item: &Item) -> Option<f64> {
     item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64))
@@ -411,26 +453,4 @@ fn list(report: &mut Report, key: &str, array: Located<&Array>, max: usize) -> O
         }
     }
     Some(Located::new(texts, array.at))
-}
-
-fn wrong_type(at: TextRange, key: &str, expected: &str, found: &Item) -> Problem {
-    Problem::error(at, format!("`{key}` must be {expected}")).label(format!("this is {}", described(found.type_name())))
-}
-
-fn wrong_value(at: TextRange, what: &str, expected: &str, found: &Value) -> Problem {
-    Problem::error(at, format!("{what} must be {expected}")).label(format!("this is {}", described(found.type_name())))
-}
-
-fn described(type_name: &str) -> &str {
-    match type_name {
-        "string" => "text",
-        "integer" => "a whole number",
-        "float" => "a number with a decimal point",
-        "boolean" => "true or false",
-        "datetime" => "a date",
-        "array" => "a list",
-        "array of tables" => "a list of tables",
-        "table" | "inline table" => "a table",
-        other => other,
-    }
 }

@@ -84,6 +84,7 @@ macro_rules! keys {
                     at: fields.at.clone(),
                     $($field: {
                         let kind: $crate::KeyKind<$type> = $kind;
+                        fields.note(&[$($about),+]);
                         kind.read(fields, report, $crate::keys!(@key $field $($key)?))
                     },)*
                 }

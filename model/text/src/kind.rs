@@ -1,5 +1,6 @@
 //! Kinds of keys: reading, and shape.
 
+use std::rc::Rc;
 use std::time::Duration;
 
 use crate::fields::{COORDINATE_MAX, DURATION_MAX_S, DURATION_MIN_S, MILLIS_MAX, POSITIVE_MAX, POSITIVE_MIN};
@@ -11,7 +12,7 @@ type Reader<T> = dyn Fn(&mut Fields<'_>, &mut Report, &'static str) -> T;
 /// Reading of the value of a key into a `T`, and its shape in the text.
 pub struct KeyKind<T> {
     read: Box<Reader<T>>,
-    shape: Box<dyn Fn() -> Shape>,
+    shape: Rc<dyn Fn() -> Shape>,
     presence: KeyPresence,
     usual: Option<Usual>,
 }
@@ -22,7 +23,7 @@ impl<T: 'static> KeyKind<T> {
         read: impl Fn(&mut Fields<'_>, &mut Report, &'static str) -> T + 'static,
         shape: impl Fn() -> Shape + 'static,
     ) -> Self {
-        KeyKind { read: Box::new(read), shape: Box::new(shape), presence: KeyPresence::Optional, usual: None }
+        KeyKind { read: Box::new(read), shape: Rc::new(shape), presence: KeyPresence::Optional, usual: None }
     }
 
     /// Reads the value at `key`.
@@ -54,7 +55,7 @@ impl<T: 'static> KeyKind<T> {
 
     /// The same, with a narrower shape: what a later rule checks.
     pub fn like(self, shape: impl Fn() -> Shape + 'static) -> Self {
-        KeyKind { shape: Box::new(shape), ..self }
+        KeyKind { shape: Rc::new(shape), ..self }
     }
 
     /// The same; a later rule checks that it is from `low` to `high`.
@@ -76,11 +77,11 @@ impl<T: 'static> KeyKind<T> {
 impl<T: 'static> KeyKind<Option<T>> {
     /// The key of this kind as one that may not be missing.
     pub fn required(self) -> Self {
-        let read = self.read;
+        let (read, shape) = (self.read, self.shape.clone());
         KeyKind {
             read: Box::new(move |fields, report, key| {
                 let found = read(fields, report, key);
-                fields.require(report, key, found)
+                fields.require(report, key, &*shape, found)
             }),
             presence: KeyPresence::Required,
             ..self
@@ -89,11 +90,12 @@ impl<T: 'static> KeyKind<Option<T>> {
 
     /// The same, which may be missing only where one of `others` is written.
     pub fn required_unless(self, others: &'static [&'static str]) -> Self {
-        let read = self.read;
+        let (read, shape) = (self.read, self.shape.clone());
         KeyKind {
             read: Box::new(move |fields, report, key| {
                 let found = read(fields, report, key);
-                if others.iter().any(|other| fields.has(other)) { found } else { fields.require(report, key, found) }
+                let is_other = others.iter().any(|other| fields.has(other));
+                if is_other { found } else { fields.require(report, key, &*shape, found) }
             }),
             presence: KeyPresence::Unless(others),
             ..self

@@ -6,6 +6,7 @@
 //! description is in the crates that read one. A reader never stops at a mistake; what could not be read is absent
 //! afterwards, so that one run reports all that can be known, and none of it twice.
 
+mod advice;
 mod document;
 mod fields;
 mod id;

@@ -1,11 +1,11 @@
 //! Names that a description defines: their meaning, and whether they are well formed.
 //!
-//! A name that is defined twice stands for its first definition, and one that is malformed is kept as it is, so that one
-//! slip is reported once and not at every use.
+//! A name that is defined twice stands for its first definition. One that is malformed is kept as it is, and stands for
+//! unknown names as well: its uses may have it as it ought to be. So one slip is reported once and not at every use.
 
 use std::collections::HashMap;
 
-use crate::{LocatedName, Problem, Report, TextRange, suggestion};
+use crate::{LocatedName, Problem, Report, TextRange, nearest, suggestion};
 
 /// Longest name, in characters. ROS allows 255 for a whole topic name; ours are one part of one.
 pub const NAME_MAX: usize = 64;
@@ -16,6 +16,8 @@ pub struct NameTable<'a> {
     entries: HashMap<&'a str, (usize, &'a TextRange)>,
     /// In the order of the description, so that suggestions do not depend on hashing.
     order: Vec<&'a str>,
+    /// Malformed ones among them.
+    malformed: Vec<&'a str>,
 }
 
 impl<'a> NameTable<'a> {
@@ -27,6 +29,29 @@ impl<'a> NameTable<'a> {
         self.entries.insert(&name.value, (id, &name.at));
         self.order.push(&name.value);
         None
+    }
+
+    /// Notes whether a defined name is well formed; one that is not stands for unknown names as well.
+    pub fn note(&mut self, name: &'a LocatedName, is_well_formed: bool) {
+        if !is_well_formed {
+            self.malformed.push(&name.value);
+        }
+    }
+
+    /// Whether number `id` has a malformed name.
+    pub fn is_malformed(&self, id: usize) -> bool {
+        self.malformed.iter().any(|name| self.get(name) == Some(id))
+    }
+
+    /// Index of `name`, or of the malformed name in whose place it may be written. An unknown name that is nearer to a
+    /// well-formed one is a slip of its own.
+    pub fn meant(&self, name: &str) -> Option<usize> {
+        let stand_in = || {
+            let first = self.malformed.first()?;
+            let near = nearest(name, self.malformed.iter().copied().chain(self.names())).unwrap_or(first);
+            self.malformed.contains(&near).then(|| self.get(near)).flatten()
+        };
+        self.get(name).or_else(stand_in)
     }
 
     /// Index of `name`.
@@ -44,9 +69,9 @@ impl<'a> NameTable<'a> {
         self.order.iter().copied()
     }
 
-    /// Index of `name`, or a problem with what it could have been.
+    /// Index of the name that is meant, or a problem with what it could have been.
     pub fn find(&self, name: &LocatedName, what: &str, report: &mut Report) -> Option<usize> {
-        let found = self.get(&name.value);
+        let found = self.meant(&name.value);
         if found.is_none() && !report.is_full() {
             report.add(
                 Problem::error(name.at.clone(), format!("unknown {what} `{}`", name.value))
@@ -87,8 +112,8 @@ pub fn ros_name(name: &LocatedName, what: &str, report: &mut Report) -> bool {
     fits
 }
 
-/// Reports a name that is not as a chart prints it: words, with blanks between them.
-pub fn phrase(name: &LocatedName, what: &str, report: &mut Report) {
+/// Reports a name that is not as a chart prints it: words, with blanks between them; whether it is.
+pub fn phrase(name: &LocatedName, what: &str, report: &mut Report) -> bool {
     let text = &name.value;
     let fits = !text.is_empty()
         && text.trim() == text
@@ -101,15 +126,18 @@ pub fn phrase(name: &LocatedName, what: &str, report: &mut Report) {
                 .hint(format!("some words without `:`, no blank at either end, at most {NAME_MAX} characters")),
         );
     }
+    fits
 }
 
-/// Reports a name that is not as a circuit diagram prints it: one word.
-pub fn tag(name: &LocatedName, what: &str, report: &mut Report) {
+/// Reports a name that is not as a circuit diagram prints it: one word; whether it is.
+pub fn tag(name: &LocatedName, what: &str, report: &mut Report) -> bool {
     let text = &name.value;
-    if text.is_empty() || text.len() > NAME_MAX || !text.chars().all(|c| c.is_ascii_graphic()) {
+    let fits = !text.is_empty() && text.len() <= NAME_MAX && text.chars().all(|c| c.is_ascii_graphic());
+    if !fits {
         report.add(
             Problem::error(name.at.clone(), format!("`{}` cannot name this {what}", text.escape_debug()))
                 .hint(format!("one word of letters, digits and signs without blanks, at most {NAME_MAX}")),
         );
     }
+    fits
 }

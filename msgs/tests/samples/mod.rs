@@ -49,7 +49,9 @@ pub fn station_state() -> StationState {
         measured_age_ms: 12,
         position_lost: true,
         placed: true,
+        place: 2,
         incomplete: vec![1],
+        stop_causes: vec![StationState::CAUSE_WATCHDOG],
         operation: "drill".into(),
         fault: "drill: not down after 2 s".into(),
         blocked_by: vec!["s2 unknown".into(), "ä".into()],
@@ -115,7 +117,15 @@ pub fn line_state() -> LineState {
         enabled: false,
         master_stop: true,
         text: "auto".into(),
+        estop_latched: true,
+        estop_pressed: false,
+        console_lost: true,
+        resume: false,
+        restarted: vec!["s1".into()],
+        left_out: vec!["s2".into(), "s3".into()],
+        obstacles: vec!["second coordinator".into()],
         refusal: "s2 stands on manual".into(),
+        refusal_age_ms: 1500,
         refusals: 2,
         stations: vec!["s1".into(), "s2".into()],
         station_heard: vec![LineState::HEARD_FRESH, LineState::HEARD_STALE],
@@ -242,7 +252,14 @@ pub fn cell_state() -> CellState {
         due: at(),
         ended: Time::default(),
     };
-    let alarm = AlarmState { id: 4, raised: at(), text: "put it back".into(), answers: vec!["in-store".into()] };
+    let alarm = AlarmState {
+        id: 4,
+        raised: at(),
+        text: "put it back".into(),
+        answers: vec!["in-store".into()],
+        lead: vec!["s1".into(), "s2".into()],
+        reset: vec!["s2".into()],
+    };
     CellState {
         header: header(),
         boot_id: 0x0102_0304_0506_0708,

@@ -82,6 +82,7 @@ impl Controller {
         report.measured_age = self.image_age();
         report.position_lost = self.position_lost();
         report.placed = self.marking.placed && !self.marking.unconfirmed;
+        report.place = self.marking.axis_place;
         report.cycle = self.counts.cycle;
         report.done.clone_from(&self.counts.done);
         report.started.clone_from(&self.counts.started);

@@ -11,7 +11,9 @@ use crate::event::{StationHappening, StopCause};
 use crate::peer_set::PeerSet;
 use crate::program::{CompiledTransition, IncomingArrow as Arrow};
 use crate::texts::place::{op_names, place_text};
-use crate::texts::{NoReturn, PanelChoice, PositionDoubt, REJOIN_WAY, RejoinAdvice, StationWait, stuck_text};
+use crate::texts::{
+    NoReturn, PanelChoice, PositionDoubt, REJOIN_WAY, RejoinAdvice, StationWait, signal_now_text, stuck_text,
+};
 use crate::views::Comparability;
 
 impl Controller {
@@ -35,7 +37,12 @@ impl Controller {
                 cause => cause,
             };
             if cause.is_fault() {
-                let text = cause.text_of(line, self.program.station, place.op, place.block);
+                let mut text = cause.text_of(line, self.program.station, place.op, place.block);
+                if let Some(fault) =
+                    self.fault_signal(line, place).filter(|_| cause == StopCause::Signal && self.image.valid)
+                {
+                    text.push_str(signal_now_text(self.image.bits & fault.bit() != 0));
+                }
                 parts.push(format!("{}: {text}", self.op_name(line, place.op)));
             }
         }
@@ -225,17 +232,21 @@ impl Controller {
         }
     }
 
+    /// The fault signal of the motion of a place.
+    fn fault_signal(&self, line: &Line, place: StationPlace) -> Option<InputId> {
+        let operation = line.operation((self.program.station, place.op));
+        match (place.block, &operation.module) {
+            (Block::Recovery, OperationModule::Reversible { recovery, .. }) => recovery.fault,
+            _ => operation.normal.fault,
+        }
+    }
+
     /// A fault signal that is on stops the motion again as soon as it begins.
     fn explain_fault_signal(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) {
-        let operation = line.operation((self.program.station, place.op));
-        let signals = match (place.block, &operation.module) {
-            (Block::Recovery, OperationModule::Reversible { recovery, .. }) => recovery,
-            _ => &operation.normal,
-        };
         let is_on = |input: &InputId| self.image.valid && self.image.bits & input.bit() != 0;
-        reasons.extend(signals.fault.filter(is_on).map(|input| {
+        reasons.extend(self.fault_signal(line, place).filter(is_on).map(|input| {
             let input = line.input_text(Owner::Station(self.program.station), input);
-            StationWait::FaultSignal { input: &input, op: &operation.name }.text()
+            StationWait::FaultSignal { input: &input, op: self.op_name(line, place.op) }.text()
         }));
     }
 
@@ -269,6 +280,9 @@ impl Controller {
             reasons.push(StationWait::RecoveryPath.text());
             return;
         }
+        for op in self.ops_of_step(next) {
+            self.explain_fault_signal(line, StationPlace::operating(op), reasons);
+        }
         if self.explain_order(line, place, reasons) {
             return;
         }
@@ -280,14 +294,14 @@ impl Controller {
                 self.explain_causes(line, next, now, reasons);
             }
             ControlMode::Hand => {
-                self.explain_positions(line, step, StationPlace::undoing, reasons);
+                self.explain_return(line, place, step, reasons);
                 self.explain_causes(line, next, now, reasons);
                 reasons.push(self.hand_choices(line, place));
             }
             ControlMode::Manual => {
                 if self.panel_is_live() {
                     self.explain_missing(line, next as u8, reasons);
-                    self.explain_positions(line, step, StationPlace::undoing, reasons);
+                    self.explain_return(line, place, step, reasons);
                     self.explain_causes(line, next, now, reasons);
                     reasons.push(match place.block {
                         _ if self.leads_back(place, step) => StationWait::Panel.text(),
@@ -312,7 +326,12 @@ impl Controller {
 
     /// Whether the panel's return leads on from this place, at rest at the end of a motion.
     fn leads_back(&self, place: StationPlace, step: usize) -> bool {
-        self.program.actions.iter().any(|action| match (place.block, action.kind) {
+        self.ways_back(place, step).next().is_some()
+    }
+
+    /// What return does from this place.
+    fn ways_back(&self, place: StationPlace, step: usize) -> impl Iterator<Item = &CompiledTransition> {
+        self.program.actions.iter().filter(move |action| match (place.block, action.kind) {
             (Block::Normal, TransitionKind::Undo(op)) => op == place.op,
             (Block::Recovery, TransitionKind::Back { from, .. }) => from == step,
             (Block::Recovery, TransitionKind::GiveUp(task)) => {
@@ -320,6 +339,13 @@ impl Controller {
             }
             _ => false,
         })
+    }
+
+    /// What keeps return from starting its motion.
+    fn explain_return(&self, line: &Line, place: StationPlace, step: usize, reasons: &mut Vec<String>) {
+        let started = self.ways_back(place, step).flat_map(|action| &action.to);
+        let started = started.map(|&to| self.program.places[usize::from(to)].place);
+        started.filter(|to| to.is_operating()).for_each(|to| self.explain_guard(line, to, reasons));
     }
 
     fn hand_choices(&self, line: &Line, place: StationPlace) -> String {
@@ -368,21 +394,17 @@ impl Controller {
                 reasons.push(self.cause_text(line, cause, cycle, now));
             }
         }
-        self.explain_positions(line, step, StationPlace::operating, reasons);
-    }
-
-    /// Motions that the second barrier blocks.
-    fn explain_positions(&self, line: &Line, step: usize, moves: fn(OpId) -> StationPlace, reasons: &mut Vec<String>) {
-        let ops = self.program.step_of.iter().enumerate().filter(|&(_, &at)| usize::from(at) == step);
-        for op in ops.map(|(op, _)| OpId::at(op)) {
-            self.explain_guard(line, moves(op), reasons);
+        // Motions that the second barrier blocks.
+        for op in self.ops_of_step(step) {
+            self.explain_guard(line, StationPlace::operating(op), reasons);
         }
     }
 
     fn explain_guard(&self, line: &Line, place: StationPlace, reasons: &mut Vec<String>) {
         if let Some(guard) = self.violated(place, self.marking.path) {
             let detail = self.interlock(&guard).detail(line, self.program.station);
-            reasons.push(StationWait::Position { detail: &detail, own: self.op_name(line, place.op) }.text());
+            let own = place_text(line, self.program.station, place);
+            reasons.push(StationWait::Position { detail: &detail, own: &own }.text());
         }
     }
 

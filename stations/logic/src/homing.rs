@@ -102,7 +102,10 @@ impl Controller {
             });
         }
         let silence = self.homing.silent_since.map(|since| self.now.since(since));
-        let is_over = self.program.peers.is_empty() || silence.is_some_and(|silence| silence >= self.stale * SILENCES);
+        // Where the clock stands still, every report has been received.
+        let is_over = self.program.peers.is_empty()
+            || !self.rules.timely
+            || silence.is_some_and(|silence| silence >= self.stale * SILENCES);
         (!is_over).then_some(HomingNeed::OldViews)
     }
 
@@ -128,6 +131,11 @@ impl Controller {
         }
         let mut spans = self.program.spans.iter().filter(|span| span.conflict == guard.conflict);
         (!spans.all(|span| span.is_left_by(view))).then_some(HomingNeed::Outside(view.station, guard.conflict))
+    }
+
+    /// The index whose axis is being homed at a rest.
+    pub fn homes(&self) -> Option<OpId> {
+        self.program.places_of_axis.as_ref().filter(|_| self.homing.is_driven).map(|axis| axis.op)
     }
 
     fn may_be_homed(&self) -> bool {

@@ -49,6 +49,8 @@ pub struct StationReport {
     /// Where its mechanisms stand is known: confirmed, read off the switches, or following from such. Not after a start with a
     /// record that may be older than they are.
     pub placed: bool,
+    /// The numbered place at which the endless axis of a drive stood last, or from which its index under way began; 0 for none.
+    pub place: u16,
     /// Operations stopped before their end, with the cause.
     pub incomplete: Vec<(OpId, StopCause)>,
     /// The request to take counts back that is open.

@@ -1,8 +1,8 @@
 //! Texts of alarms and of resources left out by the present state, which may differ from that when the alarm was raised.
 
-use linewright_line::Tick;
+use linewright_line::{StationId, Tick};
 
-use super::super::firing::{OngoingOrder, OrderProgress};
+use super::super::firing::{OngoingActivity, OngoingOrder, OrderProgress};
 use super::super::ids::{FiringId, ResourceId};
 use super::super::player::Coordination;
 use super::super::record::OrderFailure;
@@ -18,7 +18,34 @@ enum ResourceFinding {
     Nothing,
 }
 
+/// Stations that are to be led by hand before an alarm can be answered.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct StationsToLead {
+    /// Between two rests.
+    pub lead: Vec<StationId>,
+    /// Those of them that are in emergency stop by themselves.
+    pub reset: Vec<StationId>,
+}
+
 impl Coordination {
+    /// Stations of a failed activity that stand between two rests.
+    pub(crate) fn stations_to_lead(&self, now: Tick, firing: &OngoingActivity) -> StationsToLead {
+        let is_held = |order: &&OngoingOrder| self.standing_if_reset(now, firing.id, order) == StationStanding::Held;
+        let lead: Vec<StationId> = firing.orders.iter().filter(is_held).map(|order| order.station).collect();
+        let is_stopped = |station: &StationId| self.state().exceptions().is_stopped(*station);
+        StationsToLead { reset: lead.iter().copied().filter(is_stopped).collect(), lead }
+    }
+
+    /// Stations that an alarm asks to be led, as things are now.
+    pub fn alarm_leads(&self, now: Tick, of: &Alarm) -> StationsToLead {
+        match of.about {
+            AlarmSubject::Firing(firing) => {
+                self.failed(firing).map(|(firing, _)| self.stations_to_lead(now, firing)).unwrap_or_default()
+            }
+            AlarmSubject::Resource(_) => StationsToLead::default(),
+        }
+    }
+
     /// Standing of a station of a failed activity, with an emergency stop of its own before anything else.
     pub(crate) fn standing_now(&self, now: Tick, firing: FiringId, order: &OngoingOrder) -> StationStanding {
         if self.state().exceptions().is_stopped(order.station) {

@@ -39,6 +39,7 @@ mod standing;
 mod watch;
 
 pub use book::{Alarm, ExceptionStage, Exceptions, FailedActivity, OutOfService};
+pub use current::StationsToLead;
 pub use fact::{
     AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, SecuredState, SensorMismatch,
     Strategy, Whereabouts,

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use linewright_line::{RestId, StationId, Tick};
 use linewright_orders::TaskFailure;
 
-use crate::exception::{RecoveryDecision, RecoveryPolicy, SensorMismatch, WrongRest};
+use crate::exception::{RecoveryDecision, RecoveryPolicy, SensorMismatch, StationsToLead, WrongRest};
 use crate::firing::{OngoingActivity, OngoingOrder, OrderProgress};
 use crate::ids::{ModeId, PartId, ResourceId};
 use crate::player::Coordination;
@@ -26,11 +26,9 @@ pub(crate) fn alarm(of: &Coordination, firing: &OngoingActivity, cause: Activity
         let part = firing.part.map(|part| super::part(state, part));
         AlarmText::Failed { activity: state.table().called(firing.mode), part: part.as_deref() }.text()
     });
-    let is_held = |order: &&OngoingOrder| of.standing_if_reset(now, firing.id, order) == StationStanding::Held;
-    let of_held = firing.orders.iter().filter(is_held).map(|order| order.station);
-    let held: Vec<String> = of_held.clone().map(|station| handling.station_name(station)).collect();
-    let stopped = of_held.filter(|&station| state.exceptions().is_stopped(station));
-    let stopped: Vec<String> = stopped.map(|station| handling.station_name(station)).collect();
+    let StationsToLead { lead, reset } = of.stations_to_lead(now, firing);
+    let names = |ids: Vec<StationId>| -> Vec<String> { ids.into_iter().map(|id| handling.station_name(id)).collect() };
+    let (held, stopped) = (names(lead), names(reset));
     let text = AlarmText::WithFacts { tell: &tell, facts: &facts(of, firing, cause, now) }.text();
     if held.is_empty() {
         text

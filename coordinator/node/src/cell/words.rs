@@ -2,13 +2,13 @@
 //!
 //! Names of the net become an operator's terms: a part is *in M1, loaded*, or *in `load M1`*.
 
-use linewright_coordinator_cell::exception::Alarm;
+use linewright_coordinator_cell::exception::{Alarm, StationsToLead};
 use linewright_coordinator_cell::production::{Production, ProductionOrder, ProductionStatus};
 use linewright_coordinator_cell::{
     ActivityPhase, CellTable, Coordination, ModeId, OngoingActivity, OngoingOrder as StationOrder, OrderProgress, Part,
     PartPlace, PlayerState, ProductionId, texts,
 };
-use linewright_line::{Line, Tick};
+use linewright_line::{Line, StationId, Tick};
 use linewright_msgs::{ActivityState, AlarmState, Bounded, CellState, LISTED_MAX, PartState, ProductionState, fitting};
 use linewright_node_line::quoted;
 
@@ -23,11 +23,17 @@ pub fn describe(line: &Line, coordination: &Coordination, starting: bool, now: T
     message.parts_inside = count(state.parts().len());
     message.parts_left = state.left();
     message.orders_open = count(production.orders().filter(|order| order.ended.is_none()).count());
-    let alarm = |alarm: &Alarm| AlarmState {
-        id: alarm.id.0,
-        raised: time(alarm.since),
-        text: fitting(coordination.alarm_text(now, alarm)),
-        answers: alarm.words.clone(),
+    let names = |ids: Vec<StationId>| ids.into_iter().map(|id| line.station(id).name.clone()).collect();
+    let alarm = |alarm: &Alarm| {
+        let StationsToLead { lead, reset } = coordination.alarm_leads(now, alarm);
+        AlarmState {
+            id: alarm.id.0,
+            raised: time(alarm.since),
+            text: fitting(coordination.alarm_text(now, alarm)),
+            answers: alarm.words.clone(),
+            lead: names(lead),
+            reset: names(reset),
+        }
     };
     message.alarms = listed(state.exceptions().alarms().map(alarm));
     let name = |id| table.handling().resource(id).map(|resource| resource.name.to_string()).unwrap_or_default();

@@ -41,9 +41,10 @@ pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> CellNames<'a> 
     };
     for (id, resource) in raw.resources.iter().enumerate() {
         if let Some(name) = &resource.name {
-            label(name, "resource", report);
-            reserved(name, "resource", &[OUTSIDE], "it is where parts come from and go to", report);
-            reserved(name, "resource", &[RUNNING], "it is what is in progress", report);
+            let fits = label(name, "resource", report)
+                && reserved(name, "resource", &[OUTSIDE], "it is where parts come from and go to", report)
+                && reserved(name, "resource", &[RUNNING], "it is what is in progress", report);
+            names.resources.note(name, fits);
             unique(&mut names.resources, name, id, "resource", report);
         }
     }
@@ -65,8 +66,9 @@ pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> CellNames<'a> 
         let mut steps = NameTable::default();
         for (id, step) in part.steps.iter().enumerate() {
             if let Some(name) = &step.name {
-                label(name, "step", report);
-                reserved(name, "step", &STAGES, "every part has a stage of that name", report);
+                let fits = label(name, "step", report)
+                    && reserved(name, "step", &STAGES, "every part has a stage of that name", report);
+                steps.note(name, fits);
                 unique(&mut steps, name, id, "step of this part", report);
             }
         }
@@ -80,24 +82,27 @@ pub(super) fn names<'a>(raw: &'a RawCell, report: &mut Report) -> CellNames<'a> 
     names
 }
 
-fn label(name: &LocatedName, what: &str, report: &mut Report) {
-    if name.value.contains(SIGNS) {
+fn label(name: &LocatedName, what: &str, report: &mut Report) -> bool {
+    let has_signs = name.value.contains(SIGNS);
+    if has_signs {
         let signs: Vec<String> = SIGNS.iter().map(|sign| format!("`{sign}`")).collect();
         report.add(
             Problem::error(name.at.clone(), format!("`{}` cannot name this {what}", name.value.escape_debug()))
                 .hint(format!("names are put together with {}; do without them", signs.join(" "))),
         );
-    } else {
-        phrase(name, what, report);
     }
+    !has_signs && phrase(name, what, report)
 }
 
-fn reserved(name: &LocatedName, what: &str, taken: &[&str], why: &str, report: &mut Report) {
-    if taken.contains(&name.value.as_str()) {
+/// Reports a name that is taken; whether it is free.
+fn reserved(name: &LocatedName, what: &str, taken: &[&str], why: &str, report: &mut Report) -> bool {
+    let is_taken = taken.contains(&name.value.as_str());
+    if is_taken {
         report.add(
             Problem::error(name.at.clone(), format!("a {what} cannot be called `{}`", name.value))
                 .label("reserved")
                 .hint(why),
         );
     }
+    !is_taken
 }

@@ -105,7 +105,7 @@ impl<'a> CellScope<'a, '_> {
 
     /// `resource.action`, or `outside.in` and `outside.out`.
     fn action(&self, name: &LocatedName, report: &mut Report) -> Option<Located<Use>> {
-        let Some((holder, action)) = name.value.split_once('.') else {
+        let Some((holder, action)) = name.value.rsplit_once('.') else {
             report.add(
                 Problem::error(name.at.clone(), format!("`{}` names no action", name.value))
                     .label("no full stop")
@@ -195,7 +195,7 @@ impl<'a> CellScope<'a, '_> {
             }
             Scalar::Text(text) => text,
         };
-        match text.split_once('.') {
+        match text.rsplit_once('.') {
             Some(("step", "program")) => Some(ParameterSource::Program),
             Some((store, "position")) => {
                 Some(ParameterSource::Position(self.resource_named(store, &value.at, report)?))

@@ -174,6 +174,8 @@ pub(super) struct DraftHolder<'a> {
     pub raw: &'a RawHolder,
     /// With its station's before it.
     pub name: String,
+    /// Its name and its station's are well formed.
+    pub is_well_named: bool,
     pub closes: Option<DraftStand>,
 }
 

@@ -23,7 +23,10 @@ pub(super) fn resolve<'a>(
     let full: Vec<LocatedName> =
         holders.iter().map(|holder| Located::new(holder.name.clone(), holder.raw.at.clone())).collect();
     let mut table = NameTable::default();
-    full.iter().enumerate().for_each(|(id, name)| _ = table.define(name, id));
+    for (id, (name, holder)) in full.iter().zip(&holders).enumerate() {
+        table.note(name, holder.is_well_named);
+        table.define(name, id);
+    }
     let scope = HolderScope { names, stations, holders: &table };
     let mut reaches = Vec::new();
     for (station, of) in raw.stations.iter().enumerate() {
@@ -42,6 +45,7 @@ fn holders<'a>(raw: &'a RawLine, names: &LineNames<'a>, report: &mut Report) -> 
     for (id, station) in raw.stations.iter().enumerate() {
         let mut inside = NameTable::default();
         let prefix = station.name.as_ref().map_or("?", |name| name.value.as_str());
+        let is_station_well_named = !names.stations.is_malformed(id);
         for holder in &station.holders {
             let closes = holder.closes.as_ref().and_then(|closes| {
                 let RawStand { axis, position, .. } = closes;
@@ -50,29 +54,31 @@ fn holders<'a>(raw: &'a RawLine, names: &LineNames<'a>, report: &mut Report) -> 
                 let place = position.as_ref()?.at.clone();
                 Some(stand(id, found, position.as_ref()?.value, place))
             });
-            let name = named(holder, &mut inside, holders.len(), report);
-            holders.push(DraftHolder { raw: holder, name: format!("{prefix}{DOT}{name}"), closes });
+            let (name, fits) = named(holder, &mut inside, holders.len(), report);
+            let is_well_named = fits && is_station_well_named;
+            holders.push(DraftHolder { raw: holder, name: format!("{prefix}{DOT}{name}"), is_well_named, closes });
         }
     }
     let mut free = NameTable::default();
     for holder in &raw.holders {
-        let name = named(holder, &mut free, holders.len(), report).to_owned();
-        holders.push(DraftHolder { raw: holder, name, closes: None });
+        let (name, is_well_named) = named(holder, &mut free, holders.len(), report);
+        holders.push(DraftHolder { raw: holder, name: name.to_owned(), is_well_named, closes: None });
     }
     holders
 }
 
-fn named<'a>(raw: &'a RawHolder, table: &mut NameTable<'a>, id: usize, report: &mut Report) -> &'a str {
-    let Some(name) = &raw.name else { return "?" };
-    tag(name, "holder", report);
-    if name.value.contains(DOT) {
+/// Its name, and whether that is well formed.
+fn named<'a>(raw: &'a RawHolder, table: &mut NameTable<'a>, id: usize, report: &mut Report) -> (&'a str, bool) {
+    let Some(name) = &raw.name else { return ("?", true) };
+    let has_dot = name.value.contains(DOT);
+    if has_dot {
         report.add(
             Problem::error(name.at.clone(), format!("`{}` cannot name this holder", name.value))
                 .hint("one word without a full stop: a station's holder is called `station.holder` elsewhere"),
         );
     }
     unique(table, name, id, "holder", report);
-    &name.value
+    (&name.value, tag(name, "holder", report) && !has_dot)
 }
 
 fn stand(station: usize, axis: usize, at: f64, place: TextRange) -> DraftStand {
@@ -90,7 +96,7 @@ impl HolderScope<'_, '_> {
         let station_name = self.stations[station].name;
         let hand = raw.hand.as_ref().and_then(|name| {
             let full = Located::new(format!("{station_name}{DOT}{}", name.value), name.at.clone());
-            let found = self.holders.get(&full.value);
+            let found = self.holders.meant(&full.value);
             if found.is_none() {
                 let prefix = format!("{station_name}{DOT}");
                 let mine = self.holders.names().filter_map(|name| name.strip_prefix(&prefix));
@@ -154,6 +160,9 @@ impl HolderScope<'_, '_> {
         };
         let half = |text: &str| Located::new(text.to_owned(), name.at.clone());
         let station = self.names.stations.find(&half(station), "station", report)?;
+        // A malformed name may contain the full stop at which this was taken apart.
+        let is_whole = !self.names.stations.is_malformed(station);
+        let axis = if is_whole { axis } else { axis.rsplit(DOT).next().unwrap_or(axis) };
         let axis = self.names.inside[station].axes.find(&half(axis), "axis of this station", report)?;
         Some((station, axis))
     }

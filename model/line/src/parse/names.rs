@@ -1,7 +1,7 @@
 //! The names a description defines: are they well formed and unique, and what does each one stand for?
 //!
-//! This pass comes first because every later one looks names up. A name that is defined twice stands for its first
-//! definition, and one that is malformed is kept as it is, so that one slip is reported once and not at every use.
+//! This pass comes first because every later one looks names up. A malformed name is noted in its table, so that it is
+//! reported once and not at every use.
 
 use linewright_text::{LocatedName, NameTable, Problem, Report, phrase, ros_name, tag, unique};
 
@@ -35,13 +35,13 @@ pub(super) fn names<'a>(raw: &'a RawLine, report: &mut Report) -> LineNames<'a> 
     let mut names = LineNames { stations: NameTable::default(), inside: Vec::new(), buttons: NameTable::default() };
     for (id, station) in raw.stations.iter().enumerate() {
         if let Some(name) = &station.name {
-            station_name(name, report);
+            names.stations.note(name, station_name(name, report));
             unique(&mut names.stations, name, id, "station", report);
         }
         names.inside.push(inside(station, report));
     }
     for (id, button) in raw.buttons.iter().enumerate() {
-        tag(button, "button", report);
+        names.buttons.note(button, tag(button, "button", report));
         unique(&mut names.buttons, button, id, "button", report);
     }
     device_names(raw, report);
@@ -52,26 +52,26 @@ fn inside<'a>(station: &'a RawStation, report: &mut Report) -> StationNames<'a> 
     let mut names = StationNames::default();
     for (id, operation) in station.operations.iter().enumerate() {
         if let Some(name) = &operation.name {
-            phrase(name, "operation", report);
+            names.operations.note(name, phrase(name, "operation", report));
             unique(&mut names.operations, name, id, "operation of this station", report);
         }
     }
     for (id, (name, _)) in station.axes.iter().enumerate() {
-        tag(name, "axis", report);
+        names.axes.note(name, tag(name, "axis", report));
         unique(&mut names.axes, name, id, "axis", report);
     }
     for (id, rest) in station.rests.iter().enumerate() {
         if let Some(name) = &rest.name {
-            phrase(name, "rest", report);
+            names.rests.note(name, phrase(name, "rest", report));
             unique(&mut names.rests, name, id, "rest of this station", report);
         }
     }
     for (id, task) in station.tasks.iter().enumerate() {
         if let Some(name) = &task.name {
-            phrase(name, "task", report);
+            names.tasks.note(name, phrase(name, "task", report));
             unique(&mut names.tasks, name, id, "task of this station", report);
         }
-        task.parameters.iter().for_each(|(name, _)| tag(name, "parameter", report));
+        task.parameters.iter().for_each(|(name, _)| _ = tag(name, "parameter", report));
     }
     names
 }
@@ -86,12 +86,14 @@ fn device_names(raw: &RawLine, report: &mut Report) {
     }
 }
 
-fn station_name(name: &LocatedName, report: &mut Report) {
-    if ros_name(name, "station", report) && RESERVED_STATIONS.contains(&name.value.as_str()) {
+fn station_name(name: &LocatedName, report: &mut Report) -> bool {
+    let is_reserved = RESERVED_STATIONS.contains(&name.value.as_str());
+    if is_reserved {
         report.add(
             Problem::error(name.at.clone(), format!("a station cannot be called `{}`", name.value))
                 .label("reserved")
                 .hint("this is the name of a node that every line has"),
         );
     }
+    ros_name(name, "station", report) && !is_reserved
 }

@@ -158,7 +158,7 @@ impl StationScope<'_, '_> {
 
     fn input(&mut self, name: Option<&LocatedName>, report: &mut Report) -> Option<Located<InputId>> {
         let name = name?;
-        let found = self.wires.inputs.get(&name.value);
+        let found = self.wires.inputs.meant(&name.value);
         match found {
             Some(id) => Some(Located::new(InputId::at(id), name.at.clone())),
             None => {
@@ -172,7 +172,7 @@ impl StationScope<'_, '_> {
 
     pub fn output(&mut self, name: Option<&LocatedName>, report: &mut Report) -> Option<Located<OutputId>> {
         let name = name?;
-        let found = self.wires.outputs.get(&name.value);
+        let found = self.wires.outputs.meant(&name.value);
         match found {
             Some(id) => Some(Located::new(OutputId::at(id), name.at.clone())),
             None => {
@@ -220,14 +220,22 @@ fn arrow(raw: &RawArrow, names: &LineNames<'_>, report: &mut Report) -> DraftArr
 
 fn end(raw: &RawEnd, names: &LineNames<'_>, report: &mut Report) -> Option<DraftEnd> {
     let station = names.stations.find(&raw.station, "station", report)?;
-    let op = station_operation(station, &raw.operation, names, report)?;
+    let mut operation = raw.operation.clone();
+    // A malformed name may contain the colon at which the end was taken apart.
+    if names.stations.is_malformed(station)
+        && names.inside[station].operations.get(&operation.value).is_none()
+        && let Some((_, rest)) = operation.value.rsplit_once(':')
+    {
+        operation.value = rest.trim().to_owned();
+    }
+    let op = station_operation(station, &operation, names, report)?;
     Some(Located::new((StationId::at(station), op), raw.station.at.start..raw.operation.at.end))
 }
 
 /// An operation that is named together with its station: it may be another station's by mistake.
 fn station_operation(station: usize, name: &LocatedName, names: &LineNames<'_>, report: &mut Report) -> Option<OpId> {
     let operations = &names.inside[station].operations;
-    if let Some(op) = operations.get(&name.value) {
+    if let Some(op) = operations.meant(&name.value) {
         return Some(OpId::at(op));
     }
     if report.is_full() {

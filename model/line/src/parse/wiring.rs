@@ -125,26 +125,19 @@ fn bits<'a, Id>(
 ) -> Vec<Option<Id>> {
     let mut bound = Vec::with_capacity(bits.len());
     for bit in bits {
-        bound.push(if bit.value.is_empty() {
-            None
-        } else {
-            tag(bit, what, report);
-            one_bit(bit, what, table, others, image, report).map(&id)
-        });
+        bound.push(if bit.value.is_empty() { None } else { one_bit(bit, what, table, others, image, report).map(&id) });
     }
     bound
 }
 
 /// Binds one input that is named by itself, and not in a list.
 pub(super) fn one_input<'a>(bit: &'a LocatedName, wires: &mut Wires<'a>, report: &mut Report) -> Option<InputId> {
-    tag(bit, "input", report);
     let Wires { inputs, outputs, wiring } = wires;
     one_bit(bit, "input", inputs, outputs, &mut wiring.inputs, report).map(InputId::at)
 }
 
 /// Binds one output that is named by itself, and not in a list.
 pub(super) fn one_output<'a>(bit: &'a LocatedName, wires: &mut Wires<'a>, report: &mut Report) -> Option<OutputId> {
-    tag(bit, "output", report);
     let Wires { inputs, outputs, wiring } = wires;
     one_bit(bit, "output", outputs, inputs, &mut wiring.outputs, report).map(OutputId::at)
 }
@@ -158,6 +151,7 @@ fn one_bit<'a>(
     image: &mut Vec<Located<String>>,
     report: &mut Report,
 ) -> Option<usize> {
+    table.note(bit, tag(bit, what, report));
     if let Some(other) = others.place(&bit.value) {
         report.add(
             Problem::error(bit.at.clone(), format!("`{}` names an input and an output", bit.value))

@@ -11,6 +11,11 @@ pub(crate) fn stuck_text(op: &str, input: &str, behind: Option<&str>) -> String 
     format!("{op}: done {by}; {input} was on from the start: check that switch")
 }
 
+/// What has become of a fault signal that came on; it follows the cause.
+pub(crate) const fn signal_now_text(is_on: bool) -> &'static str {
+    if is_on { ", and is still on" } else { ", and is off now" }
+}
+
 impl StopCause {
     /// The cause without names of the line.
     pub const fn text(self) -> &'static str {
@@ -97,7 +102,7 @@ impl StopCause {
             (StopCause::Interlock { .. } | StopCause::PositionLost { .. } | StopCause::IndexDoubtful { .. }, _) => {
                 self.detail(line, station)
             }
-            (StopCause::Signal, Some(fault)) => format!("{}: {} is on", self.text(), input(fault)),
+            (StopCause::Signal, Some(fault)) => format!("{}: {} came on", self.text(), input(fault)),
             _ => self.text().to_owned(),
         }
     }

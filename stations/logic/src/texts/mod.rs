@@ -13,4 +13,4 @@ pub(crate) mod place;
 
 pub use blocked::{DEVICES_INVALID, NoReturn, PanelChoice, PositionDoubt, RejoinAdvice, StationWait};
 pub(crate) use blocked::{HOMING, REJOIN_WAY};
-pub(crate) use cause::stuck_text;
+pub(crate) use cause::{signal_now_text, stuck_text};

@@ -19,14 +19,24 @@ fn a_fault_signal_stops_the_motion_in_the_same_step() {
     let mut rig = running();
     rig.set(complete_bit(OpId(0), false) << 1, true);
     assert_eq!(rig.outputs, 0);
-    assert_eq!(rig.events(), ["stopped op 0: fault signal: in 1 is on"]);
-    assert_eq!(rig.controller.fault_text(&rig.line), "op 0: fault signal: in 1 is on");
+    assert_eq!(rig.events(), ["stopped op 0: fault signal: in 1 came on"]);
+    assert_eq!(rig.controller.fault_text(&rig.line), "op 0: fault signal: in 1 came on, and is still on");
     assert_eq!(rig.report().incomplete, [(OpId(0), StopCause::Signal)]);
     let waits = |rig: &Rig| rig.controller.blocked_by(&rig.line, rig.now).join("; ");
     let names_it = "fault signal in 1 to go off, for op 0: it is on; remove its cause";
     assert!(waits(&rig).contains(names_it), "{}", waits(&rig));
     rig.set(complete_bit(OpId(0), false) << 1, false);
     assert!(!waits(&rig).contains("fault signal in 1"), "{}", waits(&rig));
+    assert_eq!(rig.controller.fault_text(&rig.line), "op 0: fault signal: in 1 came on, and is off now");
+}
+
+#[test]
+fn a_fault_signal_at_rest_is_said_before_the_motion_that_it_would_stop() {
+    let mut rig = Rig::new(alone(1, &[r(6), r(6)]));
+    let waits = |rig: &Rig| rig.controller.blocked_by(&rig.line, rig.now).join("; ");
+    assert!(!waits(&rig).contains("fault signal"), "{}", waits(&rig));
+    rig.set(complete_bit(OpId(0), false) << 1, true);
+    assert!(waits(&rig).contains("fault signal in 1 to go off, for op 0: it is on"), "{}", waits(&rig));
 }
 
 #[test]
@@ -34,7 +44,7 @@ fn a_fault_and_an_arrival_in_one_image_are_a_fault() {
     let mut rig = running();
     rig.set(u128::MAX, false);
     rig.set(complete_bit(OpId(0), false) * 0b11, true);
-    assert_eq!(rig.events(), ["stopped op 0: fault signal: in 1 is on"]);
+    assert_eq!(rig.events(), ["stopped op 0: fault signal: in 1 came on"]);
 }
 
 #[test]

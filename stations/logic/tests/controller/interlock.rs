@@ -177,6 +177,25 @@ fn of_two_inside_the_one_that_leaves_moves_while_the_other_stands() {
     assert!(!bench.drives(back), "the bar moves again");
 }
 
+/// At the end of an operation what is in the way of *return* is no reason why the operation itself waits.
+#[test]
+fn what_is_in_the_way_of_return_is_named_as_undoing() {
+    let mut bench = Bench::new(transfer_line(), GENERATION);
+    bench.mode(ControlMode::Manual);
+    bench.press(PanelCommand::Advance);
+    bench.set(&["LS_closed"]);
+    bench.release();
+    // The mill is not measured back: the closed clamp must not open.
+    bench.mill.measured = 0;
+    bench.play();
+    let (waits, op) = (bench.blocked(), "advance clamp");
+    assert!(waits.contains("interlock: mill_1") && waits.contains(&format!("for undoing {op}")), "{waits}");
+    assert!(!waits.contains(&format!(", for {op}")), "it is done: {waits}");
+    bench.mill.measured = inputs(&bench.line, MILL, &["LS_positioning_0", "LS_main_0"]);
+    bench.play();
+    assert!(!bench.blocked().contains("interlock"), "{}", bench.blocked());
+}
+
 #[test]
 fn a_conflict_that_no_switch_measures_blocks_what_a_lost_memory_may_run_into() {
     let mut line = transfer_line();

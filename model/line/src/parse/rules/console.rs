@@ -43,7 +43,7 @@ pub(super) fn buttons_are_used(draft: &DraftLine<'_>, report: &mut Report) {
     for operation in draft.stations.iter().flat_map(|s| &s.operations) {
         let Some(raw) = &operation.raw.hand else { continue };
         for name in [&raw.forward, &raw.back, &raw.next].into_iter().flatten() {
-            if let Some(button) = draft.names.buttons.get(&name.value).map(ButtonId::at) {
+            if let Some(button) = draft.names.buttons.meant(&name.value).map(ButtonId::at) {
                 used[button.index()] = true;
             }
         }

@@ -1,0 +1,185 @@
+//! What to write where a key is missing or its value is of the wrong type.
+
+use std::ops::Range;
+
+use toml_edit::{Item, Value};
+
+use crate::{Problem, Shape, sentences};
+
+/// Units of time that people write after a number, each with its length in ms.
+const UNITS: [(&str, f64); 8] = [
+    ("s", 1e3),
+    ("sec", 1e3),
+    ("second", 1e3),
+    ("seconds", 1e3),
+    ("ms", 1.0),
+    ("milliseconds", 1.0),
+    ("min", 60e3),
+    ("minutes", 60e3),
+];
+
+/// The advice for a missing key: its form, and the first sentence about it. Keys of the outermost table stand above all headers.
+pub(crate) fn missing(key: &str, shape: &Shape, about: &[&str], is_outermost: bool) -> String {
+    let place = if is_outermost { " above the first header `[…]`" } else { "" };
+    let about = sentences(about);
+    let about = about.split_inclusive(". ").next().unwrap_or_default().trim();
+    format!("write `{key} = {}`{place}. {about}", form(shape)).trim_end_matches([' ', '.']).to_owned()
+}
+
+/// A value of this shape, as far as the shape says.
+fn form(shape: &Shape) -> String {
+    match shape {
+        Shape::Text | Shape::Like(_) => "\"…\"".to_owned(),
+        Shape::Word(words) => words.first().map_or_else(String::new, |word| format!("\"{word}\"")),
+        Shape::Flag => "true".to_owned(),
+        Shape::List(..) => "[…]".to_owned(),
+        Shape::Table(_, keys) => {
+            let is_required = |key: &&crate::Property| key.presence == crate::KeyPresence::Required;
+            let keys: Vec<_> = keys.iter().filter(is_required).map(|key| format!("{} = …", key.key)).collect();
+            if keys.is_empty() { "{ … }".to_owned() } else { format!("{{ {} }}", keys.join(", ")) }
+        }
+        Shape::Names(..) | Shape::Part(_) => "{ … = … }".to_owned(),
+        Shape::Whole(..) | Shape::Number(..) | Shape::Either(_) => "…".to_owned(),
+    }
+}
+
+/// The problem of a key whose value is of another type than `expected`.
+pub(crate) fn wrong_type(at: Range<usize>, key: &str, expected: &str, found: &Item) -> Problem {
+    Problem::error(at, format!("`{key}` must be {expected}"))
+        .label(format!("this is {}", described(found.type_name())))
+        .maybe_hint(
+            found.as_value().and_then(|value| instead(value, expected)).map(|value| format!("`{key} = {value}")),
+        )
+}
+
+/// The same of an entry of a list.
+pub(crate) fn wrong_value(at: Range<usize>, what: &str, expected: &str, found: &Value) -> Problem {
+    Problem::error(at, format!("{what} must be {expected}"))
+        .label(format!("this is {}", described(found.type_name())))
+        .maybe_hint(instead(found, expected).map(|value| format!("write `{value}")))
+}
+
+/// The value that is probably meant, from behind the opening quote of a stretch of code.
+fn instead(found: &Value, expected: &str) -> Option<String> {
+    match found {
+        Value::String(text) => {
+            let text = text.value().trim();
+            match expected {
+                _ if expected.contains("number") => number_in(text, expected),
+                "true or false" => {
+                    let meant = match text.to_lowercase().as_str() {
+                        "true" | "yes" | "on" => true,
+                        "false" | "no" | "off" => false,
+                        _ => return None,
+                    };
+                    Some(format!("{meant}`, without quotes"))
+                }
+                "a list of texts" => Some(format!("[{}]`, in brackets", Value::from(text))),
+                _ => None,
+            }
+        }
+        Value::Float(number) if expected.contains("whole number") => {
+            let number = *number.value();
+            let is_whole = number.fract() == 0.0 && number.abs() < 1e15;
+            is_whole.then(|| format!("{number:.0}`, without a decimal point"))
+        }
+        Value::Integer(_) | Value::Float(_) | Value::Boolean(_) | Value::Datetime(_)
+            if expected.starts_with("text in quotes") =>
+        {
+            let written = found.clone().decorated("", "").to_string();
+            Some(format!("{}`, in quotes", Value::from(written)))
+        }
+        _ => None,
+    }
+}
+
+/// The number that a text begins with, in the unit that is expected.
+fn number_in(text: &str, expected: &str) -> Option<String> {
+    let end = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | ',' | '-' | '+'))).unwrap_or(text.len());
+    let (number, unit) = (text[..end].replace(',', "."), text[end..].trim().to_lowercase());
+    let number: f64 = number.parse().ok()?;
+    let wanted = match expected {
+        "a number of seconds" => Some(1e3),
+        "a whole number of milliseconds" => Some(1.0),
+        _ => None,
+    };
+    let written = UNITS.iter().find(|(name, _)| *name == unit).map(|&(_, length)| length);
+    let number = match (wanted, written) {
+        // Twelve digits: more would show how the computer divides.
+        (Some(wanted), Some(written)) => (number * written / wanted * 1e9).round() / 1e9,
+        (Some(_), None) if !unit.is_empty() => return None,
+        _ => number,
+    };
+    let without = if unit.is_empty() { "quotes" } else { "quotes and unit" };
+    let is_whole = number.fract() == 0.0;
+    (is_whole || !expected.contains("whole number")).then(|| format!("{number}`, without {without}"))
+}
+
+fn described(type_name: &str) -> &str {
+    match type_name {
+        "string" => "text",
+        "integer" => "a whole number",
+        "float" => "a number with a decimal point",
+        "boolean" => "true or false",
+        "datetime" => "a date",
+        "array" => "a list",
+        "array of tables" => "a list of tables",
+        "table" | "inline table" => "a table",
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn advice(expected: &str, written: &str) -> Option<String> {
+        let item: Item = written.parse::<Value>().expect("a value").into();
+        wrong_type(0..0, "key", expected, &item).hint
+    }
+
+    #[test]
+    fn a_value_of_the_wrong_type_is_answered_with_the_right_one() {
+        for (expected, written, hint) in [
+            ("a number of seconds", "\"0.8 s\"", "`key = 0.8`, without quotes and unit"),
+            ("a number of seconds", "\"800ms\"", "`key = 0.8`, without quotes and unit"),
+            ("a number of seconds", "\"0,8\"", "`key = 0.8`, without quotes"),
+            ("a number of seconds", "\"2 min\"", "`key = 120`, without quotes and unit"),
+            ("a whole number of milliseconds", "\"0.05 s\"", "`key = 50`, without quotes and unit"),
+            ("a whole number", "3.0", "`key = 3`, without a decimal point"),
+            ("a whole number", "\"3\"", "`key = 3`, without quotes"),
+            ("a number", "\"50 mm\"", "`key = 50`, without quotes and unit"),
+            ("text in quotes", "7", "`key = \"7\"`, in quotes"),
+            ("text in quotes", "true", "`key = \"true\"`, in quotes"),
+            ("true or false", "\"yes\"", "`key = true`, without quotes"),
+            ("a list of texts", "\"a\"", "`key = [\"a\"]`, in brackets"),
+        ] {
+            assert_eq!(advice(expected, written).as_deref(), Some(hint), "{expected}: {written}");
+        }
+    }
+
+    #[test]
+    fn where_nothing_is_known_to_be_meant_there_is_no_advice() {
+        for (expected, written) in [
+            ("a number of seconds", "\"soon\""),
+            ("a number of seconds", "\"3 cycles\""),
+            ("a number of seconds", "true"),
+            ("a whole number", "3.5"),
+            ("a whole number", "\"3.5\""),
+            ("true or false", "\"maybe\""),
+            ("text in quotes", "[]"),
+        ] {
+            assert_eq!(advice(expected, written), None, "{expected}: {written}");
+        }
+    }
+
+    #[test]
+    fn a_missing_key_is_answered_with_its_form_and_its_first_sentence() {
+        let about = [" The duration, in seconds,", " up to a day. Twice as long is usual."];
+        let hint = missing("limit_s", &Shape::Number(0.0, 1.0), &about, false);
+        assert_eq!(hint, "write `limit_s = …`. The duration, in seconds, up to a day");
+        let hint = missing("name", &Shape::Text, &[" Its name."], true);
+        assert_eq!(hint, "write `name = \"…\"` above the first header `[…]`. Its name");
+        assert_eq!(missing("module", &Shape::Word(vec!["R", "I"]), &[], false), "write `module = \"R\"`");
+    }
+}
