@@ -12,7 +12,9 @@ mod refusal;
 mod resume;
 mod texts;
 
-pub use coordinator::{CompletedCycle, Coordinator, EStopCause, ModeGrant, ModeInput, ModeOutbox, StationView};
+pub use coordinator::{
+    CompletedCycle, Coordinator, EStopCause, ManualPermit, ModeGrant, ModeInput, ModeOutbox, StationView,
+};
 pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};
 pub use refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
