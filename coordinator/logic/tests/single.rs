@@ -145,7 +145,7 @@ fn its_panel_acts_when_the_cell_has_taken_it() {
 /// The cell is to know it in manual until it has acknowledged that it is no more, or its last order has run out.
 #[test]
 fn it_is_by_hand_until_it_has_acknowledged_the_end() {
-    let ends: [fn(&mut Bench); 2] = [|bench| _ = bench.single(false), |bench| _ = bench.command(ModeCommand::Stop)];
+    let ends: [fn(&mut Bench); 2] = [|bench| _ = bench.single(false), |bench| _ = bench.command(ModeCommand::EStop)];
     for end in ends {
         let mut bench = led();
         bench.acknowledge = false;
