@@ -7,6 +7,7 @@ mod held;
 mod in_force;
 mod rejoin;
 mod resume;
+mod single;
 mod standstill;
 
 use std::path::PathBuf;
@@ -46,6 +47,9 @@ pub struct ModeArgs {
     /// With stop: return when nothing moves any more, at home or in stand-by. Manual follows from both.
     #[arg(long)]
     wait: bool,
+    /// With manual or auto: for this station of a cell alone, while the others are in auto.
+    #[arg(long)]
+    station: Option<String>,
     /// One JSON object on standard output.
     #[arg(long)]
     json: bool,
@@ -65,11 +69,12 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         let line = crate::out::shell_word(&args.line.display().to_string());
         return Err(miette!("--wait goes with stop: linewright mode {line} stop --wait"));
     }
+    let single = args.station.as_deref().map(|name| single::meant(&line, name, command)).transpose()?;
     let mut client = OperatorClient::open(&line, ros, "operator")?;
     client.until_connected(CONNECT).await?;
     if let Some(command) = command {
         let refusals = client.coordinator().map_or(0, |state| state.refusals);
-        client.command(command.name());
+        client.command(&single.map_or(command.name().to_owned(), |single| single.words(&line)));
         let deadline = tokio::time::Instant::now() + ANSWER;
         while let Ok(heard) = tokio::time::timeout_at(deadline, client.next()).await {
             heard?;
@@ -90,6 +95,7 @@ pub async fn mode(args: ModeArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     }
     let has_stopped = if args.wait { standstill::until_stopped(&mut client).await? } else { true };
     let missed = match command {
+        Some(_) if single.is_some() => single::until_in_force(&mut client, single).await?,
         Some(command) if !args.wait => in_force::until_in_force(&mut client, command).await?,
         _ => None,
     };

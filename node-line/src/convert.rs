@@ -260,19 +260,29 @@ pub fn kind_of(event: &StationHappening) -> (u8, Option<OpId>) {
 /// When its mode is none.
 pub fn order_from_message(message: &ModeOrder, (own, name): (StationId, &str)) -> Result<Order, ConvertError> {
     let life = message.found_lives.get(own.index()).copied().filter(|_| message.found_generation != 0);
-    let is_stopped = message.stopped.iter().any(|stopped| stopped == name);
-    let mode = mode_from_code(message.mode)?;
+    let named = |all: &[String]| all.iter().any(|of| of == name);
+    let (is_stopped, is_led, stands_by) =
+        (named(&message.stopped), named(&message.manual), named(&message.standing_by));
+    // The others' mode is known to the receiver as well: an order that contradicts itself starts nothing.
+    let mode = match mode_from_code(message.mode)? {
+        _ if is_stopped => ControlMode::EStop,
+        ControlMode::Auto if stands_by => ControlMode::StandBy,
+        ControlMode::Auto if is_led => ControlMode::Manual,
+        mode => mode,
+    };
+    let single = is_led || stands_by;
     Ok(Order {
         boot_id: message.boot_id,
         epoch: message.epoch,
-        mode: if is_stopped { ControlMode::EStop } else { mode },
+        mode,
         enabled: message.enabled,
         master_stop: message.master_stop.then_some(message.stop_round),
-        manual_all: message.manual_all,
+        manual_all: message.manual_all || (is_led && mode == ControlMode::Manual),
         buttons: message.buttons,
         resume: message.resume,
         lease: Duration::from_millis(message.lease_ms.into()),
         found: life.map(|boot_id| Founding { generation: message.found_generation, boot_id }),
+        single,
     })
 }
 
@@ -302,6 +312,28 @@ mod tests {
         }
         assert_eq!(cause_from_code(0, of), Err(ConvertError::Cause(0)));
         assert_eq!(cause_from_code(200, of), Err(ConvertError::Cause(200)));
+    }
+
+    #[test]
+    fn a_station_that_is_named_is_in_manual_while_the_others_are_in_auto() {
+        let mode = mode_to_code(ControlMode::Auto);
+        let manual = vec!["robot".into()];
+        let message = ModeOrder { boot_id: 1, epoch: 2, mode, enabled: true, manual, ..ModeOrder::default() };
+        let order = |message: &ModeOrder, name| {
+            let order = order_from_message(message, (StationId(0), name)).expect("a mode");
+            (order.mode, order.manual_all, order.single)
+        };
+        assert_eq!(order(&message, "robot"), (ControlMode::Manual, true, true));
+        assert_eq!(order(&message, "robo"), (ControlMode::Auto, false, false));
+        let waits = ModeOrder { standing_by: vec!["robot".into()], ..message.clone() };
+        assert_eq!(order(&waits, "robot"), (ControlMode::StandBy, false, true));
+        let stopped = ModeOrder { stopped: vec!["robot".into()], ..message.clone() };
+        assert_eq!(order(&stopped, "robot").0, ControlMode::EStop);
+        // In any other mode it is in that.
+        let estop = ModeOrder { mode: mode_to_code(ControlMode::EStop), ..message.clone() };
+        assert_eq!(order(&estop, "robot").0, ControlMode::EStop);
+        let stands_by = ModeOrder { mode: mode_to_code(ControlMode::StandBy), ..message };
+        assert_eq!(order(&stands_by, "robot"), (ControlMode::StandBy, false, true));
     }
 
     #[test]

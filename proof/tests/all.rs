@@ -14,5 +14,6 @@ mod recovery;
 mod restarts;
 mod row;
 mod rules;
+mod single;
 mod tables;
 mod task_driven;

@@ -137,6 +137,7 @@ impl Desk {
                 resume: false,
                 lease: ModeOrder::FOR_GOOD,
                 found: found.map(|(generation, boot_id)| Founding { generation, boot_id }),
+                single: false,
             };
             if self.sent[at] != Some(order) {
                 self.sent[at] = Some(order);

@@ -7,6 +7,7 @@ mod emergency;
 mod expiry;
 mod queues;
 mod scenarios;
+mod single;
 
 use std::collections::BTreeMap;
 use std::path::Path;

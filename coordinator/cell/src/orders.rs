@@ -4,6 +4,8 @@
 //! restarts, and answers an order it already has with its state instead of doing it again; [`super::player`] builds on
 //! that. Nothing here has to arrive: a lost message costs one period.
 
+use std::collections::BTreeSet;
+
 use linewright_line::{RestId, StationId, Tick};
 use linewright_orders::TaskOrder;
 pub use linewright_orders::{TaskOutcome, TaskReply};
@@ -25,6 +27,8 @@ pub enum PlayerInput<'a> {
     Secured(StationId, OrderKey, TaskReply),
     /// Whether activities may start: the line is in auto, and enabled. They may not until this is received.
     Starts(bool),
+    /// The stations that are in manual by themselves, and no others: none gets an order.
+    InManual(&'a BTreeSet<StationId>),
     /// A command about production orders, whose requester waits for a reply.
     Production(RequestId, ProductionCommand<'a>),
     /// A person's answer to an alarm.
@@ -54,9 +58,11 @@ impl PlayerInput<'_> {
             | PlayerInput::Alarm { .. }
             | PlayerInput::Resource { .. }
             | PlayerInput::Reset(_) => true,
-            PlayerInput::Station(..) | PlayerInput::Reply(..) | PlayerInput::Secured(..) | PlayerInput::Starts(_) => {
-                false
-            }
+            PlayerInput::Station(..)
+            | PlayerInput::Reply(..)
+            | PlayerInput::Secured(..)
+            | PlayerInput::Starts(_)
+            | PlayerInput::InManual(_) => false,
         }
     }
 }

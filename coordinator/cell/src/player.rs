@@ -46,8 +46,7 @@ use super::question::{Candidate, DispatchDecision, Dispatcher, HoldReason, Quest
 use super::record::{ActivityFailure, OrderFailure, Record, RecordKind};
 use super::state::PlayerState;
 
-/// At most so much happens by itself in one step, and as many activities start; the rest does in the next. A net may have
-/// circles that take no time.
+/// At most so much happens by itself in one step, and as many activities start: a net may have circles that take no time.
 const FIRINGS_MAX: usize = 10_000;
 
 /// The epoch of a new life is not a new one.
@@ -148,6 +147,7 @@ impl Coordination {
                 }
                 PlayerInput::Secured(_, key, reply) => self.watch.answered(now, key, reply),
                 PlayerInput::Starts(may) => self.starts = may,
+                PlayerInput::InManual(stations) => self.lead_by_hand(stations),
                 PlayerInput::Production(ticket, command) => {
                     let reply = self.change(now, command, out);
                     out.replies.push((ticket, reply));

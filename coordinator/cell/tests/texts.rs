@@ -209,6 +209,7 @@ fn unavailable() -> Vec<StationUnavailable> {
         StationUnavailable::Devices => StationUnavailable::Devices;
         StationUnavailable::Incomplete => StationUnavailable::Incomplete;
         StationUnavailable::ByHand => StationUnavailable::ByHand;
+        StationUnavailable::InManual => StationUnavailable::InManual;
     })
 }
 

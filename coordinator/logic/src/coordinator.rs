@@ -12,11 +12,13 @@ mod cycle;
 mod exchange;
 mod founding;
 mod obey;
+mod single;
 mod standing;
 mod stop;
 
 pub use cycle::CompletedCycle;
 pub use exchange::{ModeGrant, ModeInput, ModeOutbox, StationView};
+pub use single::ManualPermit;
 pub use standing::ModeStanding;
 pub use stop::EStopCause;
 
@@ -48,6 +50,14 @@ struct StationEntry {
     stopped: bool,
     /// The epoch in which it was reset from that last.
     reset_in: u64,
+    /// What its cell permits (see [`Coordinator::permit_manual`]).
+    permit: Option<ManualPermit>,
+    /// In manual by itself, and whether a command says so, and whether its panel acts (see `single`).
+    is_single: bool,
+    single_by_command: bool,
+    is_led: bool,
+    /// The epoch in which it went into it last, or back, and when the orders before have run out.
+    single_until: (u64, Tick),
 }
 
 impl StationEntry {
@@ -81,6 +91,8 @@ pub struct Coordinator {
     /// The epoch in which the emergency stop was left last: a station in it that has acknowledged this was stopped anew.
     released: u64,
     stopped_in: u64,
+    /// The epoch in which a station went into manual by itself last, or back.
+    single_in: u64,
     /// The journal cannot be written.
     journal_lost: bool,
     /// Another coordinator, and until when it counts as there.
@@ -132,6 +144,7 @@ impl Coordinator {
             drawn: 0,
             released: 0,
             stopped_in: 0,
+            single_in: 0,
             journal_lost: false,
             rival: None,
             manual_all: false,
@@ -212,6 +225,7 @@ impl Coordinator {
         self.now = self.now.max(now);
         match input {
             ModeInput::Command(command) => self.command(command),
+            ModeInput::Single(station, is_manual) => self.command_single(station, is_manual),
             ModeInput::Console { bits, valid } => self.hear_console(bits, valid),
             ModeInput::Buttons(held) => self.changed |= self.buttons.hear(self.now, held, self.line.timing.stale),
             ModeInput::LateButtons(held) => {
@@ -320,22 +334,7 @@ impl Coordinator {
             reasons.push(ModeRefusal::ConsoleNeverHeard);
         }
         for (id, station) in self.counted_in(mode) {
-            if !self.is_known(station) {
-                reasons.push(ModeRefusal::NotHeard(id));
-                continue;
-            }
-            if !station.heard.devices_valid {
-                reasons.push(ModeRefusal::DevicesLost(id));
-            }
-            if station.heard.incomplete && !self.is_index_in_doubt(id) {
-                reasons.push(ModeRefusal::Incomplete(id, station.heard.incomplete_op));
-            }
-            if station.heard.position_lost {
-                reasons.push(ModeRefusal::PositionLost(id));
-            }
-            if station.restarted {
-                reasons.push(ModeRefusal::Restarted(id));
-            }
+            self.troubles_of(id, station, &mut reasons);
         }
         // At home nothing moves, and the start that leads out founds what is missing.
         if self.mode != ControlMode::Home {
@@ -414,6 +413,7 @@ impl Coordinator {
         self.modes.push(mode);
         if mode != ControlMode::Auto {
             self.stopping = false;
+            self.end_single();
         }
         self.is_unstarted &= mode == ControlMode::StandBy;
         self.found_away &= mode == ControlMode::StandBy;
@@ -447,6 +447,7 @@ impl Coordinator {
             self.changed = true;
             self.begin_cycle();
         }
+        self.follow_single();
         let resumes = self.resumes();
         self.changed |= std::mem::replace(&mut self.has_resumed, resumes) != resumes;
         out.lamps = self.lamps();

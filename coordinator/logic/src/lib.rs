@@ -13,7 +13,7 @@ mod resume;
 mod texts;
 
 pub use coordinator::{
-    CompletedCycle, Coordinator, EStopCause, ModeGrant, ModeInput, ModeOutbox, ModeStanding, StationView,
+    CompletedCycle, Coordinator, EStopCause, ManualPermit, ModeGrant, ModeInput, ModeOutbox, ModeStanding, StationView,
 };
 pub use decision::ModeCommand;
 pub use gateway::{AppliedImage, Gateway, OutputImage};

@@ -54,6 +54,24 @@ pub enum ModeRefusal {
     NotAtHome(StationId),
     /// A task-driven station stands between two rests, at no order.
     BetweenRests(StationId),
+    /// Manual for one station is given beside auto only.
+    NotInAuto(StationId),
+    /// A station follows the mode of the line already.
+    NotSingle(StationId),
+    /// A station of a line without a cell: counts and arrows join it to the others.
+    NoSingleManual(StationId),
+    /// A station takes part in auto, or has a task order.
+    InService(StationId),
+    /// Stations of a failed activity have still to come to rest.
+    Securing(StationId),
+    /// The cell of a station decides nothing now.
+    Unattended(StationId),
+    /// A station stands between two rests in a task of no failed activity: nothing keeps the others apart from it.
+    OutsideTask(StationId),
+    /// A station has an index, whose drive would be homed in manual at rest.
+    Turns(StationId),
+    /// A station is in an emergency stop of its own.
+    StoppedByCell(StationId),
     /// A station is at home, but a round behind another.
     Behind(StationId),
     /// Resume takes effect in manual only.
@@ -72,6 +90,8 @@ pub enum ModeRefusal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OperatorCommand {
     Mode(ModeCommand),
+    /// Manual for one station while the others are in auto; false: auto again.
+    Single(StationId, bool),
     /// Resume, held.
     Resume,
 }
@@ -81,6 +101,8 @@ impl OperatorCommand {
     pub const fn name(self) -> &'static str {
         match self {
             OperatorCommand::Mode(command) => command.name(),
+            OperatorCommand::Single(_, true) => ModeCommand::Manual.name(),
+            OperatorCommand::Single(_, false) => ModeCommand::Auto.name(),
             OperatorCommand::Resume => "resume",
         }
     }

@@ -5,6 +5,7 @@ mod cycle_time;
 mod isolated;
 mod mode_table;
 mod resume;
+mod single;
 mod task_driven;
 mod texts;
 mod watchfulness;

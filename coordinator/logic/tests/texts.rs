@@ -37,6 +37,15 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::Moving(_) => ModeRefusal::Moving(station);
         ModeRefusal::Unaware(_) => ModeRefusal::Unaware(station);
         ModeRefusal::NotAtHome(_) => ModeRefusal::NotAtHome(station);
+        ModeRefusal::NotInAuto(_) => ModeRefusal::NotInAuto(station);
+        ModeRefusal::NotSingle(_) => ModeRefusal::NotSingle(station);
+        ModeRefusal::NoSingleManual(_) => ModeRefusal::NoSingleManual(station);
+        ModeRefusal::InService(_) => ModeRefusal::InService(station);
+        ModeRefusal::Securing(_) => ModeRefusal::Securing(station);
+        ModeRefusal::Unattended(_) => ModeRefusal::Unattended(station);
+        ModeRefusal::OutsideTask(_) => ModeRefusal::OutsideTask(station);
+        ModeRefusal::Turns(_) => ModeRefusal::Turns(station);
+        ModeRefusal::StoppedByCell(_) => ModeRefusal::StoppedByCell(station);
         ModeRefusal::Behind(_) => ModeRefusal::Behind(station);
         ModeRefusal::NotManual => ModeRefusal::NotManual;
         ModeRefusal::ManualBySelectors => ModeRefusal::ManualBySelectors;
@@ -70,10 +79,18 @@ fn all_texts_of_the_mode_decision() {
         mode: ControlMode::Auto,
         reasons: vec![ModeRefusal::NotManual],
     };
+    let single = RefusedCommand {
+        command: OperatorCommand::Single(StationId(1), true),
+        mode: ControlMode::Auto,
+        reasons: vec![ModeRefusal::InService(StationId(1))],
+    };
+    let reason = ModeRefusal::Securing(StationId(1)).text(&line);
     let modes = [
         ModeText { stopping: true, ..ModeText::default() },
         ModeText { found_away: true, ..ModeText::default() },
         ModeText { waiting: vec!["clamp_1", "mill_1"], ..ModeText::default() },
+        ModeText { manual: vec![("m1", vec![]), ("m2", vec![reason.clone()])], ..ModeText::default() },
+        ModeText { selectors: vec![("m1", vec![reason])], ..ModeText::default() },
         ModeText { without: vec!["m1"], stopped: vec!["m2", "m3"], ..ModeText::default() },
         ModeText {
             ended: Some((ControlMode::Auto, vec!["clamp_1: I/O devices lost".to_owned()])),
@@ -91,7 +108,7 @@ fn all_texts_of_the_mode_decision() {
     stops.push(ModeText::default());
     let lists = [
         listed("why a command is refused", &reasons(), |reason| reason.text(&line)),
-        listed("a refusal", &[refusal, resume], |refusal| refusal.text(&line)),
+        listed("a refusal", &[refusal, resume, single], |refusal| refusal.text(&line)),
         listed("the mode", &modes, |mode| mode.text(ControlMode::Auto)),
         listed("the emergency stop", &stops, |mode| mode.text(ControlMode::EStop)),
     ];

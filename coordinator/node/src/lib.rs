@@ -7,9 +7,11 @@
 //! [`cell`] keeps on disk what happens, of a line [`mod@line`].
 
 pub mod cell;
+mod command;
 mod gateway_topics;
 pub mod line;
 mod node;
+mod publish;
 mod refusals;
 mod remembered;
 mod situation;

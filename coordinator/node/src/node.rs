@@ -1,32 +1,31 @@
 //! The shell's loop: wait for anything, hand it to the logic, perform what it gives.
 
 use std::path::PathBuf;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use linewright_cell::Cell;
-use linewright_coordinator_logic::{EStopCause, ModeCommand, OutputImage, RefusedCommand, StationView};
+use linewright_coordinator_logic::{OutputImage, RefusedCommand, StationView};
 use linewright_coordinator_shell::{CoordinatorArrival, CoordinatorEffect, CoordinatorShell, InputsImage, heard};
 use linewright_fieldbus::{BusOpenError as NoBus, Clock};
 use linewright_fieldbus_seam::{BusLost, Joined, News};
 use linewright_line::{DeviceBus, Line, Owner, StationId, Tick};
-use linewright_msgs::{LineState, ModeOrder, Text};
 use linewright_node_line::devices::{Devices, in_words};
-use linewright_node_line::{Waiting, mode_to_code, open_buses, quoted, report_from_message};
+use linewright_node_line::{Waiting, open_buses, quoted, report_from_message};
 use linewright_node_shell::{
-    Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id, stamp,
+    Forward, JournalError, JournalWriter, OpenError, Participant, TopicError, Watchdog, fresh_boot_id,
 };
-use linewright_station_logic::Founding;
 use thiserror::Error;
 use tokio::sync::{mpsc, watch};
 
 use crate::cell::{CellError, CellNodeOptions, CellThread};
+use crate::command::command_of;
 use crate::gateway_topics::{GatewayTopics, inputs_message};
 use crate::line::LineHistory;
 use crate::refusals::Refusals;
 use crate::remembered::remembered;
 use crate::situation::LineSituation;
 use crate::stop_time::StopTime;
-use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open, standing_message};
+use crate::topics::{CoordinatorInbound, CoordinatorPublishers, cycle_time_message, open};
 
 /// Reason why the coordinator's node cannot run, or had to end.
 #[derive(Debug, Error)]
@@ -106,9 +105,6 @@ pub(crate) enum Recorded {
     Interrupted,
 }
 
-/// How often the mode is told in words when it does not change.
-const TEXT_EVERY: Duration = Duration::from_secs(1);
-
 pub(crate) struct CoordinatorLoop {
     pub(crate) line: Line,
     pub(crate) clock: Clock,
@@ -120,7 +116,7 @@ pub(crate) struct CoordinatorLoop {
     devices: Devices,
     pub(crate) journal: Option<JournalWriter>,
     pub(crate) waiting: Waiting<CoordinatorInbound>,
-    says: CoordinatorPublishers,
+    pub(crate) says: CoordinatorPublishers,
     pub(crate) from: mpsc::Receiver<CoordinatorInbound>,
     tasks: Vec<Forward>,
     pub(crate) behind: Vec<GatewayTopics>,
@@ -130,10 +126,10 @@ pub(crate) struct CoordinatorLoop {
     pub(crate) situation: LineSituation,
     /// The database of a line; none where there is a cell, or none can be used.
     pub(crate) history: Option<LineHistory>,
-    refusals: Refusals,
-    stop_time: StopTime,
-    text: String,
-    text_due: Tick,
+    pub(crate) refusals: Refusals,
+    pub(crate) stop_time: StopTime,
+    pub(crate) text: String,
+    pub(crate) text_due: Tick,
     ignored: u64,
     has_ended: bool,
     // The node must outlive its publishers and subscriptions.
@@ -255,15 +251,12 @@ impl CoordinatorLoop {
 
     pub(crate) fn arrived(&mut self, arrived: CoordinatorInbound) {
         match arrived {
-            CoordinatorInbound::Command(word) => match ModeCommand::parse(&word) {
-                Some(command) => {
-                    tracing::info!("operator: {}", command.name());
-                    self.handle(CoordinatorArrival::Command(command));
+            CoordinatorInbound::Command(words) => match command_of(&self.line, &words) {
+                Ok(command) => {
+                    tracing::info!("operator: {}", quoted(words.trim()));
+                    self.handle(command);
                 }
-                None => {
-                    let known: Vec<&str> = ModeCommand::ALL.iter().map(|command| command.name()).collect();
-                    self.refuse(format!("unknown command '{}'; commands: {}", quoted(word.trim()), known.join(", ")));
-                }
+                Err(unknown) => self.refuse(unknown),
             },
             CoordinatorInbound::Buttons(names) => match self.buttons(&names) {
                 Ok(held) => self.handle(CoordinatorArrival::Buttons(held)),
@@ -365,6 +358,7 @@ impl CoordinatorLoop {
             let apart = cell.apart();
             self.shell.plays_cell(apart.isolated.iter().copied(), apart.stopped.iter().copied());
             self.shell.hold(|id| apart.held.contains(&id));
+            self.shell.permit_manual(|id| apart.permit(id));
             self.shell.leaves_unattended(apart.is_unattended);
         }
         self.devices.act(now, &self.buses);
@@ -440,61 +434,5 @@ impl CoordinatorLoop {
             tracing::info!("coordinator ends");
             self.history.take().into_iter().for_each(|history| history.end(self.clock.now()));
         }
-    }
-
-    pub(crate) fn send_order(&mut self, sequence: u64) {
-        let order = self.shell.order();
-        let found: Vec<Founding> = self.line.station_ids().filter_map(|id| self.shell.order_for(id).found).collect();
-        self.says.order.send(ModeOrder {
-            header: stamp(),
-            boot_id: order.boot_id,
-            sequence,
-            epoch: order.epoch,
-            mode: mode_to_code(order.mode),
-            enabled: order.enabled,
-            master_stop: order.master_stop.is_some(),
-            stop_round: order.master_stop.unwrap_or(0),
-            manual_all: order.manual_all,
-            buttons: order.buttons,
-            resume: order.resume,
-            lease_ms: u32::try_from(order.lease.as_millis()).unwrap_or(u32::MAX),
-            found_generation: found.first().map_or(0, |founding| founding.generation),
-            found_lives: found.iter().map(|founding| founding.boot_id).collect(),
-            stopped: self.shell.stopped().iter().map(|&id| self.line.station(id).name.clone()).collect(),
-        });
-    }
-
-    fn tell(&mut self, now: Tick, sequence: u64) {
-        let coordinator = self.shell.coordinator();
-        let order = coordinator.order();
-        let since =
-            coordinator.stop_cause().filter(|(cause, _)| *cause != EStopCause::Restarted).map(|(_, since)| since);
-        let text = coordinator.text_with(self.stop_time.text((now, SystemTime::now()), since));
-        // Latched for readers that request it, and repeated for those that do not, as `ros2 topic echo` may not.
-        if text != self.text || now >= self.text_due {
-            self.text_due = now + TEXT_EVERY;
-            self.text.clone_from(&text);
-            self.says.mode_text.send(Text { data: text.clone() });
-        }
-        let names = |ids: Vec<StationId>| ids.iter().map(|&id| self.line.station(id).name.clone()).collect();
-        let heard = |id| match (coordinator.hears(id), self.shell.has_heard(id)) {
-            (true, _) => LineState::HEARD_FRESH,
-            (false, true) => LineState::HEARD_STALE,
-            (false, false) => LineState::HEARD_UNKNOWN,
-        };
-        self.says.state.send(LineState {
-            header: stamp(),
-            boot_id: self.shell.boot_id(),
-            sequence,
-            epoch: order.epoch,
-            mode: mode_to_code(order.mode),
-            enabled: order.enabled,
-            master_stop: order.master_stop.is_some(),
-            text,
-            stations: self.line.stations.iter().map(|station| station.name.clone()).collect(),
-            station_heard: self.line.station_ids().map(heard).collect(),
-            waiting_for: names(coordinator.waiting_for()),
-            ..self.refusals.message(now, standing_message(&self.line, coordinator.standing()))
-        });
     }
 }

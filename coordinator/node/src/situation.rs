@@ -1,13 +1,15 @@
 //! Situation of the line, for the cell and for the database; and the answer of the cell: the stations that are not treated
 //! like the others.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use linewright_coordinator_cell::Coordination;
 use linewright_coordinator_cell::exception::isolated;
+use linewright_coordinator_logic::ManualPermit;
+use linewright_coordinator_shell::orders::manual_permit;
 use linewright_history::Note;
-use linewright_line::StationId;
 use linewright_line::net::ControlMode;
+use linewright_line::{Line, StationId, Tick};
 
 /// Situation of the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,6 +21,8 @@ pub struct LineSituation {
     pub heard: Vec<bool>,
     /// By station: it has its devices, by its last state.
     pub devices: Vec<bool>,
+    /// The stations in manual by themselves.
+    pub in_manual: BTreeSet<StationId>,
 }
 
 /// Stations that the cell has the rest of the coordinator treat unlike the others.
@@ -30,17 +34,27 @@ pub struct IsolatedStations {
     pub stopped: BTreeSet<StationId>,
     /// They stand between two rests, at no order.
     pub held: BTreeSet<StationId>,
+    /// What is permitted at each while the others are in auto.
+    pub permits: BTreeMap<StationId, ManualPermit>,
     /// The cell decides nothing now: faults that are not the cell's yet are the line's.
     pub is_unattended: bool,
 }
 
 impl IsolatedStations {
     /// As it follows from the state of the cell, which decides nothing while its log cannot be written.
-    pub fn of(coordination: &Coordination, is_unattended: bool) -> Self {
+    pub fn of(coordination: &Coordination, line: &Line, now: Tick, is_unattended: bool) -> Self {
         let state = coordination.state();
         let stopped = state.exceptions().stopped().collect();
         let held = coordination.held_stations().collect();
-        IsolatedStations { isolated: isolated(state), stopped, held, is_unattended }
+        let permit = |id| (id, manual_permit(coordination, line, now, id));
+        let permits = line.station_ids().map(permit).collect();
+        IsolatedStations { isolated: isolated(state), stopped, held, permits, is_unattended }
+    }
+
+    /// What is permitted at a station.
+    pub fn permit(&self, station: StationId) -> Option<ManualPermit> {
+        let permit = self.permits.get(&station).copied();
+        permit.map(|permit| if self.is_unattended { ManualPermit::Unattended } else { permit })
     }
 }
 
@@ -52,6 +66,7 @@ impl LineSituation {
             mode: ControlMode::StandBy,
             heard: vec![false; stations],
             devices: vec![false; stations],
+            in_manual: BTreeSet::new(),
         }
     }
 
@@ -64,6 +79,7 @@ impl LineSituation {
             mode: if stopped { ControlMode::StandBy } else { ControlMode::EStop },
             heard: not(&self.heard),
             devices: not(&self.devices),
+            in_manual: self.in_manual.clone(),
         }
     }
 

@@ -115,7 +115,7 @@ fn line() -> Line {
 
 fn in_auto(line: &Line) -> LineSituation {
     let all = vec![true; line.stations.len()];
-    LineSituation { starts: true, mode: ControlMode::Auto, heard: all.clone(), devices: all }
+    LineSituation { starts: true, mode: ControlMode::Auto, heard: all.clone(), devices: all, ..LineSituation::new(0) }
 }
 
 /// A second life goes on behind the first, with the whole situation first.

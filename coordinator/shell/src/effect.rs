@@ -1,8 +1,8 @@
 //! Arrivals at the coordinator, and their effects.
 
 use linewright_coordinator_logic::{CompletedCycle, ModeCommand, OutputImage, RefusedCommand, StationView};
-use linewright_line::StationId;
 use linewright_line::net::ControlMode;
+use linewright_line::{OpId, StationId};
 use linewright_station_logic::StationReport;
 
 /// Something that has arrived.
@@ -10,6 +10,8 @@ use linewright_station_logic::StationReport;
 pub enum CoordinatorArrival {
     /// An operator's command.
     Command(ModeCommand),
+    /// Manual for one station of a cell while the others are in auto; false: auto again.
+    Single(StationId, bool),
     /// Hand-mode buttons held, a bit each.
     Buttons(u32),
     /// Resume at a console.
@@ -121,12 +123,22 @@ pub fn heard(report: &StationReport) -> StationView {
         // Between two motions of its recovery path nothing of it is incomplete, and in auto nothing leads on there.
         incomplete: !report.incomplete.is_empty() || report.recovering_home,
         incomplete_op: report.incomplete.first().map(|(op, _)| *op),
+        stands_in: stands_in(report),
         selector_manual: report.selector_manual,
         devices_valid: report.devices_valid,
         generation: report.generation,
         position_lost: report.position_lost.is_some(),
         estopped: report.mode == Some(ControlMode::EStop),
     }
+}
+
+/// Number of the place of a completed operation, in reports.
+const COMPLETED: u8 = 3;
+
+/// See [`StationView::stands_in`].
+fn stands_in(report: &StationReport) -> Option<OpId> {
+    let marked = (0..).zip(&report.places).find(|(_, place)| **place != 0);
+    marked.filter(|(_, place)| !(report.at_home && **place == COMPLETED)).map(|(op, _)| OpId(op))
 }
 
 /// A station's inputs as they are sent to it.

@@ -12,7 +12,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Coordinator, Gateway, ModeInput, ModeOutbox};
+use linewright_coordinator_logic::{Coordinator, Gateway, ManualPermit, ModeInput, ModeOutbox};
 use linewright_line::net::ControlMode;
 use linewright_line::{DeviceBus, Line, StationId, Tick};
 use linewright_station_logic::{Founding, ModeOrder};
@@ -175,6 +175,11 @@ impl CoordinatorShell {
         self.coordinator.hold(stations);
     }
 
+    /// What the cell permits at its stations while the others are in auto. Call it whenever that changes.
+    pub fn permit_manual(&mut self, permits: impl Fn(StationId) -> Option<ManualPermit>) {
+        self.coordinator.permit_manual(permits);
+    }
+
     /// The stations that the cell has put into emergency stop.
     pub fn stopped(&self) -> &[StationId] {
         &self.stopped
@@ -194,17 +199,24 @@ impl CoordinatorShell {
             resume: order.resume,
             lease: order.lease,
             found: None,
+            single: false,
         }
     }
 
     /// The order as it goes to one station: while a generation is founded it names that station's life. A station may be in
-    /// emergency stop by itself.
+    /// emergency stop or in manual by itself; in manual it stands by until its panel is to act.
     pub fn order_for(&self, station: StationId) -> ModeOrder {
         let found = self.coordinator.founding(station);
         let found = found.map(|(generation, boot_id)| Founding { generation, boot_id });
         let order = self.order();
-        let mode = if self.coordinator.is_stopped(station) { ControlMode::EStop } else { order.mode };
-        ModeOrder { found, mode, ..order }
+        let single = self.coordinator.is_single(station);
+        let (mode, manual_all) = match () {
+            () if self.coordinator.is_stopped(station) => (ControlMode::EStop, order.manual_all),
+            () if single && self.coordinator.is_led(station) => (ControlMode::Manual, true),
+            () if single => (ControlMode::StandBy, false),
+            () => (order.mode, order.manual_all),
+        };
+        ModeOrder { found, mode, manual_all, single, ..order }
     }
 
     /// Takes what has arrived. Follow with [`CoordinatorShell::act`], once everything that waits has been taken. False if it is
@@ -214,6 +226,9 @@ impl CoordinatorShell {
         let is_doubtful = now < self.doubts_until;
         match arrival {
             CoordinatorArrival::Command(command) => self.coordinator.handle(now, ModeInput::Command(command)),
+            CoordinatorArrival::Single(station, is_manual) => {
+                self.coordinator.handle(now, ModeInput::Single(station, is_manual));
+            }
             // Buttons that were held before the gap may have been released in it, or not.
             CoordinatorArrival::Buttons(held) if is_doubtful => {
                 self.coordinator.handle(now, ModeInput::LateButtons(held));

@@ -5,4 +5,5 @@ mod founding;
 mod records;
 mod rig;
 mod rivals;
+mod single;
 mod stops;

@@ -104,6 +104,8 @@ pub fn mode_order() -> ModeOrder {
         found_generation: 9,
         found_lives: vec![3, 4],
         stopped: vec!["robot".into()],
+        manual: vec!["m1".into()],
+        standing_by: vec!["m2".into()],
     }
 }
 

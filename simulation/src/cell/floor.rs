@@ -175,6 +175,12 @@ impl ShopFloor {
         }
     }
 
+    /// Gives a station an order of its mode, as a coordinator does.
+    pub fn order(&mut self, station: StationId, order: ModeOrder) {
+        self.processes[station.index()].controller.handle(self.now, StationInput::Order(order));
+        self.settle();
+    }
+
     fn tell_mode(&mut self, index: usize) {
         let order = self.order_for(StationId::at(index));
         self.processes[index].controller.handle(self.now, StationInput::Order(order));
@@ -214,7 +220,8 @@ impl ShopFloor {
         !moves && controller.report().order.is_some_and(|order| order.rest.is_some())
     }
 
-    fn press(&mut self, station: StationId, button: PanelCommand) {
+    /// A button or the selector of a station's panel, once.
+    pub fn press(&mut self, station: StationId, button: PanelCommand) {
         self.processes[station.index()].controller.handle(self.now, StationInput::Panel(button));
         self.settle();
     }

@@ -19,7 +19,7 @@ use super::task_times::TaskTimes;
 use super::truth::PartTruth;
 use crate::rng::Rng;
 
-/// Steps at one moment, each as full as a step can be, after which there will be no other moment.
+/// Full steps at one moment after which there will be no other moment.
 const SPINS_MAX: usize = 3;
 /// A cell in which nothing has happened for so long, and nothing is going to, has come to its end.
 const QUIET: Duration = Duration::from_secs(3);
@@ -108,6 +108,8 @@ pub struct CellSim {
     pub now: Tick,
     /// Whether anything may start.
     pub starts: bool,
+    /// The stations that are in manual by themselves.
+    pub in_manual: BTreeSet<StationId>,
     /// Number of steps of the coordinator, in all lives.
     pub steps: usize,
     /// Number of its lives.
@@ -154,6 +156,7 @@ impl CellSim {
             events: Vec::new(),
             now: Tick::ZERO,
             starts: true,
+            in_manual: BTreeSet::new(),
             steps: 0,
             lives: 1,
             asked: Vec::new(),
@@ -186,8 +189,7 @@ impl CellSim {
         while !self.is_over() && self.goes_on(dispatcher, until) {}
     }
 
-    /// Goes on until a time, also while nothing happens, since the caller may change stations then. Ends early where time
-    /// does not go on.
+    /// Goes on until a time, also while nothing happens. Ends early where time does not go on.
     pub fn run_on(&mut self, dispatcher: &mut dyn Dispatcher, until: Tick) {
         while self.spins().is_none() && self.goes_on(dispatcher, until) {}
     }
@@ -270,7 +272,7 @@ impl CellSim {
 
     /// One step of the coordinator.
     fn coordinate(&mut self, dispatcher: &mut dyn Dispatcher, arrived: &[PlayerInbound], said: &[PlayerInput<'_>]) {
-        let mut inputs = vec![PlayerInput::Starts(self.starts)];
+        let mut inputs = vec![PlayerInput::Starts(self.starts), PlayerInput::InManual(&self.in_manual)];
         inputs.extend(arrived.iter().map(|arrived| match arrived {
             PlayerInbound::Reply(station, key, reply) => PlayerInput::Reply(*station, *key, *reply),
             PlayerInbound::Secured(station, key, reply) => PlayerInput::Secured(*station, *key, *reply),

@@ -191,7 +191,7 @@ impl SimulatedStation {
             match unable {
                 StationUnavailable::Devices => TaskRefusal::Devices,
                 StationUnavailable::Incomplete => TaskRefusal::Incomplete,
-                StationUnavailable::ByHand => TaskRefusal::Mode,
+                StationUnavailable::ByHand | StationUnavailable::InManual => TaskRefusal::Mode,
             }
         } else {
             (self.heard.epoch, self.last, self.heard.slot) = (key.epoch, key.id, Some(key));

@@ -28,6 +28,8 @@ pub enum Ignored {
     Moving,
     /// A confirmation of the position of a station whose position is known.
     NotLost,
+    /// A confirmation of the position of a station in manual by itself.
+    InSingleManual,
     /// A confirmation of a position that the switches contradict, or that does not follow from them.
     PositionUnclear,
 }

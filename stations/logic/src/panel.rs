@@ -44,6 +44,9 @@ pub struct ModeOrder {
     pub lease: Duration,
     /// A generation is founded: a station at home counts anew.
     pub found: Option<Founding>,
+    /// The mode is this station's alone: the others are in auto while a person leads it. Its place is not confirmed meanwhile,
+    /// since the others rely on where it stands by its report.
+    pub single: bool,
 }
 
 impl ModeOrder {
@@ -63,6 +66,7 @@ impl ModeOrder {
             resume: false,
             lease,
             found: None,
+            single: false,
         }
     }
 }
@@ -267,6 +271,11 @@ impl Commands {
 
     pub(crate) fn mode(&self) -> ControlMode {
         self.mode
+    }
+
+    /// Whether the mode ordered is this station's alone.
+    pub(crate) fn is_single(&self) -> bool {
+        self.order.is_some_and(|order| order.single)
     }
 
     /// Whether master stop has been given, whatever the round.

@@ -54,6 +54,9 @@ impl Controller {
         if self.homing.is_driven || self.tokens().iter().any(|token| self.place(token).is_operating()) {
             return Err(Ignored::Moving);
         }
+        if self.commands.is_single() {
+            return Err(Ignored::InSingleManual);
+        }
         if !self.is_to_be_confirmed() {
             return Err(Ignored::NotLost);
         }

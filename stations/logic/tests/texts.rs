@@ -118,6 +118,7 @@ fn ignored() -> Vec<Ignored> {
         Ignored::LeaseTooLong => Ignored::LeaseTooLong;
         Ignored::Moving => Ignored::Moving;
         Ignored::NotLost => Ignored::NotLost;
+        Ignored::InSingleManual => Ignored::InSingleManual;
         Ignored::PositionUnclear => Ignored::PositionUnclear;
     })
 }

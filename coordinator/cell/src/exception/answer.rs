@@ -8,7 +8,7 @@ use super::super::orders::{CellEvent, PlayerOutbox};
 use super::super::player::Coordination;
 use super::super::record::{ActivityFailure, RecordKind};
 use super::fact::{AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, Whereabouts};
-use super::request::{AlarmAnswerRefusal, Presence, ResourceRequest};
+use super::request::{AlarmAnswerRefusal, Presence, ResourceRequest, StationUnavailable};
 use crate::texts::alarm;
 
 impl Coordination {
@@ -67,6 +67,11 @@ impl Coordination {
         let handling = self.state.table().handling();
         if let Some(station) = self.moving(now, firing) {
             return Err(AlarmAnswerRefusal::Moves(station));
+        }
+        // In manual by itself it may still be moved, also from where its order began: the activity keeps all it has taken.
+        let mut stations = firing.orders.iter().map(|order| order.station);
+        if let Some(station) = stations.find(|station| self.watch.in_manual.contains(station)) {
+            return Err(AlarmAnswerRefusal::CannotWork(station, StationUnavailable::InManual));
         }
         // Where the part is of a station between two rests is decided when it is led on. And it may stand in a resource whose room
         // closing would give to others: until it stands at a rest the activity keeps all it has taken. With `carrier` it stays open.

@@ -201,7 +201,10 @@ impl Coordination {
             Some(SecuredState::AtRest) | None => true,
         };
         // The last reports of all count: a station that has come up anew, or is not heard any more, may stand anywhere.
-        let rests = |station| self.fresh(now, station).is_some_and(|heard| !heard.is_held);
+        let rests = |station| {
+            let is_left = !self.watch.in_manual.contains(&station);
+            is_left && self.fresh(now, station).is_some_and(|heard| !heard.is_held)
+        };
         let all_at_rest = firing.orders.iter().all(|order| at_rest(order.key) && rests(order.station));
         let first = rule.filter(|rule| rule.is_automatic && all_at_rest).and_then(|rule| rule.answers.first());
         match first.filter(|first| answers.contains(first)) {

@@ -83,6 +83,10 @@ impl Coordination {
         if self.state.exceptions().is_stopped(station) {
             return Some(AlarmAnswerRefusal::EmergencyStop(station));
         }
+        // Not by its report: it is so from the moment at which the coordinator gives it.
+        if self.watch.in_manual.contains(&station) {
+            return Some(AlarmAnswerRefusal::CannotWork(station, StationUnavailable::InManual));
+        }
         self.watch.objection(station, now, self.state.table().handling().lost_after)
     }
 

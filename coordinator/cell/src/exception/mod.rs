@@ -44,7 +44,7 @@ pub use fact::{
     AlarmSubject, AnsweredBy, ExceptionStep, OutOfServiceReason, RecoveryDecision, SecuredState, SensorMismatch,
     Strategy, Whereabouts,
 };
-pub use isolation::isolated;
+pub use isolation::{Participation, isolated};
 pub use kept::SavedExceptions;
 pub use policy::{
     FailureMatch, ModeHandling, PermittedAnswer, RecoveryPolicy, RecoveryRule, ResourcePolicy, RestTask, StationRests,

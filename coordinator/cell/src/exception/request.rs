@@ -37,6 +37,8 @@ pub enum StationUnavailable {
     Incomplete,
     /// People move it.
     ByHand,
+    /// A person leads it in manual while the others are in auto.
+    InManual,
 }
 
 /// Request of an operator.

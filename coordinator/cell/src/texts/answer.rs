@@ -85,6 +85,7 @@ impl StationUnavailable {
             StationUnavailable::Devices => "I/O devices not operational",
             StationUnavailable::Incomplete => "operation incomplete; complete or undo it in manual",
             StationUnavailable::ByHand => "moved by hand (hand or manual mode)",
+            StationUnavailable::InManual => "in manual by itself; give it auto again first",
         }
     }
 }

@@ -43,8 +43,29 @@ impl Coordinator {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
         };
-        let is_out = move |station: &StationEntry| leaves_out && (station.isolated || station.stopped);
+        let is_out =
+            move |station: &StationEntry| leaves_out && (station.isolated || station.stopped || station.is_single);
         self.line.station_ids().zip(&self.stations).filter(move |(_, station)| !is_out(station))
+    }
+
+    /// Reasons of one station against motion in auto and hand.
+    pub(super) fn troubles_of(&self, id: StationId, station: &StationEntry, reasons: &mut Vec<ModeRefusal>) {
+        if !self.is_known(station) {
+            reasons.push(ModeRefusal::NotHeard(id));
+            return;
+        }
+        if !station.heard.devices_valid {
+            reasons.push(ModeRefusal::DevicesLost(id));
+        }
+        if station.heard.incomplete && !self.is_index_in_doubt(id) {
+            reasons.push(ModeRefusal::Incomplete(id, station.heard.incomplete_op));
+        }
+        if station.heard.position_lost {
+            reasons.push(ModeRefusal::PositionLost(id));
+        }
+        if station.restarted {
+            reasons.push(ModeRefusal::Restarted(id));
+        }
     }
 
     /// The stations left out of the mode decision that keep the line from home.
@@ -131,6 +152,9 @@ impl Coordinator {
         }
         let is_other = |reasons: &[ModeRefusal]| reasons.iter().any(|reason| !troubles.contains(reason));
         let ended = self.ended.as_ref().filter(|(_, reasons)| is_other(reasons));
+        let named = |of: &mut dyn Iterator<Item = (StationId, Vec<ModeRefusal>)>| {
+            of.map(|(id, reasons)| (name(id), texts(&reasons))).collect()
+        };
         let text = ModeText {
             stopping: self.stopping,
             stop: self.estop.map(|(cause, _)| cause.text(&self.line)),
@@ -140,6 +164,8 @@ impl Coordinator {
             waiting: self.waiting_for().into_iter().map(name).collect(),
             without: stations().filter(|(_, station)| station.isolated).map(|(id, _)| name(id)).collect(),
             stopped: stations().filter(|(_, station)| station.stopped).map(|(id, _)| name(id)).collect(),
+            manual: named(&mut self.singles()),
+            selectors: named(&mut self.idle_selectors()),
             ended: ended.map(|(mode, reasons)| (*mode, texts(reasons))),
             troubles: texts(&troubles),
         };

@@ -28,6 +28,9 @@ pub struct StationView {
     pub incomplete: bool,
     /// The first one that was.
     pub incomplete_op: Option<OpId>,
+    /// The operation at whose place it stands or moves; the first where there are several. None where a task has ended: nothing
+    /// leads on from there but another task.
+    pub stands_in: Option<OpId>,
     /// Its selector stands at manual.
     pub selector_manual: bool,
     /// Its devices are received and operational.
@@ -52,6 +55,8 @@ impl StationView {
 pub enum ModeInput {
     /// An operator's command, by message.
     Command(ModeCommand),
+    /// Manual for one station while the others are in auto, or auto again, by message.
+    Single(StationId, bool),
     /// The console's input image, and whether its devices vouch for it.
     Console {
         /// Bit `i` is input `i` of the console.

@@ -41,6 +41,10 @@ pub struct ModeText<'a> {
     pub without: Vec<&'a str>,
     /// Stations in an emergency stop of their own.
     pub stopped: Vec<&'a str>,
+    /// Stations in manual by themselves, each with the reasons why its panel does not act.
+    pub manual: Vec<(&'a str, Vec<String>)>,
+    /// Stations left out whose selectors stand at manual without effect, each with the reasons.
+    pub selectors: Vec<(&'a str, Vec<String>)>,
     /// Reasons against other modes.
     pub troubles: Vec<String>,
     /// The mode that ended by itself last, and why; until the next command, and where that is no trouble now.
@@ -83,6 +87,15 @@ impl ModeText<'_> {
         }
         if !self.stopped.is_empty() {
             text.push_str(&format!(", {} in emergency stop", self.stopped.join(" and ")));
+        }
+        for (name, reasons) in &self.manual {
+            text.push_str(&format!(", {name} in manual"));
+            if !reasons.is_empty() {
+                text.push_str(&format!(" without effect ({})", reasons.join("; ")));
+            }
+        }
+        for (name, reasons) in &self.selectors {
+            text.push_str(&format!(", selector of {name} at manual without effect ({})", reasons.join("; ")));
         }
         if let Some((mode, reasons)) = &self.ended {
             text.push_str(&format!(", {mode} ended ({})", reasons.join("; ")));

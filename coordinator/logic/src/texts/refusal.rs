@@ -3,7 +3,7 @@
 use linewright_line::{Device, Line, Owner};
 
 use crate::decision::ModeCommand;
-use crate::refusal::{ModeRefusal, RefusedCommand};
+use crate::refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
 
 const POSITION_LOST: &str = "position lost; see its fault: check mechanism and switch, or look, then rejoin";
 
@@ -24,7 +24,11 @@ impl RefusedCommand {
             _ => String::new(),
         };
         let reasons = reason_texts(&self.reasons, line, trouble_of);
-        format!("{} refused in {}: {}", self.command.name(), self.mode, reasons.join("; "))
+        let of = match self.command {
+            OperatorCommand::Single(station, _) => format!(" of {}", line.station(station).name),
+            OperatorCommand::Mode(_) | OperatorCommand::Resume => String::new(),
+        };
+        format!("{}{of} refused in {}: {}", self.command.name(), self.mode, reasons.join("; "))
     }
 }
 
@@ -120,6 +124,39 @@ impl ModeRefusal {
                 station,
                 "between two rests, with no task order; lead it to a rest in manual, or take its resource out of service",
             ),
+            ModeRefusal::NotInAuto(station) => {
+                (station, "one station is led in manual while the others are in auto only; give manual for the line")
+            }
+            ModeRefusal::NotSingle(station) => (station, "not in manual by itself, it follows the mode of the line"),
+            ModeRefusal::NoSingleManual(station) => (
+                station,
+                "in a cell only; arrows and counts join the stations of a line, so it has one mode; give stop --wait, then \
+                 manual",
+            ),
+            ModeRefusal::InService(station) => (
+                station,
+                "takes part in auto; take its resource out of service, which lets its task end, or give the alarm of its \
+                 resource, which stops it",
+            ),
+            ModeRefusal::Securing(station) => {
+                (station, "stations of its failed activity come to rest; wait for the alarm, then give manual again")
+            }
+            ModeRefusal::Unattended(station) => {
+                (station, "the log of the cell cannot be written, so no failure is followed up; restore the disk")
+            }
+            ModeRefusal::OutsideTask(station) => (
+                station,
+                "between two rests in a task of no failed activity, other stations may have work there; give stop --wait, \
+                 then manual for the line",
+            ),
+            ModeRefusal::Turns(station) => (
+                station,
+                "has an index, which manual may home at rest beside stations in auto; give stop --wait, then manual for the \
+                 line",
+            ),
+            ModeRefusal::StoppedByCell(station) => {
+                (station, "in emergency stop; clear the cause, then reset it with `linewright resource … reset`")
+            }
             ModeRefusal::Behind(station) => (station, "at home one cycle behind the others; give auto, then stop"),
         };
         format!("{}: {text}", line.station(*station).name)
@@ -146,7 +183,6 @@ mod tests {
     use linewright_line::{StationId, TransferLine};
 
     use super::*;
-    use crate::refusal::OperatorCommand;
 
     #[test]
     fn a_loss_is_refused_with_the_device_and_its_trouble_where_it_is_known() {

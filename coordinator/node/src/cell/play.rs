@@ -334,7 +334,11 @@ impl CellLoop {
 
     /// One step: arrivals go in; records are written before anything is sent. While they cannot be there is no step.
     fn act(&mut self) -> Result<(), CellError> {
-        let (now, situation) = (self.now(), self.situation.borrow_and_update().starts);
+        let now = self.now();
+        let (situation, in_manual) = {
+            let situation = self.situation.borrow_and_update();
+            (situation.starts, situation.in_manual.clone())
+        };
         if let Some(log) = &mut self.log {
             log.make_room(now);
             if let Some(mut out) = log.try_again(now, self.coordination.state()) {
@@ -347,7 +351,7 @@ impl CellLoop {
         let may_start = situation && !self.log.as_ref().is_some_and(|log| log.is_halted() || log.is_short());
         if !self.is_halted() {
             let told = std::mem::take(&mut self.told);
-            let mut inputs = vec![PlayerInput::Starts(may_start)];
+            let mut inputs = vec![PlayerInput::Starts(may_start), PlayerInput::InManual(&in_manual)];
             inputs.extend(told.iter().map(PlayerMessage::input));
             let mut out = PlayerOutbox::default();
             self.coordination.step(now, &inputs, self.planning.dispatcher(), &mut out);
@@ -407,7 +411,7 @@ impl CellLoop {
     /// Publishes which stations are the cell's affair alone. It follows from the state, which only records change. Before
     /// they are on disk only additional stops are published.
     fn tell_apart(&self, only_stops: bool) {
-        let apart = IsolatedStations::of(&self.coordination, self.is_halted());
+        let apart = IsolatedStations::of(&self.coordination, &self.line, self.now(), self.is_halted());
         self.apart.send_if_modified(|now| {
             let before = now.clone();
             if !only_stops {

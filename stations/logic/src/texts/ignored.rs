@@ -14,6 +14,9 @@ impl Ignored {
             Ignored::LeaseTooLong => "mode command with a longer lease than the line description gives",
             Ignored::Moving => "rejoin: station moving",
             Ignored::NotLost => "rejoin: station position is known",
+            Ignored::InSingleManual => {
+                "rejoin: station in manual by itself, the others rely on its place; give auto to it, rejoin, then manual again"
+            }
             Ignored::PositionUnclear => "rejoin: limit switches contradict the position, or do not determine it",
         }
     }

@@ -1,0 +1,213 @@
+//! Manual of single stations of a cell, while the others are in auto.
+//!
+//! It is requested by command or by the station's own selector, and ended by the same. What makes it safe, in short (decision
+//! 0033): such a station is left out of auto and of dispatch; between two rests it is led only in a task whose failed activity
+//! keeps all it has taken, so that no activity with a task in conflict with it is in progress; where a task has ended its panel
+//! moves nothing.
+//!
+//! Two states of it, both of an epoch of its own:
+//! * *single*: the station is not in auto. It stands by; the cell gives it no order. No condition ends this but a command, a
+//!   selector turned back, or the end of auto: it never goes over to auto by itself.
+//! * *led*: its panel acts. Every condition holds now, and all have acknowledged the epoch. It ends with the first that does not.
+
+use linewright_line::StationId;
+use linewright_line::net::ControlMode;
+
+use super::Coordinator;
+use crate::refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
+
+/// What a cell permits at one of its stations while the others are in auto.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ManualPermit {
+    /// It takes part in auto.
+    InService,
+    /// Stations of its failed activity have still to come to rest.
+    Securing,
+    /// The cell decides nothing now, and raises no alarm.
+    Unattended,
+    /// It is left out, and may be led on in these tasks, a bit each: their activities have failed, and keep what they have taken.
+    LeftOut {
+        tasks: u64,
+        /// The cell has taken that it is in manual, and closes none of these activities until that is over.
+        is_kept: bool,
+    },
+}
+
+impl Coordinator {
+    /// Sets what the cell permits at each station; none on a line without one. Call it whenever that changes, before
+    /// [`Coordinator::step`].
+    pub fn permit_manual(&mut self, permits: impl Fn(StationId) -> Option<ManualPermit>) {
+        for (id, station) in self.line.station_ids().zip(&mut self.stations) {
+            station.permit = permits(id).filter(|_| station.task_driven);
+        }
+    }
+
+    /// Whether a station is not in auto with the others, but in manual by itself, or to be as soon as every condition holds.
+    pub fn is_single(&self, station: StationId) -> bool {
+        self.stations.get(station.index()).is_some_and(|station| station.is_single)
+    }
+
+    /// Whether a person may still move a station: it is in manual by itself, or has not acknowledged yet that it is no more.
+    /// Not heard, it has stood still since the last order of that ran out. Its cell gives it no order until then.
+    pub fn is_by_hand(&self, station: StationId) -> bool {
+        let Some(of) = self.stations.get(station.index()) else { return false };
+        let (epoch, run_out) = of.single_until;
+        let is_past = if self.is_known(of) { of.heard.acknowledges(self.boot_id, epoch) } else { self.now >= run_out };
+        of.is_single || !is_past
+    }
+
+    /// Whether a station is in manual by itself, and its panel acts.
+    pub fn is_led(&self, station: StationId) -> bool {
+        self.stations.get(station.index()).is_some_and(|station| station.is_led)
+    }
+
+    /// Manual for one station, or auto again.
+    pub(super) fn command_single(&mut self, id: StationId, is_manual: bool) {
+        self.changed = true;
+        let reasons = match self.stations.get(id.index()) {
+            None => return,
+            Some(_) if self.mode != ControlMode::Auto => vec![ModeRefusal::NotInAuto(id)],
+            Some(station) if is_manual && station.is_single => vec![ModeRefusal::Already],
+            Some(_) if is_manual => self.against_single(id),
+            Some(station) if !station.is_single => vec![ModeRefusal::NotSingle(id)],
+            Some(station) if station.heard.selector_manual => vec![ModeRefusal::SelectorManual(id)],
+            Some(_) => self.against_joining(id),
+        };
+        self.obeyed = reasons.is_empty();
+        if reasons.is_empty() {
+            self.stations[id.index()].single_by_command = is_manual;
+            self.follow_single();
+        } else {
+            let command = OperatorCommand::Single(id, is_manual);
+            self.refusals.push(RefusedCommand { command, mode: self.mode, reasons });
+        }
+    }
+
+    /// Reasons why a station cannot go back to auto with the others: where its cell does not leave it out, what would end auto.
+    fn against_joining(&self, id: StationId) -> Vec<ModeRefusal> {
+        let (station, mut reasons) = (&self.stations[id.index()], Vec::new());
+        if !station.isolated {
+            self.troubles_of(id, station, &mut reasons);
+            reasons.extend(station.held.then_some(ModeRefusal::BetweenRests(id)));
+        }
+        reasons
+    }
+
+    /// Reasons why a station cannot be in manual while the others are in auto.
+    pub(super) fn against_single(&self, id: StationId) -> Vec<ModeRefusal> {
+        let station = &self.stations[id.index()];
+        let mut reasons = Vec::new();
+        match station.permit {
+            None => reasons.push(ModeRefusal::NoSingleManual(id)),
+            Some(ManualPermit::InService) => reasons.push(ModeRefusal::InService(id)),
+            Some(ManualPermit::Securing) => reasons.push(ModeRefusal::Securing(id)),
+            Some(ManualPermit::Unattended) => reasons.push(ModeRefusal::Unattended(id)),
+            Some(ManualPermit::LeftOut { tasks, .. }) if !self.stands_in_one_of(id, tasks) => {
+                reasons.push(ModeRefusal::OutsideTask(id));
+            }
+            Some(ManualPermit::LeftOut { .. }) => {}
+        }
+        // A table at rest is homed in manual: that motion is of no task, so no activity keeps others apart from it.
+        let described = self.line.station(id);
+        if described.op_ids().any(|op| described.index_of(op).is_some()) {
+            reasons.push(ModeRefusal::Turns(id));
+        }
+        if station.stopped {
+            reasons.push(ModeRefusal::StoppedByCell(id));
+        }
+        if !self.is_known(station) {
+            reasons.push(ModeRefusal::NotHeard(id));
+        }
+        reasons.extend(self.rival().map(ModeRefusal::OtherCoordinator));
+        if self.console_is_unknown() {
+            reasons.push(ModeRefusal::ConsoleNeverHeard);
+        }
+        reasons
+    }
+
+    /// Whether manual leads a station on in one of these tasks only. Where a task has ended it leads nowhere; where one was taken
+    /// back to its beginning, *advance* begins it again.
+    fn stands_in_one_of(&self, id: StationId, tasks: u64) -> bool {
+        let heard = &self.stations[id.index()].heard;
+        match heard.stands_in {
+            None => heard.at_home,
+            Some(op) => {
+                let task = self.line.station(id).task_of(op).map(linewright_line::TaskId::index);
+                task.is_some_and(|task| task < 64 && tasks & (1 << task) != 0)
+            }
+        }
+    }
+
+    /// Leads stations into manual by themselves and back to auto, as commands and selectors have it. Each change begins an epoch;
+    /// the others go on meanwhile.
+    pub(super) fn follow_single(&mut self) {
+        if self.mode != ControlMode::Auto {
+            return;
+        }
+        for id in self.line.station_ids() {
+            let station = &self.stations[id.index()];
+            // A selector of a station that takes part in auto leads the line to stand-by, as on every line.
+            let by_selector = station.heard.selector_manual
+                && (station.is_single || (station.isolated && self.against_single(id).is_empty()));
+            let is_single = !station.stopped && (station.single_by_command || by_selector);
+            let station = &mut self.stations[id.index()];
+            station.single_by_command &= is_single;
+            if is_single != station.is_single {
+                station.is_single = is_single;
+                self.epoch = self.epoch.saturating_add(1);
+                self.single_in = self.epoch;
+                self.changed = true;
+                station.single_until = (self.epoch, self.now + self.line.timing.lease + self.line.timing.stale);
+            }
+        }
+        for id in self.line.station_ids() {
+            let is_led = self.may_be_led(id);
+            let station = &mut self.stations[id.index()];
+            self.changed |= std::mem::replace(&mut station.is_led, is_led) != is_led;
+            if is_led {
+                // A person stands at its panel.
+                (station.restarted, station.missed) = (false, false);
+            }
+        }
+    }
+
+    /// Every condition for its panel, each time anew. What it has acknowledged the epoch with also says where it stands, and it
+    /// takes no confirmation of its place from then on.
+    fn may_be_led(&self, id: StationId) -> bool {
+        let station = &self.stations[id.index()];
+        let acknowledges = |heard: &super::StationView| heard.acknowledges(self.boot_id, self.single_in);
+        let is_kept = matches!(station.permit, Some(ManualPermit::LeftOut { is_kept: true, .. }));
+        station.is_single
+            && is_kept
+            && self.enabled
+            && acknowledges(&station.heard)
+            && self.all(acknowledges)
+            && self.against_single(id).is_empty()
+    }
+
+    /// Auto is over: all follow the mode again.
+    pub(super) fn end_single(&mut self) {
+        let until = (self.epoch, self.now + self.line.timing.lease + self.line.timing.stale);
+        for station in &mut self.stations {
+            if station.is_single {
+                station.single_until = until;
+            }
+            (station.single_by_command, station.is_single, station.is_led) = (false, false, false);
+        }
+    }
+
+    /// The stations in manual by themselves, each with the reasons why its panel does not act.
+    pub(super) fn singles(&self) -> impl Iterator<Item = (StationId, Vec<ModeRefusal>)> {
+        let all = self.line.station_ids().filter(|&id| self.is_single(id));
+        all.map(|id| (id, if self.is_led(id) { Vec::new() } else { self.against_single(id) }))
+    }
+
+    /// The stations left out whose selectors stand at manual without effect, each with the reasons.
+    pub(super) fn idle_selectors(&self) -> impl Iterator<Item = (StationId, Vec<ModeRefusal>)> {
+        let stands = |(_, s): &(StationId, &super::StationEntry)| {
+            s.isolated && !s.is_single && self.is_known(s) && s.heard.selector_manual
+        };
+        let all = self.line.station_ids().zip(&self.stations).filter(|_| self.mode == ControlMode::Auto);
+        all.filter(stands).map(|(id, _)| (id, self.against_single(id)))
+    }
+}

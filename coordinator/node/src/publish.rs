@@ -1,0 +1,81 @@
+//! The order and the state of the line as messages.
+
+use std::time::{Duration, SystemTime};
+
+use linewright_coordinator_logic::EStopCause;
+use linewright_line::{StationId, Tick};
+use linewright_msgs::{LineState, ModeOrder, Text};
+use linewright_node_line::mode_to_code;
+use linewright_node_shell::stamp;
+use linewright_station_logic::Founding;
+
+use crate::node::CoordinatorLoop;
+use crate::topics::standing_message;
+
+/// How often the mode is told in words when it does not change.
+const TEXT_EVERY: Duration = Duration::from_secs(1);
+
+impl CoordinatorLoop {
+    pub(crate) fn send_order(&mut self, sequence: u64) {
+        let order = self.shell.order();
+        let coordinator = self.shell.coordinator();
+        let names = |is_it: &dyn Fn(StationId) -> bool| {
+            let all = self.line.station_ids().filter(|&id| is_it(id));
+            all.map(|id| self.line.station(id).name.clone()).collect()
+        };
+        let found: Vec<Founding> = self.line.station_ids().filter_map(|id| self.shell.order_for(id).found).collect();
+        self.says.order.send(ModeOrder {
+            header: stamp(),
+            boot_id: order.boot_id,
+            sequence,
+            epoch: order.epoch,
+            mode: mode_to_code(order.mode),
+            enabled: order.enabled,
+            master_stop: order.master_stop.is_some(),
+            stop_round: order.master_stop.unwrap_or(0),
+            manual_all: order.manual_all,
+            buttons: order.buttons,
+            resume: order.resume,
+            lease_ms: u32::try_from(order.lease.as_millis()).unwrap_or(u32::MAX),
+            found_generation: found.first().map_or(0, |founding| founding.generation),
+            found_lives: found.iter().map(|founding| founding.boot_id).collect(),
+            stopped: names(&|id| self.shell.stopped().contains(&id)),
+            manual: names(&|id| coordinator.is_led(id)),
+            standing_by: names(&|id| coordinator.is_single(id) && !coordinator.is_led(id)),
+        });
+    }
+
+    pub(crate) fn tell(&mut self, now: Tick, sequence: u64) {
+        let coordinator = self.shell.coordinator();
+        let order = coordinator.order();
+        let since =
+            coordinator.stop_cause().filter(|(cause, _)| *cause != EStopCause::Restarted).map(|(_, since)| since);
+        let text = coordinator.text_with(self.stop_time.text((now, SystemTime::now()), since));
+        // Latched for readers that request it, and repeated for those that do not, as `ros2 topic echo` may not.
+        if text != self.text || now >= self.text_due {
+            self.text_due = now + TEXT_EVERY;
+            self.text.clone_from(&text);
+            self.says.mode_text.send(Text { data: text.clone() });
+        }
+        let names = |ids: Vec<StationId>| ids.iter().map(|&id| self.line.station(id).name.clone()).collect();
+        let heard = |id| match (coordinator.hears(id), self.shell.has_heard(id)) {
+            (true, _) => LineState::HEARD_FRESH,
+            (false, true) => LineState::HEARD_STALE,
+            (false, false) => LineState::HEARD_UNKNOWN,
+        };
+        self.says.state.send(LineState {
+            header: stamp(),
+            boot_id: self.shell.boot_id(),
+            sequence,
+            epoch: order.epoch,
+            mode: mode_to_code(order.mode),
+            enabled: order.enabled,
+            master_stop: order.master_stop.is_some(),
+            text,
+            stations: self.line.stations.iter().map(|station| station.name.clone()).collect(),
+            station_heard: self.line.station_ids().map(heard).collect(),
+            waiting_for: names(coordinator.waiting_for()),
+            ..self.refusals.message(now, standing_message(&self.line, coordinator.standing()))
+        });
+    }
+}
