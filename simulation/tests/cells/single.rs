@@ -16,7 +16,7 @@ use super::{LONG, Shipped, dispatcher, options, shipped};
 
 const MILLIS: fn(u64) -> Duration = Duration::from_millis;
 /// Between two looks of the coordinator.
-const PERIOD: Duration = MILLIS(10);
+const PERIOD: Duration = Duration::from_millis(10);
 
 /// A cell with the coordinator of its mode.
 struct Cell<'c> {
