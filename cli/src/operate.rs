@@ -36,6 +36,8 @@ const ANSWER: Duration = Duration::from_millis(500);
 const MODE: Duration = Duration::from_secs(1);
 /// Period at which a held button is repeated: well within the time after which it counts as released.
 const REPEAT: Duration = Duration::from_millis(50);
+/// Periods for which a station has to stand at the end of what was led: one button may lead one operation after another.
+const ARRIVED: u32 = 8;
 
 /// Give an operator's command.
 #[derive(Debug, Args)]
@@ -174,7 +176,7 @@ async fn press_console(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::
         return answer(&client, args, &stations, PressOutcome::Refused(why));
     }
     let say = |client: &OperatorClient, held| client.hold(if held { &names } else { "" });
-    let outcome = hold(&mut client, args.seconds, &stations, say).await?;
+    let outcome = hold(&mut client, (args.seconds, false), &stations, say).await?;
     answer(&client, args, &stations, outcome)
 }
 
@@ -205,7 +207,7 @@ async fn press_panel(line: &Line, args: &PressArgs, station: &str, ros: &RosArgs
                 Err(mode) => PressOutcome::Refused(no_manual(client.coordinator(), args, station, mode)),
                 Ok(()) => {
                     let say = |_: &OperatorClient, held| publisher.send(Flag { data: held });
-                    hold(&mut client, args.seconds, &[id], say).await?
+                    hold(&mut client, (args.seconds, true), &[id], say).await?
                 }
             }
         }
@@ -338,10 +340,11 @@ fn answer(
 }
 
 /// Sends "released", then "held" repeatedly for so many seconds, then "released", and receives what follows.
-/// Gives what has moved meanwhile: a motion that was let go half-way stands at the end as it stood before.
+/// Gives what has moved meanwhile: a motion that was let go half-way stands at the end as it stood before. A button that leads
+/// one motion is released at its end (`until_arrival`).
 async fn hold(
     client: &mut OperatorClient,
-    seconds: f64,
+    (seconds, until_arrival): (f64, bool),
     stations: &[StationId],
     say: impl Fn(&OperatorClient, bool),
 ) -> miette::Result<PressOutcome> {
@@ -351,11 +354,15 @@ async fn hold(
     let mut moved = vec![false; stations.len()];
     let mut held: Vec<HeldMotions> = stations.iter().map(|id| HeldMotions::before(client.station(*id))).collect();
     let until = tokio::time::Instant::now() + Duration::from_secs_f64(seconds);
-    while tokio::time::Instant::now() < until {
+    let mut arrived = 0;
+    while tokio::time::Instant::now() < until && arrived < ARRIVED {
         say(client, true);
         client.listen(REPEAT.min(until - tokio::time::Instant::now())).await?;
         follow(&mut moved, &before, &motions(client, stations));
         held.iter_mut().zip(stations).for_each(|(held, id)| held.look(client.station(*id)));
+        let has_arrived =
+            held.iter().zip(stations).all(|(held, id)| client.station(*id).is_some_and(|of| held.has_arrived(of)));
+        arrived = if has_arrived && until_arrival { arrived + 1 } else { 0 };
     }
     release(client, &say).await?;
     client.listen(ANSWER).await?;

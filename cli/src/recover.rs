@@ -209,6 +209,16 @@ fn typed(line: &Line, path: &str, step: &RecoveryStep) -> Option<String> {
     Some(format!("linewright {}", words.join(" ")))
 }
 
+/// One command for each answer to an alarm, of which one is given; none of any other step.
+fn answers(path: &str, step: &RecoveryStep) -> impl Iterator<Item = String> {
+    let (id, all) = match &step.action {
+        RecoveryAction::First(Need::Answer(alarm)) => (alarm.id, alarm.answers.clone()),
+        _ => (0, Vec::new()),
+    };
+    let path = crate::out::shell_word(path).to_string();
+    all.into_iter().map(move |word| format!("linewright answer {path} {id} {}", crate::out::shell_word(&word)))
+}
+
 /// The steps below which their commands stand.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Commands {
@@ -238,8 +248,11 @@ fn picture(
     };
     lines.extend(client.coordinator().and_then(refusal));
     let is_over = found.is_some_and(|plan| plan.end == RecoveryEnd::Auto && plan.steps.is_empty());
-    let causes = causes(line, |id| client.station(id)).into_iter().filter(|_| !is_over);
-    lines.extend(causes.map(|(station, fault)| format!("cause: {station}: {fault}")));
+    let causes = if is_over { Vec::new() } else { causes(line, |id| client.station(id)) };
+    lines.extend(causes.iter().map(|(station, fault)| format!("cause: {station}: {fault}")));
+    if !causes.is_empty() {
+        lines.push("       remove what is still so of it first: it leads to the same fault again".to_owned());
+    }
     lines.extend(done.iter().map(|text| format!(" done  {text}")));
     let Some(plan) = found else { return lines };
     for (at, step) in plan.steps.iter().enumerate() {
@@ -247,6 +260,7 @@ fn picture(
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
         if at == 0 || commands == Commands::OfAll {
             lines.extend(typed(line, path, step).map(|typed| format!("       {typed}")));
+            lines.extend(answers(path, step).map(|typed| format!("       {typed}")));
         }
         if at == 0 {
             lines.extend(refused(client, step).map(|why| format!("       refused: {why}")));
@@ -258,6 +272,11 @@ fn picture(
     }
     if plan.steps.is_empty() && plan.end == RecoveryEnd::Auto {
         lines.push("nothing to do".to_owned());
+        let left_out = client.coordinator().map(|state| state.left_out.join(", ")).filter(|names| !names.is_empty());
+        lines.extend(left_out.map(|names| {
+            let path = crate::out::shell_word(path);
+            format!("left out: {names}; why, and what brings it back: `linewright resource {path}` and `linewright why {path}`")
+        }));
     }
     lines
 }

@@ -39,13 +39,15 @@ pub struct RecoveryPlan {
     pub end: RecoveryEnd,
     /// No other list has fewer presses, or as few with less time of motion, in which *return* counts for a little more.
     pub is_shortest: bool,
+    /// Auto founds a new generation of counts: no station knows what the others have done to the parts between them.
+    pub begins_anew: bool,
     /// States from which all presses were tried.
     pub expanded: usize,
 }
 
 impl RecoveryPlan {
     fn ends(steps: Vec<RecoveryStep>, end: RecoveryEnd) -> Self {
-        RecoveryPlan { steps, end, is_shortest: true, expanded: 0 }
+        RecoveryPlan { steps, end, is_shortest: true, begins_anew: false, expanded: 0 }
     }
 
     /// Whether an alarm of a cell waits for its answer.
@@ -309,7 +311,8 @@ fn by_commands_and_presses(
     for (command, desk) in to_auto(&last).into_iter().flatten() {
         steps.push(commanded(command, &desk));
     }
-    RecoveryPlan { steps, end: RecoveryEnd::Auto, is_shortest: found.is_shortest, expanded: found.expanded }
+    let (end, begins_anew) = (RecoveryEnd::Auto, search.leads_home(&last));
+    RecoveryPlan { steps, end, is_shortest: found.is_shortest, begins_anew, expanded: found.expanded }
 }
 
 fn commanded(command: ModeCommand, after: &Desk) -> RecoveryStep {

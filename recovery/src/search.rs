@@ -124,6 +124,11 @@ impl<'f, 'l> Search<'f, 'l> {
         }
     }
 
+    /// Whether the stations are to be led home, where their counts begin anew.
+    pub fn leads_home(&self, units: &PlayedStations) -> bool {
+        self.aim(units) == Aim::Home
+    }
+
     fn is_placed(&self, units: &PlayedStations, station: usize, aim: Aim) -> bool {
         let unit = &units[station];
         let is_in_order = unit.is_in_order(self.is_task_driven(station));

@@ -49,7 +49,7 @@ impl Need {
             Need::Acknowledged => "wait until every station has acknowledged the mode".to_owned(),
             Need::Answer(alarm) => {
                 let answers = alarm.answers.join(" or ");
-                format!("alarm {}: {} Then `linewright answer`: {answers}", alarm.id, alarm.text)
+                format!("alarm {}: {} Then answer by what is so at the machine now: {answers}", alarm.id, alarm.text)
             }
             Need::Other(text) => text.clone(),
         }
@@ -196,17 +196,18 @@ impl RecoveryStep {
 
     /// Time for which a panel's button is held.
     ///
-    /// Half as long again as the motion takes by the description, for what messages take. Where nothing is to move, longer than
-    /// the watchdog: a switch that is not taken for the arrival is reported then, and counts with the next press.
+    /// Half as long again as the motion takes by the description, for what messages take, and longer than its watchdog: what still
+    /// keeps the motion from its end is reported as a fault then, and not as a button that was released. Where nothing is to move the
+    /// same holds of a switch that is not taken for the arrival; it counts with the next press.
     pub fn hold(&self, line: &Line) -> Duration {
         let longest = self.moves.iter().map(|motion| motion.time).max().filter(|_| !self.is_doubtful);
-        let watchdogs = self
-            .after
-            .iter()
-            .flat_map(|after| after.places.iter().map(|place| line.operation((after.station, place.op)).watchdog));
+        let watchdog = |station: StationId, op: OpId| line.operation((station, op)).watchdog;
+        let moved = self.moves.iter().map(|motion| watchdog(motion.station, motion.place.op));
+        let after =
+            self.after.iter().flat_map(|after| after.places.iter().map(|place| watchdog(after.station, place.op)));
         match longest {
-            Some(time) => time * 3 / 2 + Duration::from_millis(500),
-            None => watchdogs.max().unwrap_or_default() + Duration::from_secs(1),
+            Some(time) => (time * 3 / 2).max(moved.max().unwrap_or_default()) + Duration::from_millis(500),
+            None => after.max().unwrap_or_default() + Duration::from_secs(1),
         }
     }
 
@@ -224,7 +225,8 @@ impl RecoveryStep {
             }
             RecoveryAction::Resume => {
                 // They may have to wait for each other.
-                let time: f64 = self.moves.iter().map(|m| m.time.as_secs_f64()).sum::<f64>() * 1.5 + 0.5;
+                let all: Duration = self.moves.iter().map(|motion| motion.time).sum();
+                let time = (all * 3 / 2 + Duration::from_millis(500)).max(self.hold(line)).as_secs_f64();
                 words(&["press", "LINE", "resume", "--for", &format!("{time:.1}")])
             }
             RecoveryAction::Selector(station, manual) => {
@@ -249,6 +251,11 @@ impl RecoveryPlan {
     /// What follows its steps, where they do not lead to auto.
     pub fn end_text(&self, line: &Line) -> Vec<String> {
         match &self.end {
+            RecoveryEnd::Auto if self.begins_anew && self.presses() > 0 => vec![
+                "auto begins a new cycle at every station: a part in the line that is not finished passes on as it is, unless it is worked \
+                 on in manual before, or taken out"
+                    .to_owned(),
+            ],
             RecoveryEnd::Auto => Vec::new(),
             RecoveryEnd::LookAgain => vec!["what follows shows when every station is heard".to_owned()],
             RecoveryEnd::Misfit(misfit) => {

@@ -12,6 +12,9 @@ use super::explored::{Exploration, ExploreOptions, PART};
 
 /// Question that no exploration decides; printed with every result so that it is not taken for more than it is.
 const DEVICES: &str = "whether mechanisms and devices behave as the description says";
+/// Without a conflict there is nothing to be kept apart, and no state to be looked for.
+const NO_CONFLICTS: &str = "whether mechanisms can collide: the description names no conflict, so nothing was explored; describe what must \
+     not be at one place together, also of a table or conveyor that turns under a tool, as [[conflict]]";
 /// Questions that structure alone leaves open.
 const NOT_EXPLORED: [&str; 2] = [
     "whether a conflict can be reached through faults, undone operations, recovery paths and late messages: explore for \
@@ -149,6 +152,9 @@ pub fn judge(parsed: &ParsedLine, options: &ExploreOptions) -> Result<CheckRepor
         not_decided.push(TASKS);
     }
     not_decided.push(DEVICES);
+    if line.conflicts.is_empty() {
+        not_decided.push(NO_CONFLICTS);
+    }
     Ok(CheckReport {
         line: Some(line.name.clone()),
         ok: sound && explorations.iter().all(Exploration::holds) && barriers.iter().all(Barriers::holds),

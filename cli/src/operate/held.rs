@@ -33,6 +33,15 @@ impl HeldMotions {
         self.is_seen_moving |= state.devices_valid && state.measured.as_slice() != self.measured;
     }
 
+    /// Whether something was led, and nothing of the station is under way or stands before its end.
+    pub fn has_arrived(&self, state: &StationState) -> bool {
+        let is_under_way = |place: &u8| [StationState::PLACE_OPERATING, StationState::PLACE_UNDOING].contains(place);
+        self.led.contains(&true)
+            && state.stopped
+            && state.incomplete.is_empty()
+            && !state.places.iter().any(is_under_way)
+    }
+
     /// Advice for a motion that stands before its end because its button was released; none where no such motion stands half-way.
     pub fn let_go(&self, state: &StationState) -> Option<&'static str> {
         let is_led = |op: &u16| self.led.get(usize::from(*op)).is_some_and(|led| *led);
@@ -73,6 +82,17 @@ mod tests {
         let moving = state(&[S::PLACE_OPERATING, S::PLACE_INCOMPLETE], &[1], 1);
         let left = state(&[S::PLACE_OPERATING, S::PLACE_INCOMPLETE], &[1], 0);
         assert_eq!(after(&left, &state(&[S::PLACE_INCOMPLETE; 2], &[0, 1], 0)), Some("; hold it longer (--for)"));
+        let arrives = |end: &StationState| {
+            let mut held = HeldMotions::before(Some(&before));
+            held.look(Some(&moving));
+            held.has_arrived(end)
+        };
+        let standing = |state: StationState| StationState { stopped: true, ..state };
+        assert!(arrives(&standing(state(&[S::PLACE_COMPLETED, S::PLACE_COMPLETED], &[], 2))));
+        // The other one is held on, and a motion that has not ended is.
+        assert!(!arrives(&standing(state(&[S::PLACE_COMPLETED, S::PLACE_INCOMPLETE], &[1], 2))));
+        assert!(!arrives(&state(&[S::PLACE_COMPLETED, S::PLACE_OPERATING], &[], 2)));
+        assert!(!HeldMotions::before(Some(&before)).has_arrived(&standing(state(&[S::PLACE_COMPLETED; 2], &[], 2))));
         let jammed = after(&moving, &before).expect("it has not arrived");
         assert!(jammed.contains("no switch has changed"), "{jammed}");
         // The other one was not led: it stands where it stood.

@@ -29,7 +29,7 @@ pub async fn press(line: &Line, args: &PressArgs, ros: &RosArgs) -> miette::Resu
     }
     let before = client.coordinator().map_or(0, |state| state.refusals);
     let say = |_: &OperatorClient, held| publisher.send(Flag { data: held });
-    let outcome = hold(&mut client, args.seconds, &stations, say).await?;
+    let outcome = hold(&mut client, (args.seconds, true), &stations, say).await?;
     let refusal = client.coordinator().filter(|state| state.refusals > before).map(|state| state.refusal.clone());
     let outcome = match refusal.as_deref().and_then(|text| text.strip_prefix("resume refused in ")) {
         Some(why) => PressOutcome::Refused(why.to_owned()),
