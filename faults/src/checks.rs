@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use linewright_line::net::{Block, ControlMode};
+use linewright_line::net::ControlMode;
 use linewright_line::{Line, Owner, StationId, Tick};
 use linewright_plant::Plant;
-use linewright_station_logic::{ModeOrder, StationReport, StationSnapshot};
+use linewright_station_logic::{Founding, ModeOrder, StationReport};
 use linewright_station_shell::EPOCH_JUMP_MAX;
 
 use crate::observer::Observer;
@@ -63,6 +63,7 @@ impl Observer {
     /// A station was restarted; `number` is that of its record. With a generation it goes on from its counts.
     pub(crate) fn restarted(&mut self, line: &Line, now: Tick, at: usize, (generation, number): (u64, u64)) {
         let station = &mut self.stations[at];
+        station.generation = generation;
         if generation != 0 && number < station.sent {
             let name = &line.stations[at].name;
             self.find(now, format!("{name}: restarted from an older record than that of its last state"));
@@ -71,11 +72,30 @@ impl Observer {
         }
     }
 
-    /// A state of one station has arrived at another.
-    pub(crate) fn state_arrived(&mut self, at: usize, from: usize, seen: SeenState) {
+    /// A coordinator founds a generation, and names the life of the station that it means.
+    pub(crate) fn founds(&mut self, at: usize, founding: Founding) {
+        let named = (founding.generation, founding.boot_id);
+        let founded = &mut self.stations[at].founded;
+        if !founded.contains(&named) {
+            founded.push(named);
+        }
+    }
+
+    /// A station counts in a generation from now on: it was founded for this life of it.
+    pub(crate) fn takes_generation(&mut self, line: &Line, now: Tick, at: usize, report: &StationReport) {
+        let station = &mut self.stations[at];
+        let is_new = std::mem::replace(&mut station.generation, report.generation) != report.generation;
+        if is_new && report.generation != 0 && !station.founded.contains(&(report.generation, report.boot_id)) {
+            let name = &line.stations[at].name;
+            self.find(now, format!("{name}: takes a generation that was founded for another life of it"));
+        }
+    }
+
+    /// A state of one station has arrived at another; it counts as known there from `arrived` on.
+    pub(crate) fn state_arrived(&mut self, at: usize, from: usize, seen: SeenState, arrived: Tick) {
         if let Some(view) = self.stations[at].views.get_mut(from) {
             let since = if view.is_like(&seen) { view.since } else { seen.since };
-            *view = SeenState { since, ..seen };
+            *view = SeenState { since, arrived, ..seen };
         }
     }
 
@@ -84,7 +104,9 @@ impl Observer {
         let station = &self.stations[at];
         let (newest, since) = station.newest_mode;
         let soon = 2 * line.timing.refresh + SLACK + station.held_up;
-        station.lives.len() == 1 && mode != newest && now > since + soon
+        // By itself it may always fall back to stand-by, and end there what a record that took long has under way.
+        let is_by_itself = mode == ControlMode::StandBy && station.held_up > Duration::ZERO;
+        station.lives.len() == 1 && mode != newest && !is_by_itself && now > since + soon
     }
 
     /// In auto a motion starts only where the states of those that it waits for are not too old.
@@ -130,47 +152,6 @@ impl Observer {
         if let (Some(from), ControlMode::Auto) = (unheard, mode) {
             let (name, from) = (&line.stations[at].name, &line.station(from).name);
             self.find(now, format!("{name}: a motion starts though no state of {from} has arrived for long"));
-        }
-    }
-
-    /// A count is taken back before the motion starts, and only when no other station has built on it.
-    pub(crate) fn taken_back(
-        &mut self,
-        line: &Line,
-        (now, id): (Tick, StationId),
-        before: &StationSnapshot,
-        record: &StationSnapshot,
-        of: &impl Fn(usize) -> Option<StationSnapshot>,
-    ) {
-        if before.path.is_some() || record.path.is_some() {
-            return;
-        }
-        let name = &line.station(id).name;
-        for (op, operation) in line.station(id).operations.iter().enumerate() {
-            let moves = |state: &StationSnapshot| {
-                let back = |place: &&linewright_line::net::StationPlace| place.block == Block::Recovery;
-                state.marking.iter().filter(back).any(|place| place.op.index() == op && place.is_operating())
-            };
-            if moves(record) && !moves(before) && record.done[op] >= before.started[op] {
-                let op = &operation.name;
-                self.find(now, format!("{name}: {op} is undone while it counts as done"));
-                return;
-            }
-            if record.done[op] >= before.done[op] {
-                continue;
-            }
-            for arrow in line.arrows.iter().filter(|arrow| arrow.from.0 == id && arrow.from.1.index() == op) {
-                let Some(other) = of(arrow.to.0.index()) else { continue };
-                let started = other.started[arrow.to.1.index()];
-                if other.generation == record.generation
-                    && record.generation != 0
-                    && started >= before.done[op] + arrow.lag as i32
-                {
-                    let (what, by, cycle) = (&operation.name, &line.station(arrow.to.0).name, before.done[op]);
-                    let text = format!("{name}: {what} is taken back in cycle {cycle}, and {by} has started on it");
-                    return self.find(now, text);
-                }
-            }
         }
     }
 

@@ -109,9 +109,9 @@ impl World {
             if !coordinator.process.runs() || coordinator.awaited.is_some() {
                 return;
             }
-            while let Some((message, is_seen)) = self.coordinators[which].process.inbox.pop_front() {
+            while let Some((message, delivered, is_seen)) = self.coordinators[which].process.inbox.pop_front() {
                 if !is_seen {
-                    self.arrives(node, &message);
+                    self.arrives(node, &message, delivered);
                 }
                 self.take_at_coordinator(which, message);
             }
@@ -300,6 +300,9 @@ impl World {
         for at in 0..self.stations.len() {
             let Some(shell) = &self.coordinators[which].shell else { return };
             let order = shell.order_for(StationId::at(at));
+            if let Some(founding) = order.found {
+                self.observer.founds(at, founding);
+            }
             let message = Message::Order { sequence, order };
             if which == 0 {
                 let kept = &mut self.orders[at];

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::StationId;
 use linewright_line::net::ControlMode;
+use linewright_line::{StationId, Tick};
 use linewright_station_logic::PanelCommand;
 
 use crate::checks::SeenState;
@@ -20,6 +20,7 @@ const RELEASES: u8 = 5;
 impl World {
     pub(crate) fn deliver(&mut self, to: usize, life: u64, message: Message) {
         let stations = self.stations.len();
+        let now = self.now;
         let process = self.process(to);
         if !process.is_up || process.life != life {
             return;
@@ -27,12 +28,12 @@ impl World {
         let runs = process.runs();
         let is_stop = matches!(&message, Message::Order { order, .. } if order.mode == ControlMode::EStop);
         if process.inbox.len() < WAITING_MAX || message.topic().is_none() || is_stop {
-            process.inbox.push_back((message.clone(), runs));
+            process.inbox.push_back((message.clone(), now, runs));
         }
         if !runs {
             return;
         }
-        self.arrives(to, &message);
+        self.arrives(to, &message, now);
         if to < stations {
             if is_stop {
                 self.interrupt_station(to);
@@ -43,20 +44,23 @@ impl World {
         self.run_node(to);
     }
 
-    /// A process that runs has received a message, whatever it does at the moment.
-    pub(crate) fn arrives(&mut self, to: usize, message: &Message) {
+    /// A process that runs has received a message, whatever it does at the moment. What has waited for a process that stood, for
+    /// longer than a standstill may last without being noticed, counts from when it was `delivered`.
+    pub(crate) fn arrives(&mut self, to: usize, message: &Message, delivered: Tick) {
         let timing = self.line.timing;
+        let has_waited = self.now > delivered + timing.refresh + timing.stale;
+        let since = if has_waited { delivered } else { self.now };
         let soon = Duration::from_millis(20);
         if to < self.stations.len()
             && let Message::State { station, report, .. } = message
         {
             let seen = SeenState::of(self.now, report);
-            self.observer.state_arrived(to, station.index(), seen);
+            self.observer.state_arrived(to, station.index(), seen, since);
         }
         match message {
             Message::Order { order, .. } if to < self.stations.len() => {
                 let in_stop = self.mode() == Some(ControlMode::EStop);
-                if let Some(stop) = self.observer.ordered(self.now, to, order, in_stop) {
+                if let Some(stop) = self.observer.ordered((self.now, since), to, order, in_stop) {
                     let behind = self.is_behind_gateway(to);
                     let bound = if behind { 2 * timing.stale + timing.heartbeat_timeout } else { Duration::ZERO };
                     self.after(bound + soon, Event::LooksForOff { station: to, stop });

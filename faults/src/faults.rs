@@ -2,13 +2,15 @@
 
 use std::time::Duration;
 
-use linewright_line::{Owner, StationId, Tick};
+use linewright_line::{OpId, Owner, StationId, Tick};
+use linewright_plant::MotionFault;
 use linewright_station_logic::ModeOrder;
 use linewright_station_shell::EPOCH_JUMP_MAX;
 
 use crate::disk::DiskState;
 use crate::message::Message;
 use crate::network::Weather;
+use crate::observer::TOLERANCE;
 use crate::plan::{FaultEvent, ForgedEpoch};
 use crate::world::{Event, World};
 
@@ -17,6 +19,9 @@ const START: Duration = Duration::from_millis(20);
 
 impl World {
     pub(crate) fn begin_fault(&mut self, at: usize) {
+        if self.is_mended {
+            return;
+        }
         let fault = self.plan[at];
         let (now, stations) = (self.now, self.stations.len());
         let text = self.text_of(&fault.event, fault.lasts);
@@ -61,6 +66,8 @@ impl World {
             }
             FaultEvent::Disk(node, state) => self.set_disk(node, state),
             FaultEvent::Cut { from, to, .. } => self.network.cut(from, to),
+            FaultEvent::Slow { from, to, by, is_even } => self.network.slow((from, to), by, is_even),
+            FaultEvent::Provoked(what, draw) => self.provoke(what, draw),
             FaultEvent::Network(weather) => self.network.weather = weather,
             FaultEvent::OldOrder { station, age } => {
                 let old = self.orders[station].iter().rev().find(|(at, _)| *at + age <= now);
@@ -82,6 +89,9 @@ impl World {
                 self.io[owner].lose(now, &self.plant);
                 self.after_plant(owner);
             }
+            // No controller keeps a mechanism from coming back into a conflict by itself, just after it has been seen outside and
+            // another station has begun on that.
+            FaultEvent::Motion(station, op, normal, MotionFault::SlipBack) if self.has_left((station, op), normal) => {}
             FaultEvent::Motion(station, op, normal, fault) => {
                 if normal {
                     self.plant.inject(now, station, op, Some(fault));
@@ -95,9 +105,21 @@ impl World {
             FaultEvent::Press(station, advance) => self.press(station, advance, true),
             FaultEvent::Buttons(held) => self.hold_buttons(held),
             FaultEvent::Selector(station) => self.say_selector(station, true),
+            FaultEvent::Resume => self.hold_resume(true),
         }
         self.active[at] = true;
         self.after(lasts, Event::FaultEnds(at));
+    }
+
+    /// Whether a motion that leads out of a conflict has arrived, or is as near as a switch is.
+    fn has_left(&self, (station, op): (StationId, OpId), normal: bool) -> bool {
+        let motion = self.line.operation((station, op)).motion;
+        let end = if normal { motion.to } else { motion.from };
+        let left = (self.plant.position(station, motion.axis) - end).abs();
+        let spans = self.line.conflicts.iter().flat_map(|conflict| [conflict.a, conflict.b]);
+        let mut own = spans.filter(|span| span.station == station);
+        let leads_out = own.any(|span| op == if normal { span.until } else { span.from });
+        leads_out && left <= TOLERANCE * (motion.to - motion.from).abs()
     }
 
     pub(crate) fn end_fault(&mut self, at: usize) {
@@ -142,7 +164,10 @@ impl World {
             FaultEvent::Press(station, advance) => self.press(station, advance, false),
             FaultEvent::Buttons(_) => self.hold_buttons(0),
             FaultEvent::Selector(station) => self.say_selector(station, false),
+            FaultEvent::Resume => self.hold_resume(false),
+            FaultEvent::Slow { from, to, .. } => self.network.slow((from, to), Duration::ZERO, true),
             FaultEvent::Command(_)
+            | FaultEvent::Provoked(..)
             | FaultEvent::Reboot(_)
             | FaultEvent::OldOrder { .. }
             | FaultEvent::ForgedOrder { .. }
@@ -243,6 +268,7 @@ impl World {
 
     /// All faults end.
     pub(crate) fn mend(&mut self) {
+        self.is_mended = true;
         for at in 0..self.plan.len() {
             self.end_fault(at);
         }
@@ -273,6 +299,11 @@ impl World {
                 format!("nothing from {} reaches {} for {time}{late}", name(from), name(to))
             }
             FaultEvent::Network(weather) => format!("the network is bad for {time}: {weather:?}"),
+            FaultEvent::Slow { from, to, by, is_even } => {
+                let by = format!("{}{by:?}", if is_even { "" } else { "up to " });
+                format!("what {} sends to {} takes {by} longer for {time}", name(from), name(to))
+            }
+            FaultEvent::Provoked(what, _) => format!("provoked: {what:?}"),
             FaultEvent::OldOrder { station, age } => {
                 format!("an order to {} of {age:?} ago arrives again", name(station))
             }
@@ -300,6 +331,7 @@ impl World {
                 format!("{way} of {} held for {time}", name(station))
             }
             FaultEvent::Buttons(held) => format!("buttons {held:#b} held for {time}"),
+            FaultEvent::Resume => format!("resume held for {time}"),
             FaultEvent::Selector(station) => format!("selector of {} at manual for {time}", name(station)),
         }
     }

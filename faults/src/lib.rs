@@ -11,7 +11,7 @@
 //!             └── devices ── plant ── devices ─┘
 //! ```
 //!
-//! The same seed gives the same run. At the end of a run the faults end, and an operator brings the line back to auto; a
+//! Some faults look first where the line stands (`provoke`). The same seed gives the same run. At the end of a run the faults end, and an operator brings the line back to auto; a
 //! whole cycle has to follow. [`mutants`] are rules that are broken in the world around the shells, or switched off in the
 //! controllers: each has to be found. [`play_cell`] is the same for a flexible cell, with its token player and pretended stations.
 //!
@@ -19,12 +19,14 @@
 
 mod broken;
 mod cells;
+mod chart;
 mod checks;
 mod coordinator;
 mod deliver;
 mod devices;
 mod disk;
 mod faults;
+mod lines;
 mod message;
 pub mod mutants;
 mod network;
@@ -32,6 +34,7 @@ mod observer;
 mod people;
 mod plan;
 mod process;
+mod provoke;
 mod recovering;
 mod run;
 mod shrink;
@@ -41,5 +44,6 @@ mod world;
 pub use cells::{CELL_MUTANTS, CellMutant, PlayedCell, play_cell};
 pub use mutants::{MUTANTS, Mutant, MutantEntry};
 pub use plan::{FaultEvent, FaultPlan, PlannedFault};
+pub use provoke::Provocation;
 pub use run::{Finding, PlayedSeed, play, play_plan};
 pub use shrink::shrink;

@@ -36,76 +36,76 @@ mutants! {
     // A station's record.
     RecordAfterEffects, Some(0), "a station writes its record after everything that follows from it";
     RecordNotKept, Some(0), "a station's record is acknowledged and never kept";
-    AcknowledgedBeforeWritten, Some(77), "a station's record is acknowledged before it is written";
-    RecordBeforeLastRead, Some(1), "a station is restarted from the record before its last one";
-    HostStartIgnored, Some(1), "a record from before the last start of the host counts as the newest";
-    GenerationAfterPowerCut, Some(1), "the same, of its counts alone";
+    AcknowledgedBeforeWritten, Some(1), "a station's record is acknowledged before it is written";
+    RecordBeforeLastRead, Some(0), "a station is restarted from the record before its last one";
+    HostStartIgnored, Some(3), "a record from before the last start of the host counts as the newest";
+    GenerationAfterPowerCut, Some(3), "the same, of its counts alone";
     RecordWithoutCounts, Some(0), "a station's record has the counts of a station at home";
-    RecordWithoutPath, Some(28), "a station's record leaves the recovery path out";
-    RequestNumbersUsedAgain, Some(1), "numbers of requests begin anew with every start";
-    MemorylessBelieved, Some(12), "a station without its journal has the generation of the others";
-    HomeUnconfirmed, Some(25), "a station without its journal is at home, whatever its switches say";
-    LateEffects, Some(77), "what a slow record of a station held up is put out after it";
-    OffAfterRecord, Some(96), "a station's outputs go off after its record";
-    StopWaitsForRecord, Some(37), "an emergency stop waits for the record that is being written";
+    RecordWithoutPath, Some(8), "a station's record leaves the recovery path out";
+    RequestNumbersUsedAgain, Some(11), "numbers of requests begin anew with every start";
+    MemorylessBelieved, Some(10), "a station without its journal has the generation of the others";
+    HomeUnconfirmed, Some(155), "a station without its journal is at home, whatever its switches say";
+    LateEffects, Some(373), "what a slow record of a station held up is put out after it";
+    OffAfterRecord, Some(1), "a station's outputs go off after its record";
+    StopWaitsForRecord, Some(52), "an emergency stop waits for the record that is being written";
     // The coordinator's record.
     OrderBeforeRecord, Some(0), "the coordinator's order goes out before its record is written";
     EpochNotRecorded, Some(0), "the coordinator's record leaves the epoch out";
     CoordinatorRecordNotKept, Some(0), "the coordinator's record is acknowledged and never kept";
-    CoordinatorAcknowledgedEarly, Some(10), "the coordinator's record is acknowledged before it is written";
-    StopNotRecorded, Some(56), "the coordinator's record leaves the emergency stop out";
-    FailedRecordIgnored, Some(35), "a record of the coordinator that failed counts as written";
+    CoordinatorAcknowledgedEarly, Some(52), "the coordinator's record is acknowledged before it is written";
+    StopNotRecorded, Some(82), "the coordinator's record leaves the emergency stop out";
+    FailedRecordIgnored, Some(259), "a record of the coordinator that failed counts as written";
     // Authority, leases, numbers.
-    ForeignStopIgnored, Some(280), "an emergency stop of another coordinator is not obeyed";
+    ForeignStopIgnored, Some(186), "an emergency stop of another coordinator is not obeyed";
     RivalObeyed, Some(0), "the orders of any coordinator count as those of the one that is followed";
-    RivalsUnseen, Some(3), "two coordinators beside each other are not noticed";
-    OldOrdersObeyed, Some(98), "an order counts whatever its epoch and its number";
-    PoisonedEpochFollowed, Some(12), "an epoch that no coordinator can have given is followed";
-    LeaseIgnored, Some(3), "a mode order holds until the next one arrives";
-    LeaseOfStrangers, Some(476), "an order holds for as long as it says";
+    RivalsUnseen, Some(17), "two coordinators beside each other are not noticed";
+    OldOrdersObeyed, Some(839), "an order counts whatever its epoch and its number";
+    PoisonedEpochFollowed, Some(10), "an epoch that no coordinator can have given is followed";
+    LeaseIgnored, Some(6), "a mode order holds until the next one arrives";
+    LeaseOfStrangers, Some(169), "an order holds for as long as it says";
     NumbersIgnored, None, "messages are taken in the order of their arrival, whatever their number";
-    StaleViewBelieved, None, "a station's state holds until the next one arrives";
-    GapUnseen, None, "after a standstill what was received before it counts as new";
+    StaleViewBelieved, Some(111), "a station's state holds until the next one arrives";
+    GapUnseen, Some(129), "after a standstill what was received before it counts as new";
     // The gateway and the devices.
-    GatewayAgeIgnored, Some(16), "a station's outputs hold at the gateway until the next ones arrive";
-    GatewayStopIgnored, Some(67), "the gateway puts out images from before an emergency stop, and manual does not wait for stations without it";
-    ImagesDrivenAtOnce, Some(106), "the gateway puts out an image whatever the mode";
-    SlowRecordKeepsOutputs, Some(77), "outputs stay on while a record takes longer than images are valid";
-    LossesUnseen, Some(198), "a loss of devices shorter than a scan is not seen";
-    OutputsKeptAtLoss, Some(27), "devices keep their outputs when their manager falls silent";
-    OutputsKeptAtRestart, Some(34), "devices take up their former outputs after a restart";
+    GatewayAgeIgnored, Some(12), "a station's outputs hold at the gateway until the next ones arrive";
+    GatewayStopIgnored, Some(615), "the gateway puts out images from before an emergency stop, and manual does not wait for stations without it";
+    ImagesDrivenAtOnce, Some(75), "the gateway puts out an image whatever the mode";
+    SlowRecordKeepsOutputs, Some(60), "outputs stay on while a record takes longer than images are valid";
+    LossesUnseen, Some(90), "a loss of devices shorter than a scan is not seen";
+    OutputsKeptAtLoss, Some(3), "devices keep their outputs when their manager falls silent";
+    OutputsKeptAtRestart, Some(90), "devices take up their former outputs after a restart";
     // The decision of modes.
-    AutoAwayFromHome, Some(24), "every station counts as at home";
-    LostPositionUnheard, Some(111), "no position counts as lost";
-    IncompleteUnheard, Some(310), "no operation counts as stopped before its end";
-    DevicesUnheard, Some(250), "devices count as received";
-    MotionUnheard, Some(29), "every station counts as standing";
-    GenerationsUnheard, Some(1), "every station counts as having the same generation";
-    AcknowledgedUnheard, Some(10), "every order counts as acknowledged";
-    StationStopUnheard, Some(100), "an emergency stop that a station has is not adopted";
+    AutoAwayFromHome, Some(158), "every station counts as at home";
+    LostPositionUnheard, None, "no position counts as lost";
+    IncompleteUnheard, Some(6), "no operation counts as stopped before its end";
+    DevicesUnheard, Some(215), "devices count as received";
+    MotionUnheard, Some(9), "every station counts as standing";
+    GenerationsUnheard, Some(5), "every station counts as having the same generation";
+    AcknowledgedUnheard, Some(34), "every order counts as acknowledged";
+    StationStopUnheard, Some(110), "an emergency stop that a station has is not adopted";
     RestartUnheard, Some(0), "a station that was restarted counts as the same";
     ResetNotNeeded, Some(9), "manual ends an emergency stop that was not reset";
     // What stations take from orders.
-    EnabledAlways, Some(1), "a mode is acted on before every station has acknowledged it";
-    FoundingOfAnotherLife, None, "a founding order counts for whatever life of a station it reaches";
-    GenerationsAlike, Some(4), "every generation has the same number";
+    EnabledAlways, Some(3), "a mode is acted on before every station has acknowledged it";
+    FoundingOfAnotherLife, Some(113), "a founding order counts for whatever life of a station it reaches";
+    GenerationsAlike, Some(0), "every generation has the same number";
     EpochsUnread, Some(0), "a station acknowledges no new epoch";
     FoundingLost, Some(0), "founding orders are not taken";
     // What stations take from each other.
-    AgreementsInvented, Some(1), "every answer to a request is agreement";
-    AgreementsOfEarlierLives, None, "answers to a request of an earlier life count, and numbers begin anew";
-    RequestsUnread, Some(28), "a count that is being taken back is relied on";
+    AgreementsInvented, Some(11), "every answer to a request is agreement";
+    AgreementsOfEarlierLives, Some(50), "answers to a request of an earlier life count, and numbers begin anew with every start";
+    RequestsUnread, Some(36), "a count that is being taken back is relied on";
     // Rules of the controllers.
-    GenerationsOff, Some(8), "counts of another generation are compared";
+    GenerationsOff, Some(3), "counts of another generation are compared";
     CountsOff, Some(0), "the barrier of counts is off";
     BooleansInstead, Some(0), "the barrier of counts has Booleans instead of counts";
-    PositionsOff, Some(1), "the barrier of measured positions is off";
+    PositionsOff, Some(3), "the barrier of measured positions is off";
     BarriersOff, Some(0), "both barriers are off";
-    AgreementOff, Some(1), "counts are taken back without agreement";
-    WithdrawnLate, Some(1), "a count is taken back after the motion";
-    NumbersNotFresh, None, "all requests have the same number";
-    RoundNotRedone, None, "a recovery path leaves the counts of its round as they are";
-    HomeDoesNotWait, None, "a recovery path begins whatever the neighbours do";
+    AgreementOff, Some(11), "counts are taken back without agreement";
+    WithdrawnLate, Some(3), "a count is taken back after the motion";
+    NumbersNotFresh, Some(268), "all requests have the same number";
+    RoundNotRedone, Some(32), "a recovery path leaves the counts of its round as they are";
+    HomeDoesNotWait, Some(297), "a recovery path begins whatever the neighbours do";
 }
 
 impl Mutant {
@@ -125,8 +125,7 @@ impl Mutant {
             Mutant::BarriersOff => Rules { positions: false, arrows: false, ..all },
             Mutant::AgreementOff => Rules { ask: false, ..all },
             Mutant::WithdrawnLate => Rules { withdraw_first: false, ..all },
-            // Either alone keeps them apart: a number that is never used again, and the life that it belongs to.
-            Mutant::NumbersNotFresh | Mutant::AgreementsOfEarlierLives => Rules { fresh_numbers: false, ..all },
+            Mutant::NumbersNotFresh => Rules { fresh_numbers: false, ..all },
             Mutant::RoundNotRedone => Rules { redo_round: false, ..all },
             Mutant::HomeDoesNotWait => Rules { home_waits: false, ..all },
             _ => all,

@@ -28,6 +28,8 @@ const DELAY: Duration = Duration::from_micros(700);
 #[derive(Clone, Debug, Default)]
 struct Way {
     cuts: u32,
+    /// Additional delay, and whether each message has all of it.
+    slow: (Duration, bool),
     last: Tick,
     /// Newest message of each topic that was sent while the way was cut.
     kept: [Option<Message>; TOPICS],
@@ -62,10 +64,11 @@ impl Network {
         if is_repeated && loss > 0 && self.rng.chance(loss) {
             return [None; 2];
         }
-        let rng = &mut self.rng;
+        let (rng, (slow, is_even)) = (&mut self.rng, way.slow);
         let mut arrival = || {
-            let drawn = if jitter.is_zero() { 0 } else { rng.below(jitter.as_micros() as u64 + 1) };
-            now + DELAY + Duration::from_micros(drawn)
+            let mut drawn = |most: Duration| if most.is_zero() { 0 } else { rng.below(most.as_micros() as u64 + 1) };
+            let slow = if is_even { slow } else { Duration::from_micros(drawn(slow)) };
+            now + DELAY + slow + Duration::from_micros(drawn(jitter))
         };
         let mut first = arrival();
         if !message.may_overtake() {
@@ -74,6 +77,11 @@ impl Network {
         }
         let is_double = is_repeated && double > 0 && self.rng.chance(double);
         [Some(first), is_double.then(|| first + Duration::from_micros(self.rng.below(20_000)))]
+    }
+
+    /// Everything on a way takes so much longer, or something of it.
+    pub(crate) fn slow(&mut self, (from, to): (usize, usize), by: Duration, is_even: bool) {
+        self.ways[from * self.nodes + to].slow = (by, is_even);
     }
 
     pub(crate) fn cut(&mut self, from: usize, to: usize) {

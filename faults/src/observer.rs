@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, OpId, OperationModule, Owner, StationId, Tick};
+use linewright_line::{Line, OperationModule, Owner, StationId, Tick};
 use linewright_plant::Plant;
 use linewright_simulation::ConflictObserver;
 use linewright_station_logic::{ModeOrder, StationReport, StationSnapshot};
@@ -14,7 +14,7 @@ use crate::checks::{OrderingLife, SeenState};
 use crate::run::Finding;
 
 /// An axis within this fraction of its stroke of where an operation ends is there; a switch is on within a thousandth.
-const TOLERANCE: f64 = 0.005;
+pub(crate) const TOLERANCE: f64 = 0.005;
 /// Time of a message and a step.
 const SLACK: Duration = Duration::from_millis(60);
 
@@ -54,8 +54,12 @@ pub(crate) struct ObservedStation {
     pub(crate) sent: u64,
     /// The newest epoch that it has acknowledged.
     pub(crate) acknowledged: u64,
+    /// Generations that were founded, each with the life of it that was named.
+    pub(crate) founded: Vec<(u64, u64)>,
+    /// The generation in its last state.
+    pub(crate) generation: u64,
     /// Its last record.
-    record: Option<StationSnapshot>,
+    pub(crate) record: Option<StationSnapshot>,
 }
 
 pub(crate) struct Observer {
@@ -103,6 +107,8 @@ impl Observer {
             newest_mode: (ControlMode::Home, Tick::ZERO),
             sent: 0,
             acknowledged: 0,
+            founded: Vec::new(),
+            generation: 0,
             record: None,
         };
         Observer {
@@ -137,13 +143,14 @@ impl Observer {
         }
     }
 
-    /// A process ends. What it has acknowledged as written is on its disk.
-    pub(crate) fn ended(&mut self, node: usize) {
+    /// A process ends. What it has acknowledged as written is on its disk; of a station that is `record`.
+    pub(crate) fn ended(&mut self, node: usize, record: Option<StationSnapshot>) {
         let coordinator = self.stations.len();
         match self.stations.get_mut(node) {
             Some(station) => {
                 (station.carries, station.ordered, station.enabled) = (false, None, None);
                 station.lives.clear();
+                station.record = record;
             }
             None if node == coordinator => self.process_carries = false,
             None => {}
@@ -225,8 +232,15 @@ impl Observer {
         self.stations[at].held_up += time;
     }
 
-    /// A station takes an order; `in_stop`: the line's coordinator still orders the stop. Gives the number of the emergency stop whose outputs have to be off soon.
-    pub(crate) fn ordered(&mut self, now: Tick, at: usize, order: &ModeOrder, in_stop: bool) -> Option<u64> {
+    /// A station takes an order, whose lease begins at `since`; `in_stop`: the line's coordinator still orders the stop. Gives the
+    /// number of the emergency stop whose outputs have to be off soon.
+    pub(crate) fn ordered(
+        &mut self,
+        (now, since): (Tick, Tick),
+        at: usize,
+        order: &ModeOrder,
+        in_stop: bool,
+    ) -> Option<u64> {
         self.is_ending &= in_stop;
         if order.lease > self.lease {
             // No coordinator's.
@@ -241,9 +255,9 @@ impl Observer {
         }
         if order.mode != ControlMode::EStop {
             if order.enabled {
-                self.stations[at].enabled = Some(now);
+                self.stations[at].enabled = Some(since);
             }
-            (self.stations[at].ordered, self.stations[at].held_up) = (Some(now), Duration::ZERO);
+            (self.stations[at].ordered, self.stations[at].held_up) = (Some(since), Duration::ZERO);
             return None;
         }
         if self.stop.is_none() && (self.is_ending || order.epoch <= self.ended) {
@@ -339,6 +353,7 @@ impl Observer {
         number: u64,
     ) {
         self.stations[at].sent = number;
+        self.takes_generation(line, now, at, report);
         let seen = SeenState::of(now, report);
         if !seen.is_like(&self.stations[at].own) {
             self.stations[at].own = seen;
@@ -357,62 +372,6 @@ impl Observer {
                 now,
                 format!("{name}: its state is sent before its record is written, or is not what was written"),
             );
-        }
-    }
-
-    /// A station is about to write a record. `of` gives what another station has now.
-    pub(crate) fn counted(
-        &mut self,
-        line: &Line,
-        plant: &Plant,
-        (now, at, mode): (Tick, usize, ControlMode),
-        record: StationSnapshot,
-        of: impl Fn(usize) -> Option<StationSnapshot>,
-    ) {
-        let id = StationId::at(at);
-        let station = line.station(id);
-        let before = self.stations[at].record.take().filter(|before| before.generation == record.generation);
-        if let Some(before) = &before {
-            self.taken_back(line, (now, id), before, &record, &of);
-        }
-        if let (Some(before), ControlMode::Auto) = (&before, mode) {
-            for (op, operation) in station.operations.iter().enumerate() {
-                let motion = &operation.motion;
-                let stroke = (motion.to - motion.from).abs();
-                if record.done[op] == before.done[op] + 1 && stroke > 0.0 {
-                    let position = plant.position(id, motion.axis);
-                    if (position - motion.to).abs() > TOLERANCE * stroke {
-                        let (name, op) = (&station.name, &operation.name);
-                        self.find(now, format!("{name}: {op} is counted at {position:.2}, not at {:.2}", motion.to));
-                    }
-                }
-                if record.started[op] > before.started[op] {
-                    self.started_by_the_chart(line, now, (id, OpId::at(op)), &record, &of);
-                }
-            }
-        }
-        self.stations[at].record = Some(record);
-    }
-
-    /// In auto an operation starts only when what it waits for is done, in the counts of the other station itself.
-    fn started_by_the_chart(
-        &mut self,
-        line: &Line,
-        now: Tick,
-        (id, op): (StationId, OpId),
-        record: &StationSnapshot,
-        of: &impl Fn(usize) -> Option<StationSnapshot>,
-    ) {
-        for arrow in line.arrows.iter().filter(|arrow| arrow.auto && arrow.to == (id, op)) {
-            let Some(other) = of(arrow.from.0.index()) else { continue };
-            let (done, started) = (other.done[arrow.from.1.index()], record.started[op.index()]);
-            if other.generation == record.generation && done + (arrow.lag as i32) < started {
-                let (name, what) = (&line.station(id).name, &line.operation((id, op)).name);
-                let (from, waits) = (&line.station(arrow.from.0).name, &line.operation(arrow.from).name);
-                let text =
-                    format!("{name}: {what} starts in cycle {started}, and {from} has done {waits} {done} times");
-                self.find(now, text);
-            }
         }
     }
 }

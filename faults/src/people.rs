@@ -239,8 +239,12 @@ impl World {
                 let motion = &station.operations[op.index()].motion;
                 let is_in = before.iter().enumerate().all(|(axis, &from)| {
                     let position = self.plant.position(id, linewright_line::AxisId::at(axis));
-                    let moved = station.steps[step].iter().map(|op| &station.operations[op.index()].motion);
-                    let to = moved.filter(|m| m.axis.index() == axis).map(|m| m.to).next().unwrap_or(from);
+                    let of_axis =
+                        |op: &&linewright_line::OpId| station.operations[op.index()].motion.axis.index() == axis;
+                    let end = |op: &linewright_line::OpId| {
+                        station.operations[op.index()].motion.to + station.index_of(*op).unwrap_or(0.0)
+                    };
+                    let to = station.steps[step].iter().find(of_axis).map_or(from, end);
                     let slack = 0.01 * (motion.to - motion.from).abs().max(1e-3);
                     from.min(to) - slack <= position && position <= from.max(to) + slack
                 });

@@ -4,13 +4,14 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, OpId, StationId, Tick, TransferLine};
+use linewright_line::{Line, OpId, StationId, Tick};
 use linewright_plant::MotionFault;
-use linewright_proof::generate::{self, LineShape};
 use linewright_simulation::Rng;
 
 use crate::disk::DiskState;
+use crate::lines;
 use crate::network::Weather;
+use crate::provoke::Provocation;
 
 /// Something that happens to a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +28,9 @@ pub enum FaultEvent {
     Disk(usize, DiskState),
     /// Nothing from one process reaches another; what was sent last arrives when the fault ends (`late`).
     Cut { from: usize, to: usize, late: bool },
+    /// What one process sends to another takes longer: each message as much, or each something of it, so that they overtake each
+    /// other.
+    Slow { from: usize, to: usize, by: Duration, is_even: bool },
     /// The network is bad.
     Network(Weather),
     /// An order that the coordinator gave so long ago arrives once more.
@@ -51,6 +55,10 @@ pub enum FaultEvent {
     Buttons(u32),
     /// A selector is turned to manual.
     Selector(usize),
+    /// *Resume* is held at the console.
+    Resume,
+    /// Faults and people by where the line stands then, and by a number.
+    Provoked(Provocation, u64),
 }
 
 /// Epoch of a forged order.
@@ -73,8 +81,8 @@ pub struct PlannedFault {
 pub struct FaultPlan {
     pub seed: u64,
     pub line: Line,
-    /// The shipped line, or one like it.
-    pub is_transfer_line: bool,
+    /// A shipped line, or one like it.
+    pub is_shipped: bool,
     pub faults: Vec<PlannedFault>,
     /// The operator at the end follows the recovery plan; otherwise the rules of the manual alone.
     pub follows_plan: bool,
@@ -86,32 +94,31 @@ impl FaultPlan {
     /// The plan of a seed.
     pub fn of(seed: u64) -> Self {
         let mut rng = Rng::named(seed, "plan");
-        let is_transfer_line = rng.chance(750);
-        let line = if is_transfer_line {
-            let machines = if rng.chance(150) { 2 } else { 1 };
-            let time_scale = *rng.pick(&[0.1, 0.1, 0.3, 1.0]);
-            let text = TransferLine { machines, time_scale }.text();
-            linewright_line::parse("line.toml", &text).map_or_else(|_| generated(seed), |parsed| parsed.line)
-        } else {
-            generated(seed)
-        };
+        let theme = rng.below(8);
+        let provokes = theme >= 6;
+        let (line, is_shipped) = lines::drawn(&mut rng, seed, provokes);
         let begins = rng.within(1_000_000, 3_000_000);
-        let lasts = rng.within(500_000, 8_000_000);
-        let count = rng.within(1, 24);
-        let theme = rng.below(6);
+        let lasts = if provokes { rng.within(4_000_000, 8_000_000) } else { rng.within(500_000, 8_000_000) };
+        let count = if provokes { rng.within(0, 4) } else { rng.within(1, 24) };
         let mut drawn = DrawnPlan { rng, line: &line, theme };
         let mut faults: Vec<PlannedFault> = Vec::new();
+        if provokes {
+            drawn.provoke(begins, &mut faults);
+        }
+        if theme == 3 && drawn.rng.chance(200) {
+            faults.push(drawn.restart_while_founding());
+        }
         for _ in 0..count {
             drawn.add((begins, begins + lasts), &mut faults);
         }
         faults.sort_by_key(|fault| fault.at);
         let end = Tick::from_micros(begins + lasts);
-        FaultPlan { seed, line, is_transfer_line, faults, follows_plan: seed.is_multiple_of(2), end }
+        FaultPlan { seed, line, is_shipped, faults, follows_plan: seed.is_multiple_of(2), end }
     }
 }
 
-fn generated(seed: u64) -> Line {
-    generate::line(&LineShape { operations: 2..=4, ..LineShape::default() }, seed)
+fn planned(at: u64, lasts: u64, event: FaultEvent) -> PlannedFault {
+    PlannedFault { at: Tick::from_micros(at), lasts: Duration::from_micros(lasts), event }
 }
 
 struct DrawnPlan<'l> {
@@ -130,13 +137,50 @@ impl DrawnPlan<'_> {
         self.rng.below(self.line.stations.len() as u64) as usize
     }
 
+    /// One or two situations that are looked for.
+    fn provoke(&mut self, begins: u64, faults: &mut Vec<PlannedFault>) {
+        let mut at = begins + self.rng.below(1_500_000);
+        for _ in 0..self.rng.within(1, 2) {
+            let what = *self.rng.pick(&[
+                Provocation::TwoPanels,
+                Provocation::TwoPanels,
+                Provocation::TwoLives,
+                Provocation::Standstill,
+                Provocation::CutOff,
+                Provocation::WayHome,
+            ]);
+            if matches!(what, Provocation::TwoPanels | Provocation::TwoLives) {
+                at = self.lead_to_manual(at, faults);
+            }
+            faults.push(planned(at, 1_000, FaultEvent::Provoked(what, self.rng.next())));
+            at += self.rng.within(1_500_000, 3_000_000);
+            let auto = [ModeCommand::Auto, ModeCommand::EStop];
+            faults.push(planned(at, 1_000, FaultEvent::Command(*self.rng.pick(&auto))));
+        }
+    }
+
+    /// A line in auto comes to manual: it loses sight of a station for a moment, ends what is under way, and stands. Gives when it
+    /// does so at the latest, as a rule.
+    fn lead_to_manual(&mut self, at: u64, faults: &mut Vec<PlannedFault>) -> u64 {
+        let cut = FaultEvent::Cut { from: self.station(), to: self.line.stations.len(), late: false };
+        faults.push(planned(at, 330_000, cut));
+        let times = [400_000, 700_000, 1_200_000];
+        faults.extend(times.map(|after| planned(at + after, 1_000, FaultEvent::Command(ModeCommand::Manual))));
+        at + self.rng.within(850_000, 1_700_000)
+    }
+
+    /// A station that is restarted when its line is about to found the first generation.
+    fn restart_while_founding(&mut self) -> PlannedFault {
+        let node = self.station();
+        let (at, lasts) = (self.rng.within(200_000, 402_000), self.rng.within(20_000, 120_000));
+        planned(at, lasts, FaultEvent::Kill { node, after: 0, remembers: true })
+    }
+
     /// A fault, and sometimes others close behind it.
     fn add(&mut self, (from, until): (u64, u64), faults: &mut Vec<PlannedFault>) {
         let at = self.rng.within(from, until);
         let longest = *self.rng.pick(&[5_000, 60_000, 400_000, 2_500_000]);
         let lasts = self.rng.within(500, longest);
-        let planned =
-            |at, lasts, event| PlannedFault { at: Tick::from_micros(at), lasts: Duration::from_micros(lasts), event };
         if !self.rng.chance(200) {
             faults.push(planned(at, lasts, self.event()));
             return;
@@ -198,23 +242,23 @@ impl DrawnPlan<'_> {
             4 if self.rng.chance(400) => {
                 let other = self.station();
                 let weather = Weather { loss: 200, double: 0, jitter: Duration::from_millis(120) };
-                faults.push(planned(at, 1_000, FaultEvent::Command(ModeCommand::Manual)));
-                faults.push(planned(at + 900_000, 1_500_000, FaultEvent::Network(weather)));
+                let at = self.lead_to_manual(at, faults);
+                faults.push(planned(at, 1_500_000, FaultEvent::Network(weather)));
                 for nth in 0..4 {
-                    let (from, short) = (at + 1_000_000 + nth * 150_000, self.rng.within(5_000, 120_000));
+                    let (from, short) = (at + 100_000 + nth * 150_000, self.rng.within(5_000, 120_000));
                     faults.push(planned(from, short, FaultEvent::Press(station, false)));
                 }
                 let (from, long) = (self.rng.within(0, 400_000), self.rng.within(100_000, 900_000));
-                faults.push(planned(at + 1_000_000 + from, long, FaultEvent::Press(other, true)));
+                faults.push(planned(at + 100_000 + from, long, FaultEvent::Press(other, true)));
             }
             // A person leads one station on, and another one back.
             4 => {
                 let long = self.rng.within(200_000, 2_000_000);
                 let advance = self.rng.chance(400);
-                faults.push(planned(at, 1_000, FaultEvent::Command(ModeCommand::Manual)));
-                faults.push(planned(at + 1_000_000, long, FaultEvent::Press(station, advance)));
+                let at = self.lead_to_manual(at, faults);
+                faults.push(planned(at, long, FaultEvent::Press(station, advance)));
                 let other = self.station();
-                faults.push(planned(at + 1_000_000 + long / 2, long, FaultEvent::Press(other, !advance)));
+                faults.push(planned(at + long / 2, long, FaultEvent::Press(other, !advance)));
             }
             // A motion fails, and the station is led back.
             5 if self.rng.chance(500) => {
@@ -225,7 +269,8 @@ impl DrawnPlan<'_> {
                 faults.push(planned(at, 800_000, FaultEvent::Motion(id, op, true, fault)));
                 faults.push(planned(at + 900_000, 1_000, FaultEvent::Command(ModeCommand::Manual)));
                 let long = self.rng.within(200_000, 2_000_000);
-                faults.push(planned(at + 1_500_000, long, FaultEvent::Press(station, false)));
+                let pressed = if self.rng.chance(300) { FaultEvent::Resume } else { FaultEvent::Press(station, false) };
+                faults.push(planned(at + 1_500_000, long, pressed));
                 let other = self.station();
                 faults.push(planned(at + 1_600_000, long, FaultEvent::Press(other, true)));
             }
@@ -256,9 +301,9 @@ impl DrawnPlan<'_> {
             // Memories.
             (3, true) => *self.rng.pick(&[0, 5, 17, 18, 19, 20, 80]),
             // People, beside memories that are lost.
-            (4, true) => *self.rng.pick(&[0, 38, 80, 88, 88, 88, 88, 95, 98]),
+            (4, true) => *self.rng.pick(&[0, 38, 80, 88, 88, 88, 88, 94, 95, 98]),
             // Devices and what is between them and their managers.
-            (5, true) => *self.rng.pick(&[22, 22, 50, 62, 65, 65, 68, 99]),
+            (5, true) => *self.rng.pick(&[22, 22, 50, 62, 65, 65, 68, 94, 99]),
             _ => self.rng.below(100),
         };
         match number {
@@ -275,6 +320,12 @@ impl DrawnPlan<'_> {
                 let fails = self.rng.chance(300);
                 FaultEvent::Disk(node, if fails { DiskState::Failing(takes) } else { DiskState::Slow(takes) })
             }
+            46..48 => FaultEvent::Slow {
+                from: node,
+                to: self.node(),
+                by: Duration::from_micros(*self.rng.pick(&[10_000, 60_000, 150_000])),
+                is_even: self.rng.chance(500),
+            },
             38..50 => FaultEvent::Cut { from: node, to: self.node(), late: yes(&mut self.rng) },
             50..55 => {
                 let jitter = Duration::from_millis(*self.rng.pick(&[0, 5, 40, 120]));
@@ -312,7 +363,8 @@ impl DrawnPlan<'_> {
                 let from: &[ModeCommand] = if yes(&mut self.rng) { &likely } else { &other };
                 FaultEvent::Command(*self.rng.pick(from))
             }
-            88..95 => FaultEvent::Press(station, self.rng.chance(600)),
+            88..94 => FaultEvent::Press(station, self.rng.chance(600)),
+            94 => FaultEvent::Resume,
             95..98 => FaultEvent::Buttons(1 << self.rng.below(self.line.buttons.len().max(1) as u64)),
             _ => FaultEvent::Selector(station),
         }

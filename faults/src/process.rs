@@ -31,8 +31,8 @@ pub(crate) struct Process {
     origin: u64,
     /// Since then its clock stands.
     suspended: Option<Tick>,
-    /// Messages that wait, and whether the observer has seen them arrive.
-    pub(crate) inbox: VecDeque<(Message, bool)>,
+    /// Messages that wait, since when, and whether the observer has seen them arrive.
+    pub(crate) inbox: VecDeque<(Message, Tick, bool)>,
     pub(crate) writing: Option<Writing>,
     /// It ends after so many further effects.
     pub(crate) dies_after: Option<u32>,
@@ -93,6 +93,8 @@ impl Process {
     pub(crate) fn resume(&mut self, now: Tick) {
         if let Some(since) = self.suspended.take() {
             self.origin = self.origin.saturating_sub(now.since(since).as_micros() as u64);
+            // By its own clock no time has passed.
+            self.inbox.iter_mut().for_each(|(_, delivered, _)| *delivered = now);
         }
     }
 }

@@ -51,7 +51,7 @@ pub fn play_plan(plan: &FaultPlan, mutant: Option<Mutant>) -> PlayedSeed {
         && let Err(text) = if plan.follows_plan { world.recover() } else { world.bring_back() }
     {
         let at = world.now;
-        is_left_standing = !plan.is_transfer_line && text.starts_with(NOT_HOME);
+        is_left_standing = !plan.is_shipped && text.starts_with(NOT_HOME);
         if !is_left_standing {
             world.observer.find(at, format!("not brought back: {text}"));
         }

@@ -85,6 +85,10 @@ impl World {
                     record.placed = false;
                     record.generation = if keeps_counts { record.generation } else { 0 };
                 }
+                // Either alone keeps agreements apart: a number that is never used again, and the life that it belongs to.
+                if self.mutant == Some(Mutant::AgreementsOfEarlierLives) {
+                    record.next_request = 1;
+                }
                 Restore::From(record)
             }
             None => self.without_memory(id, boot_id),
@@ -134,9 +138,9 @@ impl World {
         if !self.stations[at].process.runs() || self.stations[at].process.writing.is_some() {
             return;
         }
-        while let Some((message, is_seen)) = self.stations[at].process.inbox.pop_front() {
+        while let Some((message, delivered, is_seen)) = self.stations[at].process.inbox.pop_front() {
             if !is_seen {
-                self.arrives(at, &message);
+                self.arrives(at, &message, delivered);
             }
             self.take_at_station(at, message);
         }
@@ -165,8 +169,9 @@ impl World {
         if effects.iter().any(|effect| matches!(effect, StationEffect::Remember)) {
             let snapshot = shell.snapshot();
             let mode = shell.controller().mode();
-            self.observer.counted(&self.line, &self.plant, (self.now, at, mode), snapshot, |other| {
-                let other = &self.stations[other];
+            let stations = &self.stations;
+            self.observer.counted(&self.line, &self.plant, (self.now, at, mode), snapshot, &|other| {
+                let other = &stations[other];
                 // What was lost with the power is not known any more.
                 let of_disk = || other.disk.newest().filter(|(_, is_new)| *is_new).map(|(record, _)| record.clone());
                 other.shell.as_ref().map(StationShell::snapshot).or_else(of_disk)

@@ -94,6 +94,8 @@ pub(crate) struct World {
     pub(crate) plan: Vec<PlannedFault>,
     /// Faults that have begun and not ended.
     pub(crate) active: Vec<bool>,
+    /// None begins any more.
+    pub(crate) is_mended: bool,
     pub(crate) story: Vec<(Tick, String)>,
     pub(crate) hash: u64,
     pub(crate) events: u64,
@@ -125,6 +127,7 @@ impl World {
             lives: 0,
             hands: Hands::default(),
             active: vec![false; plan.len()],
+            is_mended: false,
             story: Vec::new(),
             hash: 0xCBF2_9CE4_8422_2325,
             events: 0,
@@ -361,7 +364,8 @@ impl World {
         } else {
             self.coordinators[node - stations].die(is_there);
         }
-        self.observer.ended(node);
+        let kept = self.stations.get(node).and_then(|station| station.disk.newest());
+        self.observer.ended(node, kept.map(|(record, _)| record.clone()));
         for owner in self.managed(node) {
             self.io[owner].lose(now, &self.plant);
             self.after_plant(owner);
