@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use linewright_line::net::ControlMode;
 use linewright_line::{OpId, Owner, StationId, Tick};
 use linewright_plant::MotionFault;
 use linewright_station_logic::ModeOrder;
@@ -90,8 +91,9 @@ impl World {
                 self.after_plant(owner);
             }
             // No controller keeps a mechanism from coming back into a conflict by itself, just after it has been seen outside and
-            // another station has begun on that.
-            FaultEvent::Motion(station, op, normal, MotionFault::SlipBack) if self.has_left((station, op), normal) => {}
+            // another station has begun on that. Where nothing begins it slips all the same.
+            FaultEvent::Motion(station, op, normal, MotionFault::SlipBack)
+                if self.may_begin() && self.has_left((station, op), normal) => {}
             FaultEvent::Motion(station, op, normal, fault) => {
                 if normal {
                     self.plant.inject(now, station, op, Some(fault));
@@ -109,6 +111,12 @@ impl World {
         }
         self.active[at] = true;
         self.after(lasts, Event::FaultEnds(at));
+    }
+
+    /// Whether a station may begin a motion.
+    fn may_begin(&self) -> bool {
+        let rests = [ControlMode::Home, ControlMode::StandBy, ControlMode::EStop];
+        (0..self.stations.len()).any(|at| self.controller(at).is_some_and(|it| !rests.contains(&it.mode())))
     }
 
     /// Whether a motion that leads out of a conflict has arrived, or is as near as a switch is.
@@ -202,7 +210,7 @@ impl World {
 
     fn forge_order(
         &mut self,
-        (station, mode): (usize, linewright_line::net::ControlMode),
+        (station, mode): (usize, ControlMode),
         epoch: ForgedEpoch,
         (is_followed, is_long): (bool, bool),
     ) {

@@ -94,7 +94,7 @@ mutants! {
     // What stations take from each other.
     AgreementsInvented, Some(11), "every answer to a request is agreement";
     AgreementsOfEarlierLives, Some(50), "answers to a request of an earlier life count, and numbers begin anew with every start";
-    RequestsUnread, Some(36), "a count that is being taken back is relied on";
+    RequestsUnread, Some(50), "a count that is being taken back is relied on";
     // Rules of the controllers.
     GenerationsOff, Some(3), "counts of another generation are compared";
     CountsOff, Some(0), "the barrier of counts is off";

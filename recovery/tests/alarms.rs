@@ -74,7 +74,10 @@ fn an_alarm_in_auto_is_a_step() {
     seen.alarms = vec![alarm(&[], &[])];
     let found = plan(&line, &seen);
     let texts: Vec<String> = found.steps.iter().map(|step| step.text(&line)).collect();
-    assert!(texts.len() == 1 && texts[0].ends_with("Then `linewright answer`: as-before or gone"), "{texts:#?}");
+    assert!(
+        texts.len() == 1 && texts[0].ends_with("Then answer by what is so at the machine now: as-before or gone"),
+        "{texts:#?}"
+    );
     assert!(found.has_alarms());
 }
 

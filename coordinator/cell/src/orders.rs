@@ -4,7 +4,7 @@
 //! restarts, and answers an order it already has with its state instead of doing it again; [`super::player`] builds on
 //! that. Nothing here has to arrive: a lost message costs one period.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use linewright_line::{RestId, StationId, Tick};
 use linewright_orders::TaskOrder;
@@ -27,8 +27,8 @@ pub enum PlayerInput<'a> {
     Secured(StationId, OrderKey, TaskReply),
     /// Whether activities may start: the line is in auto, and enabled. They may not until this is received.
     Starts(bool),
-    /// The stations that are in manual by themselves, and no others: none gets an order.
-    InManual(&'a BTreeSet<StationId>),
+    /// The stations that are in manual by themselves, and no others, each with the epoch since which it is: none gets an order.
+    InManual(&'a BTreeMap<StationId, u64>),
     /// A command about production orders, whose requester waits for a reply.
     Production(RequestId, ProductionCommand<'a>),
     /// A person's answer to an alarm.

@@ -8,7 +8,7 @@ use crate::common::Bench;
 
 const ROBOT: StationId = StationId(1);
 /// It stands in the one task that its failed activity has.
-const LEFT_OUT: ManualPermit = ManualPermit::LeftOut { tasks: 1, is_kept: true };
+const LEFT_OUT: ManualPermit = ManualPermit::LeftOut { tasks: 1, kept_in: Some(0) };
 
 /// The line in auto, one station left out between two rests.
 fn bench() -> Bench {
@@ -25,7 +25,7 @@ fn bench() -> Bench {
 
 impl Bench {
     fn permit(&mut self, permit: ManualPermit) {
-        self.coordinator.permit_manual(|_| Some(permit));
+        self.permit = Some(permit);
         self.beat();
     }
 
@@ -94,8 +94,8 @@ fn what_the_cell_does_not_permit_is_refused_with_its_reason() {
         (ManualPermit::InService, "takes part in auto"),
         (ManualPermit::Securing, "come to rest"),
         (ManualPermit::Unattended, "log of the cell"),
-        (ManualPermit::LeftOut { tasks: 0, is_kept: true }, "no failed activity"),
-        (ManualPermit::LeftOut { tasks: !1, is_kept: true }, "no failed activity"),
+        (ManualPermit::LeftOut { tasks: 0, kept_in: Some(0) }, "no failed activity"),
+        (ManualPermit::LeftOut { tasks: !1, kept_in: Some(0) }, "no failed activity"),
     ] {
         let mut bench = bench();
         bench.permit(permit);
@@ -121,7 +121,7 @@ fn what_the_cell_does_not_permit_is_refused_with_its_reason() {
 fn where_a_task_has_ended_it_needs_none_that_has_failed() {
     let mut bench = bench();
     (bench.heard[1].at_home, bench.heard[1].stands_in) = (true, None);
-    bench.permit(ManualPermit::LeftOut { tasks: 0, is_kept: true });
+    bench.permit(ManualPermit::LeftOut { tasks: 0, kept_in: Some(0) });
     assert_eq!((bench.single(true), bench.states()), (None, LED));
     bench.heard[1].stands_in = Some(OpId(0));
     bench.beat();
@@ -136,9 +136,26 @@ fn where_a_task_has_ended_it_needs_none_that_has_failed() {
 #[test]
 fn its_panel_acts_when_the_cell_has_taken_it() {
     let mut bench = bench();
-    bench.permit(ManualPermit::LeftOut { tasks: 1, is_kept: false });
+    bench.permit(ManualPermit::LeftOut { tasks: 1, kept_in: None });
     assert_eq!((bench.single(true), bench.states()), (None, STANDS_BY));
     bench.permit(LEFT_OUT);
+    assert_eq!(bench.states(), LED);
+}
+
+/// Between two times in manual the cell may have gone on: what it permits since the first says nothing of the second.
+#[test]
+fn what_the_cell_has_taken_of_an_earlier_time_does_not_count() {
+    let mut bench = led();
+    let first = bench.coordinator.single_epoch(ROBOT);
+    assert_eq!(bench.single(false), None);
+    bench.permit = None;
+    let of = |epoch| move |_| Some(ManualPermit::LeftOut { tasks: 1, kept_in: Some(epoch) });
+    bench.coordinator.permit_manual(of(first));
+    assert_eq!((bench.single(true), bench.states()), (None, STANDS_BY));
+    let second = bench.coordinator.single_epoch(ROBOT);
+    assert!(second > first);
+    bench.coordinator.permit_manual(of(second));
+    bench.beat();
     assert_eq!(bench.states(), LED);
 }
 
@@ -184,10 +201,12 @@ fn beside_another_mode_than_auto_there_is_none() {
     }
 }
 
+type EndsAuto = fn(&mut Bench);
+
 /// Whatever ends auto ends it, at once, and it does not come back with auto.
 #[test]
 fn it_ends_with_auto() {
-    let ends: [(&str, fn(&mut Bench)); 4] = [
+    let ends: [(&str, EndsAuto); 4] = [
         ("stop", |bench| _ = bench.command(ModeCommand::Stop)),
         ("estop", |bench| _ = bench.command(ModeCommand::EStop)),
         ("trouble", |bench| bench.heard[0].incomplete = true),

@@ -21,8 +21,8 @@ pub struct LineSituation {
     pub heard: Vec<bool>,
     /// By station: it has its devices, by its last state.
     pub devices: Vec<bool>,
-    /// The stations in manual by themselves.
-    pub in_manual: BTreeSet<StationId>,
+    /// The stations in manual by themselves, and the epoch since which they are.
+    pub in_manual: BTreeMap<StationId, u64>,
 }
 
 /// Stations that the cell has the rest of the coordinator treat unlike the others.
@@ -66,7 +66,7 @@ impl LineSituation {
             mode: ControlMode::StandBy,
             heard: vec![false; stations],
             devices: vec![false; stations],
-            in_manual: BTreeSet::new(),
+            in_manual: BTreeMap::new(),
         }
     }
 

@@ -27,10 +27,10 @@ pub fn manual_permit(coordination: &Coordination, line: &Line, now: Tick, statio
     match coordination.participation(now, station) {
         Participation::InService => ManualPermit::InService,
         Participation::Securing => ManualPermit::Securing,
-        Participation::LeftOut { tasks, is_kept } => {
+        Participation::LeftOut { tasks, kept_in } => {
             let known = line.station(station).tasks.iter().take(64).enumerate();
             let its = known.filter(|(_, task)| tasks.iter().any(|name| **name == *task.name));
-            ManualPermit::LeftOut { tasks: its.fold(0, |bits, (at, _)| bits | 1 << at), is_kept }
+            ManualPermit::LeftOut { tasks: its.fold(0, |bits, (at, _)| bits | 1 << at), kept_in }
         }
     }
 }

@@ -18,7 +18,7 @@ fn left_out() -> Rig {
     rig.shell.plays_cell([ROBOT].into_iter(), [].into_iter());
     let heard = &mut rig.heard[ROBOT.index()];
     (heard.at_home, heard.stands_in, heard.incomplete) = (false, Some(OpId(0)), true);
-    rig.shell.permit_manual(|_| Some(ManualPermit::LeftOut { tasks: 1, is_kept: true }));
+    rig.shell.permit_manual(|_| Some(ManualPermit::LeftOut { tasks: 1, kept_in: None }));
     rig.refresh();
     rig
 }
@@ -39,6 +39,10 @@ fn it_stands_by_until_all_have_acknowledged_and_is_led_then() {
     let at = |is_it: fn(&CoordinatorEffect) -> bool| effects.iter().position(is_it).expect("it is done");
     let written = at(|effect| matches!(effect, CoordinatorEffect::Remember(_)));
     assert!(written < at(|effect| matches!(effect, CoordinatorEffect::Order { .. })));
+    rig.refresh();
+    assert_eq!(of(&rig, ROBOT), (ControlMode::StandBy, false, true));
+    let kept_in = Some(rig.shell.coordinator().single_epoch(ROBOT));
+    rig.shell.permit_manual(|_| Some(ManualPermit::LeftOut { tasks: 1, kept_in }));
     rig.refresh();
     assert_eq!(of(&rig, ROBOT), (ControlMode::Manual, true, true));
     let order = rig.shell.order_for(OTHER);

@@ -67,7 +67,9 @@ class StationState_(IdlStruct, typename="linewright_msgs::msg::dds_::StationStat
     measured: sequence[uint8, 16]
     measured_age_ms: uint32
     position_lost: bool
+    place: uint16
     incomplete: sequence[uint16]
+    stop_causes: sequence[uint8]
     operation: str
     fault: str
     blocked_by: sequence[str]

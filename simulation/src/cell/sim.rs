@@ -109,7 +109,7 @@ pub struct CellSim {
     /// Whether anything may start.
     pub starts: bool,
     /// The stations that are in manual by themselves.
-    pub in_manual: BTreeSet<StationId>,
+    pub in_manual: BTreeMap<StationId, u64>,
     /// Number of steps of the coordinator, in all lives.
     pub steps: usize,
     /// Number of its lives.
@@ -156,7 +156,7 @@ impl CellSim {
             events: Vec::new(),
             now: Tick::ZERO,
             starts: true,
-            in_manual: BTreeSet::new(),
+            in_manual: BTreeMap::new(),
             steps: 0,
             lives: 1,
             asked: Vec::new(),

@@ -109,7 +109,9 @@ impl<'c> Cell<'c> {
         }
         let order = self.shell.order();
         self.sim.starts = order.mode == ControlMode::Auto && order.enabled && order.master_stop.is_none();
-        self.sim.in_manual = line.station_ids().filter(|&id| self.shell.coordinator().is_by_hand(id)).collect();
+        let coordinator = self.shell.coordinator();
+        let by_hand = line.station_ids().filter(|&id| coordinator.is_by_hand(id));
+        self.sim.in_manual = by_hand.map(|id| (id, coordinator.single_epoch(id))).collect();
         let floor = self.sim.floor.as_mut().expect("real stations");
         for id in line.station_ids() {
             floor.order(id, self.shell.order_for(id));

@@ -70,7 +70,7 @@ impl Coordination {
         }
         // In manual by itself it may still be moved, also from where its order began: the activity keeps all it has taken.
         let mut stations = firing.orders.iter().map(|order| order.station);
-        if let Some(station) = stations.find(|station| self.watch.in_manual.contains(station)) {
+        if let Some(station) = stations.find(|station| self.watch.in_manual.contains_key(station)) {
             return Err(AlarmAnswerRefusal::CannotWork(station, StationUnavailable::InManual));
         }
         // Where the part is of a station between two rests is decided when it is led on. And it may stand in a resource whose room

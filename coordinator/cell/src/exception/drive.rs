@@ -202,7 +202,7 @@ impl Coordination {
         };
         // The last reports of all count: a station that has come up anew, or is not heard any more, may stand anywhere.
         let rests = |station| {
-            let is_left = !self.watch.in_manual.contains(&station);
+            let is_left = !self.watch.in_manual.contains_key(&station);
             is_left && self.fresh(now, station).is_some_and(|heard| !heard.is_held)
         };
         let all_at_rest = firing.orders.iter().all(|order| at_rest(order.key) && rests(order.station));

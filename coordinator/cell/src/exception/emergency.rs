@@ -84,7 +84,7 @@ impl Coordination {
             return Some(AlarmAnswerRefusal::EmergencyStop(station));
         }
         // Not by its report: it is so from the moment at which the coordinator gives it.
-        if self.watch.in_manual.contains(&station) {
+        if self.watch.in_manual.contains_key(&station) {
             return Some(AlarmAnswerRefusal::CannotWork(station, StationUnavailable::InManual));
         }
         self.watch.objection(station, now, self.state.table().handling().lost_after)

@@ -7,7 +7,7 @@
 //! Of these a person may lead one in manual while the others are in auto, as far as [`Participation`] has it. Such a station
 //! gets no order, and what an answer or a request would bring into service waits until it is in auto again.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use linewright_line::{StationId, Tick};
@@ -29,7 +29,7 @@ pub enum Participation {
     LeftOut {
         tasks: Vec<Arc<str>>,
         /// It is known here to be in manual by itself: no answer to them is taken until that is over.
-        is_kept: bool,
+        kept_in: Option<u64>,
     },
 }
 
@@ -65,18 +65,20 @@ impl Coordination {
             matches!(stage, Some(ExceptionStage::Waiting(_)))
         };
         let goes_on = |firing: &OngoingActivity| {
-            firing.orders.iter().any(|order| order.station != station && self.moves(now, order.station))
+            // One that is not heard may move.
+            let may_move = |of: StationId| self.moves(now, of) || self.fresh(now, of).is_none();
+            firing.orders.iter().any(|order| order.station != station && may_move(order.station))
         };
         if its.iter().any(|firing| !waits(firing) || goes_on(firing)) {
             return Participation::Securing;
         }
         let orders = its.iter().flat_map(|firing| &table.activity(firing.mode).orders);
         let tasks = orders.filter(|order| order.station == station).map(|order| order.task.clone());
-        Participation::LeftOut { tasks: tasks.collect(), is_kept: self.watch.in_manual.contains(&station) }
+        Participation::LeftOut { tasks: tasks.collect(), kept_in: self.watch.in_manual.get(&station).copied() }
     }
 
-    /// The stations that are in manual by themselves from now on.
-    pub(in super::super) fn lead_by_hand(&mut self, stations: &BTreeSet<StationId>) {
+    /// The stations that are in manual by themselves from now on, each with the epoch since which it is.
+    pub(in super::super) fn lead_by_hand(&mut self, stations: &BTreeMap<StationId, u64>) {
         if self.watch.in_manual != *stations {
             self.watch.in_manual.clone_from(stations);
             // No record shows that something can start now that could not.

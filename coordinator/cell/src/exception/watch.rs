@@ -40,8 +40,8 @@ pub(in super::super) struct StationMonitor {
     pub(super) told: BTreeMap<OrderKey, SecureRequest>,
     /// Stations at an order that no activity waits for.
     pub(super) strays: BTreeSet<StationId>,
-    /// Stations that a person leads in manual while the others are in auto.
-    pub(super) in_manual: BTreeSet<StationId>,
+    /// Stations that a person leads in manual while the others are in auto, and the epoch since which it is so.
+    pub(super) in_manual: BTreeMap<StationId, u64>,
     /// Resources of which model and plant have not been compared in this life, and the time from which reports count.
     pub(super) uncompared: BTreeMap<ResourceId, Tick>,
 }

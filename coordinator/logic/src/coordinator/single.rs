@@ -28,8 +28,9 @@ pub enum ManualPermit {
     /// It is left out, and may be led on in these tasks, a bit each: their activities have failed, and keep what they have taken.
     LeftOut {
         tasks: u64,
-        /// The cell has taken that it is in manual, and closes none of these activities until that is over.
-        is_kept: bool,
+        /// The cell has taken that it is in manual since this epoch, and closes none of these activities until that is over. What it
+        /// has taken of an earlier time in manual says nothing: it may have gone on in between.
+        kept_in: Option<u64>,
     },
 }
 
@@ -54,6 +55,11 @@ impl Coordinator {
         let (epoch, run_out) = of.single_until;
         let is_past = if self.is_known(of) { of.heard.acknowledges(self.boot_id, epoch) } else { self.now >= run_out };
         of.is_single || !is_past
+    }
+
+    /// The epoch with which a station went into manual by itself, or has left it since.
+    pub fn single_epoch(&self, station: StationId) -> u64 {
+        self.stations.get(station.index()).map_or(0, |station| station.single_until.0)
     }
 
     /// Whether a station is in manual by itself, and its panel acts.
@@ -176,7 +182,9 @@ impl Coordinator {
     fn may_be_led(&self, id: StationId) -> bool {
         let station = &self.stations[id.index()];
         let acknowledges = |heard: &super::StationView| heard.acknowledges(self.boot_id, self.single_in);
-        let is_kept = matches!(station.permit, Some(ManualPermit::LeftOut { is_kept: true, .. }));
+        let since = station.single_until.0;
+        let is_kept =
+            matches!(station.permit, Some(ManualPermit::LeftOut { kept_in: Some(epoch), .. }) if epoch == since);
         station.is_single
             && is_kept
             && self.enabled

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use linewright_coordinator_logic::{Coordinator, ModeCommand, ModeInput, ModeOutbox, StationView};
+use linewright_coordinator_logic::{Coordinator, ManualPermit, ModeCommand, ModeInput, ModeOutbox, StationView};
 use linewright_line::net::ControlMode;
 use linewright_line::{Line, Rest, RestId, StationId, Task, Tick, TransferLine, parse};
 
@@ -21,6 +21,8 @@ pub struct Bench {
     pub out: ModeOutbox,
     /// Whether the stations acknowledge epochs.
     pub acknowledge: bool,
+    /// What the cell permits at every station, if it is set here: it takes at once what is in manual by itself.
+    pub permit: Option<ManualPermit>,
 }
 
 impl Bench {
@@ -58,6 +60,7 @@ impl Bench {
             now: Tick::from_millis(1000),
             out: ModeOutbox::default(),
             acknowledge: true,
+            permit: None,
         };
         bench.beat();
         bench
@@ -104,6 +107,7 @@ impl Bench {
     /// Every station reports, and acknowledges what it has received.
     pub fn beat(&mut self) {
         for _ in 0..2 {
+            self.give_permit();
             for at in 0..self.heard.len() {
                 if self.acknowledge {
                     self.heard[at].mode_epoch = self.heard[at].mode_epoch.max(self.coordinator.epoch());
@@ -111,6 +115,19 @@ impl Bench {
                 self.say(at);
             }
         }
+    }
+
+    fn give_permit(&mut self) {
+        let Some(permit) = self.permit else { return };
+        let epochs: Vec<u64> = self.line.station_ids().map(|id| self.coordinator.single_epoch(id)).collect();
+        self.coordinator.permit_manual(|id| {
+            Some(match permit {
+                ManualPermit::LeftOut { tasks, kept_in: Some(_) } => {
+                    ManualPermit::LeftOut { tasks, kept_in: Some(epochs[id.index()]) }
+                }
+                other => other,
+            })
+        });
     }
 
     /// One station reports as it stands.

@@ -251,7 +251,8 @@ impl CoordinatorLoop {
             now.heard[id.index()] = coordinator.hears(id);
             now.devices[id.index()] = self.shell.has_devices(id);
         }
-        now.in_manual = self.line.station_ids().filter(|&id| coordinator.is_by_hand(id)).collect();
+        let by_hand = self.line.station_ids().filter(|&id| coordinator.is_by_hand(id));
+        now.in_manual = by_hand.map(|id| (id, coordinator.single_epoch(id))).collect();
         if let Some(cell) = &self.cell {
             cell.tell(now);
         }
