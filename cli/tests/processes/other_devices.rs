@@ -72,7 +72,7 @@ fn a_measured_pressure_and_a_probe_that_speaks_no_canopen() {
 
     // Too low: the clamp stops, and names the channel.
     hold(&rig, 100);
-    let low = "low_pressure (clamp 1 io, node 21h, 6401h:01 below 4.00 bar) is on";
+    let low = "low_pressure (clamp 1 io, node 21h, 6401h:01 below 4.00 bar) came on, and is still on";
     operator.wait("the clamp says why", |heard| heard.station("clamp_1").fault.contains(low));
     hold(&rig, LETS_GO);
     operator.recover();

@@ -67,6 +67,7 @@ class StationState_(IdlStruct, typename="linewright_msgs::msg::dds_::StationStat
     measured: sequence[uint8, 16]
     measured_age_ms: uint32
     position_lost: bool
+    placed: bool
     place: uint16
     incomplete: sequence[uint16]
     stop_causes: sequence[uint8]
