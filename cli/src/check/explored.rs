@@ -407,7 +407,8 @@ impl Exploration {
         }
     }
 
-    /// What a failure in a part says of the line, and what looks further; none where nothing fails in a part.
+    /// Help below a failed property of a part of the line: the stations outside the part, and the option that explores the whole line. None
+    /// where no property of a part fails.
     pub fn outside_text(&self) -> Option<String> {
         /// More names are no help to read.
         const NAMES_MAX: usize = 8;

@@ -52,7 +52,7 @@ struct StationEntry {
     reset_in: u64,
     /// What its cell permits (see [`Coordinator::permit_manual`]).
     permit: Option<ManualPermit>,
-    /// In manual by itself, and whether a command says so, and whether its panel acts (see `single`).
+    /// In manual by itself while the others are in auto; by a command rather than its selector; with its panel in effect. See `single`.
     is_single: bool,
     single_by_command: bool,
     is_led: bool,

@@ -142,7 +142,8 @@ fn its_panel_acts_when_the_cell_has_taken_it() {
     assert_eq!(bench.states(), LED);
 }
 
-/// Between two times in manual the cell may have gone on: what it permits since the first says nothing of the second.
+/// A permit that the cell gave in an earlier period of manual does not enable the panel: between two periods the cell may have started other
+/// activities.
 #[test]
 fn what_the_cell_has_taken_of_an_earlier_time_does_not_count() {
     let mut bench = led();

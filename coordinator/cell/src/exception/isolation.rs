@@ -28,7 +28,8 @@ pub enum Participation {
     /// tokens that they have taken, so no activity with a task in conflict with one of these starts.
     LeftOut {
         tasks: Vec<Arc<str>>,
-        /// It is known here to be in manual by itself: no answer to them is taken until that is over.
+        /// Epoch in which its present period of manual by itself began; none if it is not in manual. No answer to these activities is
+        /// taken until the period ends.
         kept_in: Option<u64>,
     },
 }

@@ -28,8 +28,8 @@ pub enum ManualPermit {
     /// It is left out, and may be led on in these tasks, a bit each: their activities have failed, and keep what they have taken.
     LeftOut {
         tasks: u64,
-        /// The cell has taken that it is in manual since this epoch, and closes none of these activities until that is over. What it
-        /// has taken of an earlier time in manual says nothing: it may have gone on in between.
+        /// Epoch in which the present period of manual began, once the cell has received it: from then on the cell closes none of these
+        /// activities until the period ends. An older epoch is that of an earlier period, and does not count.
         kept_in: Option<u64>,
     },
 }
@@ -177,8 +177,8 @@ impl Coordinator {
         }
     }
 
-    /// Every condition for its panel, each time anew. What it has acknowledged the epoch with also says where it stands, and it
-    /// takes no confirmation of its place from then on.
+    /// Whether the panel of a station in manual by itself acts: every condition, evaluated in each step. The report that acknowledges the
+    /// epoch also carries the place of the station, which no `rejoin` changes afterwards.
     fn may_be_led(&self, id: StationId) -> bool {
         let station = &self.stations[id.index()];
         let acknowledges = |heard: &super::StationView| heard.acknowledges(self.boot_id, self.single_in);

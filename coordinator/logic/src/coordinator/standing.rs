@@ -1,4 +1,4 @@
-//! What keeps a mode, or stands against one, as values: what the text of the mode says in words.
+//! Conditions that hold the mode or prevent another one, as values; the text of the mode has the same in sentences.
 
 use linewright_line::StationId;
 use linewright_line::net::ControlMode;
@@ -24,7 +24,7 @@ pub struct ModeStanding {
     pub restarted: Vec<StationId>,
     /// Stations that are left out of the mode decision.
     pub left_out: Vec<StationId>,
-    /// A second coordinator or a journal that cannot be written, in words.
+    /// Texts of a second coordinator and of a journal that cannot be written; empty without either.
     pub obstacles: Vec<String>,
 }
 
