@@ -189,6 +189,7 @@ fn alarms() -> Vec<AlarmText<'static>> {
         AlarmText::Facts { .. } => AlarmText::Facts { activity, cause: "m1: time limit exceeded", seconds: 26.0 };
         AlarmText::Contradicted { .. } => AlarmText::Contradicted { word: "in-machine", found };
         AlarmText::Moved { .. } => AlarmText::Moved { station: "robot", word: "as-before" };
+        AlarmText::LedByHand { .. } => AlarmText::LedByHand { station: "robot", word: "as-before" };
         AlarmText::Awaited { .. } =>
             AlarmText::Awaited { failure: "robot: awaited input not on in time (code 32)", inputs: "lathe_chucked" };
         AlarmText::LeftWaiting { .. } =>

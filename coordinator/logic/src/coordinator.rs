@@ -52,12 +52,7 @@ struct StationEntry {
     reset_in: u64,
     /// What its cell permits (see [`Coordinator::permit_manual`]).
     permit: Option<ManualPermit>,
-    /// In manual by itself while the others are in auto; by a command rather than its selector; with its panel in effect. See `single`.
-    is_single: bool,
-    single_by_command: bool,
-    is_led: bool,
-    /// The epoch in which it went into it last, or back, and when the orders before have run out.
-    single_until: (u64, Tick),
+    single: single::Single,
 }
 
 impl StationEntry {
@@ -91,8 +86,6 @@ pub struct Coordinator {
     /// The epoch in which the emergency stop was left last: a station in it that has acknowledged this was stopped anew.
     released: u64,
     stopped_in: u64,
-    /// The epoch in which a station went into manual by itself last, or back.
-    single_in: u64,
     /// The journal cannot be written.
     journal_lost: bool,
     /// Another coordinator, and until when it counts as there.
@@ -144,7 +137,6 @@ impl Coordinator {
             drawn: 0,
             released: 0,
             stopped_in: 0,
-            single_in: 0,
             journal_lost: false,
             rival: None,
             manual_all: false,

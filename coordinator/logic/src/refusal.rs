@@ -70,6 +70,12 @@ pub enum ModeRefusal {
     OutsideTask(StationId),
     /// A station has an index, whose drive would be homed in manual at rest.
     Turns(StationId),
+    /// A station in manual by itself by its selector, which is at manual no more, or unknown since a restart.
+    SelectorUnclear(StationId),
+    /// A station has not acknowledged yet that one of them is in manual by itself.
+    ManualUnaware(StationId),
+    /// The cell of a station has not taken yet that it is in manual by itself.
+    CellUnaware(StationId),
     /// A station is in an emergency stop of its own.
     StoppedByCell(StationId),
     /// A station is at home, but a round behind another.

@@ -195,10 +195,21 @@ fn a_line_without_a_cell_has_one_mode() {
 
 #[test]
 fn beside_another_mode_than_auto_there_is_none() {
-    for mode in [ControlMode::Home, ControlMode::StandBy, ControlMode::Manual, ControlMode::EStop] {
-        let mut bench = Bench::in_mode(mode);
+    for (mode, expected) in [
+        (ModeCommand::Stop, "while the others are in auto only"),
+        (ModeCommand::Manual, "mode already in force"),
+        (ModeCommand::EStop, "emergency stop active"),
+    ] {
+        let mut bench = bench();
+        if mode == ModeCommand::Manual {
+            bench.command(ModeCommand::Stop);
+        }
+        assert_eq!(bench.command(mode), None);
+        assert_ne!(bench.mode(), ControlMode::Auto);
         let refusal = bench.single(true).expect("refused");
-        assert!(refusal.contains("while the others are in auto only"), "{refusal}");
+        assert!(refusal.contains(expected), "{refusal}");
+        let refusal = bench.single(false).expect("refused");
+        assert!(refusal.contains("follows the mode of the line"), "{refusal}");
     }
 }
 
@@ -286,6 +297,106 @@ fn its_selector_requests_it_too() {
     bench.heard[2].selector_manual = true;
     bench.beat();
     assert_ne!(bench.mode(), ControlMode::Auto);
+}
+
+/// A report of another life, or without an image, says nothing of a selector: the station does not go over to auto by it.
+#[test]
+fn a_selector_that_is_unknown_is_not_turned_back() {
+    let by_selector = || {
+        let mut bench = bench();
+        bench.heard[1].selector_manual = true;
+        bench.beat();
+        assert_eq!(bench.states(), LED);
+        bench.heard[1].selector_manual = false;
+        bench
+    };
+    let mut bench = by_selector();
+    bench.heard[1].devices_valid = false;
+    bench.beat();
+    assert_eq!(bench.states(), STANDS_BY);
+    bench.heard[1].devices_valid = true;
+    bench.beat();
+    assert_eq!(bench.states(), FOLLOWS, "turned back, as its inputs show");
+
+    let mut bench = by_selector();
+    bench.heard[1].boot_id = 99;
+    bench.beat();
+    assert_eq!(bench.states(), STANDS_BY);
+    let text = bench.coordinator.text();
+    assert!(text.contains("clamp_1: selector not at manual, or unknown since a restart; give auto"), "{text}");
+    // By what is known: the selector, a command for manual, one for auto.
+    let mut again = bench;
+    again.heard[1].selector_manual = true;
+    again.beat();
+    assert_eq!(again.states(), LED);
+    again.heard[1].selector_manual = false;
+    again.beat();
+    assert_eq!(again.states(), FOLLOWS);
+    for (is_manual, expected) in [(true, LED), (false, FOLLOWS)] {
+        let mut bench = by_selector();
+        bench.heard[1].boot_id = 99;
+        bench.beat();
+        assert_eq!((bench.single(is_manual), bench.states()), (None, expected));
+    }
+}
+
+/// Turned back while auto for it is refused it stays, and what was refused does not take effect later.
+#[test]
+fn a_selector_turned_back_is_judged_as_the_command_is() {
+    let mut bench = bench();
+    bench.heard[1].selector_manual = true;
+    bench.beat();
+    bench.coordinator.isolate(|_, _| false);
+    bench.permit(ManualPermit::InService);
+    bench.heard[1].selector_manual = false;
+    bench.beat();
+    assert_eq!((bench.mode(), bench.states()), (ControlMode::Auto, STANDS_BY));
+    (bench.heard[1].incomplete, bench.heard[1].at_home) = (false, true);
+    bench.beat();
+    assert_eq!((bench.mode(), bench.states()), (ControlMode::Auto, STANDS_BY));
+    assert_eq!((bench.single(false), bench.mode(), bench.states()), (None, ControlMode::Auto, FOLLOWS));
+}
+
+/// While the panel does not act, the text says what it waits for, and does not say that the station is in manual.
+#[test]
+fn the_text_says_what_the_panel_waits_for() {
+    let mut bench = bench();
+    bench.acknowledge = false;
+    bench.single(true);
+    let text = bench.coordinator.text();
+    assert!(text.contains("clamp_1 in manual without effect (transfer: manual not acknowledged yet; "), "{text}");
+    bench.acknowledge = true;
+    bench.permit = None;
+    bench.coordinator.permit_manual(|_| Some(ManualPermit::LeftOut { tasks: 1, kept_in: None }));
+    bench.beat();
+    let text = bench.coordinator.text();
+    assert!(text.contains("in manual without effect (clamp_1: the cell has not acknowledged manual yet)"), "{text}");
+}
+
+/// Manual of one station is none of another's: neither its beginning nor its end stops what is led there.
+#[test]
+fn two_stations_are_in_manual_independently() {
+    const OTHER: StationId = StationId(2);
+    let mut bench = Bench::with_task_driven(&[1, 2]);
+    for command in [ModeCommand::Start, ModeCommand::Auto] {
+        assert_eq!(bench.command(command), None);
+    }
+    bench.coordinator.isolate(|id, _| id == ROBOT || id == OTHER);
+    for heard in &mut bench.heard[1..] {
+        (heard.at_home, heard.incomplete, heard.stands_in) = (false, true, Some(OpId(0)));
+    }
+    bench.permit(LEFT_OUT);
+    assert_eq!((bench.single(true), bench.states()), (None, LED));
+    for is_manual in [true, false] {
+        bench.acknowledge = false;
+        bench.input(ModeInput::Single(OTHER, is_manual));
+        bench.beat();
+        assert_eq!(bench.coordinator.is_single(OTHER), is_manual);
+        assert_eq!((bench.states(), bench.coordinator.is_led(OTHER)), (LED, false));
+        bench.acknowledge = true;
+        bench.beat();
+        assert_eq!((bench.states(), bench.coordinator.is_led(OTHER)), (LED, is_manual));
+    }
 }
 
 /// In service again by its cell it is still in manual, and auto for it is refused while it would end auto for all.

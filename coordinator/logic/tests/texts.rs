@@ -45,6 +45,9 @@ fn reasons() -> Vec<ModeRefusal> {
         ModeRefusal::Unattended(_) => ModeRefusal::Unattended(station);
         ModeRefusal::OutsideTask(_) => ModeRefusal::OutsideTask(station);
         ModeRefusal::Turns(_) => ModeRefusal::Turns(station);
+        ModeRefusal::SelectorUnclear(_) => ModeRefusal::SelectorUnclear(station);
+        ModeRefusal::ManualUnaware(_) => ModeRefusal::ManualUnaware(station);
+        ModeRefusal::CellUnaware(_) => ModeRefusal::CellUnaware(station);
         ModeRefusal::StoppedByCell(_) => ModeRefusal::StoppedByCell(station);
         ModeRefusal::Behind(_) => ModeRefusal::Behind(station);
         ModeRefusal::NotManual => ModeRefusal::NotManual;

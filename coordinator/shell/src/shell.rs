@@ -313,9 +313,10 @@ impl CoordinatorShell {
         let changed = std::mem::take(&mut self.outbox.changed);
         self.coordinator.step(now, &mut self.outbox);
         let changed = std::mem::take(&mut self.outbox.changed) | changed;
+        // A change of mode ends the refusals before it: one of the same step stands after it.
+        effects.extend(self.outbox.modes.drain(..).map(CoordinatorEffect::Entered));
         effects.extend(self.outbox.refusals.drain(..).map(CoordinatorEffect::Refused));
         effects.extend(std::mem::take(&mut self.outbox.obeyed).then_some(CoordinatorEffect::Obeyed));
-        effects.extend(self.outbox.modes.drain(..).map(CoordinatorEffect::Entered));
         let is_due = now >= self.refresh_due;
         if is_due {
             self.refresh_due = now + self.refresh;

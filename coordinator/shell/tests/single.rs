@@ -66,3 +66,15 @@ fn without_a_journal_there_is_none() {
     assert_eq!((rig.mode(), rig.shell.order_for(ROBOT).mode), (ControlMode::EStop, ControlMode::EStop));
     assert!(!rig.shell.coordinator().is_single(ROBOT));
 }
+
+/// A refusal is shown until a command is obeyed or the mode changes: not by a change of the same step.
+#[test]
+fn a_refusal_stands_after_a_change_of_mode_of_the_same_step() {
+    let mut rig = left_out();
+    rig.shell.handle(rig.now, CoordinatorArrival::Single(OTHER, true));
+    rig.shell.handle(rig.now, CoordinatorArrival::Console { bits: 0, valid: false });
+    let effects = rig.act();
+    let at = |is_it: fn(&CoordinatorEffect) -> bool| effects.iter().rposition(is_it).expect("it is done");
+    let entered = at(|effect| matches!(effect, CoordinatorEffect::Entered(ControlMode::EStop)));
+    assert!(entered < at(|effect| matches!(effect, CoordinatorEffect::Refused(_))));
+}

@@ -244,6 +244,27 @@ fn it_ends_with_auto_and_what_is_held_stops() {
     }
 }
 
+/// An answer is compared with sensors at a rest. A station that goes into manual before that may be moved from it: the alarm is
+/// raised anew, and its activity keeps all it has.
+#[test]
+fn an_answer_is_taken_back_where_its_station_goes_into_manual() {
+    let of = shipped("workcell-c1", &[1, 1]);
+    let (mut cell, failed, m1) = stopped(&of);
+    cell.single(m1, true).expect("it is left out");
+    for _ in 0..20 {
+        cell.hold(m1, PanelCommand::Advance(true), Duration::from_secs(3));
+    }
+    cell.single(m1, false).expect("at a rest");
+    let alarm = cell.sim.state().exceptions().alarms().next().expect("it stands").id;
+    cell.sim.say(&mut *cell.dispatcher, &[PlayerInput::Answer { alarm, word: "as-done" }]);
+    assert!(cell.sim.state().exceptions().alarms().next().is_none(), "it is taken");
+    cell.single(m1, true).expect("it is left out still");
+    let alarm = cell.sim.state().exceptions().alarms().next().expect("it is raised anew");
+    assert!(alarm.text.contains("m1 went into manual after the answer \"as-done\""), "{}", alarm.text);
+    assert!(cell.sim.state().firing(failed).is_some());
+    assert_eq!(cell.mode(m1), ControlMode::Manual);
+}
+
 /// Its place is not confirmed meanwhile: the others rely on the task it stands in.
 #[test]
 fn a_place_is_not_confirmed_in_manual_by_itself() {

@@ -249,8 +249,11 @@ impl Coordination {
         let (ruling, since) = (ruling.clone(), *since);
         let Some((firing, cause)) = self.failed(id) else { return };
         let (mode, part) = (firing.mode, firing.part);
-        if let Some(station) = self.moving(now, firing) {
-            let finding = alarm::moved(&self.state, &ruling, station);
+        // In manual by itself a station may be moved after what the sensors are read for.
+        let mut ordered = firing.orders.iter().map(|order| order.station);
+        let by_hand = ordered.find(|station| self.watch.in_manual.contains_key(station));
+        let moved = self.moving(now, firing).map(|station| alarm::moved(&self.state, &ruling, station));
+        if let Some(finding) = moved.or_else(|| Some(alarm::led_by_hand(&self.state, &ruling, by_hand?))) {
             let text = alarm::again(&finding, &alarm::alarm(self, firing, cause, now));
             let answers = self.answers(firing, cause);
             return self.alarm(now, id, text, Some(finding), &answers, out);

@@ -194,11 +194,17 @@ pub(crate) fn moved(state: &PlayerState, ruling: &RecoveryDecision, station: Sta
     AlarmText::Moved { station: &name, word: &ruling.word }.text()
 }
 
+/// The same of a station that went into manual by itself after the answer.
+pub(crate) fn led_by_hand(state: &PlayerState, ruling: &RecoveryDecision, station: StationId) -> String {
+    let name = state.table().handling().station_name(station);
+    AlarmText::LedByHand { station: &name, word: &ruling.word }.text()
+}
+
 /// Whether an alarm says that the answer with this word was not taken.
 pub fn takes_back(text: &str, word: &str) -> bool {
     let contradicted = AlarmText::Contradicted { word, found: "" }.text();
-    let moved = AlarmText::Moved { station: "", word }.text();
-    text.starts_with(contradicted.trim_end_matches('.')) || text.contains(&moved)
+    let by_a_station = [AlarmText::Moved { station: "", word }, AlarmText::LedByHand { station: "", word }];
+    text.starts_with(contradicted.trim_end_matches('.')) || by_a_station.iter().any(|of| text.contains(&of.text()))
 }
 
 /// The carrier holds the part.
@@ -266,6 +272,8 @@ pub enum AlarmText<'a> {
     Contradicted { word: &'a str, found: &'a str },
     /// A station moved after an answer; the alarm follows again.
     Moved { station: &'a str, word: &'a str },
+    /// A station went into manual by itself after an answer, before the sensors were read.
+    LedByHand { station: &'a str, word: &'a str },
     /// The carrier holds the part; with placeholders.
     Carried,
     /// A sensor contradicts the model; a part that is missing may have been removed.
@@ -317,6 +325,9 @@ impl AlarmText<'_> {
             }
             AlarmText::Contradicted { word, found } => format!("Answer \"{word}\" contradicts the sensors: {found}."),
             AlarmText::Moved { station, word } => format!("{station} moved after the answer \"{word}\"."),
+            AlarmText::LedByHand { station, word } => {
+                format!("{station} went into manual after the answer \"{word}\". Give it auto again, then answer.")
+            }
             AlarmText::Agrees { resource } => {
                 format!(
                     "{resource} is out of service, but its station and sensor are as they should be. Answer \"{UP}\"."

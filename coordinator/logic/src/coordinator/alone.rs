@@ -44,7 +44,7 @@ impl Coordinator {
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
         };
         let is_out =
-            move |station: &StationEntry| leaves_out && (station.isolated || station.stopped || station.is_single);
+            move |station: &StationEntry| leaves_out && (station.isolated || station.stopped || station.single.in_force);
         self.line.station_ids().zip(&self.stations).filter(move |(_, station)| !is_out(station))
     }
 

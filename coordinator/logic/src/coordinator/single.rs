@@ -10,10 +10,10 @@
 //!   selector turned back, or the end of auto: it never goes over to auto by itself.
 //! * *led*: its panel acts. Every condition holds now, and all have acknowledged the epoch. It ends with the first that does not.
 
-use linewright_line::StationId;
 use linewright_line::net::ControlMode;
+use linewright_line::{StationId, Tick};
 
-use super::Coordinator;
+use super::{Coordinator, StationEntry};
 use crate::refusal::{ModeRefusal, OperatorCommand, RefusedCommand};
 
 /// What a cell permits at one of its stations while the others are in auto.
@@ -34,6 +34,24 @@ pub enum ManualPermit {
     },
 }
 
+/// Manual of one station by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Single {
+    /// It is in manual by itself, since an epoch of its own.
+    pub in_force: bool,
+    /// Requested by a command, by its selector.
+    by_command: bool,
+    by_selector: bool,
+    /// Life of the station that reported its selector at manual last; none once it was turned back.
+    selector_life: Option<u64>,
+    /// Its panel acts.
+    is_led: bool,
+    /// The epoch in which it went into manual by itself last, or back.
+    since: u64,
+    /// When the orders before that have run out.
+    run_out: Tick,
+}
+
 impl Coordinator {
     /// Sets what the cell permits at each station; none on a line without one. Call it whenever that changes, before
     /// [`Coordinator::step`].
@@ -45,43 +63,56 @@ impl Coordinator {
 
     /// Whether a station is not in auto with the others, but in manual by itself, or to be as soon as every condition holds.
     pub fn is_single(&self, station: StationId) -> bool {
-        self.stations.get(station.index()).is_some_and(|station| station.is_single)
+        self.stations.get(station.index()).is_some_and(|station| station.single.in_force)
     }
 
     /// Whether a person may still move a station: it is in manual by itself, or has not acknowledged yet that it is no more.
     /// Not heard, it has stood still since the last order of that ran out. Its cell gives it no order until then.
     pub fn is_by_hand(&self, station: StationId) -> bool {
         let Some(of) = self.stations.get(station.index()) else { return false };
-        let (epoch, run_out) = of.single_until;
-        let is_past = if self.is_known(of) { of.heard.acknowledges(self.boot_id, epoch) } else { self.now >= run_out };
-        of.is_single || !is_past
+        let Single { since, run_out, .. } = of.single;
+        let is_past = if self.is_known(of) { of.heard.acknowledges(self.boot_id, since) } else { self.now >= run_out };
+        of.single.in_force || !is_past
     }
 
     /// The epoch with which a station went into manual by itself, or has left it since.
     pub fn single_epoch(&self, station: StationId) -> u64 {
-        self.stations.get(station.index()).map_or(0, |station| station.single_until.0)
+        self.stations.get(station.index()).map_or(0, |station| station.single.since)
     }
 
     /// Whether a station is in manual by itself, and its panel acts.
     pub fn is_led(&self, station: StationId) -> bool {
-        self.stations.get(station.index()).is_some_and(|station| station.is_led)
+        self.stations.get(station.index()).is_some_and(|station| station.single.is_led)
     }
 
     /// Manual for one station, or auto again.
     pub(super) fn command_single(&mut self, id: StationId, is_manual: bool) {
         self.changed = true;
-        let reasons = match self.stations.get(id.index()) {
-            None => return,
-            Some(_) if self.mode != ControlMode::Auto => vec![ModeRefusal::NotInAuto(id)],
-            Some(station) if is_manual && station.is_single => vec![ModeRefusal::Already],
-            Some(_) if is_manual => self.against_single(id),
-            Some(station) if !station.is_single => vec![ModeRefusal::NotSingle(id)],
-            Some(station) if station.heard.selector_manual => vec![ModeRefusal::SelectorManual(id)],
-            Some(_) => self.against_joining(id),
+        let Some(station) = self.stations.get(id.index()) else { return };
+        let reasons = if is_manual {
+            match self.mode {
+                _ if station.permit.is_none() => vec![ModeRefusal::NoSingleManual(id)],
+                ControlMode::Manual => vec![ModeRefusal::Already],
+                ControlMode::EStop => vec![ModeRefusal::EStop],
+                ControlMode::Auto if station.single.by_command => vec![ModeRefusal::Already],
+                ControlMode::Auto if station.single.by_selector && station.heard.selector_manual => {
+                    vec![ModeRefusal::Already]
+                }
+                ControlMode::Auto => self.against_single(id),
+                ControlMode::Home | ControlMode::StandBy | ControlMode::Hand => vec![ModeRefusal::NotInAuto(id)],
+            }
+        } else if !station.single.in_force {
+            vec![ModeRefusal::NotSingle(id)]
+        } else if station.heard.selector_manual {
+            vec![ModeRefusal::SelectorManual(id)]
+        } else {
+            self.against_joining(id)
         };
         self.obeyed = reasons.is_empty();
         if reasons.is_empty() {
-            self.stations[id.index()].single_by_command = is_manual;
+            let single = &mut self.stations[id.index()].single;
+            single.by_command = is_manual;
+            single.by_selector &= is_manual;
             self.follow_single();
         } else {
             let command = OperatorCommand::Single(id, is_manual);
@@ -151,25 +182,24 @@ impl Coordinator {
             return;
         }
         for id in self.line.station_ids() {
-            let station = &self.stations[id.index()];
-            // A selector of a station that takes part in auto leads the line to stand-by, as on every line.
-            let by_selector = station.heard.selector_manual
-                && (station.is_single || (station.isolated && self.against_single(id).is_empty()));
-            let is_single = !station.stopped && (station.single_by_command || by_selector);
-            let station = &mut self.stations[id.index()];
-            station.single_by_command &= is_single;
-            if is_single != station.is_single {
-                station.is_single = is_single;
-                self.epoch = self.epoch.saturating_add(1);
-                self.single_in = self.epoch;
-                self.changed = true;
-                station.single_until = (self.epoch, self.now + self.line.timing.lease + self.line.timing.stale);
+            let was = self.stations[id.index()].single;
+            let mut single = self.by_selector(id, was);
+            if self.stations[id.index()].stopped {
+                (single.by_command, single.by_selector) = (false, false);
             }
+            single.in_force = single.by_command || single.by_selector;
+            single.is_led &= single.in_force;
+            if single.in_force != was.in_force {
+                self.epoch = self.epoch.saturating_add(1);
+                self.changed = true;
+                (single.since, single.run_out) = (self.epoch, self.orders_run_out());
+            }
+            self.stations[id.index()].single = single;
         }
-        for id in self.line.station_ids() {
-            let is_led = self.may_be_led(id);
+        for id in self.line.station_ids().filter(|&id| self.is_single(id)).collect::<Vec<_>>() {
+            let is_led = self.against_panel(id).is_empty();
             let station = &mut self.stations[id.index()];
-            self.changed |= std::mem::replace(&mut station.is_led, is_led) != is_led;
+            self.changed |= std::mem::replace(&mut station.single.is_led, is_led) != is_led;
             if is_led {
                 // A person stands at its panel.
                 (station.restarted, station.missed) = (false, false);
@@ -177,43 +207,74 @@ impl Coordinator {
         }
     }
 
-    /// Whether the panel of a station in manual by itself acts: every condition, evaluated in each step. The report that acknowledges the
-    /// epoch also carries the place of the station, which no `rejoin` changes afterwards.
-    fn may_be_led(&self, id: StationId) -> bool {
+    /// The request of a selector. It is turned back only by a report of the life that had it at manual, with its inputs valid: after
+    /// a restart, or without an image, the selector is unknown, and the station stays out of auto until a command. So it does
+    /// where it cannot join the others when its selector is turned back: nothing that is refused takes effect later.
+    fn by_selector(&self, id: StationId, was: Single) -> Single {
         let station = &self.stations[id.index()];
-        let acknowledges = |heard: &super::StationView| heard.acknowledges(self.boot_id, self.single_in);
-        let since = station.single_until.0;
+        let heard = &station.heard;
+        if heard.selector_manual {
+            // A selector of a station that takes part in auto leads the line to stand-by, as on every line.
+            let is_request = was.in_force || (station.isolated && self.against_single(id).is_empty());
+            return Single { by_selector: is_request, selector_life: Some(heard.boot_id), ..was };
+        }
+        let is_turned_back = self.is_known(station) && heard.devices_valid && was.selector_life == Some(heard.boot_id);
+        if !was.by_selector || !is_turned_back {
+            return was;
+        }
+        let stays = !self.against_joining(id).is_empty();
+        Single { by_selector: stays, selector_life: None, ..was }
+    }
+
+    /// When the orders that are given now have run out.
+    fn orders_run_out(&self) -> Tick {
+        self.now + self.line.timing.lease + self.line.timing.stale
+    }
+
+    /// Reasons why the panel of a station in manual by itself does not act; each condition is evaluated in each step. The report that
+    /// acknowledges the epoch also carries the place of the station, which no `rejoin` changes afterwards.
+    fn against_panel(&self, id: StationId) -> Vec<ModeRefusal> {
+        let mut reasons = self.against_single(id);
+        let station = &self.stations[id.index()];
+        let Single { by_command, since, .. } = station.single;
+        if !by_command && !station.heard.selector_manual {
+            reasons.push(ModeRefusal::SelectorUnclear(id));
+        }
+        let acknowledges = |of: &StationEntry| self.is_known(of) && of.heard.acknowledges(self.boot_id, since);
+        let others = self.counted().filter(|&(other, _)| other != id);
+        let silent = others.chain([(id, station)]).filter(|(_, of)| !acknowledges(of));
+        // One that is not received is a reason already, or ends auto.
+        reasons.extend(silent.filter(|(_, of)| self.is_known(of)).map(|(id, _)| ModeRefusal::ManualUnaware(id)));
         let is_kept =
             matches!(station.permit, Some(ManualPermit::LeftOut { kept_in: Some(epoch), .. }) if epoch == since);
-        station.is_single
-            && is_kept
-            && self.enabled
-            && acknowledges(&station.heard)
-            && self.all(acknowledges)
-            && self.against_single(id).is_empty()
+        if reasons.is_empty() && !(is_kept && self.enabled && self.all(|heard| heard.acknowledges(self.boot_id, since))) {
+            reasons.push(ModeRefusal::CellUnaware(id));
+        }
+        reasons
     }
 
     /// Auto is over: all follow the mode again.
     pub(super) fn end_single(&mut self) {
-        let until = (self.epoch, self.now + self.line.timing.lease + self.line.timing.stale);
+        let (since, run_out) = (self.epoch, self.orders_run_out());
         for station in &mut self.stations {
-            if station.is_single {
-                station.single_until = until;
-            }
-            (station.single_by_command, station.is_single, station.is_led) = (false, false, false);
+            let was = station.single;
+            station.single = match was.in_force {
+                true => Single { since, run_out, ..Single::default() },
+                false => Single { since: was.since, run_out: was.run_out, ..Single::default() },
+            };
         }
     }
 
     /// The stations in manual by themselves, each with the reasons why its panel does not act.
     pub(super) fn singles(&self) -> impl Iterator<Item = (StationId, Vec<ModeRefusal>)> {
         let all = self.line.station_ids().filter(|&id| self.is_single(id));
-        all.map(|id| (id, if self.is_led(id) { Vec::new() } else { self.against_single(id) }))
+        all.map(|id| (id, if self.is_led(id) { Vec::new() } else { self.against_panel(id) }))
     }
 
     /// The stations left out whose selectors stand at manual without effect, each with the reasons.
     pub(super) fn idle_selectors(&self) -> impl Iterator<Item = (StationId, Vec<ModeRefusal>)> {
-        let stands = |(_, s): &(StationId, &super::StationEntry)| {
-            s.isolated && !s.is_single && self.is_known(s) && s.heard.selector_manual
+        let stands = |(_, s): &(StationId, &StationEntry)| {
+            s.isolated && !s.single.in_force && self.is_known(s) && s.heard.selector_manual
         };
         let all = self.line.station_ids().zip(&self.stations).filter(|_| self.mode == ControlMode::Auto);
         all.filter(stands).map(|(id, _)| (id, self.against_single(id)))

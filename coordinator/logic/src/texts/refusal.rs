@@ -154,6 +154,12 @@ impl ModeRefusal {
                 "has an index, which manual may home at rest beside stations in auto; give stop --wait, then manual for the \
                  line",
             ),
+            ModeRefusal::SelectorUnclear(station) => (
+                station,
+                "selector not at manual, or unknown since a restart; give auto for the station, or turn the selector to manual",
+            ),
+            ModeRefusal::ManualUnaware(station) => (station, "manual not acknowledged yet"),
+            ModeRefusal::CellUnaware(station) => (station, "the cell has not acknowledged manual yet"),
             ModeRefusal::StoppedByCell(station) => {
                 (station, "in emergency stop; clear the cause, then reset it with `linewright resource … reset`")
             }

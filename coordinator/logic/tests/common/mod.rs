@@ -68,17 +68,24 @@ impl Bench {
 
     /// With the second station task-driven. What it can be ordered to do does not matter here.
     pub fn with_one_task_driven() -> Self {
+        Bench::with_task_driven(&[1])
+    }
+
+    /// With these stations task-driven.
+    pub fn with_task_driven(stations: &[usize]) -> Self {
         let mut line = line();
-        let station = &mut line.stations[1];
-        station.rests = vec![Rest { name: "home".to_owned(), at: Vec::new() }];
-        station.tasks = vec![Task {
-            name: "everything".to_owned(),
-            steps: 0..station.steps.len(),
-            from: RestId(0),
-            to: RestId(0),
-            limit: Duration::from_secs(1),
-            parameters: Vec::new(),
-        }];
+        for &at in stations {
+            let station = &mut line.stations[at];
+            station.rests = vec![Rest { name: "home".to_owned(), at: Vec::new() }];
+            station.tasks = vec![Task {
+                name: "everything".to_owned(),
+                steps: 0..station.steps.len(),
+                from: RestId(0),
+                to: RestId(0),
+                limit: Duration::from_secs(1),
+                parameters: Vec::new(),
+            }];
+        }
         Bench::of(line, 0)
     }
 
