@@ -198,25 +198,19 @@ fn alarms(line: &Line, cell: &CellState) -> Vec<StandingAlarm> {
     cell.alarms.as_slice().iter().map(alarm).collect()
 }
 
-/// The command for a step, if there is one.
-fn typed(line: &Line, path: &str, step: &RecoveryStep) -> Option<String> {
+/// The arguments of each command for a step, for a line in the directory `path`.
+fn commands(line: &Line, path: &str, step: &RecoveryStep) -> Vec<Vec<String>> {
     let named = |word: String| if word == "LINE" { path.to_owned() } else { word };
-    // What ends a loss is done at the device; this shows which and why.
-    let shows = || ["can", "status", "LINE"].map(str::to_owned).to_vec();
-    let is_lost = matches!(step.action, RecoveryAction::First(Need::Devices(_) | Need::Console));
-    let words = step.arguments(line).or_else(|| is_lost.then(shows))?;
-    let words: Vec<String> = words.into_iter().map(|word| crate::out::shell_word(&named(word))).collect();
-    Some(format!("linewright {}", words.join(" ")))
+    step.commands(line).into_iter().map(|words| words.into_iter().map(named).collect()).collect()
 }
 
-/// One command for each answer to an alarm, of which one is given; none of any other step.
-fn answers(path: &str, step: &RecoveryStep) -> impl Iterator<Item = String> {
-    let (id, all) = match &step.action {
-        RecoveryAction::First(Need::Answer(alarm)) => (alarm.id, alarm.answers.clone()),
-        _ => (0, Vec::new()),
-    };
-    let path = crate::out::shell_word(path).to_string();
-    all.into_iter().map(move |word| format!("linewright answer {path} {id} {}", crate::out::shell_word(&word)))
+/// The commands for a step as they are typed; for devices that are lost the one that shows which and why.
+fn typed(line: &Line, path: &str, step: &RecoveryStep) -> Vec<String> {
+    let is_lost = matches!(step.action, RecoveryAction::First(Need::Devices(_) | Need::Console));
+    let shows = is_lost.then(|| ["can", "status", path].map(str::to_owned).to_vec());
+    let all = commands(line, path, step).into_iter().chain(shows);
+    let words = |words: Vec<String>| words.iter().map(|word| crate::out::shell_word(word)).collect::<Vec<_>>();
+    all.map(|of| format!("linewright {}", words(of).join(" "))).collect()
 }
 
 /// The steps below which their commands stand.
@@ -259,8 +253,7 @@ fn picture(
         lines.push(format!("{:>5}. {}", at + 1, step.text(line)));
         lines.extend(lost_devices(client, step).map(|what| format!("       {what}")));
         if at == 0 || commands == Commands::OfAll {
-            lines.extend(typed(line, path, step).map(|typed| format!("       {typed}")));
-            lines.extend(answers(path, step).map(|typed| format!("       {typed}")));
+            lines.extend(typed(line, path, step).into_iter().map(|typed| format!("       {typed}")));
         }
         if at == 0 {
             lines.extend(refused(client, step).map(|why| format!("       refused: {why}")));
@@ -314,12 +307,25 @@ mod tests {
     #[test]
     fn a_command_can_be_pasted_into_a_shell() {
         let auto = step(RecoveryAction::Command(ModeCommand::Auto));
-        let typed = |path: &str, step: &RecoveryStep| typed(&line(), path, step).expect("a command");
+        let typed = |path: &str, step: &RecoveryStep| typed(&line(), path, step).join("\n");
         assert_eq!(typed("my-line", &auto), "linewright mode my-line auto");
         assert_eq!(typed("my line", &auto), "linewright mode \"my line\" auto");
         assert_eq!(typed("l$x", &auto), "linewright mode \"l\\$x\" auto");
         let lost = step(RecoveryAction::First(Need::Devices(StationId(1))));
         assert_eq!(typed("my line", &lost), "linewright can status \"my line\"");
+    }
+
+    #[test]
+    fn of_several_answers_each_has_its_command() {
+        let alarm = StandingAlarm {
+            id: 3,
+            text: "M1 failed.".to_owned(),
+            answers: vec!["as-done".to_owned(), "as-before".to_owned()],
+            lead: Vec::new(),
+            reset: Vec::new(),
+        };
+        let answer = step(RecoveryAction::First(Need::Answer(alarm)));
+        assert_eq!(typed(&line(), "l", &answer), ["linewright answer l 3 as-done", "linewright answer l 3 as-before"]);
     }
 
     #[test]

@@ -185,7 +185,12 @@ impl RecoveryStep {
                     (RejoinAt::Measured, Some(after)) => {
                         let places = after.places.iter().map(|&place| stand_text(line, *station, place));
                         let places = places.collect::<Vec<_>>().join(" and ");
-                        format!("look, and if it stands so ({places}): rejoin")
+                        let is_index = |place: &StationPlace| line.station(*station).index_of(place.op).is_some();
+                        let unseen = match after.places.iter().any(is_index) {
+                            true => ". Whether it has moved on no switch says: see whether parts are passed over by it",
+                            false => "",
+                        };
+                        format!("look, and if it stands so ({places}): rejoin{unseen}")
                     }
                     (RejoinAt::Measured | RejoinAt::Rest(_), _) => "look where it stands, then rejoin".to_owned(),
                 };
@@ -211,13 +216,18 @@ impl RecoveryStep {
         }
     }
 
-    /// What the `linewright` command has for it, behind the name of the line; none for what no command does.
-    pub fn arguments(&self, line: &Line) -> Option<Vec<String>> {
+    /// The commands of `linewright` for it, as arguments with `LINE` for the line. Of several one is given, by what is so at the
+    /// machine; none for what no command does.
+    pub fn commands(&self, line: &Line) -> Vec<Vec<String>> {
         let name = |id: StationId| line.station(id).name.clone();
         let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
-        Some(match &self.action {
+        let one = match &self.action {
+            RecoveryAction::First(Need::Answer(alarm)) => {
+                let id = alarm.id.to_string();
+                return alarm.answers.iter().map(|word| words(&["answer", "LINE", &id, word])).collect();
+            }
             RecoveryAction::First(Need::Reset(station)) => words(&["resource", "LINE", &name(*station), "reset"]),
-            RecoveryAction::First(_) => return None,
+            RecoveryAction::First(_) => return Vec::new(),
             RecoveryAction::Command(command) => words(&["mode", "LINE", command.name()]),
             RecoveryAction::Press(station, button) => {
                 let time = self.hold(line).as_secs_f64();
@@ -232,18 +242,21 @@ impl RecoveryStep {
             RecoveryAction::Selector(station, manual) => {
                 words(&["press", "LINE", if *manual { "manual" } else { "auto" }, "--station", &name(*station)])
             }
-            RecoveryAction::Rejoin { station, at, .. } => match at {
-                RejoinAt::Measured => words(&["rejoin", "LINE", &name(*station)]),
-                RejoinAt::Within(op) => {
-                    let op = &line.operation((*station, *op)).name;
-                    words(&["rejoin", "LINE", &name(*station), "--within", op])
-                }
-                RejoinAt::Rest(rest) => {
-                    let rest = &line.station(*station).rests[rest.index()].name;
-                    words(&["rejoin", "LINE", &name(*station), "--rest", rest])
-                }
-            },
-        })
+            RecoveryAction::Rejoin { station, at: RejoinAt::Measured, .. } => {
+                words(&["rejoin", "LINE", &name(*station)])
+            }
+            RecoveryAction::Rejoin { station, at: RejoinAt::Within(op), or_within } => {
+                let within = |op: &OpId| {
+                    words(&["rejoin", "LINE", &name(*station), "--within", &line.operation((*station, *op)).name])
+                };
+                return std::iter::once(op).chain(or_within).map(within).collect();
+            }
+            RecoveryAction::Rejoin { station, at: RejoinAt::Rest(rest), .. } => {
+                let rest = &line.station(*station).rests[rest.index()].name;
+                words(&["rejoin", "LINE", &name(*station), "--rest", rest])
+            }
+        };
+        vec![one]
     }
 }
 

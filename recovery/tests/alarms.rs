@@ -89,6 +89,6 @@ fn a_station_in_emergency_stop_by_itself_is_reset_before_it_is_led() {
     let found = plan(&line, &seen);
     let first = &found.steps[0];
     assert_eq!(first.text(&line), format!("{name}: in emergency stop by itself: reset it with `linewright resource`"));
-    assert_eq!(first.arguments(&line), Some(["resource", "LINE", &name, "reset"].map(str::to_owned).to_vec()));
+    assert_eq!(first.commands(&line), [["resource", "LINE", &name, "reset"]]);
     assert_eq!(found.end, RecoveryEnd::Auto);
 }

@@ -49,8 +49,10 @@ struct StepJson {
     /// By operation, the number of its marked place after it, 1 to 6.
     places: Option<BTreeMap<String, u8>>,
     at_home: Option<bool>,
-    /// The arguments of `linewright` that do it; null where no command does.
+    /// The arguments of `linewright` that do it; null where no command does, or one of several.
     arguments: Option<Vec<String>>,
+    /// Of several commands the arguments of each; one is given, by what is so at the machine.
+    choices: Vec<Vec<String>>,
 }
 
 #[derive(Serialize)]
@@ -104,7 +106,8 @@ impl StepJson {
             RecoveryAction::Selector(_, manual) => ("selector", Some(if *manual { "manual" } else { "auto" }), None),
             RecoveryAction::Rejoin { .. } => ("rejoin", None, None),
         };
-        let path = |word: String| if word == "LINE" { path.to_owned() } else { word };
+        let mut commands = super::commands(line, path, step);
+        let arguments = if commands.len() == 1 { commands.pop() } else { None };
         let places = |after: &linewright_recovery::StationAfter| {
             let name = |place: &linewright_line::net::StationPlace| {
                 (line.operation((after.station, place.op)).name.clone(), place.number())
@@ -121,7 +124,8 @@ impl StepJson {
             mode: step.mode.name(),
             places: step.after.as_ref().map(places),
             at_home: step.after.as_ref().map(|after| after.at_home),
-            arguments: step.arguments(line).map(|words| words.into_iter().map(path).collect()),
+            arguments,
+            choices: commands,
         }
     }
 }

@@ -43,8 +43,9 @@ impl Coordinator {
             ControlMode::Home | ControlMode::StandBy | ControlMode::Auto => true,
             ControlMode::Hand | ControlMode::Manual | ControlMode::EStop => false,
         };
-        let is_out =
-            move |station: &StationEntry| leaves_out && (station.isolated || station.stopped || station.single.in_force);
+        let is_out = move |station: &StationEntry| {
+            leaves_out && (station.isolated || station.stopped || station.single.in_force)
+        };
         self.line.station_ids().zip(&self.stations).filter(move |(_, station)| !is_out(station))
     }
 

@@ -247,7 +247,8 @@ impl Coordinator {
         reasons.extend(silent.filter(|(_, of)| self.is_known(of)).map(|(id, _)| ModeRefusal::ManualUnaware(id)));
         let is_kept =
             matches!(station.permit, Some(ManualPermit::LeftOut { kept_in: Some(epoch), .. }) if epoch == since);
-        if reasons.is_empty() && !(is_kept && self.enabled && self.all(|heard| heard.acknowledges(self.boot_id, since))) {
+        if reasons.is_empty() && !(is_kept && self.enabled && self.all(|heard| heard.acknowledges(self.boot_id, since)))
+        {
             reasons.push(ModeRefusal::CellUnaware(id));
         }
         reasons
