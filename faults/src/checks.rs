@@ -106,7 +106,8 @@ impl Observer {
         let soon = 2 * line.timing.refresh + SLACK + station.held_up;
         // By itself it may always fall back to stand-by, and end there what a record that took long has under way.
         let is_by_itself = mode == ControlMode::StandBy && station.held_up > Duration::ZERO;
-        station.lives.len() == 1 && mode != newest && !is_by_itself && now > since + soon
+        let is_deaf = now <= station.deaf_until;
+        station.lives.len() == 1 && mode != newest && !is_by_itself && !is_deaf && now > since + soon
     }
 
     /// In auto a motion starts only where the states of those that it waits for are not too old.

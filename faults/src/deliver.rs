@@ -68,7 +68,13 @@ impl World {
             }
             Message::Command(command) if to >= self.stations.len() => {
                 self.observer.commanded(to, *command);
-                if *command == ModeCommand::Manual {
+                let by_selector = |at: usize| self.controller(at).is_some_and(|of| of.report().selector_manual);
+                let is_manual = match command {
+                    ModeCommand::Manual => true,
+                    ModeCommand::Reset => (0..self.stations.len()).any(by_selector),
+                    _ => false,
+                };
+                if is_manual {
                     self.manual_is_wanted();
                 }
                 if *command == ModeCommand::EStop {

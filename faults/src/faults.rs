@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use linewright_line::net::ControlMode;
-use linewright_line::{OpId, Owner, StationId, Tick};
+use linewright_line::{InputId, OpId, Owner, StationId, Tick};
 use linewright_plant::MotionFault;
 use linewright_station_logic::ModeOrder;
 use linewright_station_shell::EPOCH_JUMP_MAX;
@@ -102,6 +102,7 @@ impl World {
                 }
                 self.look_at_devices(station.index());
             }
+            FaultEvent::SwitchOff(station, input) => self.force(station, input, Some(false)),
             FaultEvent::Rival => self.start(stations + 1, false),
             FaultEvent::Command(command) => self.say_command(command),
             FaultEvent::Press(station, advance) => self.press(station, advance, true),
@@ -111,6 +112,11 @@ impl World {
         }
         self.active[at] = true;
         self.after(lasts, Event::FaultEnds(at));
+    }
+
+    fn force(&mut self, station: StationId, input: InputId, value: Option<bool>) {
+        self.plant.force(Owner::Station(station), input, value);
+        self.look_at_devices(station.index());
     }
 
     /// Whether a station may begin a motion.
@@ -160,6 +166,7 @@ impl World {
                 self.io[owner].find(now, &mut self.plant);
                 self.look_at_devices(owner);
             }
+            FaultEvent::SwitchOff(station, input) => self.force(station, input, None),
             FaultEvent::Motion(station, op, normal, _) => {
                 if normal {
                     self.plant.inject(now, station, op, None);
@@ -230,6 +237,10 @@ impl World {
         let boot_id = if is_followed { followed } else { 0xBAD };
         let lease = if is_long { ModeOrder::FOR_GOOD } else { self.line.timing.lease };
         let order = ModeOrder::of(boot_id, epoch, mode, lease);
+        if is_followed {
+            let timing = self.line.timing;
+            self.observer.deafened(station, self.now + timing.stale + 2 * timing.refresh);
+        }
         self.send(self.operator_node(), station, Message::Order { sequence: u64::MAX, order });
     }
 
@@ -331,6 +342,13 @@ impl World {
                 let undoing = if normal { "" } else { "undoing " };
                 let operation = &self.line.operation((station, op)).name;
                 format!("{}: {undoing}{operation}: {fault:?} for {time}", name(station.index()))
+            }
+            FaultEvent::SwitchOff(station, input) => {
+                format!(
+                    "{}: {} off for {time}",
+                    name(station.index()),
+                    self.line.station(station).inputs[input.index()]
+                )
             }
             FaultEvent::Rival => format!("a second coordinator for {time}"),
             FaultEvent::Command(command) => format!("command {}", command.name()),

@@ -48,6 +48,8 @@ pub(crate) struct ObservedStation {
     pub(crate) own: SeenState,
     /// The mode of the newest order, and since when.
     pub(crate) newest_mode: (ControlMode, Tick),
+    /// Until then orders may be taken for older ones.
+    pub(crate) deaf_until: Tick,
     /// Coordinators whose orders have arrived at it, in this life.
     pub(crate) lives: Vec<OrderingLife>,
     /// Number of the record that it had written when it sent its state last.
@@ -105,6 +107,7 @@ impl Observer {
             views: vec![SeenState::default(); line.stations.len()],
             own: SeenState::default(),
             newest_mode: (ControlMode::Home, Tick::ZERO),
+            deaf_until: Tick::ZERO,
             sent: 0,
             acknowledged: 0,
             founded: Vec::new(),
@@ -161,17 +164,22 @@ impl Observer {
     /// The coordinator's disk has, or has not, kept the stop: after a loss of power, or of the journal.
     pub(crate) fn disk_keeps(&mut self, is_kept: bool) {
         self.disk_carries &= is_kept;
-        if !is_kept {
-            // Its epochs may begin again below.
-            self.stop_epoch = 0;
-        }
         self.forget_stop();
     }
 
-    /// A coordinator that has started has the stop of its record.
-    pub(crate) fn started(&mut self, node: usize) {
+    /// A coordinator that has started has the stop of its record. `is_stopped`: it is in one, which has to be reset anew.
+    pub(crate) fn started(&mut self, node: usize, is_stopped: bool) {
         if node == self.stations.len() {
+            if is_stopped {
+                self.is_ending = false;
+                self.begin_stop();
+                self.disk_carries = true;
+            }
             self.process_carries = self.disk_carries;
+            if !self.disk_carries {
+                // Its epochs may begin again below.
+                self.stop_epoch = 0;
+            }
             self.forget_stop();
         }
     }
@@ -224,6 +232,12 @@ impl Observer {
             (self.ended, self.is_ending) = (epoch, true);
             self.end_stop();
         }
+    }
+
+    /// An order with a number that its coordinator never gave has been sent to a station: those of the coordinator are taken for
+    /// older ones until then.
+    pub(crate) fn deafened(&mut self, at: usize, until: Tick) {
+        self.stations[at].deaf_until = self.stations[at].deaf_until.max(until);
     }
 
     /// A record of a station took so long. What it decided within its lease is put out after that: a motion that is in its

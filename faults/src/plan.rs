@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
 use linewright_line::net::ControlMode;
-use linewright_line::{Line, OpId, StationId, Tick};
+use linewright_line::{InputId, Line, OpId, StationId, Tick};
 use linewright_plant::MotionFault;
 use linewright_simulation::Rng;
 
@@ -45,6 +45,8 @@ pub enum FaultEvent {
     BusOff(usize),
     /// A motion fails.
     Motion(StationId, OpId, bool, MotionFault),
+    /// A switch stays off. One that stays on is not among these: it reports what is not so, which no controller can see at once.
+    SwitchOff(StationId, InputId),
     /// Another coordinator is started.
     Rival,
     /// A command.
@@ -148,6 +150,7 @@ impl DrawnPlan<'_> {
                 Provocation::Standstill,
                 Provocation::CutOff,
                 Provocation::WayHome,
+                Provocation::Displaced,
             ]);
             if matches!(what, Provocation::TwoPanels | Provocation::TwoLives) {
                 at = self.lead_to_manual(at, faults);
@@ -353,6 +356,9 @@ impl DrawnPlan<'_> {
                 let faults = [MotionFault::Stick, MotionFault::Slip, MotionFault::Break, MotionFault::SlipBack];
                 let id = StationId::at(station);
                 let op = OpId::at(self.rng.below(self.line.station(id).operations.len() as u64) as usize);
+                if self.rng.chance(200) {
+                    return FaultEvent::SwitchOff(id, self.line.operation((id, op)).normal.complete);
+                }
                 FaultEvent::Motion(id, op, self.rng.chance(700), *self.rng.pick(&faults))
             }
             72..75 => FaultEvent::Rival,

@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use linewright_coordinator_logic::ModeCommand;
-use linewright_line::net::{Block, MotionStage, StationPlace};
+use linewright_line::net::{Block, ControlMode, MotionStage, StationPlace};
 use linewright_line::{Arrow, OpId, OperationModule, StationId};
 use linewright_plant::MotionFault;
 use linewright_simulation::Rng;
@@ -28,6 +28,8 @@ pub enum Provocation {
     CutOff,
     /// An irreversible motion fails, and its station is led home.
     WayHome,
+    /// At home the switch of a mechanism is off, and auto is commanded.
+    Displaced,
 }
 
 impl World {
@@ -39,6 +41,7 @@ impl World {
             Provocation::Standstill => self.standstill(&mut rng),
             Provocation::CutOff => self.cut_off(&mut rng),
             Provocation::WayHome => self.way_home(&mut rng),
+            Provocation::Displaced => self.displaced(&mut rng),
         }
     }
 
@@ -186,6 +189,23 @@ impl World {
         let Some(arrow) = self.arrow(rng, fit) else { return };
         let (from, to) = (arrow.from.0.index(), arrow.to.0.index());
         self.also(0, rng.within(400_000, 3_000_000), FaultEvent::Cut { from, to, late: false });
+    }
+
+    fn displaced(&mut self, rng: &mut Rng) {
+        let rests = [ControlMode::Home, ControlMode::StandBy];
+        if !self.mode().is_some_and(|mode| rests.contains(&mode)) {
+            // Halted at home, if it gets there in time.
+            self.also(0, 1_000, FaultEvent::Command(ModeCommand::Stop));
+            self.also(rng.within(900_000, 2_500_000), 1_000, FaultEvent::Provoked(Provocation::Displaced, rng.next()));
+            return;
+        }
+        let id = StationId::at(rng.below(self.stations.len() as u64) as usize);
+        let switch = self.line.operation((id, self.line.station(id).home)).normal.complete;
+        self.also(0, 1_500_000, FaultEvent::SwitchOff(id, switch));
+        for after in [700_000, 710_000, 1_400_000] {
+            let command = if after == 700_000 { ModeCommand::Start } else { ModeCommand::Auto };
+            self.also(after + rng.within(0, 5_000), 1_000, FaultEvent::Command(command));
+        }
     }
 
     fn way_home(&mut self, rng: &mut Rng) {

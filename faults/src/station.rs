@@ -324,6 +324,9 @@ impl World {
                 let mode = shell.controller().mode();
                 self.observer.driven(&self.line, (self.now, at), rising, mode, record);
             }
+        } else {
+            // Off without a decision: on again is a rise.
+            self.stations[at].driven &= image.bits;
         }
         if !self.is_behind_gateway(at) {
             return self.put(at, image.bits);

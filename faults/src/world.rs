@@ -382,7 +382,9 @@ impl World {
             self.observer.disk_keeps(remembers || node != self.coordinator_node());
             self.start_coordinator(node - self.stations.len(), remembers);
         }
-        self.observer.started(node);
+        let shell = self.coordinators.first().and_then(|of| of.shell.as_ref());
+        let is_stopped = shell.is_some_and(|of| of.coordinator().is_estopped());
+        self.observer.started(node, is_stopped);
     }
 
     /// The devices of a node that has started, which boots them.

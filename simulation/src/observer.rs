@@ -148,12 +148,18 @@ fn outside(line: &Line, span: &StateSpan) -> Vec<Ranges> {
         let widen = |(axis, (a, b)): (usize, (&f64, &f64))| (a.min(*b) - slack[axis], a.max(*b) + slack[axis]);
         let way = |a: &[f64], b: &[f64]| a.iter().zip(b).enumerate().map(widen).collect::<Ranges>();
         if inside {
-            // Where the stretch begins and ends the station is not yet, or no longer, in it.
+            // Where the stretch begins and ends the station is not yet, or no longer, in it, wherever what else moves in that step is.
+            let with = |op: OpId, from: &[f64], other: &[f64]| {
+                let axis = described.operations[op.index()].motion.axis.index();
+                let mut with = other.to_vec();
+                with[axis] = from[axis];
+                with
+            };
             if step == from {
-                outside.push(way(&before, &before));
+                outside.push(way(&before, &with(span.from, &before, &at)));
             }
             if step == until {
-                outside.push(way(&at, &at));
+                outside.push(way(&with(span.until, &at, &before), &at));
             }
         } else {
             outside.push(way(&before, &at));
