@@ -42,47 +42,47 @@ mutants! {
     GenerationAfterPowerCut, Some(3), "the same, of its counts alone";
     RecordWithoutCounts, Some(0), "a station's record has the counts of a station at home";
     RecordWithoutPath, Some(8), "a station's record leaves the recovery path out";
-    RequestNumbersUsedAgain, Some(11), "numbers of requests begin anew with every start";
-    MemorylessBelieved, Some(10), "a station without its journal has the generation of the others";
-    HomeUnconfirmed, Some(155), "a station without its journal is at home, whatever its switches say";
+    RequestNumbersUsedAgain, Some(4), "numbers of requests begin anew with every start";
+    MemorylessBelieved, Some(6), "a station without its journal has the generation of the others";
+    HomeUnconfirmed, Some(165), "a station without its journal is at home, whatever its switches say";
     LateEffects, Some(373), "what a slow record of a station held up is put out after it";
     OffAfterRecord, Some(1), "a station's outputs go off after its record";
-    StopWaitsForRecord, Some(52), "an emergency stop waits for the record that is being written";
+    StopWaitsForRecord, Some(31), "an emergency stop waits for the record that is being written";
     // The coordinator's record.
     OrderBeforeRecord, Some(0), "the coordinator's order goes out before its record is written";
     EpochNotRecorded, Some(0), "the coordinator's record leaves the epoch out";
     CoordinatorRecordNotKept, Some(0), "the coordinator's record is acknowledged and never kept";
-    CoordinatorAcknowledgedEarly, Some(52), "the coordinator's record is acknowledged before it is written";
-    StopNotRecorded, Some(82), "the coordinator's record leaves the emergency stop out";
-    FailedRecordIgnored, Some(259), "a record of the coordinator that failed counts as written";
+    CoordinatorAcknowledgedEarly, Some(31), "the coordinator's record is acknowledged before it is written";
+    StopNotRecorded, Some(21), "the coordinator's record leaves the emergency stop out";
+    FailedRecordIgnored, Some(569), "a record of the coordinator that failed counts as written";
     // Authority, leases, numbers.
-    ForeignStopIgnored, Some(186), "an emergency stop of another coordinator is not obeyed";
+    ForeignStopIgnored, Some(3), "an emergency stop of another coordinator is not obeyed";
     RivalObeyed, Some(0), "the orders of any coordinator count as those of the one that is followed";
     RivalsUnseen, Some(17), "two coordinators beside each other are not noticed";
-    OldOrdersObeyed, Some(839), "an order counts whatever its epoch and its number";
-    PoisonedEpochFollowed, Some(10), "an epoch that no coordinator can have given is followed";
-    LeaseIgnored, Some(6), "a mode order holds until the next one arrives";
+    OldOrdersObeyed, Some(142), "an order counts whatever its epoch and its number";
+    PoisonedEpochFollowed, Some(2), "an epoch that no coordinator can have given is followed";
+    LeaseIgnored, Some(4), "a mode order holds until the next one arrives";
     LeaseOfStrangers, Some(169), "an order holds for as long as it says";
-    NumbersIgnored, None, "messages are taken in the order of their arrival, whatever their number";
-    StaleViewBelieved, Some(111), "a station's state holds until the next one arrives";
-    GapUnseen, Some(129), "after a standstill what was received before it counts as new";
+    NumbersIgnored, Some(12), "messages are taken in the order of their arrival, whatever their number";
+    StaleViewBelieved, Some(16), "a station's state holds until the next one arrives";
+    GapUnseen, Some(279), "after a standstill what was received before it counts as new";
     // The gateway and the devices.
-    GatewayAgeIgnored, Some(12), "a station's outputs hold at the gateway until the next ones arrive";
+    GatewayAgeIgnored, Some(6), "a station's outputs hold at the gateway until the next ones arrive";
     GatewayStopIgnored, Some(615), "the gateway puts out images from before an emergency stop, and manual does not wait for stations without it";
     ImagesDrivenAtOnce, Some(75), "the gateway puts out an image whatever the mode";
-    SlowRecordKeepsOutputs, Some(60), "outputs stay on while a record takes longer than images are valid";
+    SlowRecordKeepsOutputs, Some(373), "outputs stay on while a record takes longer than images are valid";
     LossesUnseen, Some(90), "a loss of devices shorter than a scan is not seen";
-    OutputsKeptAtLoss, Some(3), "devices keep their outputs when their manager falls silent";
+    OutputsKeptAtLoss, Some(32), "devices keep their outputs when their manager falls silent";
     OutputsKeptAtRestart, Some(90), "devices take up their former outputs after a restart";
     // The decision of modes.
-    AutoAwayFromHome, Some(158), "every station counts as at home";
-    LostPositionUnheard, None, "no position counts as lost";
-    IncompleteUnheard, Some(6), "no operation counts as stopped before its end";
+    AutoAwayFromHome, Some(178), "every station counts as at home";
+    LostPositionUnheard, Some(13), "no position counts as lost";
+    IncompleteUnheard, Some(4), "no operation counts as stopped before its end";
     DevicesUnheard, Some(215), "devices count as received";
-    MotionUnheard, Some(9), "every station counts as standing";
-    GenerationsUnheard, Some(5), "every station counts as having the same generation";
-    AcknowledgedUnheard, Some(34), "every order counts as acknowledged";
-    StationStopUnheard, Some(110), "an emergency stop that a station has is not adopted";
+    MotionUnheard, Some(6), "every station counts as standing";
+    GenerationsUnheard, Some(3), "every station counts as having the same generation";
+    AcknowledgedUnheard, Some(4), "every order counts as acknowledged";
+    StationStopUnheard, Some(16), "an emergency stop that a station has is not adopted";
     RestartUnheard, Some(0), "a station that was restarted counts as the same";
     ResetNotNeeded, Some(9), "manual ends an emergency stop that was not reset";
     // What stations take from orders.
@@ -92,20 +92,20 @@ mutants! {
     EpochsUnread, Some(0), "a station acknowledges no new epoch";
     FoundingLost, Some(0), "founding orders are not taken";
     // What stations take from each other.
-    AgreementsInvented, Some(11), "every answer to a request is agreement";
-    AgreementsOfEarlierLives, Some(50), "answers to a request of an earlier life count, and numbers begin anew with every start";
-    RequestsUnread, Some(50), "a count that is being taken back is relied on";
+    AgreementsInvented, Some(4), "every answer to a request is agreement";
+    AgreementsOfEarlierLives, Some(430), "answers to a request of an earlier life count, and numbers begin anew with every start";
+    RequestsUnread, Some(584), "a count that is being taken back is relied on";
     // Rules of the controllers.
-    GenerationsOff, Some(3), "counts of another generation are compared";
+    GenerationsOff, Some(8), "counts of another generation are compared";
     CountsOff, Some(0), "the barrier of counts is off";
     BooleansInstead, Some(0), "the barrier of counts has Booleans instead of counts";
     PositionsOff, Some(3), "the barrier of measured positions is off";
     BarriersOff, Some(0), "both barriers are off";
-    AgreementOff, Some(11), "counts are taken back without agreement";
-    WithdrawnLate, Some(3), "a count is taken back after the motion";
-    NumbersNotFresh, Some(268), "all requests have the same number";
-    RoundNotRedone, Some(32), "a recovery path leaves the counts of its round as they are";
-    HomeDoesNotWait, Some(297), "a recovery path begins whatever the neighbours do";
+    AgreementOff, Some(4), "counts are taken back without agreement";
+    WithdrawnLate, Some(12), "a count is taken back after the motion";
+    NumbersNotFresh, Some(38), "all requests have the same number";
+    RoundNotRedone, Some(48), "a recovery path leaves the counts of its round as they are";
+    HomeDoesNotWait, Some(787), "a recovery path begins whatever the neighbours do";
 }
 
 impl Mutant {
