@@ -141,7 +141,7 @@ fn through_kills_and_an_alarm_every_part_that_was_ordered_is_made_once() {
     operator.wait("it comes back", |heard| heard.station("robot_2").boot_id != boot);
     until(&rig, &["answer"], |said| said.contains("robot_2.process with part"));
     assert_eq!(operator.heard().line.mode, StationState::MODE_AUTO, "{}", operator.picture());
-    put_right(&rig, &operator);
+    put_right_beside_auto(&rig, &operator);
     until(&rig, &["order"], |said| is_made(said, "second"));
 
     assembles(&rig, "third");
@@ -209,6 +209,28 @@ fn to_auto(operator: &Operator) {
     operator.order("auto", StationState::MODE_AUTO);
 }
 
+/// Robot 2 has been stopped while it assembled. It alone is in manual, and is led to the end of its task while the others stay in auto.
+fn put_right_beside_auto(rig: &Rig, operator: &Operator) {
+    let said = until(rig, &["answer"], |said| said.starts_with("alarm ") && said.contains("robot_2.process"));
+    let others_are_in_auto = || {
+        let line = operator.heard().line.mode;
+        let modes = ["robot_1", "human"].map(|name| operator.station(name).mode);
+        assert_eq!((line, modes), (StationState::MODE_AUTO, [StationState::MODE_AUTO; 2]), "{}", operator.picture());
+    };
+    rig.said(&["mode"], &["manual", "--station", "robot_2"]).expect("it is left out");
+    operator.wait("its panel acts", |heard| heard.station("robot_2").mode == StationState::MODE_MANUAL);
+    operator.complete();
+    operator.jog("robot_2", "advance");
+    others_are_in_auto();
+    let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
+    let why = rig.said(&["answer"], &[alarm, "as-done"]).expect_err("not while it may be moved");
+    assert!(why.contains("robot_2: in manual by itself"), "{why}");
+    rig.said(&["mode"], &["auto", "--station", "robot_2"]).expect("at a rest");
+    operator.wait("it follows the line again", |heard| heard.station("robot_2").mode == StationState::MODE_AUTO);
+    others_are_in_auto();
+    is_answered(rig, &said);
+}
+
 /// Robot 2 has been stopped while it assembled. It is led to the end of its task by hand, and the alarm is answered with that.
 fn put_right(rig: &Rig, operator: &Operator) {
     let said = until(rig, &["answer"], |said| said.starts_with("alarm ") && said.contains("robot_2.process"));
@@ -224,6 +246,11 @@ fn put_right(rig: &Rig, operator: &Operator) {
     // Its arm is still in: the last operation of the task.
     operator.jog("robot_2", "advance");
     operator.order("auto", StationState::MODE_AUTO);
+    is_answered(rig, &said);
+}
+
+/// The alarm, of which this is the text, is answered with the end of the task.
+fn is_answered(rig: &Rig, said: &str) {
     let alarm = said.split_whitespace().nth(1).map(|number| number.trim_end_matches(':')).unwrap_or_default();
     rig.said(&["answer"], &[alarm, "as-done"]).unwrap_or_else(|error| panic!("{said}: {error}"));
     // A resource that was unable to work when the activity was closed stays out of service until `resource … up`.
