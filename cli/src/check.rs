@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use linewright_line::{Line, Problems};
+use linewright_proof::structure::{StructureReport, judge_line, judge_stations};
 use miette::{IntoDiagnostic, miette};
 
 use crate::load;
@@ -56,6 +57,17 @@ pub fn run(args: &Args) -> miette::Result<ExitCode> {
         crate::out::say!("{}", show::text(&report).trim_end().trim_start_matches('\n'));
     }
     Ok(if report.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The first check by structure that does not hold, for commands that go on all the same; nothing is explored.
+pub fn refusal(line: &Line) -> Option<String> {
+    let of_station = |report: StructureReport| {
+        let check = report.checks.into_iter().find(|check| !check.ok)?;
+        Some(format!("{}: {}: {}", report.name, check.name, check.reason))
+    };
+    let of_stations = || judge_stations(line).into_iter().find_map(of_station);
+    let of_line = || judge_line(line).into_iter().find(|check| !check.ok);
+    of_stations().or_else(|| of_line().map(|check| format!("{}: {}", check.name, check.reason)))
 }
 
 /// Report on the line, and the line itself if there is one. With a cell beside it, the cell is checked even if the line

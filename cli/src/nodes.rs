@@ -84,8 +84,8 @@ pub struct PlantArgs {
 /// The default CAN interface of the line's bus.
 pub const DEFAULT_BUS: &str = "vcan0";
 
-/// Claims what a node must have alone on this machine: its name in the ROS domain, the bus it manages, if it does, and
-/// its journal. As long as this is held, the next claim to the same is refused.
+/// Claims what a node must have alone on this machine: its name in the ROS domain, the bus it manages, if it does, which commands
+/// then find by the line, and its journal. As long as this is held, the next claim to the same is refused.
 fn claim(
     line: &Line,
     ros: &RosArgs,
@@ -95,9 +95,12 @@ fn claim(
     bus: &BusOptions,
 ) -> miette::Result<Vec<Claim>> {
     let refused = |error: ClaimError| miette!("{error}");
-    let mut claims = vec![Claim::node(ros, &format!("/{}", line.name), name).map_err(refused)?];
+    let namespace = format!("/{}", line.name);
+    let mut claims = vec![Claim::node(ros, &namespace, name).map_err(refused)?];
     if let Some(interface) = interface {
-        claims.push(Claim::bus(&place(interface, bus)).map_err(refused)?);
+        let place = place(interface, bus);
+        claims.push(Claim::bus(&place).map_err(refused)?);
+        claims.push(Claim::managed_bus(ros, (&namespace, name), interface, &place).map_err(refused)?);
     }
     if let Some(dir) = state_dir {
         claims.push(claim_file(dir, name)?);

@@ -84,6 +84,15 @@ fn a_conflict_that_no_arrow_prevents_is_a_failed_check() {
     let reason = failed[0]["reason"].as_str().unwrap();
     assert!(reason.contains("`transfer: 1st lift`") && reason.contains("manual gets round"), "{reason}");
 
+    // It is simulated all the same, with a warning.
+    let simulated = linewright(&["simulate", &file, "--json"]);
+    assert!(simulated.status.success() && json(&simulated)["ok"] == true, "{simulated:?}");
+    let warning = format!("warning: `linewright check {file}` refuses this line");
+    let told = text(&simulated.stderr);
+    assert!(told.contains(&warning) && told.contains("separated: the bar is off its rest"), "{told}");
+    let shipped = linewright(&["simulate", shipped().to_str().unwrap(), "--json"]);
+    assert!(shipped.stderr.is_empty(), "{shipped:?}");
+
     // Exploring finds it as well, with a path.
     let plain = linewright(&["check", &file]);
     assert_eq!(plain.status.code(), Some(1));
@@ -371,4 +380,27 @@ fn a_devices_file_that_cannot_be_read_is_told_in_json_too() {
     let found = json(&output);
     assert_eq!(found["ok"], false);
     assert!(found.to_string().contains("nobody.eds"), "{found}");
+}
+
+/// It was said behind a `✓`, without a name.
+#[test]
+fn stations_that_may_run_ahead_are_a_warning_with_the_arrow_that_is_missing() {
+    let scratch = Scratch::new();
+    // Of the two arrows back from the clamp none holds in auto.
+    let mut line = std::fs::read_to_string(shipped().join("line.toml")).expect("the shipped line is there");
+    for (to, modes) in [("1st lift", "\"auto\", \"manual\""), ("return transfer", "\"auto\"")] {
+        let back = format!("to = \"transfer: {to}\"\nlag = 0\nmodes = [{modes}]");
+        assert!(line.contains(&back), "the shipped line has changed");
+        line = line.replacen(&back, &back.replace(modes, "\"manual\""), 1);
+    }
+    let file = scratch.file("line.toml", &line);
+    let output = linewright(&["check", &file, "--structure", "--json"]);
+    let warnings = &json(&output)["warnings"];
+    let message = warnings[0]["message"].as_str().unwrap_or_else(|| panic!("{output:?}"));
+    assert!(message.starts_with("transfer may run ahead of clamp_1, mill_1 in auto without limit"), "{message}");
+    let help = warnings[0]["help"].as_str().expect("it says what to do");
+    assert!(help.contains("`from = \"clamp_1: ") && help.contains("`lag = 1`"), "{help}");
+    assert_eq!(warnings[0]["line"], Value::Null, "an arrow that is not there has no place");
+    let shown = linewright(&["check", &file, "--structure"]);
+    assert!(text(&shown.stdout).contains(&format!("\n! {message}\n  help: {help}\n")), "{shown:?}");
 }

@@ -70,8 +70,7 @@ impl Claim {
     /// # Errors
     /// When another process holds it; when the name is not valid.
     pub fn node(args: &RosArgs, namespace: &str, name: &str) -> Result<Self, ClaimError> {
-        let (namespace, name) = names::identify(&args.remaps, namespace, name)?;
-        let full = names::expand(&name, &namespace, &name)?;
+        let full = full_name(args, namespace, name)?;
         let what = format!("node {full} in ROS domain {}", args.domain_id);
         let advice = "End that process first, or give this one another ROS_DOMAIN_ID or name.";
         Self::named(&format!("linewright/node/{}{full}", args.domain_id), what, advice)
@@ -95,6 +94,23 @@ impl Claim {
     pub fn bus(place: &str) -> Result<Self, ClaimError> {
         let what = format!("a manager of CAN bus {place}");
         Self::named(&format!("linewright/bus/{place}"), what, "End that process first, or give this one another bus.")
+    }
+
+    /// Marks `interface`, which is at `place` (see [`Claim::bus`]), as the bus that this node manages; processes of this machine
+    /// find it by [`bus_managed_by`] and [`lines_managing`].
+    ///
+    /// # Errors
+    /// When another process has marked it so; when the name is not valid.
+    pub fn managed_bus(
+        args: &RosArgs,
+        (namespace, name): (&str, &str),
+        interface: &str,
+        place: &str,
+    ) -> Result<Self, ClaimError> {
+        let node = full_name(args, namespace, name)?;
+        let what = format!("the manager {node} in ROS domain {} on CAN bus {interface}", args.domain_id);
+        let advice = "End that process first, or give this one another ROS_DOMAIN_ID or name.";
+        Self::named(&mark(interface, checksum(place), args.domain_id, &node), what, advice)
     }
 
     /// Claims `name` in a directory, which must exist.
@@ -144,6 +160,66 @@ impl Claim {
             Err(error) => Err(ClaimError::System { what, error }),
         }
     }
+}
+
+/// What a mark of a managed bus begins with. Interface, checksum of its place, ROS domain and node follow.
+const MANAGED: &str = "linewright/managed";
+
+fn mark(interface: &str, place: u32, domain: u16, node: &str) -> String {
+    format!("{MANAGED}/{interface}/{place:08x}/{domain}{node}")
+}
+
+fn checksum(place: &str) -> u32 {
+    crc32fast::hash(place.as_bytes())
+}
+
+fn full_name(args: &RosArgs, namespace: &str, name: &str) -> Result<String, NameError> {
+    let (namespace, name) = names::identify(&args.remaps, namespace, name)?;
+    names::expand(&name, &namespace, &name)
+}
+
+/// A bus that a node of this machine manages.
+struct ManagedBus {
+    /// Name of the mark, which may be shortened.
+    mark: String,
+    interface: String,
+    /// Checksum of its place.
+    place: u32,
+    /// ROS domain and node, as far as the mark has them.
+    by: String,
+}
+
+/// Every managed bus of this machine.
+fn managed() -> Vec<ManagedBus> {
+    let sockets = fs::read_to_string("/proc/self/net/unix").unwrap_or_default();
+    let found = sockets.lines().filter_map(|line| {
+        let name = line.split_whitespace().nth(7)?.strip_prefix('@')?;
+        let (interface, rest) = name.strip_prefix(MANAGED)?.strip_prefix('/')?.split_once('/')?;
+        let (place, by) = rest.split_once('/')?;
+        let place = u32::from_str_radix(place, 16).ok()?;
+        Some(ManagedBus { mark: name.to_owned(), interface: interface.to_owned(), place, by: by.to_owned() })
+    });
+    found.collect()
+}
+
+/// The interface of the bus that a node manages on this machine; `None` if none runs here, or its name is not valid.
+pub fn bus_managed_by(args: &RosArgs, namespace: &str, name: &str) -> Option<String> {
+    let node = full_name(args, namespace, name).ok()?;
+    let is_own = |bus: &ManagedBus| bus.mark == shortened(&mark(&bus.interface, bus.place, args.domain_id, &node));
+    managed().into_iter().find(is_own).map(|bus| bus.interface)
+}
+
+/// The lines whose nodes manage the bus `interface` at `place`, each as `line /name in ROS domain 3`; without those whose names are
+/// too long for a mark.
+pub fn lines_managing(interface: &str, place: &str) -> Vec<String> {
+    let place = checksum(place);
+    let here = managed().into_iter().filter(|bus| bus.interface == interface && bus.place == place);
+    let line = |bus: ManagedBus| {
+        let (domain, node) = bus.by.split_once('/').filter(|_| bus.mark.len() < NAME_MAX)?;
+        let (namespace, _) = node.rsplit_once('/')?;
+        Some(format!("line /{namespace} in ROS domain {domain}"))
+    };
+    here.filter_map(line).collect()
 }
 
 /// A name that is too long ends in a checksum of all of it.
@@ -240,6 +316,25 @@ mod tests {
             Claim::line(&args(8, &[]), &here).expect("a run in another domain"),
         ];
         assert!(matches!(Claim::line(&args(7, &[]), &here), Err(ClaimError::Taken { .. })));
+    }
+
+    #[test]
+    fn the_bus_of_a_line_is_found_as_long_as_its_manager_runs_and_so_is_the_line_of_a_bus() {
+        let (here, long) = (namespace("bus"), namespace(&"y".repeat(90)));
+        let find = |domain, line: &str| bus_managed_by(&args(domain, &[]), line, "coordinator");
+        let at = |name: &str| format!("/run/{here}/{name}");
+        let mark = |line: &str, name: &str| {
+            Claim::managed_bus(&args(7, &[]), (line, "coordinator"), name, &at(name)).expect("nobody manages it")
+        };
+        assert_eq!(find(7, &here), None);
+        let held = [mark(&here, "vcan7"), mark(&long, "vcan8")];
+        assert_eq!(find(7, &here).as_deref(), Some("vcan7"));
+        assert_eq!(find(7, &long).as_deref(), Some("vcan8"), "a name that is shortened");
+        assert_eq!((find(8, &here), find(7, &format!("{here}_2"))), (None, None), "others have none");
+        assert_eq!(lines_managing("vcan7", &at("vcan7")), [format!("line {here} in ROS domain 7")]);
+        assert_eq!(lines_managing("vcan7", "/elsewhere/vcan7"), [""; 0], "a bus of that name elsewhere");
+        drop(held);
+        assert_eq!((find(7, &here), lines_managing("vcan7", &at("vcan7"))), (None, Vec::new()));
     }
 
     #[test]

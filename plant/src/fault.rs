@@ -1,5 +1,7 @@
 //! Injectable faults, and their numbers over CAN.
 
+use std::collections::BTreeSet;
+
 use linewright_canopen::codec::Abort;
 
 /// Manufacturer object 5F00h of a simulated device. Subindex 0 is the whole device, subindex n output bit n − 1.
@@ -23,6 +25,11 @@ pub const HOLD_INDEX: u16 = 0x5F04;
 pub const SIMULATED_INDEX: u16 = 0x5F05;
 /// What 5F05h:00 of a simulated device reads as: the characters `LWSD`.
 pub const SIMULATED: u32 = u32::from_le_bytes(*b"LWSD");
+/// Manufacturer object 5F06h:00 of a simulated device: the run or the line that it is part of, as text, also while the device is
+/// silent. Lines on one bus and buses of one name are told apart by it.
+pub const PART_OF_INDEX: u16 = 0x5F06;
+/// Manufacturer object 5F07h:00 of a simulated device: number of injected faults that hold, also while the device is silent.
+pub const FAULTS_INDEX: u16 = 0x5F07;
 
 /// Fault of one motion. Lasts until it is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -66,6 +73,33 @@ impl InputFault {
 
 /// A write to a simulated device: index and subindex of the object, and the value.
 pub type FaultWrite = ((u16, u8), u32);
+
+/// Objects of a device that hold a motion, an input, an output or a number at a fault, by what was written to them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct HeldFaults(BTreeSet<(u16, u8)>);
+
+impl HeldFaults {
+    /// Notes a number written to an object; other objects than those of faults hold nothing.
+    pub fn note(&mut self, (object, value): FaultWrite) {
+        let is_held = match object {
+            // Subindex 0 is the whole device, whose faults are states of it.
+            (FAULT_INDEX, 1..) => value != 0,
+            (PRESS_INDEX | STUCK_INDEX, _) => value < 2,
+            (HOLD_INDEX, _) => value <= 0xFFFF,
+            _ => return,
+        };
+        if is_held {
+            self.0.insert(object)
+        } else {
+            self.0.remove(&object)
+        };
+    }
+
+    /// How many objects hold one.
+    pub fn count(&self) -> u16 {
+        u16::try_from(self.0.len()).unwrap_or(u16::MAX)
+    }
+}
 
 /// Writes to a simulated device. The order matters.
 pub type ObjectWrites = Vec<FaultWrite>;

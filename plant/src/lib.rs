@@ -29,8 +29,8 @@ pub use device::{
     PlantEffect,
 };
 pub use fault::{
-    CLEAR, DeviceFault, FAULT_INDEX, FaultWrite, HOLD_INDEX, InputFault, MotionFault, ObjectWrites, PRESS_INDEX,
-    SIMULATED, SIMULATED_INDEX, STUCK_INDEX, TROUBLE_INDEX,
+    CLEAR, DeviceFault, FAULT_INDEX, FAULTS_INDEX, FaultWrite, HOLD_INDEX, InputFault, MotionFault, ObjectWrites,
+    PART_OF_INDEX, PRESS_INDEX, SIMULATED, SIMULATED_INDEX, STUCK_INDEX, TROUBLE_INDEX,
 };
 pub use parts::{NestPosition, PartFault, PartLocation, PartNo, PartRefusal};
 pub use plant::{Plant, PlantOptions};

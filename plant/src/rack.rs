@@ -5,6 +5,8 @@
 
 mod kept;
 
+use std::sync::Arc;
+
 use linewright_canopen::codec::Abort;
 use linewright_canopen::{Frame, NodeId};
 use linewright_line::{Device, DeviceBus, DeviceKind, Drive, DriveMode, Line, OutputId, Owner, StationId, Tick};
@@ -13,7 +15,7 @@ use crate::device::{
     CanDevice, DbcDeviceNode, DeviceNode, DeviceOutbox, DriveNode, ILLEGAL_VALUE, ModbusNode, ModbusRequest,
     ModbusResponse, PlantEffect,
 };
-use crate::fault::{DeviceFault, FAULT_INDEX, FaultWrite, MotionFault};
+use crate::fault::{DeviceFault, FAULT_INDEX, FAULTS_INDEX, FaultWrite, MotionFault};
 use crate::plant::{Plant, PlantOptions};
 use crate::wire::{FaultyWire, FrameFaults};
 
@@ -128,6 +130,18 @@ impl Rack {
         Rack { plant: Plant::new(line, options), slots, owners }
     }
 
+    /// Makes its CANopen devices part of a run of a line, or of a line; object 5F06h has the text.
+    pub fn be_part_of(&mut self, text: &str) {
+        let text: Arc<str> = text.into();
+        for slot in &mut self.slots {
+            match &mut slot.node {
+                RackNode::Io(node) => node.be_part_of(text.clone()),
+                RackNode::Drive(node, _) => node.be_part_of(text.clone()),
+                RackNode::Plain(_) | RackNode::Modbus(_) => {}
+            }
+        }
+    }
+
     /// Takes one frame from the bus at `now`.
     pub fn handle(&mut self, now: Tick, frame: &Frame, out: &mut Vec<Frame>) {
         self.each(now, out, FaultyWire::towards, |node, outbox| node.handle(now, frame, outbox));
@@ -163,7 +177,8 @@ impl Rack {
     }
 
     /// Makes the Modbus device of this name, at this address and unit, fail: a number for one of the objects 5F00h and 5F01h of
-    /// a simulated CANopen device. An exception's code if it has no such fault, `None` if it is not here.
+    /// a simulated CANopen device; for 5F07h nothing. The number of injected faults that hold then; an exception's code if it
+    /// has no such fault, `None` if it is not here.
     pub fn fail_modbus(
         &mut self,
         now: Tick,
@@ -171,7 +186,7 @@ impl Rack {
         device: &str,
         (object, value): FaultWrite,
         out: &mut Vec<Frame>,
-    ) -> Option<Result<(), u8>> {
+    ) -> Option<Result<u16, u8>> {
         // Everything else at this moment first.
         self.poll(now, out);
         let here = |slot: &RackSlot| {
@@ -181,10 +196,17 @@ impl Rack {
         let at = self.slots.iter().position(here)?;
         let failed = self.fail_modbus_at(now, at, object, value);
         self.carry_inputs(now, out);
-        Some(failed.map_err(|_| ILLEGAL_VALUE))
+        let RackNode::Modbus(node) = &mut self.slots[at].node else { return None };
+        Some(failed.map_err(|_| ILLEGAL_VALUE).map(|()| {
+            node.hold((object, value));
+            node.faults()
+        }))
     }
 
     fn fail_modbus_at(&mut self, now: Tick, at: usize, object: (u16, u8), value: u32) -> Result<(), Abort> {
+        if object == (FAULTS_INDEX, 0) {
+            return Ok(());
+        }
         if object == (FAULT_INDEX, 0) {
             let fault = DeviceFault::from_code(value)?;
             if matches!(fault, Some(DeviceFault::NoHeartbeat)) {

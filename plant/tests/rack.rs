@@ -1,10 +1,11 @@
 //! A rack of devices as the bus sees it, and the mechanisms behind them.
 
 use linewright_canopen::NodeId;
+use linewright_canopen::sdo::Abort;
 use linewright_line::{AxisId, DeviceBus, StationId, Tick, parse};
 use linewright_plant::{PlantOptions, Rack};
 
-use crate::alone::Alone;
+use crate::alone::{Alone, refused};
 use linewright_testkit::presses::line;
 
 const DRIVES: &str = include_str!("../../model/line/tests/descriptions/drives.toml");
@@ -80,6 +81,64 @@ fn faults_and_fingers_come_over_the_bus() {
     bench.hear("604#2F005F0000000000");
     bench.pass(200);
     assert!(bench.take().contains(&"184#01".to_owned()));
+}
+
+/// So a command for another line writes nothing to it, and one that clears nothing says so. A silent device answers it too.
+#[test]
+fn a_device_names_what_it_is_part_of_and_counts_its_faults() {
+    let mut bench = Alone::started(4, press);
+    assert_eq!(bench.read("5F06"), Ok(b"no line".to_vec()));
+    let part_of = "line /presses in ROS domain 3";
+    bench.device.be_part_of(part_of);
+    let faults = |bench: &mut Alone<Rack>| {
+        assert_eq!(bench.read("5F06").as_deref(), Ok(part_of.as_bytes()));
+        u16::from_le_bytes(bench.read("5F07").expect("it answers").try_into().expect("two bytes"))
+    };
+    let mut count = 0;
+    for (object, value, more) in [
+        // A motion and an input fail, each twice; a stuck output; what it says it is; its line; and it is unplugged.
+        ("5F00:1", 3, 1),
+        ("5F00:1", 1, 0),
+        ("5F01:4", 0, 1),
+        ("5F01:4", 1, 0),
+        ("5F03:1", 1, 1),
+        ("5F02:3", 9, 0),
+        ("5F02:4", 0x10_1802, 1),
+        ("5F02:1", 0x05_2310, 1),
+        ("5F00:0", 4, 1),
+        ("5F00:0", 1, 1),
+    ] {
+        bench.write(object, &u32::to_le_bytes(value)).expect("it takes that");
+        count += more;
+        assert_eq!(faults(&mut bench), count, "{object} {value:X}");
+    }
+    bench.write("5F00:0", &[0]).expect("it is plugged in");
+    assert_eq!(faults(&mut bench), 0);
+    bench.write("5F00:1", &[1]).expect("it sticks");
+    bench.write("5F01:2", &[1]).expect("a finger");
+    assert_eq!(faults(&mut bench), 2);
+    for (object, value, left) in [("5F00:1", 0, 1), ("5F01:2", 2, 0), ("5F01:2", 2, 0)] {
+        bench.write(object, &[value]).expect("it lets go");
+        assert_eq!(faults(&mut bench), left, "{object}");
+    }
+    assert_eq!(bench.write("5F06", b"line /other"), refused(Abort::READ_ONLY));
+    assert_eq!(bench.read("5F07:1"), refused(Abort::NO_SUBINDEX));
+}
+
+/// Its encoder is the axis's, whichever motion it broke in: to clear one of them mends it.
+#[test]
+fn a_drive_counts_what_sticks_and_its_encoder() {
+    let line = parse("drives.toml", DRIVES).unwrap_or_else(|problems| panic!("{problems:#}")).line;
+    let mut bench = Alone::booted(3, |now, _| Rack::new(now, &line, &DeviceBus::Line, PlantOptions::default()));
+    for (object, value, faults) in
+        [("5F00:1", 3, 1), ("5F00:2", 1, 2), ("5F00:2", 1, 2), ("5F00:1", 0, 1), ("5F00:2", 0, 0)]
+    {
+        bench.write(object, &[value]).expect("it takes that");
+        assert_eq!(bench.read("5F07"), Ok(vec![faults, 0]), "{object} {value}");
+    }
+    bench.write("5F00:2", &[3]).expect("it breaks");
+    bench.write("5F00:0", &[0]).expect("all is well");
+    assert_eq!(bench.read("5F07"), Ok(vec![0, 0]));
 }
 
 #[test]

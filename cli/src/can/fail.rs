@@ -1,140 +1,20 @@
 //! `fail`: injects faults into simulated mechanisms, inputs and devices, over CAN or Modbus.
 
+mod cleared;
+
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::LazyLock;
 
-use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use linewright_line::{Device, DeviceKind, InputId, Line, Operation, OperationModule, OutputId, Owner, StationId};
 use linewright_node_shell::RosArgs;
-use linewright_plant::{
-    CLEAR, CLEAR_WORD, DeviceFault, FAULT_INDEX, FrameFaults, InputFault, MotionFault, ObjectWrites,
-};
+use linewright_plant::{CLEAR, FAULT_INDEX, InputFault, MotionFault, ObjectWrites};
 use miette::{IntoDiagnostic, miette};
 
+use super::injected::InjectedFault;
 use super::simulated::SimulatedDevice;
 use crate::load;
-use crate::nodes::DEFAULT_BUS;
-
-/// Fault to inject.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum InjectedFault {
-    /// With one motion.
-    Motion(MotionFault),
-    /// With one input.
-    Input(InputFault),
-    /// With a whole device.
-    Device(DeviceTrouble),
-    /// All is well again.
-    Clear,
-}
-
-/// Fault of a whole device.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum DeviceTrouble {
-    /// The device neither sends nor receives
-    Silent,
-    /// The device boots
-    Reboot,
-    /// The device boots and does not come up
-    NoBoot,
-    /// The device sends no heartbeat; all else goes on
-    NoHeartbeat,
-    /// The device boots with another product code (object 1018h:02)
-    Identity,
-    /// The device boots and refuses its heartbeat time (object 1017h)
-    Refuse,
-    /// The device reports an overload of its outputs (emergency 2310h)
-    Emergency,
-    /// The device is off the bus for a second
-    BusOff,
-    /// Of the frames to and from the device 5 % are lost and 5 % doubled
-    Lossy,
-}
-
-/// Every fault, in the order of the help.
-static VARIANTS: LazyLock<Vec<InjectedFault>> = LazyLock::new(|| {
-    let motions = MotionFault::ALL.into_iter().map(InjectedFault::Motion);
-    let devices = DeviceTrouble::value_variants().iter().copied().map(InjectedFault::Device);
-    let inputs = InputFault::ALL.into_iter().map(InjectedFault::Input);
-    motions.chain(inputs).chain(devices).chain([InjectedFault::Clear]).collect()
-});
-
-impl ValueEnum for InjectedFault {
-    fn value_variants<'a>() -> &'a [Self] {
-        &VARIANTS
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        match self {
-            InjectedFault::Motion(fault) => {
-                Some(PossibleValue::new(fault.name()).help(fault.about().first()?.trim_end_matches('.')))
-            }
-            InjectedFault::Input(fault) => {
-                Some(PossibleValue::new(fault.name()).help(fault.about().trim_end_matches('.')))
-            }
-            InjectedFault::Device(trouble) => trouble.to_possible_value(),
-            InjectedFault::Clear => Some(PossibleValue::new(CLEAR_WORD).help("All is well again")),
-        }
-    }
-}
-
-impl InjectedFault {
-    /// Its name on the command line.
-    fn name(self) -> String {
-        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-    }
-
-    /// Fault of a motion (`Some(None)`: cleared), if it concerns one.
-    fn of_a_motion(self) -> Option<Option<MotionFault>> {
-        match self {
-            InjectedFault::Clear => Some(None),
-            InjectedFault::Motion(fault) => Some(Some(fault)),
-            InjectedFault::Input(_) | InjectedFault::Device(_) => None,
-        }
-    }
-
-    /// What happens to an input (`Some(None)`: nothing any more), if it happens to one.
-    fn of_an_input(self) -> Option<Option<InputFault>> {
-        match self {
-            InjectedFault::Clear => Some(None),
-            InjectedFault::Input(fault) => Some(Some(fault)),
-            InjectedFault::Motion(_) | InjectedFault::Device(_) => None,
-        }
-    }
-
-    /// Writes to the device, if it concerns a whole device. Those that take effect in a boot end with one.
-    fn of_a_device(self) -> Option<ObjectWrites> {
-        const HARDWARE: u32 = 0x0606_0000;
-        let trouble = match self {
-            InjectedFault::Clear => return Some(vec![CLEAR]),
-            InjectedFault::Motion(_) | InjectedFault::Input(_) => return None,
-            InjectedFault::Device(trouble) => trouble,
-        };
-        let faults = match trouble {
-            DeviceTrouble::Silent => vec![DeviceFault::Silent],
-            DeviceTrouble::Reboot => vec![DeviceFault::Reboot],
-            DeviceTrouble::NoBoot => vec![DeviceFault::NoBoot],
-            DeviceTrouble::NoHeartbeat => vec![DeviceFault::NoHeartbeat],
-            DeviceTrouble::Identity => {
-                vec![DeviceFault::Identity { object: (0x1018, 2), value: 0xFFFF }, DeviceFault::Reboot]
-            }
-            DeviceTrouble::Refuse => {
-                let object = (0x1017, 0);
-                let refusal = DeviceFault::Abort { object, code: HARDWARE, reading: false, writing: true };
-                vec![refusal, DeviceFault::Reboot]
-            }
-            DeviceTrouble::Emergency => vec![DeviceFault::Emergency { code: 0x2310, register: 5 }],
-            DeviceTrouble::BusOff => vec![DeviceFault::BusOff { millis: 1000 }],
-            DeviceTrouble::Lossy => {
-                let faults = FrameFaults { lost_to: 50, lost_from: 50, doubled: 50, ..FrameFaults::default() };
-                return Some(faults.orders());
-            }
-        };
-        Some(faults.into_iter().flat_map(DeviceFault::orders).collect())
-    }
-}
+use cleared::Cleared;
 
 /// Make a simulated mechanism, switch or device fail.
 #[derive(Debug, Args)]
@@ -160,23 +40,36 @@ pub struct FailArgs {
     /// Name of the station's device [default: the first one; for `clear` all of them].
     #[arg(long, conflicts_with = "operation")]
     device: Option<String>,
-    /// The CAN interface of the line's bus.
-    #[arg(long, default_value = DEFAULT_BUS)]
-    bus: String,
+    /// The CAN interface of the line's bus [default: the one that its coordinator has on this machine, if it runs, else vcan0].
+    #[arg(long)]
+    bus: Option<String>,
 }
 
 /// `linewright fail`
 pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
     let what = args.what.name();
-    // All of them first: nothing is written if one is not simulated.
+    let bus = super::line_bus(args.bus.as_deref(), Some(&line), ros);
+    // All of them first: nothing is written if one is not simulated, or another line's.
     let mut simulated = Vec::new();
     for (device, orders) in orders(&line, &args)? {
-        simulated.push((SimulatedDevice::reach(&line, &args.bus, ros, device).await?, device, orders));
+        simulated.push((SimulatedDevice::reach(&line, &bus, ros, device).await?, device, orders));
     }
+    let mut cleared = Cleared::default();
     for (mut reached, device, orders) in simulated {
+        let is_clear = args.what == InjectedFault::Clear;
+        let before = if is_clear { reached.faults(device).await? } else { 0 };
+        let is_whole = orders.contains(&CLEAR);
         for (object, value) in orders {
             reached.write(device, object, value).await?;
+        }
+        if is_clear {
+            // A device that was cleared as a whole has none left, and may just boot.
+            let after = if is_whole { 0 } else { reached.faults(device).await? };
+            cleared.note(&device.name, before, after);
+            if before == after {
+                continue;
+            }
         }
         let at = reached.place();
         let moved = if args.operation.is_some() { moved(&line, &args)? } else { Vec::new() };
@@ -185,7 +78,10 @@ pub async fn fail(args: FailArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
         crate::out::say!("{} ({at}):{named} {what}", device.name);
         effect(&line, device, args.what).into_iter().for_each(|text| crate::out::say!("{text}"));
     }
-    Ok(ExitCode::SUCCESS)
+    match cleared.nothing(&args) {
+        Some(nothing) => Err(nothing),
+        None => Ok(ExitCode::SUCCESS),
+    }
 }
 
 /// What a drive does with a fault of its motion, and the signal that shows it: at rest nothing else is seen of it.
@@ -372,7 +268,7 @@ mod tests {
 
     const DRIVES: &str = include_str!("../../../model/line/tests/descriptions/drives.toml");
 
-    fn args(station: &str, what: InjectedFault) -> FailArgs {
+    pub fn args(station: &str, what: InjectedFault) -> FailArgs {
         FailArgs {
             line: PathBuf::new(),
             station: station.to_owned(),
@@ -381,7 +277,7 @@ mod tests {
             recovery: false,
             input: None,
             device: None,
-            bus: String::new(),
+            bus: None,
         }
     }
 

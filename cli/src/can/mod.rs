@@ -4,6 +4,7 @@
 //! and use CANopen and the line's description. None of them is a manager: a manager's orders meanwhile stand.
 
 mod fail;
+mod injected;
 mod log;
 mod nmt;
 mod scan;
@@ -17,9 +18,9 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::{Args, Subcommand};
 use linewright_canopen::NodeId;
-use linewright_fieldbus::{Bus, BusOptions, find_bus};
+use linewright_fieldbus::{Bus, BusDirectory, BusOptions, find_bus, place};
 use linewright_line::Line;
-use linewright_node_shell::{RosArgs, names};
+use linewright_node_shell::{RosArgs, bus_managed_by, lines_managing, names};
 use miette::{IntoDiagnostic, miette};
 
 use crate::nodes::DEFAULT_BUS;
@@ -27,12 +28,20 @@ use crate::nodes::DEFAULT_BUS;
 pub use fail::{FailArgs, fail};
 pub use log::{DumpArgs, dump};
 
+/// Between a line and its ROS domain in the name of a run.
+const DOMAIN: &str = " in ROS domain ";
+/// What keeps a command from another line's bus.
+const SEPARATE_LINES: &str = "is this line running? --bus names its bus, as at its start. Lines on one machine have buses of their own if \
+     each is started without LINEWRIGHT_BUS_DIR, or with a directory of its own in it, which its commands need too; runs of one line \
+     are told apart by ROS_DOMAIN_ID";
+
 /// Look at a CAN bus and its CANopen nodes, and talk to them.
 #[derive(Debug, Args)]
 pub struct CanArgs {
-    /// The CAN interface, or the virtual bus of that name where the kernel has none.
-    #[arg(long, global = true, default_value = DEFAULT_BUS)]
-    bus: String,
+    /// The CAN interface, or the virtual bus of that name where the kernel has none [default: vcan0; with a line the one that its
+    /// coordinator has on this machine, if it runs].
+    #[arg(long, global = true)]
+    bus: Option<String>,
     #[command(subcommand)]
     command: CanCommand,
 }
@@ -58,38 +67,72 @@ enum CanCommand {
 
 /// `linewright can`
 pub async fn run(args: CanArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
-    let open = || open(&args.bus, None);
+    let bus = args.bus.as_deref();
+    let open = || open(bus.unwrap_or(DEFAULT_BUS), None);
     match &args.command {
         CanCommand::Scan(args) => scan::run(&mut open()?, args).await,
         // The line has its buses.
-        CanCommand::Status(status) => status::run(&args.bus, status, ros).await,
+        CanCommand::Status(status) => status::run(bus, status, ros).await,
         CanCommand::Nmt(args) => nmt::run(&mut open()?, args).await,
         CanCommand::Sdo(command) => sdo::run(&mut open()?, command).await,
         CanCommand::Monitor(monitor) => {
             let line = monitor.line()?;
+            let interface = line_bus(bus, line.as_ref(), ros);
             let of_run = line.as_ref().map(|line| run_of(line, ros)).transpose()?;
-            let mut bus = self::open(&args.bus, of_run.as_deref())?;
-            log::monitor(&mut bus, &args.bus, line.as_ref(), monitor).await
+            let mut bus = self::open(&interface, of_run.as_deref())?;
+            log::monitor(&mut bus, &interface, line.as_ref(), monitor).await
         }
         CanCommand::Record(args) => log::record(&mut open()?, args).await,
         CanCommand::Replay(args) => log::replay(&mut open()?, args).await,
     }
 }
 
+/// The interface of a line's bus: the one that was named, or that its coordinator manages on this machine.
+fn line_bus(named: Option<&str>, line: Option<&Line>, ros: &RosArgs) -> String {
+    let managed = || bus_managed_by(ros, &format!("/{}", line?.name), "coordinator");
+    named.map(str::to_owned).or_else(managed).unwrap_or_else(|| DEFAULT_BUS.to_owned())
+}
+
 /// Opens a bus and prints on standard error which it is: virtual buses of one name may exist in several directories. Of
-/// these the one of run `run`, if there is one.
+/// these the one of run `run`, if there is one; never that of another line.
 fn open(name: &str, run: Option<&str>) -> miette::Result<Bus> {
-    let run = run.filter(|run| !find_bus(name, Some(run)).is_empty());
-    let bus = Bus::open(name, &options(name, run)?).into_diagnostic()?;
+    let mut found = find_bus(name, None);
+    if let Some(run) = run {
+        let own = find_bus(name, Some(run));
+        let of_line = |found: &BusDirectory| found.about.as_deref().is_none_or(|about| is_of_line(about, run));
+        let (own, others) = if own.is_empty() { found.into_iter().partition(of_line) } else { (own, Vec::new()) };
+        if let Some(about) = others.first().and_then(|other| other.about.as_deref()).filter(|_| own.is_empty()) {
+            return Err(other_line(name, about, run));
+        }
+        found = own;
+    }
+    let options = options(name, found)?;
+    if let Some(run) = run {
+        let managing = lines_managing(name, &place(name, &options));
+        if let Some(other) = managing.first().filter(|_| !managing.iter().any(|line| is_of_line(line, run))) {
+            return Err(other_line(name, other, run));
+        }
+    }
+    let bus = Bus::open(name, &options).into_diagnostic()?;
     crate::out::complain!("{}", bus.describe());
     Ok(bus)
 }
 
-/// Options for the virtual bus `name`: of the directory in which a process uses it; of run `run` only, if given.
-fn options(name: &str, run: Option<&str>) -> miette::Result<BusOptions> {
-    let found = find_bus(name, run);
+/// Whether two runs are of one line, in whatever ROS domain.
+fn is_of_line(of: &str, run: &str) -> bool {
+    let line = |run: &'_ str| run.split_once(DOMAIN).map_or(run.to_owned(), |(line, _)| line.to_owned());
+    line(of) == line(run)
+}
+
+/// The bus of this name is another line's.
+fn other_line(bus: &str, theirs: &str, run: &str) -> miette::Report {
+    miette!(help = SEPARATE_LINES, "bus {bus} is that of {theirs}, and this command is for {run}")
+}
+
+/// Options for the virtual bus `name`, which was found in these directories.
+fn options(name: &str, found: Vec<BusDirectory>) -> miette::Result<BusOptions> {
     if let [first, _, ..] = &*found {
-        let line = |found: &linewright_fieldbus::BusDirectory| {
+        let line = |found: &BusDirectory| {
             format!(
                 "  LINEWRIGHT_BUS_DIR={}  {}",
                 found.dir.display(),
@@ -110,7 +153,7 @@ fn options(name: &str, run: Option<&str>) -> miette::Result<BusOptions> {
 /// Name of a run of a line in its bus directory.
 pub fn run_of(line: &Line, ros: &RosArgs) -> miette::Result<String> {
     let namespace = names::identify(&ros.remaps, &format!("/{}", line.name), "coordinator").into_diagnostic()?.0;
-    Ok(format!("line {namespace} in ROS domain {}", ros.domain_id))
+    Ok(format!("line {namespace}{DOMAIN}{}", ros.domain_id))
 }
 
 fn since_epoch() -> Duration {

@@ -1,14 +1,19 @@
 //! Faults are written to simulated devices alone.
 
 use linewright_canopen::NodeId;
-use linewright_canopen::sdo::{ObjectId, TransferError, TransferFailure, TransferOptions};
-use linewright_fieldbus::Bus;
+use linewright_canopen::sdo::{ObjectId, TransferError, TransferFailure, TransferMode, TransferOptions};
 use linewright_fieldbus::sdo_client::{self, SdoError};
+use linewright_fieldbus::{Bus, find_bus};
 use linewright_line::{Device, DeviceBus as BusName, Line, Modbus};
 use linewright_node_shell::RosArgs;
-use linewright_plant::{SIMULATED, SIMULATED_INDEX};
+use linewright_plant::{FAULTS_INDEX, PART_OF_INDEX, SIMULATED, SIMULATED_INDEX};
 use linewright_racks::Served;
 use miette::{IntoDiagnostic, miette};
+
+/// A silent device answers segments and no blocks.
+fn segments() -> TransferOptions {
+    TransferOptions { mode: TransferMode::Segmented, ..TransferOptions::default() }
+}
 
 /// A device that has been found to be simulated.
 pub enum SimulatedDevice<'d> {
@@ -17,8 +22,9 @@ pub enum SimulatedDevice<'d> {
 }
 
 impl<'d> SimulatedDevice<'d> {
-    /// Finds out whether it is simulated, without writing to it. `line_bus` is the interface of the line's bus.
+    /// Finds out whether it is simulated and part of this line, without writing to it. `line_bus` is the interface of the line's bus.
     pub async fn reach(line: &Line, line_bus: &str, ros: &RosArgs, device: &'d Device) -> miette::Result<Self> {
+        let run = super::run_of(line, ros)?;
         let reached = match (device.modbus(), device.node_id().and_then(NodeId::new)) {
             (Some(modbus), _) => SimulatedDevice::Modbus(modbus),
             (None, Some(node)) => {
@@ -26,7 +32,7 @@ impl<'d> SimulatedDevice<'d> {
                     BusName::Line => line_bus,
                     BusName::Own(interface) => interface,
                 };
-                let options = super::options(interface, Some(&super::run_of(line, ros)?))?;
+                let options = super::options(interface, find_bus(interface, Some(&run)))?;
                 SimulatedDevice::Canopen(Box::new(Bus::open(interface, &options).into_diagnostic()?), node)
             }
             (None, None) => {
@@ -37,16 +43,20 @@ impl<'d> SimulatedDevice<'d> {
                 ));
             }
         };
-        reached.checked(device, &super::run_of(line, ros)?).await
+        reached.checked(device, &line.name, &run).await
     }
 
     /// `run`: of its line in the ROS domain of this command.
-    async fn checked(mut self, device: &Device, run: &str) -> miette::Result<Self> {
+    async fn checked(mut self, device: &Device, line: &str, run: &str) -> miette::Result<Self> {
         let is_simulated = match &mut self {
             SimulatedDevice::Canopen(bus, node) => {
                 let object = ObjectId::new(SIMULATED_INDEX, 0);
-                match sdo_client::read(bus, *node, object, TransferOptions::default()).await {
-                    Ok(bytes) => bytes == SIMULATED.to_le_bytes(),
+                match sdo_client::read(bus, *node, object, segments()).await {
+                    Ok(bytes) if bytes == SIMULATED.to_le_bytes() => {
+                        part_of(bus, *node, device, (line, run)).await?;
+                        true
+                    }
+                    Ok(_) => false,
                     // A device that has no such object.
                     Err(SdoError::Transfer {
                         error: TransferError { cause: TransferFailure::Refused(_), .. }, ..
@@ -85,6 +95,23 @@ impl<'d> SimulatedDevice<'d> {
         ))
     }
 
+    /// Number of injected faults that hold in it.
+    pub async fn faults(&mut self, device: &Device) -> miette::Result<u16> {
+        match self {
+            SimulatedDevice::Canopen(bus, node) => {
+                let read = sdo_client::read(bus, *node, ObjectId::new(FAULTS_INDEX, 0), segments()).await;
+                let bytes = read.map_err(|error| miette!("{error} on {}", bus.describe()))?;
+                let count = <[u8; 2]>::try_from(bytes).map(u16::from_le_bytes);
+                count.map_err(|_| miette!("{} does not count its faults; is it of another version?", device.name))
+            }
+            SimulatedDevice::Modbus(modbus) => {
+                let at = (modbus.address.as_str(), modbus.unit);
+                let count = linewright_racks::fail_device(at, &device.name, (FAULTS_INDEX, 0), 0).await;
+                count.map_err(|error| miette!("{error}"))
+            }
+        }
+    }
+
     /// Writes a number to one of its objects.
     pub async fn write(&mut self, device: &Device, object: (u16, u8), value: u32) -> miette::Result<()> {
         match self {
@@ -96,7 +123,7 @@ impl<'d> SimulatedDevice<'d> {
             SimulatedDevice::Modbus(modbus) => {
                 let at = (modbus.address.as_str(), modbus.unit);
                 let failed = linewright_racks::fail_device(at, &device.name, object, value).await;
-                failed.map_err(|error| miette!("{error}"))
+                failed.map(drop).map_err(|error| miette!("{error}"))
             }
         }
     }
@@ -108,6 +135,25 @@ impl<'d> SimulatedDevice<'d> {
             SimulatedDevice::Modbus(modbus) => format!("{} unit {}", modbus.address, modbus.unit),
         }
     }
+}
+
+/// Whether a simulated device is part of this run, or of a plant of this line that was started by itself.
+///
+/// # Errors
+/// When it is part of another one.
+async fn part_of(bus: &mut Bus, node: NodeId, device: &Device, (line, run): (&str, &str)) -> miette::Result<()> {
+    let read = sdo_client::read(bus, node, ObjectId::new(PART_OF_INDEX, 0), segments()).await;
+    let bytes = read.map_err(|error| miette!("{error} on {}", bus.describe()))?;
+    let theirs = String::from_utf8_lossy(&bytes);
+    if theirs == run || theirs == linewright_racks::alone(line) {
+        return Ok(());
+    }
+    Err(miette!(
+        help = super::SEPARATE_LINES,
+        "{} (node {node}) on {} is part of {theirs}, and this command is for {run}; nothing was written",
+        device.name,
+        bus.describe()
+    ))
 }
 
 /// Which run is looked for: each has virtual buses of its own.
@@ -161,7 +207,7 @@ mod tests {
             let requests = real_device(options.clone(), node, answer);
             let bus = Bus::open("test0", &options).expect("a virtual bus");
             let refused =
-                SimulatedDevice::Canopen(Box::new(bus), node).checked(device, "line /a in ROS domain 3").await;
+                SimulatedDevice::Canopen(Box::new(bus), node).checked(device, "a", "line /a in ROS domain 3").await;
             let refused = refused.err().expect("it is a real one").to_string();
             assert_eq!(
                 refused,
@@ -169,6 +215,55 @@ mod tests {
             );
             let requests = requests.lock().expect("no panic");
             assert_eq!(*requests, [[0x40, 0x05, 0x5F, 0, 0, 0, 0, 0]], "one reading");
+        }
+    }
+
+    /// A plant with the devices of the shipped line, part of `run`.
+    fn plant(line: &Line, bus: BusOptions, run: Option<&str>) -> tokio::task::JoinHandle<()> {
+        let options = linewright_racks::RackOptions {
+            line_bus: "test0".to_owned(),
+            bus,
+            plant: linewright_plant::PlantOptions::default(),
+            clock: linewright_fieldbus::Clock::start(),
+            run: run.map(str::to_owned),
+        };
+        let line = line.clone();
+        tokio::spawn(async move {
+            let ended = linewright_racks::run_plant(&line, &options, None, std::future::pending()).await;
+            ended.expect("it has a bus");
+        })
+    }
+
+    /// Two lines on one machine may have buses of one name, and devices of one node id on them.
+    #[tokio::test]
+    async fn nothing_is_written_to_a_device_of_another_line() {
+        let text = linewright_line::TransferLine::default().text();
+        let line = linewright_line::parse("line.toml", &text).expect("it parses").line;
+        let device = line.devices.iter().find(|device| device.node_id().is_some()).expect("a CANopen device");
+        let node = device.node_id().and_then(NodeId::new).expect("a node id");
+        let own = format!("line /{} in ROS domain 3", line.name);
+        for (theirs, is_ours) in [
+            (Some(own.as_str()), true),
+            (None, true),
+            (Some("line /other in ROS domain 3"), false),
+            (Some(&*own.replace("domain 3", "domain 4")), false),
+        ] {
+            let dir = tempfile::tempdir().expect("a directory");
+            let options = BusOptions { transport: Transport::Virtual, dir: Some(dir.path().to_owned()) };
+            let plant = plant(&line, options.clone(), theirs);
+            let bus = Bus::open("test0", &options).expect("a virtual bus");
+            let reached = SimulatedDevice::Canopen(Box::new(bus), node).checked(device, &line.name, &own).await;
+            match (reached, is_ours) {
+                (Ok(mut ours), true) => assert_eq!(ours.faults(device).await.expect("it counts them"), 0),
+                (Err(refused), false) => {
+                    let (text, theirs) = (refused.to_string(), theirs.expect("it has a run"));
+                    let both = format!("is part of {theirs}, and this command is for {own}; nothing was written");
+                    assert!(text.contains(&both), "{text}");
+                    assert!(refused.help().is_some_and(|help| help.to_string().contains("--bus")));
+                }
+                (reached, _) => panic!("{theirs:?}: {:?}", reached.map(|_| "it is ours")),
+            }
+            plant.abort();
         }
     }
 }

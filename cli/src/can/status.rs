@@ -81,9 +81,10 @@ impl ListenedBus {
     }
 }
 
-/// `bus` is the line's; stations' own buses are opened by their names.
-pub async fn run(interface: &str, args: &StatusArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
+/// `bus` names the line's, if that was named; stations' own buses are opened by their names.
+pub async fn run(bus: Option<&str>, args: &StatusArgs, ros: &RosArgs) -> miette::Result<ExitCode> {
     let line = load::line(&args.line, true)?;
+    let interface = &*super::line_bus(bus, Some(&line), ros);
     let of_run = super::run_of(&line, ros)?;
     let bus = super::open(interface, Some(&of_run))?;
     let mut buses = vec![ListenedBus::new(interface, bus, &line)?];

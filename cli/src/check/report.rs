@@ -3,6 +3,7 @@
 use linewright_line::{ParsedLine, Problem, Problems};
 use linewright_proof::cell::APART;
 use linewright_proof::explore::{LineExploration, LineNotExplorable};
+use linewright_proof::structure::chart::{RunAhead, run_ahead};
 use linewright_proof::structure::{Check, StructureReport, judge_line, judge_stations};
 use serde::Serialize;
 
@@ -48,7 +49,7 @@ pub struct CheckReport {
     pub cell: Option<CellReport>,
     /// Questions that the checks leave open.
     pub not_decided: Vec<&'static str>,
-    /// Warnings on the text.
+    /// Warnings on the text, with their places; then those on what follows from it, without.
     pub warnings: Vec<TextPlace>,
     /// Errors in the text.
     pub problems: Vec<TextPlace>,
@@ -75,6 +76,12 @@ impl From<&Problem> for TextPlace {
             message: problem.message.clone(),
             help: problem.hint.clone(),
         }
+    }
+}
+
+impl From<RunAhead> for TextPlace {
+    fn from(RunAhead { text, help }: RunAhead) -> Self {
+        TextPlace { line: None, column: None, message: text, help: Some(help) }
     }
 }
 
@@ -164,7 +171,11 @@ pub fn judge(parsed: &ParsedLine, options: &ExploreOptions) -> Result<CheckRepor
         explorations,
         cell: None,
         not_decided,
-        warnings: warnings.iter().map(TextPlace::from).collect(),
+        warnings: warnings
+            .iter()
+            .map(TextPlace::from)
+            .chain(run_ahead(line).into_iter().map(TextPlace::from))
+            .collect(),
         problems: Vec::new(),
     })
 }

@@ -59,6 +59,11 @@ fn of_line(report: &CheckReport, out: &mut String) -> std::fmt::Result {
     for Check { name, ok, reason } in &report.line_checks {
         writeln!(out, "{} {name}: {reason}", mark(*ok))?;
     }
+    // Those of the text are drawn in it.
+    for warning in report.warnings.iter().filter(|warning| warning.line.is_none()) {
+        writeln!(out, "! {}", warning.message)?;
+        warning.help.iter().try_for_each(|help| writeln!(out, "  help: {help}"))?;
+    }
     for barriers in &report.barriers {
         writeln!(out, "{} {}: {}", barriers.verdict().map_or("-", sign), barriers.why, barriers.text())?;
         if !barriers.steps().is_empty() {
@@ -87,8 +92,14 @@ fn summary(report: &CheckReport, out: &mut String) -> std::fmt::Result {
         let s = if problems == 1 { "" } else { "s" };
         return writeln!(out, "\n✗ {name}: {problems} problem{s} of the text");
     }
+    // Those of the text are counted where they are drawn.
+    let warnings = match report.warnings.iter().filter(|warning| warning.line.is_none()).count() {
+        0 => String::new(),
+        1 => ", 1 warning".to_owned(),
+        number => format!(", {number} warnings"),
+    };
     match (failed, open) {
-        (0, 0) => writeln!(out, "\n✓ {name}: {all} checks hold"),
+        (0, 0) => writeln!(out, "\n✓ {name}: {all} checks hold{warnings}"),
         (0, open) => writeln!(out, "\n? {name}: {open} of {all} checks are undecided"),
         (failed, 0) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold"),
         (failed, open) => writeln!(out, "\n✗ {name}: {failed} of {all} checks do not hold, {open} are undecided"),

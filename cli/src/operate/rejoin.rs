@@ -54,14 +54,15 @@ pub async fn rejoin(args: RejoinArgs, ros: &RosArgs) -> miette::Result<ExitCode>
     let publisher = client.rejoin(id)?;
     client.until_connected(CONNECT).await?;
     client.listen(ANSWER).await?;
-    let before = client.station(id).map(Stand::of).map(Stand::confirmed);
+    let is_task_driven = station.is_task_driven();
+    let stand = |client: &OperatorClient| client.station(id).map(|state| Stand { is_task_driven, ..Stand::of(state) });
+    let before = stand(&client);
     publisher.send(Text::from(at.as_str()));
     let events = events_of(&mut client, id).await?;
     print_station(&client, id);
     let confirmed = StationHappening { cycle: 0, what: HappeningKind::Rejoined }.text(&line, id);
-    let is_task_driven = station.is_task_driven();
-    let after = client.station(id).map(|state| Stand { is_task_driven, ..Stand::of(state) });
-    let is_changed = before != after.clone().map(Stand::confirmed);
+    let after = stand(&client);
+    let is_changed = is_confirmed(before.as_ref(), after.as_ref());
     if events.iter().any(|event| event.text == confirmed) || is_changed {
         if !is_changed {
             crate::out::say!("{}: confirmed, it stands as before", station.name);
@@ -85,6 +86,9 @@ async fn events_of(client: &mut OperatorClient, id: StationId) -> miette::Result
     }
     Ok(events)
 }
+
+/// What the advice begins with where a confirmation is waited for.
+const REJOIN: &str = "rejoin: ";
 
 /// Where a station stands, by its state.
 #[derive(Clone, Debug, Default)]
@@ -117,18 +121,35 @@ impl Stand {
 
 impl Stand {
     /// What a confirmation changes; the rest changes by itself.
-    fn confirmed(self) -> (Vec<u8>, u64, bool) {
-        (self.places, self.generation, self.is_lost)
+    fn confirmed(&self) -> (&[u8], u64, bool) {
+        (&self.places, self.generation, self.is_lost)
     }
+
+    /// Whether there is anything to confirm: its position is lost or unknown.
+    fn is_to_be_confirmed(&self) -> bool {
+        let is_unknown = self.generation == 0 && !self.is_task_driven;
+        is_unknown || self.is_lost || self.blocked_by.iter().any(|why| why.starts_with(REJOIN))
+    }
+}
+
+/// Whether the states before and after show a confirmation. A station that moves, or has nothing to be confirmed, changes by itself:
+/// in auto it stands elsewhere a moment later.
+fn is_confirmed(before: Option<&Stand>, after: Option<&Stand>) -> bool {
+    let (Some(before), Some(after)) = (before, after) else { return false };
+    let stood = before.stopped && after.stopped;
+    stood && before.is_to_be_confirmed() && before.confirmed() != after.confirmed()
 }
 
 /// Reason why a confirmation has changed nothing.
 fn unchanged(state: Option<&Stand>, named: Option<&str>) -> String {
     let Some(state) = state else { return "no state received from the station".to_owned() };
-    if !state.stopped {
+    if !state.stopped && state.is_to_be_confirmed() {
         return "rejected: station moving; rejoin needs standstill".to_owned();
     }
-    let advice = state.blocked_by.iter().find_map(|why| why.strip_prefix("rejoin: "));
+    if !state.stopped {
+        return "its position is known, and it moves: nothing to confirm".to_owned();
+    }
+    let advice = state.blocked_by.iter().find_map(|why| why.strip_prefix(REJOIN));
     match (advice, named) {
         (None, _) if !state.devices_valid => {
             "rejected: its I/O devices are not operational, so its switches measure nothing".to_owned()
@@ -149,7 +170,7 @@ fn unchanged(state: Option<&Stand>, named: Option<&str>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Stand, unchanged};
+    use super::{Stand, is_confirmed, unchanged};
 
     /// It was called known, while its position was lost.
     #[test]
@@ -176,6 +197,32 @@ mod tests {
         // A task-driven station never has any.
         let driven = Stand { is_task_driven: true, ..without };
         assert!(unchanged(Some(&driven), None).contains("nothing to confirm"));
+    }
+
+    /// The station in auto that stood elsewhere after it was taken for one that was confirmed.
+    #[test]
+    fn what_moves_by_itself_is_not_confirmed() {
+        let stands = |places: &[u8], generation| Stand {
+            places: places.to_vec(),
+            generation,
+            stopped: true,
+            devices_valid: true,
+            ..Stand::default()
+        };
+        let [lost, found] = [stands(&[0, 0], 0), stands(&[1, 0], 0)];
+        assert!(is_confirmed(Some(&lost), Some(&found)));
+        assert!(!is_confirmed(Some(&lost), Some(&lost)), "the same as before");
+        assert!(!is_confirmed(None, Some(&found)), "nothing was known of it");
+        let [in_auto, a_moment_later] = [stands(&[0, 0], 5), stands(&[1, 0], 5)];
+        assert!(!is_confirmed(Some(&in_auto), Some(&a_moment_later)));
+        let moves = Stand { stopped: false, ..in_auto };
+        assert!(!is_confirmed(Some(&moves), Some(&a_moment_later)));
+        assert_eq!(unchanged(Some(&moves), None), "its position is known, and it moves: nothing to confirm");
+        let lost_and_moves = Stand { is_lost: true, ..moves };
+        assert!(!is_confirmed(Some(&lost_and_moves), Some(&a_moment_later)));
+        assert!(unchanged(Some(&lost_and_moves), None).contains("needs standstill"));
+        let driven = Stand { is_task_driven: true, ..stands(&[0, 1], 0) };
+        assert!(!is_confirmed(Some(&driven), Some(&Stand { places: vec![1, 1], ..driven.clone() })));
     }
 
     #[test]

@@ -44,8 +44,8 @@ impl Session {
             for conflict in &report.conflicts_seen {
                 crate::out::say!("conflict: {conflict}");
             }
-            for conflict in &report.conflicts_not_watched {
-                crate::out::say!("not watched, its switches are in frames this observer does not read: {conflict}");
+            if let Some(text) = unobserved(&report.conflicts_not_watched, &args.line.display().to_string()) {
+                crate::out::say!("{text}");
             }
             if let Some(error) = error {
                 crate::out::complain!("linewright: {error}");
@@ -53,6 +53,23 @@ impl Session {
         }
         Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
+}
+
+/// The conflicts that the observer of the frames cannot see, and what decides them; none if it sees all.
+fn unobserved(conflicts: &[String], line: &str) -> Option<String> {
+    if conflicts.is_empty() {
+        return None;
+    }
+    let (number, it) = if conflicts.len() == 1 {
+        ("1 conflict".to_owned(), "it")
+    } else {
+        (format!("{} conflicts", conflicts.len()), "they")
+    };
+    Some(format!(
+        "{number} cannot be seen in CAN frames: {}\nwhether {it} can be reached at all: `linewright check {}`",
+        conflicts.join("; "),
+        crate::out::shell_word(line)
+    ))
 }
 
 /// What a run has done: parts made of those it ordered; in a cell otherwise the parts that have left; in a line its cycles.
@@ -67,7 +84,18 @@ fn done(ordered: Option<(u32, u32)>, left: Option<u64>, cycles: usize) -> String
 
 #[cfg(test)]
 mod tests {
-    use super::done;
+    use super::{done, unobserved};
+
+    #[test]
+    fn a_conflict_that_the_frames_do_not_show_is_left_to_check() {
+        assert_eq!(unobserved(&[], "line"), None);
+        let one = unobserved(&["a against b: they meet".to_owned()], "my line").expect("one is not seen");
+        let text = "1 conflict cannot be seen in CAN frames: a against b: they meet\n\
+                    whether it can be reached at all: `linewright check \"my line\"`";
+        assert_eq!(one, text);
+        let two = unobserved(&["a".to_owned(), "b".to_owned()], "line").expect("two are not seen");
+        assert!(two.starts_with("2 conflicts cannot be seen in CAN frames: a; b\nwhether they"), "{two}");
+    }
 
     #[test]
     fn a_run_of_a_cell_counts_parts() {

@@ -11,6 +11,7 @@ mod directory;
 mod ending;
 mod observer;
 mod start;
+mod startup;
 pub mod stopping;
 mod tally;
 
@@ -39,6 +40,7 @@ use children::Children;
 use directory::RunDirectory;
 use observer::BusObserver;
 use start::{addresses_are_free, nothing_runs_yet, start_all};
+use startup::StartUp;
 use stopping::{StopStep, next_step};
 use tally::{RunTally, standing};
 
@@ -146,6 +148,7 @@ struct Session {
     tally: RunTally,
     view: WatchState,
     phase: RunPhase,
+    startup: StartUp,
     target: Option<usize>,
     cell: Option<CellRun>,
     no_auto: bool,
@@ -186,7 +189,7 @@ impl Session {
                 DeviceBus::Own(interface) => interface,
             };
             let mut listener = CanBus::open(interface, options).into_diagnostic()?;
-            head.push(format!("CAN: {}", listener.describe()));
+            head.push((interface.clone(), listener.describe(), listener.is_virtual()));
             virtual_bus |= listener.is_virtual();
             let (to, bus) = (to.clone(), bus.clone());
             tokio::spawn(async move {
@@ -199,6 +202,7 @@ impl Session {
                 }
             });
         }
+        let mut head = startup::buses(&head);
         head.push(format!("logs and journals: {}", dir.display()));
         let live = !args.json && std::io::stdout().is_terminal();
         if !args.json && !live {
@@ -214,6 +218,7 @@ impl Session {
             tally: RunTally::new(line),
             view,
             phase: RunPhase::Starting,
+            startup: StartUp::default(),
             target: args.cycles,
             cell: None,
             no_auto: args.no_auto,
@@ -232,6 +237,7 @@ impl Session {
 
     /// Runs until the cycles are done, the operator ends it, or it fails.
     async fn drive(&mut self, children: &mut Children) -> miette::Result<()> {
+        self.print(&StartUp::text(&self.line));
         let mut screen = if self.live { Some(Screen::open()?) } else { None };
         let mut ticks = tokio::time::interval(PICTURE_EVERY);
         let mut interrupts = Interrupts::listen()?;
@@ -263,6 +269,7 @@ impl Session {
                     self.note(format!("stopping at home, for {limit:.0} s at most; Ctrl-C again ends at once"));
                 }
                 _ = ticks.tick() => {
+                    self.print_mode();
                     for name in children.revive()? {
                         self.note(format!("started again: {name}"));
                     }
@@ -287,17 +294,13 @@ impl Session {
     }
 
     fn take(&mut self, heard: &StateUpdate) {
-        if let Some(line) = self.view.take(heard) {
+        if let (Some(line), StateUpdate::Event(_, event)) = (self.view.take(heard), heard)
+            && !self.startup.leaves_out(event)
+        {
             self.print(&line);
         }
         match heard {
-            StateUpdate::Line => {
-                let text = self.client.coordinator().map_or_else(String::new, |state| state.text.clone());
-                if text != self.mode_text {
-                    self.print(&format!("mode: {text}"));
-                    self.mode_text = text;
-                }
-            }
+            StateUpdate::Line => self.print_mode(),
             StateUpdate::Station(id) => {
                 let id = *id;
                 if let Some(state) = self.client.station(id).cloned() {
@@ -332,6 +335,17 @@ impl Session {
     fn print(&self, line: &str) {
         if !self.live && !self.json {
             crate::out::complain!("{:8.1} s  {line}", self.began.elapsed().as_secs_f64());
+        }
+    }
+
+    /// Prints the mode if it has changed. While everything comes up, what is missing changes many times within a second.
+    fn print_mode(&mut self) {
+        let is_complete = startup::is_complete(self.client.coordinator(), self.states());
+        let Some(state) = self.client.coordinator() else { return };
+        if self.startup.look(self.began.elapsed(), is_complete) && state.text != self.mode_text {
+            let text = state.text.clone();
+            self.print(&format!("mode: {text}"));
+            self.mode_text = text;
         }
     }
 

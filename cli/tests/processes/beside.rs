@@ -161,10 +161,19 @@ fn what_runs_already_is_refused_with_the_process_that_is_it() {
         "{again}"
     );
 
-    // A command for the simulated devices finds their bus.
-    let stuck = ["clamp_1", "stick", "--operation", "advance clamp", "--bus", "rig-line"];
+    // Commands for the simulated devices find their bus by the line, and those for another line do not.
+    let stuck = ["clamp_1", "stick", "--operation", "advance clamp"];
     let told = machine.ends(domain, &["fail"], &line, &stuck);
     assert!(told.status.success(), "{told:?}");
+    // Its devices may still be started.
+    let told = machine.ends(domain, &["can", "status"], &line, &[]);
+    assert!(String::from_utf8_lossy(&told.stdout).contains("✓ rig-line 7Fh  the manager"), "{told:?}");
+    let other_line = machine.line("other_line");
+    let told = refusal(&machine.ends(domain, &["can", "--bus", "rig-line", "status"], &other_line, &[]));
+    let both = format!(
+        "bus rig-line is that of line /one_line in ROS domain {domain}, and this command is for line /other_line"
+    );
+    assert!(told.contains(&both), "{told}");
 
     let mut lines = BufReader::new(first.0.stderr.take().expect("its errors")).lines().map_while(Result::ok);
     assert!(lines.any(|line| line.contains(" s  mode: home")), "without a terminal, a line for each change");

@@ -24,6 +24,8 @@ pub struct Problem {
     pub label: Option<String>,
     /// Other places that take part in it, each with its own label.
     pub also: Vec<(Range<usize>, String)>,
+    /// Further places of the same problem; their lines are named behind the advice.
+    pub again: Vec<Range<usize>>,
     /// Whether the file is usable all the same.
     pub is_warning: bool,
     /// The lines around it, where the whole text is not kept.
@@ -41,6 +43,7 @@ impl Problem {
             hint: None,
             label: None,
             also: Vec::new(),
+            again: Vec::new(),
             is_warning: false,
             excerpt: None,
         }

@@ -1,7 +1,6 @@
 //! Problems of a file.
 
 use std::fmt;
-use std::ops::Range;
 
 use miette::{Diagnostic, Severity, SourceCode};
 
@@ -29,6 +28,35 @@ const LINE_DRAWN_MAX: usize = 2000;
 /// The longest message, in characters; of a longer one the beginning is kept.
 const MESSAGE_MAX: usize = 1000;
 
+/// As many lines of further places are named.
+const AGAIN_MAX: usize = 5;
+
+/// Names the lines of a problem's further places, in order and each once.
+fn name_again(text: &str, problem: &mut Problem, lines: &Lines) {
+    let found = std::mem::take(&mut problem.again);
+    let mut found: Vec<usize> = found.iter().map(|span| lines.line(within(text, span).start).0).collect();
+    found.sort_unstable();
+    found.dedup();
+    found.retain(|line| *line != problem.line);
+    let shown: Vec<String> = found.iter().take(AGAIN_MAX).map(ToString::to_string).collect();
+    let more = found.len().saturating_sub(AGAIN_MAX);
+    let place = match &shown[..] {
+        [] => return,
+        [line] => format!("the same in line {line}"),
+        [lines @ .., last] if more == 0 => format!("the same in lines {} and {last}", lines.join(", ")),
+        lines => format!("the same in lines {} and {more} more", lines.join(", ")),
+    };
+    behind_the_advice(problem, place);
+}
+
+fn behind_the_advice(problem: &mut Problem, text: String) {
+    problem.hint = Some(match problem.hint.take() {
+        Some(hint) if hint.ends_with('?') => format!("{hint} {text}"),
+        Some(hint) => format!("{hint}; {text}"),
+        None => text,
+    });
+}
+
 /// Kind of which there are more than are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Cut {
@@ -49,11 +77,14 @@ impl Problems {
             problem.span = within(text, &problem.span);
             problem.also.iter_mut().for_each(|(span, _)| *span = within(text, span));
         }
-        let lines = Lines::of(text, problems.iter().map(|problem| problem.span.start).collect());
+        let again = |problem: &Problem| problem.again.iter().map(|span| within(text, span).start).collect::<Vec<_>>();
+        let starts = problems.iter().flat_map(|problem| again(problem).into_iter().chain([problem.span.start]));
+        let lines = Lines::of(text, starts.collect());
         for problem in &mut problems {
             let start;
             (problem.line, start) = lines.line(problem.span.start);
             problem.column = text[start..problem.span.start].chars().count() + 1;
+            name_again(text, problem, &lines);
         }
         let source = Box::new(WholeText { file_name: file_name.to_owned(), text: text.to_owned() });
         Problems::sorted(file_name, Some(source), problems)
@@ -62,8 +93,8 @@ impl Problems {
     /// The same, with no more of the text than the lines around each problem; other places are named behind the advice.
     pub(crate) fn excerpts(file_name: &str, text: &str, mut problems: Vec<Problem>) -> Self {
         let starts = |problem: &Problem| {
-            let also: Vec<&Range<usize>> = problem.also.iter().map(|(span, _)| span).collect();
-            also.into_iter().chain([&problem.span]).map(|span| within(text, span).start).collect::<Vec<_>>()
+            let also = problem.also.iter().map(|(span, _)| span).chain(&problem.again);
+            also.chain([&problem.span]).map(|span| within(text, span).start).collect::<Vec<_>>()
         };
         let lines = Lines::of(text, problems.iter().flat_map(starts).collect());
         for problem in &mut problems {
@@ -74,8 +105,9 @@ impl Problems {
             problem.excerpt = Some(Box::new(excerpt));
             for (span, label) in std::mem::take(&mut problem.also) {
                 let place = format!("{label} is in line {}", lines.line(within(text, &span).start).0);
-                problem.hint = Some(problem.hint.take().map_or(place.clone(), |hint| format!("{hint}; {place}")));
+                behind_the_advice(problem, place);
             }
+            name_again(text, problem, &lines);
         }
         Problems::sorted(file_name, None, problems)
     }

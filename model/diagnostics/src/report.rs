@@ -17,6 +17,7 @@ pub struct Report {
     warnings: Vec<Problem>,
     cut: Cut,
     in_excerpts: bool,
+    has_unknown: bool,
 }
 
 impl Report {
@@ -41,6 +42,21 @@ impl Report {
         } else {
             *cut = true;
         }
+    }
+
+    /// Adds an error about a name that stands for nothing. Where there is one of the same text, this is a further place of it: one slip
+    /// is one error, however often the name is written.
+    pub fn add_unknown(&mut self, problem: Problem) {
+        self.has_unknown = true;
+        match self.errors.iter_mut().find(|known| known.message == problem.message) {
+            Some(known) => known.again.push(problem.span),
+            None => self.add(problem),
+        }
+    }
+
+    /// Whether a name stands for nothing: then what is used is not known.
+    pub fn has_unknown(&self) -> bool {
+        self.has_unknown
     }
 
     /// Turns all problems into others: once the errors, and once the warnings.

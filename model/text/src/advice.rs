@@ -48,7 +48,7 @@ pub(crate) fn wrong_type(at: Range<usize>, key: &str, expected: &str, found: &It
     Problem::error(at, format!("`{key}` must be {expected}"))
         .label(format!("this is {}", described(found.type_name())))
         .maybe_hint(
-            found.as_value().and_then(|value| instead(value, expected)).map(|value| format!("`{key} = {value}")),
+            found.as_value().and_then(|value| instead(value, expected)).map(|value| format!("write `{key} = {value}")),
         )
 }
 
@@ -95,8 +95,15 @@ fn instead(found: &Value, expected: &str) -> Option<String> {
 
 /// The number that a text begins with, in the unit that is expected.
 fn number_in(text: &str, expected: &str) -> Option<String> {
+    if let Some(digits) = hexadecimal(text).filter(|_| expected.contains("whole number")) {
+        return Some(format!("0x{digits}`, without quotes"));
+    }
     let end = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | ',' | '-' | '+'))).unwrap_or(text.len());
     let (number, unit) = (text[..end].replace(',', "."), text[end..].trim().to_lowercase());
+    if unit.starts_with('x') {
+        // Meant as hexadecimal, which 0 is no advice for.
+        return None;
+    }
     let number: f64 = number.parse().ok()?;
     let wanted = match expected {
         "a number of seconds" => Some(1e3),
@@ -113,6 +120,35 @@ fn number_in(text: &str, expected: &str) -> Option<String> {
     let without = if unit.is_empty() { "quotes" } else { "quotes and unit" };
     let is_whole = number.fract() == 0.0;
     (is_whole || !expected.contains("whole number")).then(|| format!("{number}`, without {without}"))
+}
+
+/// The digits of a hexadecimal number as people write it, `0x14` or `14h`.
+fn hexadecimal(text: &str) -> Option<&str> {
+    let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")).or_else(|| text.strip_suffix(['h', 'H']));
+    digits.filter(|digits| (1..=8).contains(&digits.len()) && digits.chars().all(|digit| digit.is_ascii_hexdigit()))
+}
+
+/// What is written for a number with a decimal comma in a line that is no TOML: `1,6` is a list without brackets there.
+pub(crate) fn decimal_comma(line: &str) -> Option<String> {
+    let mut in_quotes = false;
+    let quoted: Vec<bool> = line
+        .bytes()
+        .map(|byte| {
+            in_quotes ^= byte == b'"';
+            in_quotes
+        })
+        .collect();
+    let (at, _) = line.match_indices(',').find(|&(at, _)| {
+        let before = line[..at].trim_end_matches(|c: char| c.is_ascii_digit());
+        // In a list two numbers may stand side by side.
+        let is_value = before.len() < at && before.trim_end_matches(['-', '+']).trim_end().ends_with('=');
+        is_value && !quoted[at] && line[at + 1..].starts_with(|c: char| c.is_ascii_digit())
+    })?;
+    let start = line[..at].rfind('=').map_or(at, |equals| equals + 1);
+    let decimals = line[at + 1..].find(|c: char| !c.is_ascii_digit()).unwrap_or(line.len() - at - 1);
+    let (whole, fraction) = (line[start..at].trim(), &line[at + 1..at + 1 + decimals]);
+    let key = line[..start - 1].rsplit(['{', ',']).next().unwrap_or_default().trim();
+    Some(format!("write `{key} = {whole}.{fraction}`: a decimal point, no comma"))
 }
 
 fn described(type_name: &str) -> &str {
@@ -148,13 +184,17 @@ mod tests {
             ("a whole number of milliseconds", "\"0.05 s\"", "`key = 50`, without quotes and unit"),
             ("a whole number", "3.0", "`key = 3`, without a decimal point"),
             ("a whole number", "\"3\"", "`key = 3`, without quotes"),
+            ("a whole number", "\"0x14\"", "`key = 0x14`, without quotes"),
+            ("a whole number", "\"14h\"", "`key = 0x14`, without quotes"),
+            ("a whole number", "\"7Fh\"", "`key = 0x7F`, without quotes"),
             ("a number", "\"50 mm\"", "`key = 50`, without quotes and unit"),
             ("text in quotes", "7", "`key = \"7\"`, in quotes"),
             ("text in quotes", "true", "`key = \"true\"`, in quotes"),
             ("true or false", "\"yes\"", "`key = true`, without quotes"),
             ("a list of texts", "\"a\"", "`key = [\"a\"]`, in brackets"),
         ] {
-            assert_eq!(advice(expected, written).as_deref(), Some(hint), "{expected}: {written}");
+            let hint = format!("write {hint}");
+            assert_eq!(advice(expected, written).as_deref(), Some(&*hint), "{expected}: {written}");
         }
     }
 
@@ -168,8 +208,25 @@ mod tests {
             ("a whole number", "\"3.5\""),
             ("true or false", "\"maybe\""),
             ("text in quotes", "[]"),
+            ("a whole number", "\"0xmill\""),
+            ("a number of seconds", "\"0x14\""),
         ] {
             assert_eq!(advice(expected, written), None, "{expected}: {written}");
+        }
+    }
+
+    #[test]
+    fn a_decimal_comma_is_answered_with_a_decimal_point() {
+        for (line, advice) in [
+            ("duration_s = 1,6", Some("`duration_s = 1.6`")),
+            ("moves = { axis = \"x\", from = -0,5, to = 100 }", Some("`from = -0.5`")),
+            ("list = [1,6]", None),
+            ("name = \"a = 1,6\"", None),
+            ("duration_s = 16", None),
+            ("= ,6", None),
+        ] {
+            let expected = advice.map(|advice| format!("write {advice}: a decimal point, no comma"));
+            assert_eq!(decimal_comma(line), expected, "{line}");
         }
     }
 

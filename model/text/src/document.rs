@@ -2,6 +2,7 @@
 
 use toml_edit::Document;
 
+use crate::advice::decimal_comma;
 use crate::{Problem, Report};
 
 /// Longest text, in bytes: a shipped line has 16 KiB, a thousand stations fit in one.
@@ -32,7 +33,10 @@ pub fn document<'a>(text: &'a str, report: &mut Report) -> Option<Document<&'a s
         Err(error) => {
             let at = error.span().unwrap_or(0..0);
             let message = format!("this is not TOML: {}", error.message().trim_end().replace('\n', ", "));
-            report.add(Problem::error(at, message).label("reading stopped here"));
+            let start = text[..text.floor_char_boundary(at.start)].rfind('\n').map_or(0, |end| end + 1);
+            let line = text[start..].lines().next().unwrap_or_default();
+            let problem = Problem::error(at, message).label("reading stopped here");
+            report.add(problem.maybe_hint(decimal_comma(line)));
             None
         }
     }

@@ -236,8 +236,8 @@ impl<'a> Fields<'a> {
 
     /// A list of texts, at most `max` long.
     pub fn texts(&mut self, report: &mut Report, key: &'static str, max: usize) -> Option<Located<Vec<LocatedName>>> {
-        let array = self.read(report, key, "a list of texts", Item::as_array)?;
-        list(report, key, array, max)
+        let (item, at) = self.item(key)?;
+        texts_of(report, key, item, at, max)
     }
 
     /// A table inside this one.
@@ -318,13 +318,7 @@ impl<'a> Fields<'a> {
         max: usize,
         longest: usize,
     ) -> Option<Named<Located<Vec<LocatedName>>>> {
-        self.named(report, key, max, |report, name, item, at| match item.as_array() {
-            Some(array) => list(report, name, Located::new(array, at), longest),
-            None => {
-                report.add(wrong_type(at, name, "a list of texts", item));
-                None
-            }
-        })
+        self.named(report, key, max, |report, name, item, at| texts_of(report, name, item, at, longest))
     }
 
     /// A table of at most `max` texts, under names that are the user's own.
@@ -434,17 +428,32 @@ fn checked_coordinate(report: &mut Report, number: Located<f64>, key: &str) -> O
     None
 }
 
-/// The texts of an array, at most `max` of them.
-fn list(report: &mut Report, key: &str, array: Located<&Array>, max: usize) -> Option<Located<Vec<LocatedName>>> {
+/// The texts of a list, at most `max` of them. Of a list that is too long the first are read all the same, and a text by itself as a
+/// list of one: the rest of the description refers to them.
+fn texts_of(
+    report: &mut Report,
+    key: &str,
+    item: &Item,
+    at: TextRange,
+    max: usize,
+) -> Option<Located<Vec<LocatedName>>> {
+    if let Some(array) = item.as_array() {
+        return Some(list(report, key, Located::new(array, at), max));
+    }
+    report.add(wrong_type(at.clone(), key, "a list of texts", item));
+    let text = item.as_str().filter(|text| text.len() <= TEXT_MAX && max > 0)?;
+    Some(Located::new(vec![Located::new(text.to_owned(), at.clone())], at))
+}
+
+fn list(report: &mut Report, key: &str, array: Located<&Array>, max: usize) -> Located<Vec<LocatedName>> {
     if array.value.len() > max {
         report.add(
-            Problem::error(array.at, format!("`{key}` has {} entries", array.value.len()))
+            Problem::error(array.at.clone(), format!("`{key}` has {} entries", array.value.len()))
                 .hint(format!("at most {max}")),
         );
-        return None;
     }
-    let mut texts = Vec::with_capacity(array.value.len());
-    for value in array.value {
+    let mut texts = Vec::with_capacity(array.value.len().min(max));
+    for value in array.value.iter().take(max) {
         let at = value.span().unwrap_or_else(|| array.at.clone());
         match value.as_str() {
             Some(text) if text.len() <= TEXT_MAX => texts.push(Located::new(text.to_owned(), at)),
@@ -452,5 +461,5 @@ fn list(report: &mut Report, key: &str, array: Located<&Array>, max: usize) -> O
             None => report.add(wrong_value(at, &format!("an entry of `{key}`"), "text in quotes", value)),
         }
     }
-    Some(Located::new(texts, array.at))
+    Located::new(texts, array.at)
 }

@@ -21,6 +21,16 @@ pub struct NameTable<'a> {
 }
 
 impl<'a> NameTable<'a> {
+    /// Names of signals, by their place in the list; the first of two that are the same.
+    pub fn of_tags(names: impl IntoIterator<Item = &'a LocatedName>) -> Self {
+        let mut table = NameTable::default();
+        for (id, name) in names.into_iter().enumerate() {
+            table.note(name, is_tag(&name.value));
+            table.define(name, id);
+        }
+        table
+    }
+
     /// Defines `name` as number `id`; gives back the place of an earlier definition, which then stands.
     pub fn define(&mut self, name: &'a LocatedName, id: usize) -> Option<&'a TextRange> {
         if let Some((_, earlier)) = self.entries.get(name.value.as_str()) {
@@ -59,21 +69,31 @@ impl<'a> NameTable<'a> {
         self.entries.get(name).map(|&(id, _)| id)
     }
 
+    /// Whether no name is defined.
+    pub fn is_empty(&self) -> bool {
+        self.order.is_empty()
+    }
+
+    /// The name of number `id`.
+    pub fn name(&self, id: usize) -> &'a str {
+        self.order.iter().copied().find(|name| self.get(name) == Some(id)).unwrap_or("?")
+    }
+
     /// Place of the definition of `name`.
     pub fn place(&self, name: &str) -> Option<&'a TextRange> {
         self.entries.get(name).map(|&(_, at)| at)
     }
 
-    /// All names, in the order of the description.
-    pub fn names(&self) -> impl Iterator<Item = &'a str> + Clone {
-        self.order.iter().copied()
+    /// All well-formed names, in the order of the description.
+    pub fn names(&self) -> impl Iterator<Item = &'a str> + Clone + use<'a, '_> {
+        self.order.iter().copied().filter(|name| !self.malformed.contains(name))
     }
 
     /// Index of the name that is meant, or a problem with what it could have been.
     pub fn find(&self, name: &LocatedName, what: &str, report: &mut Report) -> Option<usize> {
         let found = self.meant(&name.value);
         if found.is_none() && !report.is_full() {
-            report.add(
+            report.add_unknown(
                 Problem::error(name.at.clone(), format!("unknown {what} `{}`", name.value))
                     .maybe_hint(suggestion(&name.value, self.names())),
             );
@@ -129,15 +149,27 @@ pub fn phrase(name: &LocatedName, what: &str, report: &mut Report) -> bool {
     fits
 }
 
+/// The name with `_` for each stretch of blanks, where that makes it one word.
+fn without_blanks(text: &str) -> Option<String> {
+    let word = text.split_whitespace().collect::<Vec<_>>().join("_");
+    (word != text && is_tag(&word)).then_some(word)
+}
+
+fn is_tag(text: &str) -> bool {
+    !text.is_empty() && text.len() <= NAME_MAX && text.chars().all(|c| c.is_ascii_graphic())
+}
+
 /// Reports a name that is not as a circuit diagram prints it: one word; whether it is.
 pub fn tag(name: &LocatedName, what: &str, report: &mut Report) -> bool {
     let text = &name.value;
-    let fits = !text.is_empty() && text.len() <= NAME_MAX && text.chars().all(|c| c.is_ascii_graphic());
+    let fits = is_tag(text);
     if !fits {
-        report.add(
-            Problem::error(name.at.clone(), format!("`{}` cannot name this {what}", text.escape_debug()))
-                .hint(format!("one word of letters, digits and signs without blanks, at most {NAME_MAX}")),
-        );
+        report.add(Problem::error(name.at.clone(), format!("`{}` cannot name this {what}", text.escape_debug())).hint(
+            format!(
+                "one word of letters, digits and signs without blanks, at most {NAME_MAX}{}",
+                without_blanks(text).map_or(String::new(), |word| format!(": `{word}`"))
+            ),
+        ));
     }
     fits
 }

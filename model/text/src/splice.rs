@@ -95,15 +95,20 @@ impl Splice {
             let (span, note) = self.origin(&problem.span);
             problem.span = span;
             problem.also.iter_mut().for_each(|(at, _)| *at = self.origin(at).0);
+            problem.again.iter_mut().for_each(|at| *at = self.origin(at).0);
+            // Other copies of its own place.
+            let places = problem.again.len();
+            problem.again.retain(|at| *at != problem.span);
+            let copies = places - problem.again.len();
             if let Some(note) = note {
                 let key = (problem.span.clone(), self.without_what_varies(&problem.message, note));
                 if let Some(&earlier) = first.get(&key) {
-                    kept[earlier].2 += 1;
+                    kept[earlier].2 += 1 + copies;
                     continue;
                 }
                 first.insert(key, kept.len());
             }
-            kept.push((problem, note, 0));
+            kept.push((problem, note, copies));
         }
         let noted = kept.into_iter().map(|(problem, note, more)| match note {
             None => problem,

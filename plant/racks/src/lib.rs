@@ -58,7 +58,7 @@ pub struct RackOptions {
     pub plant: PlantOptions,
     /// The clock shared with the rest of the process.
     pub clock: Clock,
-    /// The run of a line that the devices are part of; `None` for a plant that is started by itself.
+    /// The run of a line that the devices are part of; `None` for a plant that is started by itself, which is part of the line.
     pub run: Option<String>,
 }
 
@@ -82,6 +82,11 @@ struct KeptRack {
     bus: String,
     watch: PositionsWatch,
     keeper: Keeper,
+}
+
+/// What devices are part of in a plant of this line that was started by itself; it has no ROS domain.
+pub fn alone(line: &str) -> String {
+    format!("line {line}")
 }
 
 /// Opens every bus; its rack is taken from `racks`, or new.
@@ -110,7 +115,8 @@ fn open_racks(
         let servers = Servers::open(&addresses, options.run.as_deref());
         let servers = servers.map_err(|(address, error)| cannot_serve(&address, error, None))?;
         let rack = racks.remove(&name.to_string());
-        let rack = rack.unwrap_or_else(|| Rack::new(options.clock.now(), line, name, options.plant));
+        let mut rack = rack.unwrap_or_else(|| Rack::new(options.clock.now(), line, name, options.plant));
+        rack.be_part_of(&options.run.clone().unwrap_or_else(|| alone(&line.name)));
         Ok(RackRunner { name: name.to_string(), bus, servers, addresses, rack, clock: options.clock, kept: None })
     };
     names.into_iter().map(open).collect()

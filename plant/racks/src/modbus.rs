@@ -20,7 +20,8 @@ use tokio_modbus::server::tcp::{Server, accept_tcp_connection};
 use tokio_modbus::{ExceptionCode, Request, Response, Slave, SlaveRequest};
 
 /// The function code of a fault, one of those that the specification leaves to users (MODBUS Application Protocol V1.1b3 §5). Its
-/// data: index (2 bytes) and subindex of the object, a number (4 bytes), and the device's name. To a real device it may mean
+/// data: index (2 bytes) and subindex of the object, a number (4 bytes), and the device's name; of the answer: the number of injected
+/// faults that hold then (2 bytes). To a real device it may mean
 /// anything: it is sent only to an address where devices are simulated.
 const FAULT_FUNCTION: u8 = 65;
 /// Product code in the identification (§6.21, function 43) of each simulated device.
@@ -40,8 +41,9 @@ const QUEUE: usize = 16;
 pub enum Asked {
     /// A request to the device at this address and unit.
     Request { at: (String, u8), request: ModbusRequest, reply: oneshot::Sender<Option<Result<ModbusResponse, u8>>> },
-    /// A fault for the device of this name: an object of a simulated CANopen device, and a number.
-    Fault { at: (String, u8), device: String, fault: FaultWrite, reply: oneshot::Sender<Option<Result<(), u8>>> },
+    /// A fault for the device of this name: an object of a simulated CANopen device, and a number. The answer is the number of
+    /// injected faults that hold then.
+    Fault { at: (String, u8), device: String, fault: FaultWrite, reply: oneshot::Sender<Option<Result<u16, u8>>> },
 }
 
 /// The servers of a rack. They end with this.
@@ -126,7 +128,8 @@ impl Service for ServedDevice {
                     let (device, fault) = fault_of(data).ok_or(ExceptionCode::IllegalDataValue)?;
                     let (reply, answer) = oneshot::channel();
                     let done = answered(&to, Asked::Fault { at, device, fault, reply }, answer).await?;
-                    return Ok(done.map(|()| Response::Custom(FAULT_FUNCTION, Default::default())));
+                    let response = |faults: u16| Response::Custom(FAULT_FUNCTION, faults.to_be_bytes().to_vec().into());
+                    return Ok(done.map(response));
                 }
                 _ => {}
             }
@@ -266,15 +269,22 @@ pub(crate) fn cannot_serve(address: &str, error: io::Error, by: Option<Served>) 
 }
 
 /// Makes the simulated Modbus device `device` at this address and unit fail: writes a number to one of the objects that a simulated
-/// CANopen device has for it. To be asked first: [`served_at`].
+/// CANopen device has for it, and gives the number of injected faults that hold then. 5F07h changes nothing. To be asked first:
+/// [`served_at`].
 ///
 /// # Errors
 /// Why it does not: there is none, or it has no such fault.
-pub async fn fail_device(at: (&str, u8), device: &str, object: (u16, u8), value: u32) -> Result<(), String> {
+pub async fn fail_device(at: (&str, u8), device: &str, object: (u16, u8), value: u32) -> Result<u16, String> {
     let head = [&object.0.to_be_bytes()[..], &[object.1], &value.to_be_bytes()].concat();
     let data = [&head, device.as_bytes()].concat();
     match request(at, Request::Custom(FAULT_FUNCTION, data.into())).await? {
-        Ok(_) => Ok(()),
+        Ok(Response::Custom(FAULT_FUNCTION, faults)) if let Ok(faults) = <[u8; 2]>::try_from(&faults[..]) => {
+            Ok(u16::from_be_bytes(faults))
+        }
+        Ok(_) => {
+            let why = "its answer has no number of faults".to_owned();
+            Err(ModbusFaultError::Refused { device, address: at.0, why }.to_string())
+        }
         Err(ExceptionCode::IllegalDataValue) => {
             Err(ModbusFaultError::NoSuchFault { device, address: at.0 }.to_string())
         }

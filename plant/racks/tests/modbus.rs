@@ -178,17 +178,18 @@ async fn an_input_is_stuck_and_a_device_unplugged_until_it_is_cleared() {
     let name = line_on(bench.port, false).devices[0].name.clone();
     let fail = async |object, value| linewright_racks::fail_device((&address, 3), &name, object, value).await;
     let before = client.read_discrete_inputs(8, 3).await.unwrap().unwrap();
-    fail((0x5F01, 1), u32::from(!before[0])).await.expect("its first input");
+    assert_eq!(fail((0x5F07, 0), 0).await, Ok(0), "nothing is injected");
+    assert_eq!(fail((0x5F01, 1), u32::from(!before[0])).await, Ok(1), "its first input");
     let stuck = client.read_discrete_inputs(8, 3).await.unwrap().unwrap();
     assert_eq!((stuck[0], &stuck[1..]), (!before[0], &before[1..]));
     for (object, value) in [((0x5F01, 200), 1), ((0x5F01, 1), 3), ((0x5F02, 1), 1), ((0x5F00, 0), 4)] {
         let refused = fail(object, value).await.expect_err("there is no such fault");
         assert!(refused.contains("has no such fault"), "{refused}");
     }
-    fail((0x5F00, 0), 1).await.expect("it is unplugged");
+    assert_eq!(fail((0x5F00, 0), 1).await, Ok(2), "it is unplugged");
     let silent = tokio::time::timeout(Duration::from_millis(300), client.read_discrete_inputs(8, 3)).await;
     assert!(!matches!(silent, Ok(Ok(Ok(_)))), "it answers nothing");
-    fail((0x5F00, 0), 0).await.expect("it is plugged in again");
+    assert_eq!(fail((0x5F00, 0), 0).await, Ok(0), "it is plugged in again");
     let mut client = bench.client().await;
     assert_eq!(client.read_discrete_inputs(8, 3).await.unwrap().unwrap(), before);
     let other =

@@ -11,6 +11,7 @@
 //!
 //! It has no profile: a device that leaves the operational state gets a [`CommChange`], and lets go in its own way.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_canopen::MANAGER_NODE;
@@ -32,6 +33,8 @@ const BOOT: Duration = Duration::from_millis(20);
 const COMMUNICATION_ERROR: u8 = 0x11;
 /// Bytes of an object written at most; all of them are shorter.
 const LEN_MAX: usize = 64;
+/// What a device is part of that belongs to no line.
+const NO_LINE: &str = "no line";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CommState {
@@ -72,6 +75,8 @@ pub(super) struct Comm {
     /// Object 1001h, communication part.
     pub error_register: u8,
     pub server: SdoServer,
+    /// Object 5F06h.
+    pub part_of: Arc<str>,
 }
 
 impl Comm {
@@ -86,6 +91,7 @@ impl Comm {
             lost_at: None,
             error_register: 0,
             server: SdoServer::new(LEN_MAX),
+            part_of: NO_LINE.into(),
         }
     }
 

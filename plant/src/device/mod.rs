@@ -24,11 +24,13 @@ mod serve;
 mod sync;
 mod trouble;
 
+use std::sync::Arc;
+
 use linewright_canopen::Frame;
 use linewright_canopen::codec::{CanopenMessage, NmtState, NodeId, Payload};
 use linewright_line::{Analogue, Tick, Timing};
 
-use crate::fault::{DeviceFault, MotionFault};
+use crate::fault::{DeviceFault, HeldFaults, MotionFault};
 use crate::wire::FrameFaults;
 use channels::SimulatedChannels;
 use comm::{Comm, CommChange};
@@ -117,6 +119,8 @@ pub struct DeviceNode {
     sync_watch: SyncWatch,
     next_inputs: Tick,
     channels: SimulatedChannels,
+    /// Faults of what it moves and reads.
+    held: HeldFaults,
 }
 
 impl DeviceNode {
@@ -137,12 +141,18 @@ impl DeviceNode {
             sync_watch: SyncWatch::default(),
             next_inputs: Tick::NEVER,
             channels: SimulatedChannels::new(node, &Analogue::default()),
+            held: HeldFaults::default(),
         }
     }
 
     /// The device with analogue channels.
     pub fn with_channels(self, analogue: &Analogue) -> Self {
         DeviceNode { channels: SimulatedChannels::new(self.comm.node, analogue), ..self }
+    }
+
+    /// Makes it part of a run of a line, or of a line.
+    pub(crate) fn be_part_of(&mut self, text: Arc<str>) {
+        self.comm.part_of = text;
     }
 
     /// Its outputs now; bit `i` is output `i`.

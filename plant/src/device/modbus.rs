@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use linewright_line::{Modbus, REGISTER_BITS, Table, Tick};
 
-use crate::fault::DeviceFault;
+use crate::fault::{DeviceFault, FaultWrite, HeldFaults};
 
 /// Exception code of an address that is not there (MODBUS Application Protocol V1.1b3 §7).
 const ILLEGAL_ADDRESS: u8 = 2;
@@ -49,6 +49,7 @@ pub struct ModbusNode {
     /// When its watchdog turns its outputs off; `None` without one, and after that.
     missed: Option<Tick>,
     silent: bool,
+    held: HeldFaults,
 }
 
 impl ModbusNode {
@@ -64,6 +65,7 @@ impl ModbusNode {
             registers: set.chain(watchdog).chain(expected).collect(),
             missed: None,
             silent: false,
+            held: HeldFaults::default(),
             modbus: modbus.clone(),
         }
     }
@@ -86,9 +88,25 @@ impl ModbusNode {
     /// Unplugs it, makes it boot, or lets it work again (`None`).
     pub fn inject(&mut self, fault: Option<DeviceFault>) {
         self.silent = matches!(fault, Some(DeviceFault::Silent | DeviceFault::NoBoot));
-        if matches!(fault, Some(DeviceFault::Reboot | DeviceFault::NoBoot)) {
-            *self = ModbusNode { silent: self.silent, inputs: self.inputs, ..ModbusNode::new(&self.modbus) };
+        match fault {
+            None => self.held = HeldFaults::default(),
+            Some(DeviceFault::Reboot | DeviceFault::NoBoot) => {
+                // What it moves and reads goes on failing.
+                let held = std::mem::take(&mut self.held);
+                *self = ModbusNode { silent: self.silent, inputs: self.inputs, held, ..ModbusNode::new(&self.modbus) };
+            }
+            Some(_) => {}
         }
+    }
+
+    /// Notes what was written to one of the objects that hold a fault.
+    pub(crate) fn hold(&mut self, written: FaultWrite) {
+        self.held.note(written);
+    }
+
+    /// Number of injected faults that hold.
+    pub(crate) fn faults(&self) -> u16 {
+        self.held.count().saturating_add(self.silent.into())
     }
 
     pub fn poll(&mut self, now: Tick) {

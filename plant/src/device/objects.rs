@@ -11,7 +11,7 @@ use super::bytes::number;
 use super::comm::Comm;
 use super::serve::ObjectServer;
 use super::{CanDevice, DeviceNode, DeviceOutbox, PlantEffect, identity};
-use crate::fault::{DeviceFault, FAULT_INDEX, HOLD_INDEX, MotionFault, PRESS_INDEX, STUCK_INDEX};
+use crate::fault::{DeviceFault, FAULT_INDEX, HOLD_INDEX, HeldFaults, MotionFault, PRESS_INDEX, STUCK_INDEX};
 
 /// Device profile 401 with digital inputs and outputs (CiA 401, object 1000h).
 const DEVICE_TYPE: u32 = 0x0003_0191;
@@ -45,9 +45,16 @@ impl ObjectServer for DeviceNode {
         }
     }
 
+    fn faults(&mut self) -> u16 {
+        self.comm.trouble.count().saturating_add(self.held.count())
+    }
+
     fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort> {
         if let Some(answer) = self.channels.write(object, data) {
             if answer.is_ok() {
+                if let Ok(value) = number(data) {
+                    self.held.note(((object.index, object.sub), value));
+                }
                 self.poll_channels(now, out);
             }
             return answer;
@@ -70,13 +77,16 @@ impl ObjectServer for DeviceNode {
                 let fault = DeviceFault::from_code(number(data)?)?;
                 if fault.is_none() {
                     out.orders.push(PlantEffect::ClearAll);
+                    self.held = HeldFaults::default();
                 }
                 self.inject(now, fault);
                 Ok(())
             }
             (FAULT_INDEX | PRESS_INDEX | STUCK_INDEX, _) => {
                 let place = (object.index, object.sub);
-                out.orders.push(PlantEffect::of(place, number(data)?, self.input_count, self.output_count)?);
+                let value = number(data)?;
+                out.orders.push(PlantEffect::of(place, value, self.input_count, self.output_count)?);
+                self.held.note((place, value));
                 Ok(())
             }
             // Whatever else can be read cannot be written.

@@ -10,7 +10,7 @@ use linewright_line::Tick;
 use super::comm::{Comm, CommState};
 use super::trouble::TroubleEffect;
 use super::{CanDevice, DeviceOutbox, PlantEffect};
-use crate::fault::{FAULT_INDEX, SIMULATED, SIMULATED_INDEX, TROUBLE_INDEX};
+use crate::fault::{FAULT_INDEX, FAULTS_INDEX, PART_OF_INDEX, SIMULATED, SIMULATED_INDEX, TROUBLE_INDEX};
 
 /// A device with an object dictionary.
 pub(super) trait ObjectServer: CanDevice {
@@ -20,6 +20,9 @@ pub(super) trait ObjectServer: CanDevice {
     fn read(&self, now: Tick, object: ObjectId) -> Result<Vec<u8>, Abort>;
 
     fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort>;
+
+    /// Number of injected faults that hold in it.
+    fn faults(&mut self) -> u16;
 }
 
 /// A device, as its server reaches it while it answers one frame.
@@ -34,9 +37,8 @@ impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
         if object.index == TROUBLE_INDEX {
             return Err(Abort::WRITE_ONLY);
         }
-        if object.index == SIMULATED_INDEX {
-            let is_there = object.sub == 0;
-            return if is_there { Ok(SIMULATED.to_le_bytes().to_vec().into()) } else { Err(Abort::NO_SUBINDEX) };
+        if is_about_simulation(object.index) {
+            return about_simulation(self.device, object).map(Cow::Owned);
         }
         let own = self.device.read(self.now, object);
         // Of another number as many bytes as the object has.
@@ -51,13 +53,13 @@ impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
         if object.index == TROUBLE_INDEX {
             return write_trouble(self.device, self.now, object.sub, data, self.out);
         }
-        if object.index == SIMULATED_INDEX {
+        if is_about_simulation(object.index) {
             return Err(Abort::READ_ONLY);
         }
-        match self.device.comm().trouble.refuses(object) {
-            Some(code) => Err(code),
-            None => self.device.write(self.now, object, data, self.out),
+        if let Some(code) = self.device.comm().trouble.refuses(object) {
+            return Err(code);
         }
+        self.device.write(self.now, object, data, self.out)
     }
 
     fn may_write(&mut self, object: ObjectId, _len: Option<usize>) -> Result<(), Abort> {
@@ -67,10 +69,25 @@ impl<D: ObjectServer> Dictionary for ServedObjects<'_, D> {
         }
         match self.device.read(self.now, object) {
             _ if object.index == TROUBLE_INDEX => Ok(()),
-            _ if object.index == SIMULATED_INDEX => Err(Abort::READ_ONLY),
+            _ if is_about_simulation(object.index) => Err(Abort::READ_ONLY),
             Err(code) if code != Abort::WRITE_ONLY => Err(code),
             _ => Ok(()),
         }
+    }
+}
+
+/// Whether this object is about the simulation itself: read only, and answered in every state but a boot.
+const fn is_about_simulation(index: u16) -> bool {
+    matches!(index, SIMULATED_INDEX | PART_OF_INDEX | FAULTS_INDEX)
+}
+
+/// The value of such an object.
+fn about_simulation(device: &mut impl ObjectServer, ObjectId { index, sub }: ObjectId) -> Result<Vec<u8>, Abort> {
+    match index {
+        _ if sub != 0 => Err(Abort::NO_SUBINDEX),
+        PART_OF_INDEX => Ok(device.comm().part_of.as_bytes().to_vec()),
+        FAULTS_INDEX => Ok(device.faults().to_le_bytes().to_vec()),
+        _ => Ok(SIMULATED.to_le_bytes().to_vec()),
     }
 }
 
@@ -90,19 +107,23 @@ pub(super) fn write_trouble<D: ObjectServer>(
     Ok(())
 }
 
-/// Answers a request. A silent device takes none but the one that ends its silence, and that for whether it is simulated.
+/// Whether a silent device answers a request: the one that ends its silence, and those about the simulation.
+fn is_for_silent(request: &ClientFrame, server: &SdoServer) -> bool {
+    match request {
+        ClientFrame::Download { object, .. } => *object == ObjectId::new(FAULT_INDEX, 0),
+        ClientFrame::Upload { object } => is_about_simulation(object.index),
+        ClientFrame::UploadSegment { .. } => server.under_way().is_some_and(|object| is_about_simulation(object.index)),
+        _ => false,
+    }
+}
+
+/// Answers a request. A silent device answers few, and a device that boots or is stopped none.
 pub(super) fn serve<D: ObjectServer>(device: &mut D, now: Tick, raw: &SdoBytes, out: &mut DeviceOutbox) {
-    let plug = matches!(
-        ClientFrame::decode(raw),
-        Some(
-            ClientFrame::Download { object: ObjectId { index: FAULT_INDEX, sub: 0 }, .. }
-                | ClientFrame::Upload { object: ObjectId { index: SIMULATED_INDEX, sub: 0 } }
-        )
-    );
     let comm = device.comm();
     let mute = comm.trouble.is_mute();
     let deaf = mute || matches!(comm.state, CommState::Booting { .. } | CommState::Stopped);
-    if deaf && !(mute && plug) {
+    let plug = mute && ClientFrame::decode(raw).is_some_and(|request| is_for_silent(&request, &comm.server));
+    if deaf && !plug {
         return;
     }
     let mut answers = Vec::new();

@@ -48,6 +48,22 @@ impl InjectedFaults {
         self.silent || self.dead || self.off_until.is_some()
     }
 
+    /// Number of faults that hold: its own on the bus, and those of its line.
+    pub fn count(&self) -> u16 {
+        let FrameFaults { lost_to, lost_from, doubled, seed: _ } = self.frames;
+        let own = [
+            self.silent,
+            self.dead,
+            self.no_heartbeat,
+            self.off_until.is_some(),
+            self.error.is_some(),
+            self.identity.is_some(),
+            self.refusal.is_some(),
+            lost_to + lost_from + doubled > 0,
+        ];
+        own.into_iter().map(u16::from).sum()
+    }
+
     /// Its own bits of the error register.
     pub fn register(&self) -> u8 {
         self.error.map_or(0, |(_, register)| register)

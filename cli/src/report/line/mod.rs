@@ -1,6 +1,7 @@
 //! The report of a line: cycle times, stops and waits by cause, key figures of ISO 22400-2, and a cycle as a bar chart.
 
 mod chart;
+mod legend;
 mod mcap;
 mod tables;
 
@@ -10,7 +11,8 @@ use std::time::Duration;
 
 use linewright_coordinator_cell::tracking::Spread;
 use linewright_history::line::{
-    CycleChart, Figure, LineReport, LineStationReport, LineStopCause, LineTracking, ReportParameters,
+    CycleChart, Figure, LineReport, LineState, LineStationReport, LineStopCause, LineTracking, ReportParameters,
+    Stretch,
 };
 use linewright_history::{HistoryReader, LineAbout};
 use linewright_line::Tick;
@@ -23,6 +25,8 @@ use crate::out::{self, say};
 
 /// So many causes of waits are listed for a station; JSON and CSV have all.
 const WAITS_MAX: usize = 5;
+/// So many times without a record are listed; JSON has all.
+const SILENT_MAX: usize = 5;
 
 /// Data of a line's database for a span.
 pub struct LineSource {
@@ -74,10 +78,25 @@ impl LineSource {
         let _ = writeln!(text, "{}, {} to {}", self.about.title, self.show(from), self.show(to));
         text.push_str(&removed_text(&self.reader, |at| self.show(at)));
         let _ = write!(text, "{} s observed: produced {} s", seconds(report.observed()), seconds(report.producing));
-        let _ = writeln!(text, ", stopped {} s, not recorded {} s", seconds(stopped), seconds(report.unrecorded));
+        let (start_up, unrecorded) = (seconds(report.start_up), seconds(report.unrecorded));
+        let _ = writeln!(text, ", stopped {} s, start-up {start_up} s, not recorded {unrecorded} s", seconds(stopped));
         for gap in &report.gaps {
             let (from, to) = (self.show(gap.span.0), self.show(gap.span.1));
             let _ = writeln!(text, "not recorded: {} notes from {from} to {to} could not be written", gap.lost);
+        }
+        let silent = self.unrecorded();
+        for &(from, to) in silent.iter().take(SILENT_MAX) {
+            let took = seconds(to.since(from));
+            let _ = writeln!(
+                text,
+                "not recorded: {took} s from {} to {}: no coordinator ran",
+                self.show(from),
+                self.show(to)
+            );
+        }
+        if silent.len() > SILENT_MAX {
+            let _ =
+                writeln!(text, "not recorded: and {} other times; --json has all of them", silent.len() - SILENT_MAX);
         }
         self.cycles(&mut text);
         self.figures(&mut text);
@@ -89,7 +108,16 @@ impl LineSource {
             }
         }
         self.stations(&mut text);
-        text
+        text + &legend::text()
+    }
+
+    /// Times without a record in the span, but for those of notes that could not be written.
+    pub fn unrecorded(&self) -> Vec<Stretch> {
+        let (begin, end) = self.report.span;
+        let silent = self.tracking.states(end).filter(|(_, state)| **state == LineState::Unrecorded);
+        let within = silent.map(|((from, to), _)| (from.max(begin), to.min(end))).filter(|(from, to)| from < to);
+        let is_gap = |&(from, to): &Stretch| self.report.gaps.iter().any(|gap| gap.span.0 < to && from < gap.span.1);
+        within.filter(|stretch| !is_gap(stretch)).collect()
     }
 
     fn cycles(&self, text: &mut String) {
@@ -234,4 +262,77 @@ fn figures(of: &linewright_history::line::LineFigures) -> [(&'static str, &'stat
         ("quality ratio", "GQ / PQ", &of.quality_ratio),
         ("OEE index", "A * E * QR", &of.oee),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use linewright_history::{History, HistoryFeed, LineOperation, LineStation, Note, TimeBase};
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    /// A run, a night without a coordinator, and a run that is stopped.
+    fn source(dir: &std::path::Path) -> LineSource {
+        let operation = LineOperation { name: "close".to_owned(), planned_us: None };
+        let about = LineAbout {
+            line: "line".to_owned(),
+            title: "Line".to_owned(),
+            clock: TimeBase::Unix,
+            stations: vec![LineStation { name: "clamp".to_owned(), operations: vec![operation] }],
+            cycle_us: 2_000_000,
+        };
+        let mode = |name: &str, starts| Note::Mode { name: name.to_owned(), starts };
+        let path = dir.join("line.db");
+        let (opened, of) = (path.clone(), about.clone());
+        let mut feed = HistoryFeed::of_notes(move || History::open(&opened, &of));
+        for (second, note) in [
+            (100, Note::Began {}),
+            (100, mode("home", false)),
+            (100, Note::Station { station: 0, lost: true }),
+            (103, Note::Station { station: 0, lost: false }),
+            (104, mode("auto", true)),
+            (106, Note::Cycle { number: 1, took_us: 1_000_000 }),
+            (110, Note::Observed {}),
+            (210, Note::Began {}),
+            (210, mode("auto", true)),
+            (220, mode("stand-by", false)),
+            (225, Note::Observed {}),
+        ] {
+            assert!(feed.offer_note(Tick::from_millis(second * 1000), note));
+        }
+        feed.end_within(Duration::from_secs(20));
+        let reader = HistoryReader::open(&path).expect("it was written");
+        let span = reader.span().expect("it can be read").expect("something has happened");
+        let args = Command::parse_from(["report", "line.db"]).args;
+        LineSource::read(reader, about, span, Zone::Utc, &args).expect("a line's")
+    }
+
+    /// The start-up was a stop, a night without a record stood among the stops, and no figure said what it is.
+    #[test]
+    fn a_start_up_and_what_is_not_recorded_are_no_stops_and_each_figure_has_its_line() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let source = source(dir.path());
+        let text = source.text();
+        let sums = "125.0 s observed: produced 16.0 s, stopped 5.0 s, start-up 4.0 s, not recorded 100.0 s";
+        assert!(text.contains(sums), "{text}");
+        let silent =
+            "not recorded: 100.0 s from 1970-01-01T00:01:50.000Z to 1970-01-01T00:03:30.000Z: no coordinator ran";
+        assert!(text.contains(silent), "{text}");
+        assert!(text.contains("\n    1       5.0       5.0  operator\n\n"), "the only stop: {text}");
+        assert!(
+            text.lines().any(|line| line.starts_with("  effectiveness ") && line.ends_with("100 % at most")),
+            "{text}"
+        );
+        tables::csv(&source, dir.path()).expect("tables are written");
+        let stops = std::fs::read_to_string(dir.path().join("stop.csv")).expect("a table");
+        assert_eq!(stops.lines().count(), 2, "{stops}");
+        let json = serde_json::to_value(tables::LineReportJson::new(&source)).expect("an object");
+        assert_eq!((&json["start_up_s"], &json["unrecorded"][0]["duration_s"]), (&4.0.into(), &100.0.into()));
+    }
 }

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use linewright_coordinator_cell::tracking::Spread;
 use linewright_history::MotionOutcome;
-use linewright_history::line::{Figure, LineState, LineStationReport, PlannedRow, Stretch, TrendPart};
+use linewright_history::line::{Figure, LineState, LineStationReport, LineStopCause, PlannedRow, Stretch, TrendPart};
 use miette::{IntoDiagnostic, WrapErr};
 use serde::Serialize;
 
-use super::{LineSource, figures, mean};
+use super::{LineSource, figures, legend, mean};
 use crate::report::csv::{events, table};
 use crate::report::json::JsonGap;
 use crate::report::rows::in_seconds;
@@ -22,7 +22,11 @@ pub struct LineReportJson {
     to: String,
     observed_s: f64,
     produced_s: f64,
+    /// From the coordinator's beginning until the line has produced.
+    start_up_s: f64,
     unrecorded_s: f64,
+    /// Times in which no coordinator ran.
+    unrecorded: Vec<JsonUnrecorded>,
     /// Spans of notes that could not be written.
     gaps: Vec<JsonGap>,
     cycles: JsonCycles,
@@ -32,6 +36,13 @@ pub struct LineReportJson {
     figures: JsonFigures,
     /// Null if no operation has been done.
     chart: Option<JsonChart>,
+}
+
+#[derive(Serialize)]
+struct JsonUnrecorded {
+    from: String,
+    to: String,
+    duration_s: f64,
 }
 
 #[derive(Serialize)]
@@ -103,6 +114,7 @@ struct JsonFigures {
 struct JsonFigure {
     name: &'static str,
     formula: &'static str,
+    meaning: Option<&'static str>,
     value: Option<f64>,
     left_out: Option<String>,
 }
@@ -144,6 +156,11 @@ impl LineReportJson {
             to: source.show(gap.span.1),
             lost: gap.lost,
         });
+        let unrecorded = source.unrecorded().into_iter().map(|(from, to)| JsonUnrecorded {
+            from: source.show(from),
+            to: source.show(to),
+            duration_s: in_seconds(to.since(from)),
+        });
         let stops = report.stops.iter().map(|stop| JsonStop {
             kind: stop.cause.kind.name(),
             cause: stop.cause.text.clone(),
@@ -158,7 +175,9 @@ impl LineReportJson {
             to: source.show(report.span.1),
             observed_s: in_seconds(report.observed()),
             produced_s: in_seconds(report.producing),
+            start_up_s: in_seconds(report.start_up),
             unrecorded_s: in_seconds(report.unrecorded),
+            unrecorded: unrecorded.collect(),
             gaps: gaps.collect(),
             cycles: JsonCycles {
                 planned_s: report.figures.planned_run_time.map(in_seconds),
@@ -200,6 +219,7 @@ fn key_figures(source: &LineSource) -> JsonFigures {
     let figure = |(name, formula, figure): (&'static str, &'static str, &Figure)| JsonFigure {
         name,
         formula,
+        meaning: legend::meaning(name),
         value: figure.as_ref().ok().copied(),
         left_out: figure.as_ref().err().cloned(),
     };
@@ -300,13 +320,12 @@ pub fn csv(source: &LineSource, dir: &Path) -> miette::Result<()> {
     table(dir, "wait.csv", waits)?;
     let stops = source.tracking.states(to).filter(|(stretch, _)| stretch.1 >= from);
     let stops = stops.filter_map(|(stretch, state)| {
-        if *state == LineState::Producing {
-            return None;
-        }
-        let (kind, cause) = state.words();
+        // What is not recorded, and a start-up, are no stops.
+        let LineState::Stopped(LineStopCause { kind, text: cause }) = state else { return None };
+        let kind = kind.name();
         let (start, end, start_us, end_us) = span(stretch);
         let duration_s = in_seconds(stretch.1.since(stretch.0));
-        Some(StopRow { kind, cause: cause.to_owned(), start, end, start_us, end_us, duration_s })
+        Some(StopRow { kind, cause: cause.clone(), start, end, start_us, end_us, duration_s })
     });
     table(dir, "stop.csv", stops)?;
     let planned_s = source.report.figures.planned_run_time.map(in_seconds);

@@ -2,12 +2,13 @@
 //!
 //! ```text
 //!  of the line:      producing ── in auto, motion enabled, nothing wrong
+//!                    start-up ─── from the coordinator's beginning until the line produces, for 30 s at most
 //!                    stopped ──── by one cause, from leaving that until coming back to it
 //!                    unrecorded ─ no coordinator, or it could not write: until a note of the whole situation
 //!  of a station, while the line produces:  busy (an operation in motion), waiting, or neither
 //! ```
 //!
-//! At each moment the line is in one of the three, so they sum to the observed time; and a station to the time in which the
+//! At each moment the line is in one of the four, so they sum to the observed time; and a station to the time in which the
 //! line has produced. The cause of a stop is the one that it began with, until there is a graver one (another stop begins) or
 //! the line stands at home without any (from there on it is the operator's). What is going on at the end of the notes and is
 //! written when it is over, as a motion, is not known yet.
@@ -28,6 +29,9 @@ pub use report::{
     WaitTotal,
 };
 pub use spans::{Spans, Stretch};
+
+/// Most time after a coordinator's beginning in which the line comes up: what still keeps it from producing then is a stop.
+const START_UP_MAX: Duration = Duration::from_secs(30);
 
 /// The kinds of causes of a stop, the gravest last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,6 +71,8 @@ pub struct LineStopCause {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LineState {
     Unrecorded,
+    /// The coordinator has begun, and the line has not produced since.
+    StartUp,
     Producing,
     Stopped(LineStopCause),
 }
@@ -76,6 +82,7 @@ impl LineState {
     pub fn words(&self) -> (&'static str, &str) {
         match self {
             LineState::Unrecorded => ("not recorded", ""),
+            LineState::StartUp => ("start-up", ""),
             LineState::Producing => ("producing", ""),
             LineState::Stopped(of) => (of.kind.name(), &of.text),
         }
@@ -154,6 +161,8 @@ struct Known {
     faults: BTreeMap<u16, String>,
     unheard: BTreeSet<u16>,
     without_devices: BTreeSet<u16>,
+    /// Beginning of the coordinator, while the line comes up.
+    starting: Option<Tick>,
 }
 
 /// A line, by its notes.
@@ -202,11 +211,12 @@ impl LineTracking {
     /// Takes the next thing that has happened.
     pub fn take(&mut self, event: &HistoryEvent) {
         let (at, EventKind::Note(note)) = (event.at, &event.what) else { return };
+        self.end_start_up(at);
         match note {
             Note::Began {} => {
                 // The line since the last note is unknown.
                 self.change(self.last.unwrap_or(at), LineState::Unrecorded);
-                self.known = Known::default();
+                self.known = Known { starting: Some(at), ..Known::default() };
             }
             &Note::Gap { from, to, lost } => {
                 let from = from.max(self.last.unwrap_or(from));
@@ -253,8 +263,26 @@ impl LineTracking {
         }
     }
 
+    /// The time of a start-up is over before `now`: from then on it is what it is.
+    fn end_start_up(&mut self, now: Tick) {
+        if let Some(end) = self.known.starting.map(|began| began + START_UP_MAX).filter(|end| *end < now) {
+            self.known.starting = None;
+            self.settle(end);
+        }
+    }
+
     fn settle(&mut self, at: Tick) {
-        let next = self.state();
+        let mut next = self.state();
+        match &next {
+            LineState::Stopped(cause) if cause.kind <= StopKind::NotHeard => {
+                if self.known.starting.is_some() {
+                    next = LineState::StartUp;
+                }
+            }
+            LineState::Unrecorded | LineState::StartUp => {}
+            // It produces, or what stops it has happened meanwhile.
+            LineState::Producing | LineState::Stopped(_) => self.known.starting = None,
+        }
         let is_at_home = self.known.mode.as_ref().is_some_and(|(name, _)| name == "home");
         let goes_on = match (&self.now.1, &next) {
             (LineState::Stopped(is), LineState::Stopped(next)) => {

@@ -107,6 +107,8 @@ pub struct LineReport {
     pub span: Stretch,
     /// Time in production: APT.
     pub producing: Duration,
+    /// Time from the coordinator's beginning until the line has produced.
+    pub start_up: Duration,
     /// Time without a record.
     pub unrecorded: Duration,
     /// Spans of which notes could not be written; a part of the time without a record.
@@ -172,6 +174,7 @@ impl LineTracking {
         LineReport {
             span,
             producing: producing.total(),
+            start_up: is(&LineState::StartUp).total(),
             unrecorded: recorded.total(),
             gaps: self.gaps.iter().filter(|gap| gap.span.1 >= span.0 && gap.span.0 <= span.1).copied().collect(),
             cycle_time: Spread::of(cycles.iter().map(|cycle| cycle.took).collect()),

@@ -54,7 +54,7 @@ fn example() -> Vec<(u64, Note)> {
         (1_000, mode("home", false)),
         (1_000, Note::Station { station: 1, lost: true }),
         (2_000, Note::Station { station: 1, lost: false }),
-        // 1 s not received, then the operator's; the second until all have acknowledged is part of that stop.
+        // A start-up until it produces, whatever keeps it from that.
         (4_000, mode("auto", false)),
         (5_000, mode("auto", true)),
         (8_000, motion(0, 0, 1, (5_000, 8_000), MotionOutcome::Done)),
@@ -99,15 +99,14 @@ fn an_example_by_hand() {
     let asked = ReportParameters { planned_busy: Some(MS(40_000)), rejected: Some(1) };
     let report = tracking.report((AT(1_000), AT(42_000)), &asked);
     // 5 to 18, 25 to 30, 40 to 42.
-    assert_eq!((report.producing, report.unrecorded), (MS(20_000), MS(5_000)));
+    assert_eq!((report.producing, report.start_up, report.unrecorded), (MS(20_000), MS(4_000), MS(5_000)));
     let stops: Vec<_> =
         report.stops.iter().map(|of| (of.cause.kind, of.cause.text.as_str(), of.times, of.total)).collect();
     let expected = [
         (StopKind::Alarm, "bar: lift: watchdog", 1, MS(7_000)),
-        // 2 to 5, and 33 to 35, when it was last received.
-        (StopKind::Operator, "", 2, MS(5_000)),
         (StopKind::EmergencyStop, "", 1, MS(3_000)),
-        (StopKind::NotHeard, "clamp: no state received", 1, MS(1_000)),
+        // 33 to 35, when it was last received.
+        (StopKind::Operator, "", 1, MS(2_000)),
     ];
     assert_eq!(stops, expected);
     let [bar, clamp] = report.stations.as_slice() else { panic!("two stations") };
@@ -120,8 +119,8 @@ fn an_example_by_hand() {
     assert_eq!(report.cycle_time.total, MS(22_000));
     // The first cycle ran 10 s and counts 8, the second 3 + 2.
     let of = &report.figures;
-    assert_eq!((of.produced, of.production, of.delay, of.busy()), (2, MS(20_000), MS(11_000), MS(31_000)));
-    assert_eq!(of.utilization_efficiency, Ok(20.0 / 31.0));
+    assert_eq!((of.produced, of.production, of.delay, of.busy()), (2, MS(20_000), MS(10_000), MS(30_000)));
+    assert_eq!(of.utilization_efficiency, Ok(20.0 / 30.0));
     assert_eq!(of.availability, Ok(0.5));
     assert_eq!(of.effectiveness, Ok(13.0 / 20.0));
     assert_eq!(of.quality_ratio, Ok(0.5));
@@ -162,7 +161,7 @@ fn a_cycle_is_drawn_as_planned_and_as_measured() {
 
 fn sums_to_the_whole(tracking: &LineTracking, report: &LineReport) {
     let stopped: Duration = report.stops.iter().map(|stop| stop.total).sum();
-    assert_eq!(report.producing + stopped + report.unrecorded, report.observed());
+    assert_eq!(report.producing + stopped + report.start_up + report.unrecorded, report.observed());
     for station in &report.stations {
         let waited: Duration = station.waits.iter().map(|wait| wait.total).sum();
         assert_eq!(station.busy + waited + station.other, report.producing, "{station:?}");
@@ -259,6 +258,30 @@ fn a_gap_is_time_that_is_not_recorded() {
     let gaps: Vec<_> = report.gaps.iter().map(|gap| (gap.span, gap.lost)).collect();
     assert_eq!(gaps, [((AT(4_000), AT(9_000)), 12)]);
     assert_eq!(tracking.report((AT(9_500), AT(12_000)), &ReportParameters::default()).gaps, []);
+}
+
+/// What keeps a line from producing for longer is a stop, and so is what happens while it comes up.
+#[test]
+fn a_start_up_has_an_end() {
+    let stops = |notes: &[(u64, Note)], to: u64| {
+        let report = tracked(notes).report((AT(0), AT(to)), &ReportParameters::default());
+        let stops: Vec<_> = report.stops.iter().map(|of| (of.cause.kind, of.total)).collect();
+        (report.start_up, stops)
+    };
+    let began = [(0, Note::Began {}), (0, mode("home", false)), (0, Note::Station { station: 1, lost: true })];
+    let later = |more: &[(u64, Note)]| [&began[..], more].concat();
+    let waits = later(&[(45_000, Note::Station { station: 1, lost: false }), (50_000, mode("auto", true))]);
+    let expected = vec![(StopKind::NotHeard, MS(15_000)), (StopKind::Operator, MS(5_000))];
+    assert_eq!(stops(&waits, 50_000), (MS(30_000), expected));
+    let fails = later(&[(2_000, fault(0, "stuck")), (5_000, fault(0, "")), (6_000, Note::Observed {})]);
+    assert_eq!(stops(&fails, 6_000), (MS(2_000), vec![(StopKind::Alarm, MS(4_000))]));
+    let lost_later = later(&[
+        (1_000, Note::Station { station: 1, lost: false }),
+        (2_000, mode("auto", true)),
+        (3_000, Note::Station { station: 1, lost: true }),
+        (4_000, Note::Observed {}),
+    ]);
+    assert_eq!(stops(&lost_later, 4_000), (MS(2_000), vec![(StopKind::NotHeard, MS(1_000))]));
 }
 
 /// Through the file: what was noted is what is read, a second process goes on behind it, and nothing is held up.

@@ -137,7 +137,12 @@ impl SdoServer {
     }
 
     pub fn next_deadline(&self) -> Option<Tick> {
-        (!matches!(self.state, ServerState::Idle)).then_some(self.due)
+        self.under_way().map(|_| self.due)
+    }
+
+    /// The object whose transfer is under way.
+    pub fn under_way(&self) -> Option<ObjectId> {
+        (!matches!(self.state, ServerState::Idle)).then_some(self.object)
     }
 
     fn request(

@@ -18,6 +18,14 @@ pub(super) fn hand(
 ) -> Option<Located<HandMode>> {
     let mut press = |name: &Option<LocatedName>| {
         let name = name.as_ref()?;
+        if buttons.is_empty() {
+            report.add_unknown(
+                Problem::error(name.at.clone(), "the line has no `buttons`")
+                    .label("names one")
+                    .hint(format!("name all of them above the first header: `buttons = [\"{}\", …]`", name.value)),
+            );
+            return None;
+        }
         buttons.find(name, "button", report).map(ButtonId::at)
     };
     let (forward, back, next) = (press(&raw.forward), press(&raw.back), press(&raw.next));

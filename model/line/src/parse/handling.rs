@@ -7,6 +7,7 @@ use linewright_text::{Located, LocatedName, NameTable, Problem, Report, TextRang
 use super::draft::{DraftHandling, DraftHolder, DraftReach, DraftSensor, DraftSign, DraftStand, DraftStation};
 use super::names::LineNames;
 use super::raw::{RawHolder, RawLine, RawReach, RawSensor, RawSign, RawStand};
+use super::wiring;
 use crate::{AxisId, Grip, Holder, HolderId, InputId, MaterialFlow, OutputId, Reach, Sensor, Sign, Stand, StationId};
 
 /// Separator between a station and its holder or axis.
@@ -27,7 +28,7 @@ pub(super) fn resolve<'a>(
         table.note(name, holder.is_well_named);
         table.define(name, id);
     }
-    let scope = HolderScope { names, stations, holders: &table };
+    let scope = HolderScope { raw, names, stations, holders: &table };
     let mut reaches = Vec::new();
     for (station, of) in raw.stations.iter().enumerate() {
         reaches.extend(of.reaches.iter().map(|reach| scope.reach(station, reach, report)));
@@ -86,6 +87,7 @@ fn stand(station: usize, axis: usize, at: f64, place: TextRange) -> DraftStand {
 }
 
 struct HolderScope<'a, 's> {
+    raw: &'a RawLine,
     names: &'s LineNames<'a>,
     stations: &'s [DraftStation<'a>],
     holders: &'s NameTable<'s>,
@@ -187,12 +189,13 @@ impl HolderScope<'_, '_> {
         bits: &[Located<String>],
         report: &mut Report,
     ) -> Option<usize> {
-        let found = bits.iter().position(|bit| bit.value == name.value);
-        if found.is_none() && !report.is_full() {
+        let bits = NameTable::of_tags(bits);
+        let found = bits.meant(&name.value);
+        if found.is_none() && !report.is_full() && !wiring::is_on_unowned(self.raw, self.names, &name.value) {
             let of = self.stations[station].name;
-            report.add(
+            report.add_unknown(
                 Problem::error(name.at.clone(), format!("no device of station `{of}` has an {what} `{}`", name.value))
-                    .maybe_hint(suggestion(&name.value, bits.iter().map(|bit| bit.value.as_str()))),
+                    .maybe_hint(suggestion(&name.value, bits.names())),
             );
         }
         found

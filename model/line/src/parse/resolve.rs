@@ -45,7 +45,9 @@ fn station<'a>(
 ) -> DraftStation<'a> {
     let inside = &names.inside[id.index()];
     let name = raw.name.as_ref().map_or("?", |n| n.value.as_str());
-    let mut scope = StationScope { name, wires: &wires, owned };
+    let has_device = raw.name.as_ref().is_none_or(|own| owned.has_device(own, &names.stations));
+    let bare = (!has_device).then(BareSignals::default);
+    let mut scope = StationScope { name, wires: &wires, owned, names, bare };
     let ends_task = |nth: usize| task::ends(raw, nth);
     let operations = raw.operations.iter().enumerate();
     let mut operations: Vec<_> =
@@ -57,6 +59,9 @@ fn station<'a>(
         None => [None, None, None],
         Some(panel) => [&panel.manual, &panel.advance, &panel.retract].map(|name| scope.input(name.as_ref(), report)),
     };
+    if let (Some(bare), Some(name)) = (scope.bare, &raw.name) {
+        bare.report(name, report);
+    }
     let home = raw.home.as_ref().and_then(|home| {
         let op = inside.operations.find(home, "operation", report)?;
         Some(Located::new(OpId::at(op), home.at.clone()))
@@ -139,11 +144,65 @@ fn axes(raw: &RawStation, operations: &[DraftOperation<'_>]) -> Vec<Axis> {
     axes.map(|(axis, (name, home))| Axis { name: name.value.clone(), home: *home, index: index(axis) }).collect()
 }
 
+/// Signals that a station without a device uses, each once and in order. That it has none is one error.
+#[derive(Default)]
+struct BareSignals {
+    inputs: Vec<String>,
+    outputs: Vec<String>,
+}
+
+impl BareSignals {
+    fn note(&mut self, name: &str, direction: SignalDirection) {
+        let names = match direction {
+            SignalDirection::Input => &mut self.inputs,
+            SignalDirection::Output => &mut self.outputs,
+        };
+        if !names.iter().any(|known| known == name) {
+            names.push(name.to_owned());
+        }
+    }
+
+    fn report(&self, station: &LocatedName, report: &mut Report) {
+        let list = |key: &str, names: &[String]| {
+            let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+            (!names.is_empty()).then(|| format!(", `{key} = [{}]`", names.join(", ")))
+        };
+        let lists: String =
+            [list("inputs", &self.inputs), list("outputs", &self.outputs)].into_iter().flatten().collect();
+        if !lists.is_empty() {
+            let name = &station.value;
+            report.add(
+                Problem::error(station.at.clone(), format!("station `{name}` has no device, so none of its signals"))
+                    .label("no [[device]] names it")
+                    .hint(format!("write a [[device]] with `station = \"{name}\"`{lists}, in the order of its bits")),
+            );
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum SignalDirection {
+    Input,
+    Output,
+}
+
+impl SignalDirection {
+    const fn name(self) -> &'static str {
+        match self {
+            SignalDirection::Input => "input",
+            SignalDirection::Output => "output",
+        }
+    }
+}
+
 /// Meanings of signal names inside one station.
 pub(super) struct StationScope<'a, 's> {
     name: &'a str,
     wires: &'s Wires<'a>,
     owned: &'s OwnedImages<'a>,
+    names: &'s LineNames<'a>,
+    /// Of a station without a device.
+    bare: Option<BareSignals>,
 }
 
 impl StationScope<'_, '_> {
@@ -162,9 +221,7 @@ impl StationScope<'_, '_> {
         match found {
             Some(id) => Some(Located::new(InputId::at(id), name.at.clone())),
             None => {
-                if !report.is_full() {
-                    report.add(self.unbound(name, "input"));
-                }
+                self.unbound(name, SignalDirection::Input, report);
                 None
             }
         }
@@ -176,25 +233,34 @@ impl StationScope<'_, '_> {
         match found {
             Some(id) => Some(Located::new(OutputId::at(id), name.at.clone())),
             None => {
-                if !report.is_full() {
-                    report.add(self.unbound(name, "output"));
-                }
+                self.unbound(name, SignalDirection::Output, report);
                 None
             }
         }
     }
 
-    fn unbound(&self, name: &LocatedName, direction: &str) -> Problem {
-        let (other, place) = match direction {
-            "input" => ("output", self.wires.outputs.place(&name.value)),
-            _ => ("input", self.wires.inputs.place(&name.value)),
+    /// Reports a name that no device of the station has, unless that follows from another error.
+    fn unbound(&mut self, name: &LocatedName, direction: SignalDirection, report: &mut Report) {
+        if report.is_full() || wiring::is_on_unowned(self.owned.raw, self.names, &name.value) {
+            return;
+        }
+        match &mut self.bare {
+            Some(bare) => bare.note(&name.value, direction),
+            None => report.add_unknown(self.not_bound(name, direction)),
+        }
+    }
+
+    fn not_bound(&self, name: &LocatedName, direction: SignalDirection) -> Problem {
+        let (table, other, others) = match direction {
+            SignalDirection::Input => (&self.wires.inputs, SignalDirection::Output, &self.wires.outputs),
+            SignalDirection::Output => (&self.wires.outputs, SignalDirection::Input, &self.wires.inputs),
         };
-        if let Some(place) = place {
+        let (direction, other) = (direction.name(), other.name());
+        if let Some(place) = others.place(&name.value) {
             return Problem::error(name.at.clone(), format!("`{}` is an {other}, not an {direction}", name.value))
                 .label(format!("used as an {direction}"))
                 .also(place, format!("bound as an {other}"));
         }
-        let table = if direction == "input" { &self.wires.inputs } else { &self.wires.outputs };
         let hint = match nearest(&name.value, table.names()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => match self.owned.elsewhere(&name.value) {
@@ -248,8 +314,9 @@ fn station_operation(station: usize, name: &LocatedName, names: &LineNames<'_>, 
         (None, Some(owner)) => Some(format!("that is an operation of station `{owner}`")),
         _ => suggestion(&name.value, operations.names()),
     };
-    report.add(
-        Problem::error(name.at.clone(), format!("unknown operation `{}` of this station", name.value)).maybe_hint(hint),
+    let of = names.stations.name(station);
+    report.add_unknown(
+        Problem::error(name.at.clone(), format!("station `{of}` has no operation `{}`", name.value)).maybe_hint(hint),
     );
     None
 }

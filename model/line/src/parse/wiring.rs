@@ -23,10 +23,17 @@ pub(super) struct Wires<'a> {
 pub(super) struct OwnedImages<'a> {
     pub stations: Vec<Wires<'a>>,
     pub console: Wires<'a>,
-    raw: &'a RawLine,
+    pub raw: &'a RawLine,
 }
 
 impl OwnedImages<'_> {
+    /// Whether a device names this station as its owner.
+    pub fn has_device(&self, station: &LocatedName, stations: &NameTable<'_>) -> bool {
+        let own = stations.get(&station.value);
+        let owner = |device: &RawDevice| device.station.as_ref().and_then(|owner| stations.meant(&owner.value));
+        self.raw.devices.iter().any(|device| owner(device).is_some_and(|owner| Some(owner) == own))
+    }
+
     /// Some owner of a device with a signal of this name, for a hint.
     pub fn elsewhere(&self, name: &str) -> Option<String> {
         let device = self.raw.devices.iter().find(|device| signals(device).any(|signal| signal.value == name))?;
@@ -36,6 +43,17 @@ impl OwnedImages<'_> {
             (None, None) => None,
         }
     }
+}
+
+/// Whether a device whose owner is unknown carries a signal of this name: what the signal is used for does not report it once more.
+pub(super) fn is_on_unowned(raw: &RawLine, names: &LineNames<'_>, name: &str) -> bool {
+    let is_unowned = |device: &&RawDevice| match (&device.station, &device.console) {
+        (Some(station), console) => {
+            names.stations.meant(&station.value).is_none() || console.as_ref().is_some_and(|console| console.value)
+        }
+        (None, console) => !console.as_ref().is_some_and(|console| console.value),
+    };
+    raw.devices.iter().filter(is_unowned).any(|device| signals(device).any(|signal| signal.value == name))
 }
 
 /// Every signal that a device carries, as it is written.

@@ -11,6 +11,7 @@ mod motion;
 mod objects;
 mod profile;
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use linewright_canopen::Frame;
@@ -130,6 +131,11 @@ impl DriveNode {
             sent: None,
             sent_at: now,
         }
+    }
+
+    /// Makes it part of a run of a line, or of a line.
+    pub(crate) fn be_part_of(&mut self, text: Arc<str>) {
+        self.comm.part_of = text;
     }
 
     pub fn nmt_state(&self) -> NmtState {
@@ -388,6 +394,11 @@ impl ObjectServer for DriveNode {
             }
             _ => self.comm.read(object).unwrap_or_else(|| self.objects.read(object)),
         }
+    }
+
+    fn faults(&mut self) -> u16 {
+        let sticking = self.motions.iter().filter(|(_, sticks)| *sticks).map(|_| 1);
+        sticking.fold(self.comm.trouble.count() + u16::from(self.broken), u16::saturating_add)
     }
 
     fn write(&mut self, now: Tick, object: ObjectId, data: &[u8], out: &mut DeviceOutbox) -> Result<(), Abort> {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use linewright_text::{Located, Problem, Report, TextRange, or, suggestion};
+use linewright_text::{Located, NameTable, Problem, Report, TextRange, or, suggestion};
 
 use crate::parse::analogue::{channel, number, when};
 use crate::parse::draft::{DraftDevice, DraftLine, Wiring};
@@ -156,10 +156,10 @@ fn simulated_value_follows_something(lag: &RawLag, device: &RawDevice, image: Op
         }
         (None, None) => report.add(Problem::error(lag.at.clone(), "a value that follows nothing").hint(hint)),
         (Some(output), None) => {
-            let names = || image.iter().flat_map(|image| image.outputs.iter().map(|name| name.value.as_str()));
-            if image.is_some() && !names().any(|name| name == output.value) {
+            let names = image.map(|image| NameTable::of_tags(&image.outputs));
+            if let Some(names) = names.filter(|names| names.meant(&output.value).is_none()) {
                 let problem = Problem::error(output.at.clone(), format!("no output `{}` here", output.value));
-                report.add(problem.maybe_hint(suggestion(&output.value, names())));
+                report.add(problem.maybe_hint(suggestion(&output.value, names.names())));
             }
             if lag.on.is_none() {
                 let problem = Problem::error(lag.at.clone(), "a simulated value that goes nowhere");

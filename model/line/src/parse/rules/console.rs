@@ -48,7 +48,9 @@ pub(super) fn buttons_are_used(draft: &DraftLine<'_>, report: &mut Report) {
             }
         }
     }
-    for (button, _) in draft.raw.buttons.iter().zip(used).filter(|(_, used)| !used) {
+    // What is unused is known only where every use is understood.
+    let is_understood = !report.has_unknown();
+    for (button, _) in draft.raw.buttons.iter().zip(used).filter(|(_, used)| !used && is_understood) {
         report.add(
             Problem::warning(button.at.clone(), format!("no operation uses button `{}`", button.value))
                 .hint("remove it from `buttons` until one does"),

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use linewright_text::{Problem, Report, suggestion};
+use linewright_text::{NameTable, Problem, Report, suggestion};
 
 use crate::DeviceBus;
 use crate::parse::draft::DraftLine;
@@ -65,14 +65,14 @@ pub(super) fn devices_carry_something(draft: &DraftLine<'_>, report: &mut Report
 
 pub(super) fn comments_are_of_signals(draft: &DraftLine<'_>, report: &mut Report) {
     for device in &draft.raw.devices {
-        let signals = || wiring::signals(device).map(|signal| signal.value.as_str()).filter(|name| !name.is_empty());
-        for (name, _) in device.comments.iter().filter(|(name, _)| !signals().any(|signal| signal == name.value)) {
+        let signals = NameTable::of_tags(wiring::signals(device).filter(|signal| !signal.value.is_empty()));
+        for (name, _) in device.comments.iter().filter(|(name, _)| signals.meant(&name.value).is_none()) {
             report.add(
                 Problem::error(
                     name.at.clone(),
                     format!("a comment on `{}`, which is no signal of this device", name.value),
                 )
-                .maybe_hint(suggestion(&name.value, signals())),
+                .maybe_hint(suggestion(&name.value, signals.names())),
             );
         }
     }

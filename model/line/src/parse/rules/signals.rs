@@ -83,15 +83,19 @@ impl<'d> Uses<'d> {
         self.by_bit.entry(bit).or_default();
     }
 
-    /// Reports bits that mean two things, and (as warnings) bits that mean nothing.
+    /// Reports bits that mean two things, and (as warnings) bits that mean nothing; what is unused is known only where every use is
+    /// understood.
     pub fn report(&self, report: &mut Report) {
+        let is_understood = !report.has_unknown();
         for (bit, name) in self.names.iter().enumerate() {
             let Some(uses) = self.by_bit.get(&bit) else {
-                report.add(
-                    Problem::warning(name.at.clone(), format!("nothing uses `{}`", name.value))
-                        .label("bound, but not used")
-                        .hint("write \"\" for a bit that is not connected"),
-                );
+                if is_understood {
+                    report.add(
+                        Problem::warning(name.at.clone(), format!("nothing uses `{}`", name.value))
+                            .label("bound, but not used")
+                            .hint("write \"\" for a bit that is not connected"),
+                    );
+                }
                 continue;
             };
             let Some(((first, first_at), others)) = uses.split_first() else { continue };

@@ -1,0 +1,189 @@
+//! Stations that nothing holds back: in auto they begin cycle after cycle, however far others are behind.
+//!
+//! A station waits for another one through arrows of auto, also through further stations. What waits for each other stays together
+//! within the lags of its arrows. Where the stations are not all one such group, there are groups that wait for none outside (they
+//! begin whatever happens) and groups that none outside waits for (they may be left behind). An arrow from each of the latter back to
+//! each of the former joins all of them.
+
+use linewright_line::{Arrow, Line, StationId};
+
+use super::full_name;
+
+/// Stations that may run ahead of others without limit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunAhead {
+    /// Which ones, of which others, and by what.
+    pub text: String,
+    /// Consequence and remedy.
+    pub help: String,
+}
+
+/// More names are no help to read.
+const NAMES_MAX: usize = 6;
+/// Of more pairs the rest is counted.
+const PAIRS_MAX: usize = 3;
+
+/// The groups of stations that may run ahead of others. Task-driven stations do what is ordered, and have no cycle.
+pub fn run_ahead(line: &Line) -> Vec<RunAhead> {
+    let stations: Vec<StationId> = line.station_ids().filter(|&id| !line.station(id).is_task_driven()).collect();
+    let arrows: Vec<&Arrow> = line.arrows.iter().filter(|arrow| arrow.auto).collect();
+    let first = closed(&stations, |at| arrows.iter().filter(|of| of.to.0 == at).map(|of| of.from.0).collect());
+    let last = closed(&stations, |at| arrows.iter().filter(|of| of.from.0 == at).map(|of| of.to.0).collect());
+    let mut pairs = Vec::new();
+    for ahead in &first {
+        for behind in last.iter().filter(|behind| *behind != ahead) {
+            let is_joined = leads(&arrows, ahead, behind);
+            // Groups that have nothing to do with each other are one pair.
+            if is_joined || !pairs.iter().any(|(a, b, _)| (a, b) == (&behind, &ahead)) {
+                pairs.push((ahead, behind, is_joined));
+            }
+        }
+    }
+    let more = pairs.len().saturating_sub(PAIRS_MAX);
+    pairs.truncate(PAIRS_MAX);
+    let last = pairs.len().saturating_sub(1);
+    let about = |(nth, (ahead, behind, is_joined)): (usize, &(&Vec<StationId>, &Vec<StationId>, bool))| {
+        let found = if *is_joined { one_way(line, &arrows, ahead, behind) } else { apart(line, ahead, behind) };
+        if nth == last && more > 0 {
+            RunAhead { text: format!("{}; and {more} more such pairs", found.text), ..found }
+        } else {
+            found
+        }
+    };
+    pairs.iter().enumerate().map(about).collect()
+}
+
+/// All that is reached from these stations.
+fn reached(start: &[StationId], next: impl Fn(StationId) -> Vec<StationId>) -> Vec<StationId> {
+    let (mut seen, mut open) = (start.to_vec(), start.to_vec());
+    while let Some(at) = open.pop() {
+        for id in next(at) {
+            if !seen.contains(&id) {
+                seen.push(id);
+                open.push(id);
+            }
+        }
+    }
+    seen.sort_unstable();
+    seen
+}
+
+/// Groups of stations that reach each other and no station outside the group.
+fn closed(stations: &[StationId], next: impl Fn(StationId) -> Vec<StationId>) -> Vec<Vec<StationId>> {
+    let all: Vec<Vec<StationId>> = stations.iter().map(|&station| reached(&[station], &next)).collect();
+    let mut groups: Vec<Vec<StationId>> = Vec::new();
+    for of in &all {
+        let is_closed = of.iter().all(|id| stations.iter().zip(&all).any(|(own, other)| own == id && other == of));
+        if is_closed && !groups.contains(of) {
+            groups.push(of.clone());
+        }
+    }
+    groups
+}
+
+/// Whether one group holds the other, through further stations too.
+fn leads(arrows: &[&Arrow], from: &[StationId], to: &[StationId]) -> bool {
+    let next = |at: StationId| arrows.iter().filter(|of| of.from.0 == at).map(|of| of.to.0).collect();
+    reached(from, next).iter().any(|id| to.contains(id))
+}
+
+/// The second group waits for the first, and the first for none of the second.
+fn one_way(line: &Line, arrows: &[&Arrow], ahead: &[StationId], behind: &[StationId]) -> RunAhead {
+    let (own, of) = (names(line, ahead), names(line, behind));
+    let begins = if ahead.len() == 1 { "begins" } else { "begin" };
+    // Of the arrows on the way: where they leave the first group, and where they enter the second.
+    let onward = arrows.iter().find(|arrow| ahead.contains(&arrow.from.0) && !ahead.contains(&arrow.to.0));
+    let into = arrows.iter().find(|arrow| !behind.contains(&arrow.from.0) && behind.contains(&arrow.to.0));
+    let back = onward.zip(into).map_or(String::new(), |(onward, into)| {
+        let (from, to) = (full_name(line, into.to), full_name(line, onward.from));
+        format!(
+            "Draw the arrow back, such as `from = \"{from}\"`, `to = \"{to}\"`, `lag = 1` (done in the cycle before). "
+        )
+    });
+    RunAhead {
+        text: format!(
+            "{own} may run ahead of {of} in auto without limit: no arrow leads back from there, through others either"
+        ),
+        help: format!(
+            "{own} {begins} the next cycle, and the one after it, while {of} may still stand in an earlier one: parts are handed on \
+             before those before them were taken. {back}Where nothing is handed on, all is as it should be"
+        ),
+    }
+}
+
+/// Neither group waits for the other.
+fn apart(line: &Line, one: &[StationId], other: &[StationId]) -> RunAhead {
+    let (one, other) = (names(line, one), names(line, other));
+    RunAhead {
+        text: format!("{one} and {other} may run ahead of each other in auto without limit: no arrow joins them"),
+        help: format!(
+            "each begins its next cycle wherever the other stands. If a part goes from {one} to {other} or back, draw an arrow for it, \
+             and one back with `lag = 1`. Where nothing is handed on, all is as it should be"
+        ),
+    }
+}
+
+fn names(line: &Line, stations: &[StationId]) -> String {
+    let name = |id: &StationId| line.station(*id).name.clone();
+    let shown: Vec<String> = stations.iter().take(NAMES_MAX).map(name).collect();
+    let more = stations.len().saturating_sub(NAMES_MAX);
+    let text = shown.join(", ");
+    if more == 0 { text } else { format!("{text} and {more} more") }
+}
+
+#[cfg(test)]
+mod tests {
+    use linewright_line::{TransferLine, parse};
+
+    use super::*;
+
+    fn shipped() -> Line {
+        parse("line.toml", &TransferLine { machines: 2, time_scale: 1.0 }.text())
+            .expect("the shipped line is sound")
+            .line
+    }
+
+    fn joins(line: &Line, arrow: &Arrow, from: &str, to: &str) -> bool {
+        line.station(arrow.from.0).name.starts_with(from) && line.station(arrow.to.0).name.starts_with(to)
+    }
+
+    #[test]
+    fn stations_that_wait_for_each_other_do_not_run_ahead() {
+        assert_eq!(run_ahead(&shipped()), []);
+    }
+
+    #[test]
+    fn a_station_that_no_arrow_leads_back_to_runs_ahead_until_each_arrow_back_is_drawn() {
+        let (mut line, whole) = (shipped(), shipped());
+        line.arrows.retain(|arrow| !joins(&whole, arrow, "clamp", "transfer"));
+        let texts = |line: &Line| run_ahead(line).into_iter().map(|ahead| ahead.text).collect::<Vec<_>>();
+        let pair = |ahead: &str, behind: &str| {
+            format!(
+                "{ahead} may run ahead of {behind} in auto without limit: no arrow leads back from there, through others either"
+            )
+        };
+        assert_eq!(texts(&line), [pair("transfer", "clamp_1, mill_1"), pair("transfer", "clamp_2, mill_2")]);
+        let help = &run_ahead(&line)[0].help;
+        let onward = *line.arrows.iter().find(|arrow| joins(&whole, arrow, "transfer", "clamp_1")).expect("one");
+        let [from, to] = [onward.to, onward.from].map(|end| full_name(&line, end));
+        assert!(help.contains(&format!("`from = \"{from}\"`, `to = \"{to}\"`, `lag = 1`")), "{help}");
+        // As the advice is, for one clamp and then for the other.
+        let back = |of: Arrow| Arrow { from: of.to, to: of.from, lag: 1, ..of };
+        line.arrows.push(back(onward));
+        assert_eq!(texts(&line), [pair("transfer, clamp_1, mill_1", "clamp_2, mill_2")]);
+        let onward = *line.arrows.iter().find(|arrow| joins(&whole, arrow, "transfer", "clamp_2")).expect("one");
+        line.arrows.push(back(onward));
+        assert_eq!(texts(&line), [""; 0]);
+        assert!(super::super::every_circuit_has_a_token(&line).is_ok());
+    }
+
+    #[test]
+    fn arrows_of_manual_alone_hold_nothing_back_in_auto() {
+        let mut line = shipped();
+        line.arrows.iter_mut().for_each(|arrow| arrow.auto = false);
+        let found = run_ahead(&line);
+        assert_eq!(found.len(), PAIRS_MAX);
+        assert!(found[0].text.starts_with("transfer and clamp_1 may run ahead of each other"), "{found:?}");
+        assert!(found[2].text.ends_with("; and 7 more such pairs"), "five stations are ten pairs: {found:?}");
+    }
+}
