@@ -267,6 +267,9 @@ fn run(plan: &CellPlan, mutant: Option<CellMutant>) -> (CellSim, Vec<Vec<Product
         }
         let until = now + LOOKS;
         sim.run_by(&made, until);
+        // It ends early where nothing has happened for long, as while a station is away, which may be back by now.
+        let mut by = made(sim.state());
+        sim.run_on(&mut *by, until);
         sim.now = sim.now.max(until);
         if !plan.is_calm() {
             let mut by = made(sim.state());

@@ -1,7 +1,7 @@
 //! Checks of counts against the chart, with the counts that the stations have themselves.
 
 use linewright_line::net::{Block, ControlMode};
-use linewright_line::{Line, OpId, StationId, Tick};
+use linewright_line::{Arrow, Line, OpId, StationId, Tick};
 use linewright_plant::Plant;
 use linewright_station_logic::StationSnapshot;
 
@@ -55,7 +55,9 @@ impl Observer {
             if record.done[op] >= before.done[op] {
                 continue;
             }
-            for arrow in line.arrows.iter().filter(|arrow| arrow.from.0 == id && arrow.from.1.index() == op) {
+            // What holds in auto alone is no agreement of those who are led in manual.
+            let from_here = |arrow: &&Arrow| arrow.manual && arrow.from.0 == id && arrow.from.1.index() == op;
+            for arrow in line.arrows.iter().filter(from_here) {
                 let Some(other) = of(arrow.to.0.index()) else { continue };
                 let started = other.started[arrow.to.1.index()];
                 if other.generation == record.generation

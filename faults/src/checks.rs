@@ -35,6 +35,9 @@ pub(crate) struct SeenState {
     arrived: Tick,
     /// It has been like that since then.
     since: Tick,
+    /// Life of the station, and since when it is this one: readers stay with the life before for a while.
+    life: u64,
+    life_since: Tick,
     is_lost: bool,
     has_devices: bool,
     is_incomplete: bool,
@@ -46,6 +49,8 @@ impl SeenState {
         SeenState {
             arrived: now,
             since: now,
+            life: report.boot_id,
+            life_since: now,
             is_lost: report.position_lost.is_some(),
             has_devices: report.devices_valid,
             is_incomplete: !report.incomplete.is_empty(),
@@ -95,7 +100,8 @@ impl Observer {
     pub(crate) fn state_arrived(&mut self, at: usize, from: usize, seen: SeenState, arrived: Tick) {
         if let Some(view) = self.stations[at].views.get_mut(from) {
             let since = if view.is_like(&seen) { view.since } else { seen.since };
-            *view = SeenState { since, arrived, ..seen };
+            let life_since = if view.life == seen.life || view.life == 0 { view.life_since } else { seen.life_since };
+            *view = SeenState { since, arrived, life_since, ..seen };
         }
     }
 
@@ -126,7 +132,8 @@ impl Observer {
         let waited_for: Vec<StationId> = waits.map(|arrow| arrow.from.0).collect();
         let view = |from: &&StationId| &station.views[from.index()];
         let soon = SLACK + station.held_up;
-        let lost = waited_for.iter().find(|from| view(from).is_lost && now > view(from).since + soon).copied();
+        let is_taken = |view: &SeenState| now > view.since + soon && now > view.life_since + oldest;
+        let lost = waited_for.iter().find(|from| view(from).is_lost && is_taken(view(from))).copied();
         if let (Some(from), ControlMode::Auto) = (lost, mode) {
             let (name, from) = (&line.stations[at].name, &line.station(from).name);
             return self.find(now, format!("{name}: a motion starts on a count of {from}, whose position is lost"));
@@ -141,7 +148,7 @@ impl Observer {
                 };
                 let view = &station.views[other.station.index()];
                 let is_inside = line.station(id).steps_of_span(own).contains(&step);
-                let is_dark = !view.has_devices && now > view.since + soon;
+                let is_dark = !view.has_devices && is_taken(view);
                 (is_inside && is_dark && line.clearance(other).is_ok()).then_some(other.station)
             })
         });

@@ -17,6 +17,9 @@ const WAITING_MAX: usize = 200;
 /// Number of repetitions of a release.
 const RELEASES: u8 = 5;
 
+/// Number of a forged order: no coordinator gives as many.
+pub(crate) const FORGED_NUMBER: u64 = u64::MAX;
+
 impl World {
     pub(crate) fn deliver(&mut self, to: usize, life: u64, message: Message) {
         let stations = self.stations.len();
@@ -58,9 +61,13 @@ impl World {
             self.observer.state_arrived(to, station.index(), seen, since);
         }
         match message {
-            Message::Order { order, .. } if to < self.stations.len() => {
+            Message::Order { order, sequence } if to < self.stations.len() => {
                 let in_stop = self.mode() == Some(ControlMode::EStop);
-                if let Some(stop) = self.observer.ordered((self.now, since), to, order, in_stop) {
+                let stop = self.observer.ordered((self.now, since), to, order, in_stop);
+                if *sequence == FORGED_NUMBER {
+                    self.observer.forget_lives(to);
+                }
+                if let Some(stop) = stop {
                     let behind = self.is_behind_gateway(to);
                     let bound = if behind { 2 * timing.stale + timing.heartbeat_timeout } else { Duration::ZERO };
                     self.after(bound + soon, Event::LooksForOff { station: to, stop });
@@ -104,7 +111,7 @@ impl World {
 
     fn manual_is_wanted(&mut self) {
         let epoch = self.coordinators[0].shell.as_ref().map_or(0, |shell| shell.coordinator().epoch());
-        self.observer.manual_is_wanted(epoch);
+        self.observer.manual_is_wanted(self.now, epoch);
     }
 
     pub(crate) fn press(&mut self, station: usize, advance: bool, down: bool) {

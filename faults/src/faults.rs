@@ -8,6 +8,7 @@ use linewright_plant::MotionFault;
 use linewright_station_logic::ModeOrder;
 use linewright_station_shell::EPOCH_JUMP_MAX;
 
+use crate::deliver::FORGED_NUMBER;
 use crate::disk::DiskState;
 use crate::message::Message;
 use crate::network::Weather;
@@ -241,7 +242,7 @@ impl World {
             let timing = self.line.timing;
             self.observer.deafened(station, self.now + timing.stale + 2 * timing.refresh);
         }
-        self.send(self.operator_node(), station, Message::Order { sequence: u64::MAX, order });
+        self.send(self.operator_node(), station, Message::Order { sequence: FORGED_NUMBER, order });
     }
 
     fn forge_state(&mut self, (station, to): (usize, usize), (boot_id, sequence, epoch): (bool, bool, bool)) {

@@ -15,6 +15,8 @@ use crate::run::Finding;
 
 /// An axis within this fraction of its stroke of where an operation ends is there; a switch is on within a thousandth.
 pub(crate) const TOLERANCE: f64 = 0.005;
+/// Time after reset and manual within which a coordinator that runs has left the emergency stop.
+const ENDS_WITHIN: Duration = Duration::from_secs(1);
 /// Time of a message and a step.
 const SLACK: Duration = Duration::from_millis(60);
 
@@ -77,8 +79,9 @@ pub(crate) struct Observer {
     /// The coordinator's process, and its disk, have the stop.
     process_carries: bool,
     disk_carries: bool,
-    /// Epoch in which the last stop was ended by people; the coordinator may order it for a moment longer.
+    /// Epoch in which the last stop was ended by people, and when; the coordinator may order it for a moment longer.
     ended: u64,
+    ended_at: Tick,
     is_ending: bool,
     pub(crate) finding: Option<Finding>,
 }
@@ -125,6 +128,7 @@ impl Observer {
             process_carries: false,
             disk_carries: false,
             ended: 0,
+            ended_at: Tick::ZERO,
             is_ending: false,
             finding: None,
         }
@@ -227,11 +231,16 @@ impl Observer {
     }
 
     /// After reset, manual by command or at a selector ends the stop, from the present epoch on.
-    pub(crate) fn manual_is_wanted(&mut self, epoch: u64) {
+    pub(crate) fn manual_is_wanted(&mut self, now: Tick, epoch: u64) {
         if self.stop.is_some_and(|stop| stop.is_reset) {
-            (self.ended, self.is_ending) = (epoch, true);
+            (self.ended, self.ended_at, self.is_ending) = (epoch, now, true);
             self.end_stop();
         }
+    }
+
+    /// What a forged order has as its epoch says nothing of those that follow.
+    pub(crate) fn forget_lives(&mut self, at: usize) {
+        self.stations[at].lives.clear();
     }
 
     /// An order with a number that its coordinator never gave has been sent to a station: those of the coordinator are taken for
@@ -274,7 +283,9 @@ impl Observer {
             (self.stations[at].ordered, self.stations[at].held_up) = (Some(since), Duration::ZERO);
             return None;
         }
-        if self.stop.is_none() && (self.is_ending || order.epoch <= self.ended) {
+        // A coordinator that stood when the commands arrived has not taken them, and is in the stop still.
+        let goes_on = in_stop && now > self.ended_at + ENDS_WITHIN;
+        if self.stop.is_none() && (self.is_ending || order.epoch <= self.ended) && !goes_on {
             return None;
         }
         if self.stop.is_none() {
