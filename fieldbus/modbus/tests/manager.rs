@@ -2,10 +2,12 @@
 
 use std::time::Duration;
 
-use linewright_fieldbus_seam::{BusRequest as Asked, Level};
-use linewright_line::{DeviceBus, InputId, Modbus, OutputId, RegisterValue, StationId, Table, WatchdogRegister};
-
-use super::*;
+use linewright_fieldbus_seam::{BusRefusal, BusRequest as Asked, BusTarget, InputImage, Level, News, abort};
+use linewright_line::{
+    Device, DeviceBus, DeviceKind, InputId, Modbus, OutputId, Owner, RegisterValue, StationId, Table, Tick,
+    WatchdogRegister,
+};
+use linewright_modbus::{LinkAct, LinkOutcome, LinkTask, ModbusFailure, ModbusManager, ModbusOutbox, ModbusRequest};
 
 const OWNER: Owner = Owner::Station(StationId(0));
 const OTHER: Owner = Owner::Station(StationId(1));
