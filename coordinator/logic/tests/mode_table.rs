@@ -6,6 +6,7 @@
 use ControlMode as M;
 use ModeCommand as C;
 use linewright_coordinator_logic::ModeCommand;
+use linewright_coordinator_logic::decision::{ARCS, ModeFacts};
 use linewright_line::net::ControlMode;
 
 use crate::common::Bench;
@@ -327,4 +328,17 @@ fn a_stop_in_stand_by_that_is_refused_always_says_why() {
         b.wait(std::time::Duration::from_millis(20));
     });
     assert_eq!(unheard, "stop refused in stand-by: mill_1: no state received");
+}
+
+#[test]
+fn every_arc_is_allowed_under_some_facts() {
+    for arc in ARCS {
+        assert!(ModeFacts::all().any(|facts| (arc.when)(&facts)), "{arc:?}");
+    }
+}
+
+#[test]
+fn only_manual_leads_out_of_the_emergency_stop() {
+    let out: Vec<_> = ARCS.iter().filter(|a| a.from == ControlMode::EStop).map(|a| a.to).collect();
+    assert_eq!(out, [ControlMode::Manual]);
 }
