@@ -36,10 +36,7 @@ fn distributions_have_the_moments_of_the_literature() {
     ];
     for (of, mean, deviation) in known {
         let found = moments(of);
-        assert!(
-            (found.0 / mean - 1.0).abs() < 1e-3 && (found.1 / deviation - 1.0).abs() < 2e-3,
-            "{of:?} {found:?}"
-        );
+        assert!((found.0 / mean - 1.0).abs() < 1e-3 && (found.1 / deviation - 1.0).abs() < 2e-3, "{of:?} {found:?}");
     }
     assert_eq!(moments(Distribution::Constant(5.0)).0, 5.0);
 }
@@ -90,8 +87,7 @@ fn an_interval_is_that_of_the_textbook() {
 /// Quantiles of Student's t as in printed tables.
 #[test]
 fn quantiles_of_t_are_those_of_the_table() {
-    for (freedom, known) in [(1, 12.706), (2, 4.303), (4, 2.776), (9, 2.262), (29, 2.045), (99, 1.984)]
-    {
+    for (freedom, known) in [(1, 12.706), (2, 4.303), (4, 2.776), (9, 2.262), (29, 2.045), (99, 1.984)] {
         let values = (0..=freedom).map(f64::from);
         let found = Estimate::of(values, 0.95).and_then(|estimate| estimate.half_width).expect("there are several");
         // Of n numbers in a row the variance is n (n + 1) / 12, and that of their mean an n-th of it.
